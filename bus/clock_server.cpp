@@ -1,0 +1,286 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/clock_server.hpp"
+
+#include "bus/cork.hpp"
+#include "bus/deadline.hpp"
+#include "bus/node_core.hpp"
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <map>
+#include <set>
+
+namespace gridspace::bus {
+
+struct ClockServer::State {
+    Node& node;
+    Node::Core& core;
+    std::vector<MemberPlan> plan;
+    lockstep::Barrier barrier;
+    std::unique_ptr<RawWriter> clock_writer;
+    std::unique_ptr<RawReader> status_reader;
+    SimClock clock;
+    std::uint64_t next_tick{0};
+
+    struct Status {
+        std::uint32_t incarnation{0};
+        MemberState state{MEMBER_STARTING};
+        std::map<std::string, std::uint32_t> matched;
+        std::string waiting_for;
+    };
+    std::map<std::string, Status> statuses;            // under core.mutex
+    std::map<std::string, std::uint32_t> incarnations; // expected, by process
+    std::vector<std::size_t> inputs;                   // processes that feed the simulator, as indices of the book
+
+    static std::vector<lockstep::Barrier::Member> barrier_members(std::vector<MemberPlan> const& plan) {
+        std::vector<lockstep::Barrier::Member> members;
+        for (MemberPlan const& member : plan) {
+            members.push_back({member.name, member.triggered_by});
+        }
+        return members;
+    }
+
+    State(Node& n, Node::Core& c, std::vector<MemberPlan> members)
+        : node{n}, core{c}, plan{std::move(members)},
+          barrier{barrier_members(plan), static_cast<std::uint64_t>(c.config.clock.max_lag_ticks)} {}
+
+    void on_status(std::span<std::byte const> cdr) {
+        MemberStatus received;
+        if (!codec_of<MemberStatus>().decode(cdr, &received)) {
+            return;
+        }
+        std::lock_guard const lock{core.mutex};
+        Status& status = statuses[received.process().c_str()];
+        if (received.incarnation() < status.incarnation) {
+            return;
+        }
+        status.incarnation = received.incarnation();
+        status.state = received.state();
+        status.waiting_for = received.waiting_for().c_str();
+        status.matched.clear();
+        for (MatchedPeer const& peer : received.matched()) {
+            status.matched[peer.process().c_str()] = peer.incarnation();
+        }
+        core.changed.notify_all();
+    }
+
+    /// Who is not READY, or is matched with an incarnation that is gone. Under the mutex.
+    std::string not_ready() const {
+        std::string out;
+        for (MemberPlan const& member : plan) {
+            auto const it = statuses.find(member.name);
+            std::string why;
+            auto const expected = incarnations.find(member.name);
+            std::uint32_t const incarnation = expected == incarnations.end() ? 0 : expected->second;
+            if (it == statuses.end() || it->second.incarnation < incarnation) {
+                why = "has not appeared on the bus";
+            } else if (it->second.state != MEMBER_READY) {
+                why = it->second.waiting_for.empty() ? "is starting" : "waits for " + it->second.waiting_for;
+            } else {
+                for (auto const& [process, peer_incarnation] : it->second.matched) {
+                    auto const newest = incarnations.find(process);
+                    if (newest != incarnations.end() && peer_incarnation < newest->second) {
+                        why = fmt::format("is not matched with the restarted {}", process);
+                    }
+                }
+            }
+            if (!why.empty()) {
+                out += fmt::format("{}{} {}", out.empty() ? "" : "; ", member.name, why);
+            }
+        }
+        return out;
+    }
+
+    bool inputs_complete() const {
+        return std::all_of(inputs.begin(), inputs.end(), [&](std::size_t p) { return core.book->complete(p); });
+    }
+
+    /// Those at the root of a stall: a member that waits for another missing member is not to blame. Under the mutex.
+    std::string culprits() const {
+        std::set<std::string> missing;
+        for (std::size_t const member : barrier.missing()) {
+            missing.insert(barrier.member_name(member));
+        }
+        std::string out;
+        for (MemberPlan const& member : plan) {
+            bool const waits_itself = std::any_of(member.upstream.begin(), member.upstream.end(),
+                                                  [&](std::string const& up) { return missing.contains(up); });
+            if (!missing.contains(member.name) || waits_itself) {
+                continue;
+            }
+            auto const last = barrier.last_ack(barrier.member_index(member.name));
+            out += fmt::format("{}{} ({})", out.empty() ? "" : ", ", member.name,
+                               last ? fmt::format("last acknowledged tick {}", *last) : "has never acknowledged");
+        }
+        for (std::size_t const process : inputs) {
+            if (std::string const samples = core.book->missing(process); !samples.empty()) {
+                out += fmt::format("{}{}", out.empty() ? "" : ", ", samples);
+            }
+        }
+        return out;
+    }
+
+    /// Waits under the deadline of the start for everybody to be READY.
+    Result<void> await_ready(std::string const& what) {
+        Deadline const deadline{core.config.clock.start_timeout_s};
+        while (true) {
+            std::string const own_missing = core.refresh_status(MEMBER_STARTING);
+            std::unique_lock lock{core.mutex};
+            if (core.error) {
+                return std::unexpected{*core.error};
+            }
+            if (core.stop_requested) {
+                return fail(ExitCode::interrupted, fmt::format("stopped while waiting for {}", what));
+            }
+            std::string const others = not_ready();
+            if (own_missing.empty() && others.empty()) {
+                return {};
+            }
+            if (deadline.passed()) {
+                return fail(ExitCode::stall,
+                            fmt::format("{}: not everybody was ready after {} s: {}", what,
+                                        shortest(core.config.clock.start_timeout_s),
+                                        others.empty() ? "the simulator waits for " + own_missing : others));
+            }
+            core.changed.wait_for(lock, std::min(deadline.left(), std::chrono::milliseconds{100}));
+        }
+    }
+};
+
+ClockServer::ClockServer(Node& node, std::vector<MemberPlan> members)
+    : state_{std::make_unique<State>(node, *node.core_, std::move(members))} {}
+
+ClockServer::~ClockServer() {
+    state_->status_reader.reset();
+    std::lock_guard const lock{state_->core.mutex};
+    state_->core.on_ack = {};
+    state_->core.server_waits_no_more = {};
+}
+
+Result<void> ClockServer::start() {
+    State& s = *state_;
+    auto writer = s.core.management->create_writer("simulation_clock", codec_of<SimClock>());
+    if (!writer) {
+        return std::unexpected{writer.error()};
+    }
+    s.clock_writer = std::move(*writer);
+    auto reader = s.core.management->create_reader("member_status", codec_of<MemberStatus>(),
+                                                   [&s](auto cdr, auto const&) { s.on_status(cdr); });
+    if (!reader) {
+        return std::unexpected{reader.error()};
+    }
+    s.status_reader = std::move(*reader);
+    {
+        std::lock_guard const lock{s.core.mutex};
+        s.core.on_ack = [&s](ClockAck const& ack) {
+            std::size_t const member = s.barrier.member_index(ack.member().c_str());
+            if (member != lockstep::Barrier::kUnknown) {
+                s.barrier.on_ack(member, ack.tick(), ack.next_tick_needed());
+            }
+        };
+        s.core.server_waits_no_more = [&s] { return s.barrier.complete() && s.inputs_complete(); };
+    }
+    if (auto ok = s.node.start(); !ok) {
+        return ok;
+    }
+    for (MemberPlan const& member : s.plan) {
+        if (member.feeds_simulator) {
+            s.inputs.push_back(s.core.book->process_index(member.name));
+        }
+    }
+    Rational const quantum = s.core.config.clock.quantum_s;
+    s.clock.quantum_num(static_cast<std::uint32_t>(quantum.num()));
+    s.clock.quantum_den(static_cast<std::uint32_t>(quantum.den()));
+    return s.await_ready("start");
+}
+
+Result<void> ClockServer::tick(SimTime time, bool final) {
+    State& s = *state_;
+    Node::Core& core = s.core;
+    std::uint64_t const number = s.next_tick++;
+    {
+        std::lock_guard const lock{core.mutex};
+        if (core.error) {
+            return std::unexpected{*core.error};
+        }
+        core.latest_time = time;
+        if (core.lockstep()) {
+            s.barrier.open(number, number == 0 || final);
+            s.clock.awaited() = s.barrier.awaited_bits();
+        }
+    }
+    if (core.lockstep() && !s.barrier.anybody_awaited()) {
+        return {}; // nobody needs to hear of this tick
+    }
+    s.clock.tick(number);
+    s.clock.time_ns(core.base.nanoseconds(time));
+    s.clock.quanta(time.quanta);
+    s.clock.state(final ? CLOCK_FINAL : CLOCK_RUNNING);
+    core.fill_ledger(s.clock.ledger());
+    bool const accepted = s.clock_writer->write(&s.clock, core.lockstep() ? std::optional{core.source_ns(time)} : std::nullopt);
+    uncork();
+    if (!accepted) {
+        return fail(ExitCode::stall, fmt::format("DDS refused clock sample {}", number));
+    }
+    if (!core.lockstep()) {
+        return {};
+    }
+    std::unique_lock lock{core.mutex};
+    Deadline const deadline{core.config.clock.member_timeout_s};
+    bool const in_time = deadline.wait(core.changed, lock, [&] {
+        return core.error || core.stop_requested || (s.barrier.complete() && s.inputs_complete());
+    });
+    if (core.error) {
+        return std::unexpected{*core.error};
+    }
+    if (!in_time) {
+        return fail(ExitCode::stall, fmt::format("tick {} ({} s): waited {} s for {}", number,
+                                                 shortest(core.base.seconds(time)),
+                                                 shortest(core.config.clock.member_timeout_s), s.culprits()));
+    }
+    for (auto& reader : core.readers) {
+        // Everything that was sent up to this tick is here; its effect may lie in the future.
+        reader->inbox->release({INT64_MAX});
+    }
+    cork(); // until the next clock
+    return {};
+}
+
+Result<void> ClockServer::await_restarted(std::string const& process, std::uint32_t incarnation) {
+    State& s = *state_;
+    {
+        std::lock_guard const lock{s.core.mutex};
+        s.incarnations[process] = incarnation;
+    }
+    if (auto ok = s.await_ready(fmt::format("restart of {}", process)); !ok) {
+        return ok;
+    }
+    std::lock_guard const lock{s.core.mutex};
+    if (std::size_t const member = s.barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
+        s.barrier.rejoin(member);
+    }
+    return {};
+}
+
+void ClockServer::drop(std::string const& process) {
+    std::lock_guard const lock{state_->core.mutex};
+    if (std::size_t const member = state_->barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
+        state_->barrier.drop(member);
+    }
+    std::erase_if(state_->plan, [&](MemberPlan const& m) { return m.name == process; });
+}
+
+void ClockServer::abort() {
+    State& s = *state_;
+    if (s.clock_writer != nullptr) {
+        s.clock.state(CLOCK_ABORTED);
+        s.clock_writer->write(&s.clock, std::nullopt);
+        s.clock_writer->wait_acknowledged(std::chrono::milliseconds{200});
+    }
+}
+
+std::uint64_t ClockServer::ticks() const { return state_->next_tick; }
+
+} // namespace gridspace::bus

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/lockstep/barrier.hpp"
+#include "bus/node.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace gridspace::bus {
+
+/// A lockstep member as the simulator sees it.
+struct MemberPlan {
+    std::string name;
+    std::vector<std::string> upstream;     ///< members whose output it reads: it cannot be quicker than they are
+    std::vector<std::string> triggered_by; ///< those of them whose output makes it work in the same tick
+    bool feeds_simulator{false};           ///< the simulator reads something that it writes
+};
+
+/// Publishes the simulation clock and, in lockstep, is the barrier. Used by the simulator, on its node.
+class ClockServer {
+  public:
+    ClockServer(Node& node, std::vector<MemberPlan> members);
+    ~ClockServer();
+
+    /// Waits, at most start_timeout_s, until the node and all members are READY.
+    [[nodiscard]] Result<void> start();
+
+    /// Publishes tick k = 0, 1, 2 … with the simulated time it grants. What belongs to the tick has been written before.
+    /// Lockstep: returns when every awaited member has acknowledged it and everything that they sent to the simulator has
+    /// arrived. Real time: returns at once.
+    [[nodiscard]] Result<void> tick(SimTime time, bool final);
+
+    /// Holds the barrier until this incarnation of a restarted process, and everybody matched with it, is READY.
+    [[nodiscard]] Result<void> await_restarted(std::string const& process, std::uint32_t incarnation);
+    /// Goes on without the member.
+    void drop(std::string const& process);
+
+    /// Tells the members that the run is over before its end.
+    void abort();
+
+    [[nodiscard]] std::uint64_t ticks() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace gridspace::bus

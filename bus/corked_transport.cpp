@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/corked_transport.hpp"
+
+#include "bus/cork.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <fastdds/rtps/common/LocatorsIterator.hpp>
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/TransportReceiverInterface.h>
+#include <vector>
+
+namespace gridspace::bus {
+namespace {
+
+namespace fdds = eprosima::fastdds::rtps;
+namespace rtps = eprosima::fastrtps::rtps;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kHeaderSize = 20;      // "RTPS", version, vendor, GUID prefix
+constexpr std::size_t kMaxMessage = 1472;    // one Ethernet frame: no IP fragments
+constexpr std::size_t kGuidPrefixSize = 12;
+constexpr std::uint8_t kStatistics = 0x80;   // a vendor's submessage: Fast DDS adds it to every datagram
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wnon-virtual-dtor" // the base class is the library's, and nobody deletes through it
+class LocatorWalk final : public fdds::LocatorsIterator {
+  public:
+    explicit LocatorWalk(rtps::Locator_t const* at) : at_{at} {}
+    LocatorsIterator& operator++() override {
+        ++at_;
+        return *this;
+    }
+    bool operator==(LocatorsIterator const& other) const override {
+        return at_ == static_cast<LocatorWalk const&>(other).at_;
+    }
+    bool operator!=(LocatorsIterator const& other) const override { return !(*this == other); }
+    rtps::Locator_t const& operator*() const override { return *at_; }
+
+  private:
+    rtps::Locator_t const* at_;
+};
+#pragma GCC diagnostic pop
+
+/// What decides whether two messages may become one.
+struct Shape {
+    bool mergeable{false};
+    std::size_t size{0};  ///< octets worth sending: without the statistics submessage at the end
+    bool directed{false}; ///< has an INFO_DST; all of them name `destination`
+    std::array<std::uint8_t, kGuidPrefixSize> destination{};
+};
+
+/// Walks the submessages. Only kinds whose meaning does not depend on being alone in a message are merged.
+Shape shape_of(std::uint8_t const* message, std::size_t size) {
+    constexpr std::array<std::uint8_t, 6> kPlain{0x06 /*ACKNACK*/, 0x07 /*HEARTBEAT*/, 0x08 /*GAP*/,
+                                                 0x09 /*INFO_TS*/, 0x0e /*INFO_DST*/,  0x15 /*DATA*/};
+    Shape shape;
+    std::size_t at = kHeaderSize;
+    while (at + 4 <= size) {
+        std::uint8_t const id = message[at];
+        bool const little = (message[at + 1] & 1U) != 0;
+        std::size_t const length = little ? message[at + 2] | (message[at + 3] << 8U)
+                                          : message[at + 3] | (message[at + 2] << 8U);
+        if (id == kStatistics && at + 4 + length == size) {
+            break; // it numbers the datagrams of a link; nobody reads it unless the statistics module is switched on
+        }
+        bool const has_no_body = id == 0x09 && (message[at + 1] & 2U) != 0; // INFO_TS that invalidates
+        if (std::find(kPlain.begin(), kPlain.end(), id) == kPlain.end() || (length == 0 && !has_no_body) ||
+            at + 4 + length > size) {
+            return shape;
+        }
+        if (id == 0x0e) {
+            if (length != kGuidPrefixSize ||
+                (shape.directed && std::memcmp(shape.destination.data(), message + at + 4, kGuidPrefixSize) != 0)) {
+                return shape;
+            }
+            std::memcpy(shape.destination.data(), message + at + 4, kGuidPrefixSize);
+            shape.directed = true;
+        }
+        at += 4 + length;
+    }
+    shape.size = at;
+    shape.mergeable = true;
+    return shape;
+}
+
+struct Held {
+    rtps::SenderResource* resource{nullptr};
+    std::vector<rtps::Locator_t> locators;
+    std::vector<std::uint8_t> bytes;
+    Shape shape;
+};
+
+/// The gathered messages of one thread. Buffers are kept for the next tick.
+struct Gathering {
+    bool corked{false};
+    std::vector<Held> held;
+    std::size_t used{0};
+    std::vector<rtps::Locator_t> locators; // of the message at hand
+};
+
+thread_local Gathering t_gathering;
+
+bool send_now(rtps::SenderResource* resource, std::uint8_t const* bytes, std::size_t size,
+              std::vector<rtps::Locator_t> const& locators, Clock::time_point const& timeout) {
+    LocatorWalk begin{locators.data()};
+    LocatorWalk end{locators.data() + locators.size()};
+    return resource->send(bytes, static_cast<std::uint32_t>(size), &begin, &end, timeout);
+}
+
+void flush() {
+    Gathering& g = t_gathering;
+    auto const timeout = Clock::now() + std::chrono::milliseconds{100};
+    for (std::size_t i = 0; i < g.used; ++i) {
+        send_now(g.held[i].resource, g.held[i].bytes.data(), g.held[i].bytes.size(), g.held[i].locators, timeout);
+    }
+    g.used = 0;
+}
+
+class CorkedTransport final : public fdds::ChainingTransport {
+  public:
+    explicit CorkedTransport(CorkedTransportDescriptor const& descriptor)
+        : ChainingTransport{descriptor}, descriptor_{descriptor} {}
+
+    fdds::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+
+    bool send(rtps::SenderResource* resource, rtps::octet const* bytes, std::uint32_t size,
+              fdds::LocatorsIterator* begin, fdds::LocatorsIterator* end, Clock::time_point const& timeout) override {
+        Gathering& g = t_gathering;
+        if (!g.corked) {
+            return resource->send(bytes, size, begin, end, timeout);
+        }
+        g.locators.clear();
+        for (; *begin != *end; ++*begin) {
+            g.locators.push_back(**begin);
+        }
+        Shape const shape = shape_of(bytes, size);
+        if (!shape.mergeable) {
+            flush(); // nothing overtakes
+            return send_now(resource, bytes, size, g.locators, timeout);
+        }
+        for (std::size_t i = g.used; i-- > 0;) {
+            Held& held = g.held[i];
+            if (held.resource != resource || held.locators != g.locators) {
+                continue;
+            }
+            bool const same_destination = // an INFO_DST stays in force until the next one
+                held.shape.directed == shape.directed && held.shape.destination == shape.destination;
+            if (same_destination && held.bytes.size() + shape.size - kHeaderSize <= kMaxMessage &&
+                std::memcmp(held.bytes.data(), bytes, kHeaderSize) == 0) {
+                held.bytes.insert(held.bytes.end(), bytes + kHeaderSize, bytes + shape.size);
+                return true;
+            }
+            flush();
+            break;
+        }
+        if (g.used == g.held.size()) {
+            g.held.emplace_back();
+            g.held.back().bytes.reserve(kMaxMessage);
+        }
+        Held& held = g.held[g.used++];
+        held.resource = resource;
+        held.locators = g.locators;
+        held.bytes.assign(bytes, bytes + shape.size);
+        held.shape = shape;
+        return true;
+    }
+
+    void receive(fdds::TransportReceiverInterface* next, rtps::octet const* bytes, std::uint32_t size,
+                 rtps::Locator_t const& local, rtps::Locator_t const& remote) override {
+        next->OnDataReceived(bytes, size, local, remote);
+    }
+
+  private:
+    CorkedTransportDescriptor descriptor_;
+};
+
+} // namespace
+
+fdds::TransportInterface* CorkedTransportDescriptor::create_transport() const { return new CorkedTransport{*this}; }
+
+void cork() { t_gathering.corked = true; }
+
+void uncork() {
+    if (t_gathering.corked) {
+        t_gathering.corked = false;
+        flush();
+    }
+}
+
+} // namespace gridspace::bus

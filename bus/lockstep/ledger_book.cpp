@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/lockstep/ledger_book.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::lockstep {
+
+LedgerBook::LedgerBook(std::vector<std::string> processes, std::vector<std::string> topics)
+    : topics_{std::move(topics)} {
+    std::sort(processes.begin(), processes.end());
+    for (std::string& name : processes) {
+        Process process;
+        process.name = std::move(name);
+        process.topics.resize(topics_.size());
+        for (Counts& counts : process.topics) {
+            counts.writers.reserve(8);
+        }
+        processes_.push_back(std::move(process));
+    }
+}
+
+std::size_t LedgerBook::process_index(std::string_view process) const {
+    auto const it = std::lower_bound(processes_.begin(), processes_.end(), process,
+                                     [](Process const& p, std::string_view name) { return p.name < name; });
+    return it != processes_.end() && it->name == process ? static_cast<std::size_t>(it - processes_.begin()) : kUnknown;
+}
+
+std::size_t LedgerBook::topic_index(std::string_view topic) const {
+    auto const it = std::find(topics_.begin(), topics_.end(), topic);
+    return it != topics_.end() ? static_cast<std::size_t>(it - topics_.begin()) : kUnknown;
+}
+
+bool LedgerBook::enter_incarnation(Process& process, std::uint32_t incarnation) {
+    if (incarnation < process.incarnation) {
+        return false;
+    }
+    if (incarnation > process.incarnation) {
+        process.incarnation = incarnation;
+        for (Counts& counts : process.topics) {
+            counts.announced = 0;
+            counts.held = 0;
+            counts.joined_late = false;
+            counts.writers.clear();
+        }
+    }
+    return true;
+}
+
+void LedgerBook::announced(std::size_t process, std::uint32_t incarnation, std::size_t topic, std::uint64_t sent) {
+    if (enter_incarnation(processes_[process], incarnation)) {
+        Counts& counts = processes_[process].topics[topic];
+        counts.announced = std::max(counts.announced, sent);
+    }
+}
+
+void LedgerBook::baseline(std::size_t process, std::uint32_t incarnation, std::size_t topic, std::uint64_t sent) {
+    if (enter_incarnation(processes_[process], incarnation)) {
+        Counts& counts = processes_[process].topics[topic];
+        counts.announced = sent;
+        counts.held = sent;
+        counts.joined_late = true;
+    }
+}
+
+LedgerBook::Arrival LedgerBook::arrived(std::size_t process, std::uint32_t incarnation, std::size_t topic,
+                                        std::uint32_t writer, std::uint64_t sequence) {
+    if (!enter_incarnation(processes_[process], incarnation)) {
+        return Arrival::repeated;
+    }
+    Counts& counts = processes_[process].topics[topic];
+    auto it = std::find_if(counts.writers.begin(), counts.writers.end(),
+                           [&](WriterCount const& w) { return w.writer == writer; });
+    if (it == counts.writers.end()) {
+        counts.writers.push_back({writer, 0});
+        it = counts.writers.end() - 1;
+    }
+    if (sequence <= it->last) {
+        return Arrival::repeated;
+    }
+    bool const first_of_late_joiner = it->last == 0 && counts.joined_late;
+    bool const gap = sequence != it->last + 1 && !first_of_late_joiner;
+    it->last = sequence;
+    ++counts.held;
+    return gap ? Arrival::gap : Arrival::expected;
+}
+
+bool LedgerBook::complete(std::size_t process) const {
+    return std::all_of(processes_[process].topics.begin(), processes_[process].topics.end(),
+                       [](Counts const& counts) { return counts.held >= counts.announced; });
+}
+
+std::string LedgerBook::missing(std::size_t process) const {
+    std::string out;
+    for (std::size_t t = 0; t < topics_.size(); ++t) {
+        Counts const& counts = processes_[process].topics[t];
+        if (counts.held < counts.announced) {
+            out += fmt::format("{}{} of {} samples of '{}' from {}", out.empty() ? "" : ", ",
+                               counts.announced - counts.held, counts.announced, topics_[t], processes_[process].name);
+        }
+    }
+    return out;
+}
+
+} // namespace gridspace::lockstep

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/lockstep/tick_gate.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::lockstep {
+
+TickGate::TickGate(Config config, LedgerBook& book) : book_{book}, simulator_{book.process_index(config.simulator)} {
+    std::sort(config.members.begin(), config.members.end());
+    auto const member_index = [&](std::string const& name) -> std::optional<std::size_t> {
+        auto const it = std::lower_bound(config.members.begin(), config.members.end(), name);
+        if (it == config.members.end() || *it != name) {
+            return std::nullopt;
+        }
+        return static_cast<std::size_t>(it - config.members.begin());
+    };
+    self_member_ = member_index(config.self);
+    for (std::string const& name : config.upstream) {
+        std::size_t const process = book.process_index(name);
+        auto const member = member_index(name);
+        if (process != LedgerBook::kUnknown && member) {
+            upstream_.push_back({process, *member});
+        }
+    }
+}
+
+void TickGate::on_clock(std::uint64_t tick, std::span<std::uint8_t const> awaited, bool final) {
+    latest_ = tick;
+    if (!self_member_ || !bit_of(awaited, *self_member_)) {
+        return;
+    }
+    Pending pending{tick, final, std::vector<bool>(upstream_.size())};
+    for (std::size_t i = 0; i < upstream_.size(); ++i) {
+        pending.awaited_upstream[i] = bit_of(awaited, upstream_[i].member);
+    }
+    pending_ = std::move(pending);
+}
+
+void TickGate::on_ack(std::size_t process, std::uint64_t tick) {
+    for (Upstream& upstream : upstream_) {
+        if (upstream.process == process) {
+            upstream.acked = std::max(upstream.acked, static_cast<std::int64_t>(tick));
+        }
+    }
+}
+
+std::optional<TickGate::Grant> TickGate::granted() const {
+    if (!pending_ || (simulator_ != LedgerBook::kUnknown && !book_.complete(simulator_))) {
+        return std::nullopt;
+    }
+    for (std::size_t i = 0; i < upstream_.size(); ++i) {
+        if (pending_->awaited_upstream[i] && upstream_[i].acked < static_cast<std::int64_t>(pending_->tick)) {
+            return std::nullopt;
+        }
+        if (!book_.complete(upstream_[i].process)) {
+            return std::nullopt;
+        }
+    }
+    return Grant{pending_->tick, pending_->final};
+}
+
+std::string TickGate::awaiting() const {
+    if (!pending_) {
+        return fmt::format("the next clock of {} (newest: tick {})",
+                           simulator_ == LedgerBook::kUnknown ? "the simulator" : book_.process_name(simulator_),
+                           latest_);
+    }
+    std::string out;
+    auto const add = [&](std::string const& text) { out += (out.empty() ? "" : "; ") + text; };
+    if (simulator_ != LedgerBook::kUnknown && !book_.complete(simulator_)) {
+        add(book_.missing(simulator_));
+    }
+    for (std::size_t i = 0; i < upstream_.size(); ++i) {
+        if (pending_->awaited_upstream[i] && upstream_[i].acked < static_cast<std::int64_t>(pending_->tick)) {
+            add(fmt::format("the acknowledgement of tick {} by {}", pending_->tick,
+                            book_.process_name(upstream_[i].process)));
+        }
+        if (!book_.complete(upstream_[i].process)) {
+            add(book_.missing(upstream_[i].process));
+        }
+    }
+    return out;
+}
+
+} // namespace gridspace::lockstep

@@ -1,0 +1,294 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/node.hpp"
+
+#include "bus/node_core.hpp"
+#include "bus/topics.hpp"
+#include "common/log.hpp"
+
+#include <algorithm>
+#include <catalog.h>
+#include <fmt/format.h>
+
+namespace gridspace::bus {
+Participant& Node::Core::network_of(std::string const& topic) {
+    bool const on_management =
+        is_management_topic(topic) ||
+        std::find(config.management_topics.begin(), config.management_topics.end(), topic) !=
+            config.management_topics.end();
+    return on_management || data == nullptr ? *management : *data;
+}
+
+void Node::Core::fail(Error why) {
+    std::lock_guard const lock{mutex};
+    fail_locked(std::move(why));
+}
+
+void Node::Core::fail_locked(Error why) {
+    if (!error) {
+        error = std::move(why);
+    }
+    changed.notify_all();
+}
+
+template <class Ledger>
+void Node::Core::take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger) {
+    bool const late_joiner = joining && config.incarnation > 0;
+    for (LedgerEntry const& entry : ledger) {
+        std::size_t const topic = book->topic_index(entry.topic().c_str());
+        if (topic == lockstep::LedgerBook::kUnknown) {
+            continue;
+        }
+        if (late_joiner) {
+            book->baseline(process, incarnation, topic, entry.sent());
+        } else {
+            book->announced(process, incarnation, topic, entry.sent());
+        }
+    }
+}
+
+void Node::Core::fill_ledger(std::vector<LedgerEntry>& ledger) const {
+    std::size_t used = 0;
+    for (WriterSlot const& slot : writers) {
+        if (slot.diagnostic) {
+            continue;
+        }
+        auto const same = std::find_if(ledger.begin(), ledger.begin() + static_cast<std::ptrdiff_t>(used),
+                                       [&](LedgerEntry const& e) { return slot.topic == e.topic().c_str(); });
+        if (same != ledger.begin() + static_cast<std::ptrdiff_t>(used)) {
+            same->sent(same->sent() + slot.sent);
+            continue;
+        }
+        if (used == ledger.size()) {
+            ledger.emplace_back();
+            ledger.back().topic(slot.topic.c_str());
+        }
+        ledger[used++].sent(slot.sent);
+    }
+}
+
+void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader const&) {
+    std::lock_guard const lock{mutex};
+    if (!codec_of<SimClock>().decode(cdr, &clock)) {
+        fail_locked({ExitCode::environment, "a clock sample cannot be decoded: another version of Gridspace on this domain?", ""});
+        return;
+    }
+    clock_seen = true;
+    ++clock_generation;
+    latest_time = {clock.quanta()};
+    if (clock.state() == CLOCK_ABORTED) {
+        fail_locked({ExitCode::stall, "the simulator has ended the run", "its log says why"});
+        return;
+    }
+    if (lockstep()) {
+        std::size_t const simulator = book->process_index(config.clock.simulator);
+        if (simulator != lockstep::LedgerBook::kUnknown) {
+            take_ledger(simulator, 0, clock.ledger());
+        }
+        if (!joining) {
+            gate->on_clock(clock.tick(), clock.awaited(), clock.state() == CLOCK_FINAL);
+            pending_since = std::chrono::steady_clock::now();
+        }
+        if (!gate->granted()) {
+            return; // the last thing to arrive wakes the process, once
+        }
+    }
+    changed.notify_all();
+}
+
+void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader const&) {
+    std::lock_guard const lock{mutex};
+    static thread_local ClockAck received; // keeps its capacity: no allocation per acknowledgement
+    if (!codec_of<ClockAck>().decode(cdr, &received)) {
+        return;
+    }
+    std::size_t const process = book->process_index(received.member().c_str());
+    if (process == lockstep::LedgerBook::kUnknown) {
+        ++foreign_samples;
+        return;
+    }
+    take_ledger(process, received.incarnation(), received.ledger());
+    gate->on_ack(process, received.tick());
+    if (on_ack) {
+        on_ack(received);
+    }
+    if (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value()) {
+        changed.notify_all();
+    }
+}
+
+void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header) {
+    if (header.writer >= slot.sources.size()) {
+        slot.sources.resize(header.writer + 1);
+    }
+    ReaderSlot::Source& source = slot.sources[header.writer];
+    if (!source.known) {
+        Peer const peer = slot.network->peer(header.peer);
+        source = {true, book->process_index(peer.process), peer.incarnation, peer.process};
+    }
+    std::size_t const process = source.process;
+    Origin origin;
+    origin.writer = header.writer;
+    origin.sequence = header.sequence;
+    if (process == lockstep::LedgerBook::kUnknown) {
+        ++foreign_samples;
+        if (lockstep()) {
+            return; // a run must not depend on who else is on the bus
+        }
+        origin.process = static_cast<std::uint32_t>(book->process_count());
+    } else {
+        origin.process = static_cast<std::uint32_t>(process);
+    }
+    {
+        std::lock_guard const lock{mutex};
+        if (joining && config.incarnation > 0) {
+            return; // sent before this incarnation was ready: part of the baseline
+        }
+        origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : latest_time;
+        if (process != lockstep::LedgerBook::kUnknown) {
+            using Arrival = lockstep::LedgerBook::Arrival;
+            Arrival const arrival =
+                book->arrived(process, source.incarnation, slot.book_topic, header.writer, header.sequence);
+            if (arrival == Arrival::repeated) {
+                return;
+            }
+            if (arrival == Arrival::gap) {
+                ++lost_samples;
+                if (lockstep()) {
+                    fail_locked({ExitCode::stall,
+                                 fmt::format("a sample of '{}' from {} is lost: number {} came after a gap", slot.topic,
+                                             source.name, header.sequence),
+                                 "the depth of its QoS profile is too small for this tick, or a socket buffer is"});
+                    return;
+                }
+            }
+        }
+    }
+    if (!slot.inbox->push(cdr, origin, base)) {
+        fail({ExitCode::environment,
+              fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
+              "both sides must be built from the same IDL"});
+        return;
+    }
+    std::lock_guard const lock{mutex};
+    ++input_generation;
+    if (!lockstep() || (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value())) {
+        changed.notify_all();
+    }
+}
+
+Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
+    auto core = std::make_unique<Core>();
+    core->config = std::move(config);
+    NodeConfig const& c = core->config;
+    core->base = TimeBase{c.clock.quantum_s};
+    core->tick_span = core->base.nearest(c.clock.tick_s);
+    core->epoch_ns = c.clock.epoch_unix_s * 1'000'000'000;
+
+    auto const join = [&](char const* profile, NetworkConfig const& network) {
+        return Participant::create({c.process, static_cast<std::uint32_t>(c.incarnation), c.program,
+                                    static_cast<int>(network.domain), c.qos, profile, network.addresses});
+    };
+    auto management = join("management", c.management);
+    if (!management) {
+        return std::unexpected{management.error()};
+    }
+    core->management = std::move(*management);
+    if (c.data) {
+        auto data = join("data", *c.data);
+        if (!data) {
+            return std::unexpected{data.error()};
+        }
+        core->data = std::move(*data);
+    }
+    Core* raw = core.get();
+    auto const notify = [raw] {
+        std::lock_guard const lock{raw->mutex};
+        ++raw->matches_generation;
+        raw->changed.notify_all();
+    };
+    core->management->on_change(notify);
+    if (core->data) {
+        core->data->on_change(notify);
+    }
+    core->management->on_departure([raw](Peer const& peer, bool clean) {
+        if (peer.process == raw->config.clock.simulator && !raw->is_simulator()) {
+            std::lock_guard const lock{raw->mutex};
+            if (!raw->final_done && !raw->stop_requested) {
+                raw->fail_locked({ExitCode::child_died, fmt::format("the simulator '{}' {}", peer.process,
+                                                                    clean ? "has left the bus" : "is silent: its lease ran out"),
+                                  "its log says why"});
+            }
+        }
+    });
+    auto const writer = [&](char const* topic, Codec const& codec, std::unique_ptr<RawWriter>& out) -> Result<void> {
+        auto opened = core->management->create_writer(topic, codec);
+        if (!opened) {
+            return std::unexpected{opened.error()};
+        }
+        out = std::move(*opened);
+        return {};
+    };
+    if (auto ok = writer("member_status", codec_of<MemberStatus>(), core->status_writer); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    if (auto ok = writer("type_catalog", codec_of<TypeCatalogEntry>(), core->catalog_writer); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    if (core->lockstep() && !core->is_simulator()) {
+        if (auto ok = writer("clock_ack", codec_of<ClockAck>(), core->ack_writer); !ok) {
+            return std::unexpected{ok.error()};
+        }
+    }
+    return std::unique_ptr<Node>{new Node{std::move(core)}};
+}
+
+Node::Node(std::unique_ptr<Core> core) : core_{std::move(core)} {}
+
+Node::~Node() {
+    // Endpoints first: their listeners use the core. A graceful end tells the others that this process is gone.
+    core_->clock_reader.reset();
+    core_->ack_reader.reset();
+    for (auto& reader : core_->readers) {
+        reader->raw.reset();
+    }
+    core_->management->on_change({});
+    core_->management->on_departure({});
+    if (core_->data) {
+        core_->data->on_change({});
+    }
+}
+
+Result<std::unique_ptr<RawWriter>> Node::open_writer(std::string const& topic, Codec const& codec, std::size_t& slot) {
+    auto raw = core_->network_of(topic).create_writer(topic, codec);
+    if (!raw) {
+        return raw;
+    }
+    slot = core_->writers.size();
+    core_->writers.push_back({topic, is_diagnostic_topic(topic), nullptr, 0});
+    core_->catalogued_types.emplace_back(codec.type_name);
+    return raw;
+}
+
+Result<void> Node::open_reader(std::string const& topic, Codec const& codec, Inbox& inbox) {
+    auto slot = std::make_unique<Core::ReaderSlot>();
+    slot->topic = topic;
+    slot->codec = codec;
+    slot->inbox = &inbox;
+    if (!core_->lockstep()) {
+        inbox.release({INT64_MAX});
+    }
+    core_->catalogued_types.emplace_back(codec.type_name);
+    core_->readers.push_back(std::move(slot));
+    return {};
+}
+
+Result<std::unique_ptr<CdrReader>> Node::cdr_reader(std::string const& topic, Codec const& codec) {
+    auto reader = std::make_unique<CdrReader>();
+    if (auto opened = open_reader(topic, codec, *reader); !opened) {
+        return std::unexpected{opened.error()};
+    }
+    return reader;
+}
+
+} // namespace gridspace::bus

@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/codec.hpp"
+#include "bus/inbox.hpp"
+#include "bus/node_config.hpp"
+#include "bus/participant.hpp"
+#include "common/result.hpp"
+#include "common/time.hpp"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::bus {
+
+class ClockServer;
+
+/// A moment in which a process may work: everything up to `time` that it reads has arrived.
+struct Tick {
+    std::uint64_t number{0};
+    SimTime time;
+    bool final{false};
+};
+
+/// Writes samples of one topic, counted for the ledger. T is a generated type.
+template <class T> class Writer;
+
+/// One process on the bus: its readers and writers on the two networks, its place in the simulation clock, and its status.
+///
+///     Node node{config};                         // 1. joins the domains
+///     auto in = node.reader<ChargingRequest>("requests");
+///     auto out = node.writer<ChargingDecision>("decisions");
+///     node.start();                              // 2. waits until everybody expected is matched
+///     while (auto tick = node.next()) {          // 3. same loop in lockstep and in real time
+///         for (auto const& sample : in->take()) { ... out->write(decision, at); }
+///         node.done(tick, next_tick_needed);
+///     }
+///
+/// Errors are returned once and stay: after a failure every call returns it.
+class Node {
+  public:
+    [[nodiscard]] static Result<std::unique_ptr<Node>> create(NodeConfig config);
+    ~Node();
+    Node(Node const&) = delete;
+    Node& operator=(Node const&) = delete;
+
+    template <class T> [[nodiscard]] Result<std::unique_ptr<Writer<T>>> writer(std::string const& topic);
+    template <class T> [[nodiscard]] Result<std::unique_ptr<Reader<T>>> reader(std::string const& topic);
+    /// Samples of any type as CDR.
+    [[nodiscard]] Result<std::unique_ptr<CdrReader>> cdr_reader(std::string const& topic, Codec const& codec);
+
+    /// Waits, at most start_timeout_s, until all expected peers are matched and says READY.
+    [[nodiscard]] Result<void> start();
+
+    /// Lockstep: the next tick that awaits this process, with all its input. Real time: whenever the clock has advanced or
+    /// input has arrived. Nothing when the run is over (the tick before was final) or a stop was asked for.
+    [[nodiscard]] Result<std::optional<Tick>> next();
+    /// The work of the tick is done; everything that it makes visible has been written.
+    [[nodiscard]] Result<void> done(Tick const& tick, std::uint64_t next_tick_needed);
+
+    /// Asks next() to return nothing; from any thread (a signal watcher).
+    void request_stop();
+    /// Ends the run for this process with an error that next() or done() returns.
+    void fail_with(Error error);
+    [[nodiscard]] std::optional<Error> failure() const;
+
+    [[nodiscard]] NodeConfig const& config() const;
+    [[nodiscard]] TimeBase const& time_base() const;
+    [[nodiscard]] bool lockstep() const;
+    /// The instant at which output to an input of `input` takes effect: a latency later in lockstep, now in real time.
+    [[nodiscard]] SimTime effect_time(SimTime input, SimSpan latency) const;
+    [[nodiscard]] SimTime latest_time() const; ///< of the newest clock sample
+
+    struct Counters {
+        std::uint64_t foreign_samples{0}; ///< from processes that are not of the run: dropped in lockstep
+        std::uint64_t refused_writes{0};  ///< DDS did not take a sample (real time; in lockstep that ends the run)
+        std::uint64_t lost_samples{0};    ///< gaps in a writer's sequence (real time; in lockstep that ends the run)
+    };
+    [[nodiscard]] Counters counters() const;
+
+    struct Core; ///< shared with readers, writers and the clock server
+
+  private:
+    friend class ClockServer;
+    explicit Node(std::unique_ptr<Core> core);
+    [[nodiscard]] Result<std::unique_ptr<RawWriter>> open_writer(std::string const& topic, Codec const& codec,
+                                                                 std::size_t& slot);
+    [[nodiscard]] Result<void> open_reader(std::string const& topic, Codec const& codec, Inbox& inbox);
+
+    std::unique_ptr<Core> core_;
+};
+
+/// Counts and stamps what is written; type-erased part of Writer<T>.
+class CountedWriter {
+  public:
+    CountedWriter(Node::Core& core, std::unique_ptr<RawWriter> raw, std::size_t slot);
+    ~CountedWriter();
+
+  protected:
+    void write_at(void const* sample, SimTime at);
+    void write_cdr_at(std::span<std::byte const> cdr, SimTime at);
+
+  private:
+    void count(bool accepted);
+    Node::Core& core_;
+    std::size_t slot_;
+    RawWriter* raw_;
+};
+
+template <class T> class Writer : private CountedWriter {
+  public:
+    using CountedWriter::CountedWriter;
+    /// Sends a sample that takes effect at `at`. Lockstep readers see it in the tick that contains `at`.
+    void write(T const& sample, SimTime at) { write_at(&sample, at); }
+};
+
+template <class T> Result<std::unique_ptr<Writer<T>>> Node::writer(std::string const& topic) {
+    std::size_t slot = 0;
+    auto raw = open_writer(topic, codec_of<T>(), slot);
+    if (!raw) {
+        return std::unexpected{raw.error()};
+    }
+    return std::make_unique<Writer<T>>(*core_, std::move(*raw), slot);
+}
+
+template <class T> Result<std::unique_ptr<Reader<T>>> Node::reader(std::string const& topic) {
+    auto reader = std::make_unique<Reader<T>>();
+    if (auto opened = open_reader(topic, codec_of<T>(), *reader); !opened) {
+        return std::unexpected{opened.error()};
+    }
+    return reader;
+}
+
+} // namespace gridspace::bus

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/node_config.hpp"
+
+#include "common/text.hpp"
+
+#include <fmt/format.h>
+
+namespace gridspace::bus {
+namespace {
+
+using config::Fields;
+using config::Node;
+
+void names(Fields& f, std::string_view key, std::vector<std::string>& out, std::string_view doc) {
+    std::vector<config::Ref> refs;
+    f.references(key, refs, {.doc = doc});
+    for (config::Ref& ref : refs) {
+        out.push_back(std::move(ref.name));
+    }
+}
+
+void network(Fields& f, NetworkConfig& network) {
+    f.integer("domain", network.domain, {.doc = "DDS domain", .min = 0, .max = 232});
+    names(f, "addresses", network.addresses, "IPv4 addresses of the interfaces to use; all when not given");
+}
+
+void expected(Fields& f, std::string_view key, ExpectedPeers& peers, std::string_view doc) {
+    f.map(key, {.doc = doc}, [&](config::Ref const& topic, Fields& t) {
+        t.integers("endpoints", peers[topic.name], {.doc = "by process: how many readers or writers it has", .min = 1});
+    });
+}
+
+Node name_list(std::vector<std::string> const& list) {
+    Node node = Node::sequence();
+    for (std::string const& name : list) {
+        node.items.push_back(Node::scalar(name));
+    }
+    return node;
+}
+
+Node network_node(NetworkConfig const& network) {
+    Node node = Node::map();
+    node.set("domain", Node::scalar(std::to_string(network.domain)));
+    node.set("addresses", name_list(network.addresses));
+    return node;
+}
+
+Node expected_node(ExpectedPeers const& expected) {
+    Node node = Node::map();
+    for (auto const& [topic, peers] : expected) {
+        Node counts = Node::map();
+        for (auto const& [process, count] : peers) {
+            counts.set(process, Node::scalar(std::to_string(count)));
+        }
+        node.set(topic, Node::map()).set("endpoints", std::move(counts));
+    }
+    return node;
+}
+
+} // namespace
+
+void describe(Fields& f, ClockConfig& clock) {
+    f.choice<ClockMode>("mode", clock.mode, {{"realtime", ClockMode::realtime}, {"lockstep", ClockMode::lockstep}},
+                        {.doc = "lockstep: the simulator waits for its members; realtime: for nobody"});
+    f.fraction("quantum_s", clock.quantum_s, {.doc = "time quantum of which step and tick are whole multiples", .above = 0});
+    f.fraction("tick_s", clock.tick_s, {.doc = "length of a tick", .above = 0});
+    std::string epoch = format_utc(clock.epoch_unix_s);
+    f.text("epoch", epoch, {.doc = "UTC of simulated time 0"});
+    if (auto const seconds = parse_utc(epoch)) {
+        clock.epoch_unix_s = *seconds;
+    } else {
+        f.error("epoch", fmt::format("'{}' is not a UTC time", epoch), "for example \"2019-12-01T09:00:00Z\"");
+    }
+    f.number("member_timeout_s", clock.member_timeout_s,
+             {.doc = "how long a wait inside a tick may last before the run is stalled; 0: no limit", .min = 0});
+    f.number("start_timeout_s", clock.start_timeout_s,
+             {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
+    f.integer("max_lag_ticks", clock.max_lag_ticks,
+              {.doc = "an idle member still acknowledges this often", .min = 1, .max = 64});
+    f.text("simulator", clock.simulator, {.doc = "the process that publishes the clock"});
+    names(f, "members", clock.members, "all lockstep members");
+    names(f, "upstream", clock.upstream, "members whose output this process reads");
+    names(f, "downstream", clock.downstream, "members that read this process's output");
+}
+
+void describe(Fields& f, NodeConfig& node) {
+    f.integer("incarnation", node.incarnation, {.doc = "counts the restarts of this process", .min = 0});
+    f.file("qos", node.qos, {.doc = "Fast DDS XML profiles of the role"});
+    f.object("management", {.doc = "network of clock, acknowledgements, recording and health"},
+             [&](Fields& n) { network(n, node.management); });
+    f.object("data", {.doc = "network of the studied topics; without it they are on management"},
+             [&](Fields& n) { network(n, node.data.emplace()); });
+    names(f, "management_topics", node.management_topics, "further topics that stay off the studied network");
+    f.object("clock", {.doc = "the simulation clock"}, [&](Fields& c) { describe(c, node.clock); });
+    expected(f, "expected_writers", node.expected_writers, "who must be writing the topics that this process reads");
+    expected(f, "expected_readers", node.expected_readers, "who must be reading the topics that this process writes");
+}
+
+Node to_node(NodeConfig const& config) {
+    Node clock = Node::map();
+    clock.set("mode", Node::scalar(config.clock.mode == ClockMode::lockstep ? "lockstep" : "realtime"));
+    clock.set("quantum_s", Node::scalar(config.clock.quantum_s.to_string()));
+    clock.set("tick_s", Node::scalar(config.clock.tick_s.to_string()));
+    clock.set("epoch", Node::quoted_text(format_utc(config.clock.epoch_unix_s)));
+    clock.set("member_timeout_s", Node::scalar(shortest(config.clock.member_timeout_s)));
+    clock.set("start_timeout_s", Node::scalar(shortest(config.clock.start_timeout_s)));
+    clock.set("max_lag_ticks", Node::scalar(std::to_string(config.clock.max_lag_ticks)));
+    clock.set("simulator", Node::scalar(config.clock.simulator));
+    clock.set("members", name_list(config.clock.members));
+    clock.set("upstream", name_list(config.clock.upstream));
+    clock.set("downstream", name_list(config.clock.downstream));
+
+    Node node = Node::map();
+    node.set("incarnation", Node::scalar(std::to_string(config.incarnation)));
+    node.set("qos", Node::scalar(config.qos.string()));
+    node.set("management", network_node(config.management));
+    if (config.data) {
+        node.set("data", network_node(*config.data));
+    }
+    node.set("management_topics", name_list(config.management_topics));
+    node.set("clock", std::move(clock));
+    node.set("expected_writers", expected_node(config.expected_writers));
+    node.set("expected_readers", expected_node(config.expected_readers));
+    return node;
+}
+
+} // namespace gridspace::bus

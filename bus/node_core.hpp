@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/lockstep/ledger_book.hpp"
+#include "bus/lockstep/tick_gate.hpp"
+#include "bus/node.hpp"
+
+#include <atomic>
+#include <clock.h>
+#include <condition_variable>
+#include <mutex>
+
+namespace gridspace::bus {
+
+/// The inside of a Node, shared by its parts. `mutex` guards everything below it; receiving threads take it briefly.
+struct Node::Core {
+    NodeConfig config;
+    TimeBase base;
+    SimSpan tick_span;
+    std::int64_t epoch_ns{0};
+
+    std::unique_ptr<Participant> management;
+    std::unique_ptr<Participant> data; ///< null: everything is on management
+
+    struct WriterSlot {
+        std::string topic;
+        bool diagnostic{false};
+        std::unique_ptr<RawWriter> raw; ///< null when the Writer is gone; the count stays in the ledger
+        std::uint64_t sent{0};
+    };
+    std::vector<WriterSlot> writers; ///< fixed once the node has started
+
+    struct ReaderSlot {
+        std::string topic;
+        Codec codec;
+        Inbox* inbox{nullptr};
+        std::size_t book_topic{0};
+        std::unique_ptr<RawReader> raw;
+        Participant const* network{nullptr};
+        struct Source { ///< who a writer of the topic belongs to; looked up once per writer
+            bool known{false};
+            std::size_t process{0};
+            std::uint32_t incarnation{0};
+            std::string name;
+        };
+        std::vector<Source> sources; ///< by SampleHeader::writer; used by the receiving thread only
+    };
+    std::vector<std::unique_ptr<ReaderSlot>> readers; ///< opened in start(), when the book knows all topics
+
+    std::unique_ptr<RawWriter> status_writer;
+    std::unique_ptr<RawWriter> ack_writer;
+    std::unique_ptr<RawWriter> catalog_writer;
+    std::unique_ptr<RawReader> clock_reader;
+    std::unique_ptr<RawReader> ack_reader;
+    std::vector<std::string> catalogued_types;
+    ClockAck ack; ///< reused for every acknowledgement
+
+    mutable std::mutex mutex;
+    std::condition_variable changed;
+    std::unique_ptr<lockstep::LedgerBook> book;
+    std::unique_ptr<lockstep::TickGate> gate;
+    bool joining{true}; ///< until READY; a late joiner takes ledgers as baselines meanwhile
+    bool stop_requested{false};
+    bool final_done{false};
+    std::optional<Error> error;
+    SimClock clock; ///< newest, decoded in place
+    bool clock_seen{false};
+    std::uint64_t clock_generation{0};
+    std::uint64_t clock_taken{0}; ///< what next() has returned for, in real time
+    std::uint64_t input_generation{0};
+    std::uint64_t input_taken{0};
+    SimTime latest_time;
+    std::chrono::steady_clock::time_point pending_since; ///< when the clock of the pending tick came
+    std::uint64_t matches_generation{0};                 ///< counts discoveries, matches and departures
+    std::uint64_t matches_published{0};
+    std::function<void(ClockAck const&)> on_ack;  ///< of the clock server; under the mutex
+    std::function<bool()> server_waits_no_more;   ///< of the clock server; under the mutex
+
+    std::atomic<std::uint64_t> foreign_samples{0};
+    std::atomic<std::uint64_t> refused_writes{0};
+    std::atomic<std::uint64_t> lost_samples{0};
+
+    [[nodiscard]] bool is_simulator() const { return config.process == config.clock.simulator; }
+    [[nodiscard]] bool lockstep() const { return config.clock.mode == ClockMode::lockstep; }
+    [[nodiscard]] Participant& network_of(std::string const& topic);
+    [[nodiscard]] std::int64_t source_ns(SimTime at) const { return epoch_ns + base.nanoseconds(at); }
+
+    void fail(Error why); ///< takes the mutex
+    void fail_locked(Error why);
+
+    void on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header);
+    void on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header);
+    void on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header);
+    /// Takes a ledger (of an acknowledgement or a clock) into the book.
+    template <class Ledger> void take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger);
+    /// Writes the counts of all topics into a ledger sequence, without allocating once it has grown.
+    void fill_ledger(std::vector<LedgerEntry>& ledger) const;
+
+    /// Peers with which everything expected is matched, and the text of what is still missing.
+    [[nodiscard]] std::vector<Peer> matched_peers(std::string& missing) const;
+    /// Looks at the matches and publishes member_status if they changed; returns what is missing. Only the process's own
+    /// thread calls it.
+    std::string refresh_status(MemberState state_when_incomplete);
+    std::vector<Peer> status_matched;
+    std::string status_missing{"-"};
+};
+
+} // namespace gridspace::bus

@@ -1,0 +1,388 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A node's life on the clock: start, next, done. Endpoints and receiving are in node.cpp.
+#include "bus/cork.hpp"
+#include "bus/deadline.hpp"
+#include "bus/node.hpp"
+#include "bus/node_core.hpp"
+#include "bus/topics.hpp"
+#include "common/log.hpp"
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <catalog.h>
+#include <fmt/format.h>
+#include <set>
+
+namespace gridspace::bus {
+namespace {
+
+/// What is expected of one endpoint, in addition to what the configuration lists.
+void expect(ExpectedPeers& peers, char const* topic, std::string const& process) { peers[topic].try_emplace(process, 1); }
+
+/// For each expected process: are so many endpoints of its newest incarnation matched?
+void check_matches(std::string_view kind, std::string const& topic, std::map<std::string, std::int64_t> const& expected,
+                   std::vector<Peer> const& matched, std::map<std::string, std::uint32_t>& newest,
+                   std::set<std::string>& lacking, std::string& missing) {
+    for (auto const& [process, count] : expected) {
+        std::uint32_t incarnation = 0;
+        std::int64_t endpoints = 0;
+        for (Peer const& peer : matched) {
+            if (peer.process != process || peer.incarnation < incarnation) {
+                continue;
+            }
+            endpoints = peer.incarnation > incarnation ? 1 : endpoints + 1;
+            incarnation = peer.incarnation;
+        }
+        auto const [it, added] = newest.try_emplace(process, incarnation);
+        if (endpoints < count) {
+            lacking.insert(process);
+            if (missing.size() < 160) {
+                missing += fmt::format("{}{} of {} {}(s) of '{}' in {}", missing.empty() ? "" : ", ", count - endpoints,
+                                       count, kind, topic, process);
+            }
+        } else if (!added) {
+            if (it->second != incarnation) {
+                lacking.insert(process); // some endpoints still know the old incarnation only
+            }
+            it->second = std::max(it->second, incarnation);
+        }
+    }
+}
+
+} // namespace
+
+std::vector<Peer> Node::Core::matched_peers(std::string& missing) const {
+    std::map<std::string, std::uint32_t> newest;
+    std::set<std::string> lacking;
+    auto const look = [&](std::string_view kind, ExpectedPeers const& expected, std::string const& topic,
+                          std::vector<Peer> const& matched) {
+        if (auto const it = expected.find(topic); it != expected.end()) {
+            check_matches(kind, topic, it->second, matched, newest, lacking, missing);
+        }
+    };
+    for (auto const& reader : readers) {
+        look("writer", config.expected_writers, reader->topic, reader->raw->matched());
+    }
+    // Several writers of one topic: each must be matched with every expected reader.
+    for (WriterSlot const& writer : writers) {
+        if (writer.raw != nullptr) {
+            look("reader", config.expected_readers, writer.topic, writer.raw->matched());
+        }
+    }
+    if (clock_reader != nullptr) {
+        look("writer", config.expected_writers, "simulation_clock", clock_reader->matched());
+    }
+    if (ack_reader != nullptr) {
+        look("writer", config.expected_writers, "clock_ack", ack_reader->matched());
+    }
+    if (ack_writer != nullptr) {
+        look("reader", config.expected_readers, "clock_ack", ack_writer->matched());
+    }
+    std::vector<Peer> out;
+    for (auto const& [process, incarnation] : newest) {
+        if (!lacking.contains(process)) {
+            out.push_back({process, incarnation, ""});
+        }
+    }
+    return out;
+}
+
+std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
+    {
+        std::lock_guard const lock{mutex};
+        matches_published = matches_generation;
+    }
+    std::string missing;
+    std::vector<Peer> const matched = matched_peers(missing);
+    MemberState const state = missing.empty() ? MEMBER_READY : state_when_incomplete;
+    if (matched == status_matched && missing == status_missing) {
+        return missing;
+    }
+    status_matched = matched;
+    status_missing = missing;
+    MemberStatus status;
+    status.process(config.process.c_str());
+    status.incarnation(static_cast<std::uint32_t>(config.incarnation));
+    status.state(state);
+    for (Peer const& peer : matched) {
+        MatchedPeer entry;
+        entry.process(peer.process.c_str());
+        entry.incarnation(peer.incarnation);
+        status.matched().push_back(entry);
+    }
+    status.waiting_for(missing.substr(0, 255).c_str());
+    status_writer->write(&status, std::nullopt);
+    return missing;
+}
+
+Result<void> Node::start() {
+    Core& core = *core_;
+    NodeConfig& config = core.config;
+    ClockConfig const& clock = config.clock;
+
+    std::vector<std::string> processes = clock.members;
+    processes.push_back(clock.simulator);
+    for (auto const& [topic, peers] : config.expected_writers) {
+        for (auto const& [process, count] : peers) {
+            processes.push_back(process);
+        }
+    }
+    std::sort(processes.begin(), processes.end());
+    processes.erase(std::unique(processes.begin(), processes.end()), processes.end());
+    std::vector<std::string> topics;
+    for (auto const& reader : core.readers) {
+        topics.push_back(reader->topic);
+    }
+    core.book = std::make_unique<lockstep::LedgerBook>(processes, topics);
+    core.gate = std::make_unique<lockstep::TickGate>(
+        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream}, *core.book);
+    core.ack.member(config.process.c_str());
+    core.ack.incarnation(static_cast<std::uint32_t>(config.incarnation));
+
+    // The clock's own endpoints, and what they are to be matched with.
+    Participant& management = *core.management;
+    if (!core.is_simulator()) {
+        expect(config.expected_writers, "simulation_clock", clock.simulator);
+        auto reader = management.create_reader("simulation_clock", codec_of<SimClock>(),
+                                               [&core](auto cdr, auto const& header) { core.on_clock_sample(cdr, header); });
+        if (!reader) {
+            return std::unexpected{reader.error()};
+        }
+        core.clock_reader = std::move(*reader);
+    }
+    if (core.lockstep()) {
+        std::vector<std::string> const& heard = core.is_simulator() ? clock.members : clock.upstream;
+        if (!heard.empty()) {
+            for (std::string const& process : heard) {
+                expect(config.expected_writers, "clock_ack", process);
+            }
+            auto reader = management.create_reader("clock_ack", codec_of<ClockAck>(), [&core](auto cdr, auto const& header) {
+                core.on_ack_sample(cdr, header);
+            });
+            if (!reader) {
+                return std::unexpected{reader.error()};
+            }
+            core.ack_reader = std::move(*reader);
+        }
+        if (!core.is_simulator()) {
+            expect(config.expected_readers, "clock_ack", clock.simulator);
+            for (std::string const& process : clock.downstream) {
+                expect(config.expected_readers, "clock_ack", process);
+            }
+        }
+    }
+    for (auto& slot : core.readers) {
+        slot->book_topic = core.book->topic_index(slot->topic);
+        auto* raw_slot = slot.get();
+        Participant& network = core.network_of(slot->topic);
+        slot->network = &network;
+        auto reader = network.create_reader(slot->topic, slot->codec, [&core, raw_slot](auto cdr, auto const& header) {
+            core.on_data_sample(*raw_slot, cdr, header);
+        });
+        if (!reader) {
+            return std::unexpected{reader.error()};
+        }
+        slot->raw = std::move(*reader);
+    }
+
+    std::sort(core.catalogued_types.begin(), core.catalogued_types.end());
+    core.catalogued_types.erase(std::unique(core.catalogued_types.begin(), core.catalogued_types.end()),
+                                core.catalogued_types.end());
+    for (std::string const& type : core.catalogued_types) {
+        if (std::string_view const idl = idl_of_type(type); !idl.empty()) {
+            TypeCatalogEntry entry;
+            entry.type_name(type.c_str());
+            entry.idl(std::string{idl});
+            core.catalog_writer->write(&entry, std::nullopt);
+        }
+    }
+
+    Deadline const deadline{clock.start_timeout_s};
+    while (true) {
+        std::string const missing = core.refresh_status(MEMBER_STARTING);
+        bool const ready = missing.empty();
+        std::unique_lock lock{core.mutex};
+        if (ready) {
+            core.joining = false;
+            return core.error ? Result<void>{std::unexpected{*core.error}} : Result<void>{};
+        }
+        if (core.error) {
+            return std::unexpected{*core.error};
+        }
+        if (core.stop_requested) {
+            return fail(ExitCode::interrupted, "stopped while waiting for the others");
+        }
+        if (deadline.passed()) {
+            return fail(ExitCode::stall,
+                        fmt::format("not ready after {} s: still unmatched {}", shortest(clock.start_timeout_s), missing),
+                        "is that process running, and on the same network and DDS domain?");
+        }
+        // Discovery callbacks notify; the short period only covers a change between the look and the wait.
+        core.changed.wait_for(lock, std::min(deadline.left(), std::chrono::milliseconds{100}));
+    }
+}
+
+Result<std::optional<Tick>> Node::next() {
+    Core& core = *core_;
+    std::unique_lock lock{core.mutex};
+    if (core.lockstep()) {
+        auto const may_return = [&] {
+            return core.error || core.stop_requested || core.final_done || core.gate->granted().has_value();
+        };
+        // Waiting for the next clock may take any time: others work, or the run is paused. Once the clock has come, what
+        // belongs to it must follow: twice the simulator's own patience, so that it can name the culprit first.
+        double const patience_s = 2 * core.config.clock.member_timeout_s;
+        while (!may_return()) {
+            core.changed.wait_for(lock, std::chrono::seconds{1});
+            if (core.matches_published != core.matches_generation) {
+                lock.unlock();
+                core.refresh_status(MEMBER_READY);
+                lock.lock();
+            }
+            std::chrono::duration<double> const waited = std::chrono::steady_clock::now() - core.pending_since;
+            if (patience_s > 0 && core.gate->has_pending() && waited.count() > patience_s && !may_return()) {
+                core.fail_locked({ExitCode::stall, fmt::format("tick {}: waited {} s for {}", core.clock.tick(),
+                                                               shortest(patience_s), core.gate->awaiting()), ""});
+            }
+        }
+        if (core.error) {
+            return std::unexpected{*core.error};
+        }
+        if (core.stop_requested || core.final_done) {
+            return std::nullopt;
+        }
+        auto const grant = *core.gate->granted();
+        Tick const tick{grant.tick, core.latest_time, grant.final};
+        for (auto& reader : core.readers) {
+            reader->inbox->release(tick.time);
+        }
+        log::set_time(core.base.seconds(tick.time));
+        cork(); // until the acknowledgement
+        return tick;
+    }
+    core.changed.wait(lock, [&] {
+        return core.error || core.stop_requested || core.final_done || core.clock_generation != core.clock_taken ||
+               core.input_generation != core.input_taken;
+    });
+    if (core.error) {
+        return std::unexpected{*core.error};
+    }
+    if (core.stop_requested || core.final_done) {
+        return std::nullopt;
+    }
+    core.clock_taken = core.clock_generation;
+    core.input_taken = core.input_generation;
+    Tick const tick{core.clock.tick(), core.latest_time, core.clock_seen && core.clock.state() == CLOCK_FINAL};
+    log::set_time(core.base.seconds(tick.time));
+    return tick;
+}
+
+Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
+    Core& core = *core_;
+    {
+        std::lock_guard const lock{core.mutex};
+        if (core.error) {
+            return std::unexpected{*core.error};
+        }
+        if (tick.final) {
+            core.final_done = true;
+        }
+        if (!core.lockstep()) {
+            return {};
+        }
+        core.gate->done();
+    }
+    core.ack.tick(tick.number);
+    core.ack.next_tick_needed(std::max(next_tick_needed, tick.number + 1));
+    core.fill_ledger(core.ack.ledger());
+    bool const accepted = core.ack_writer->write(&core.ack, core.source_ns(tick.time));
+    uncork();
+    if (!accepted) {
+        return fail(ExitCode::stall, fmt::format("DDS refused the acknowledgement of tick {}", tick.number));
+    }
+    if (tick.final) {
+        // Leaving before the simulator has it would look like a death.
+        core.ack_writer->wait_acknowledged(std::chrono::milliseconds{5000});
+    }
+    return {};
+}
+
+void Node::request_stop() {
+    std::lock_guard const lock{core_->mutex};
+    core_->stop_requested = true;
+    core_->changed.notify_all();
+}
+
+void Node::fail_with(Error error) { core_->fail(std::move(error)); }
+
+std::optional<Error> Node::failure() const {
+    std::lock_guard const lock{core_->mutex};
+    return core_->error;
+}
+
+NodeConfig const& Node::config() const { return core_->config; }
+TimeBase const& Node::time_base() const { return core_->base; }
+bool Node::lockstep() const { return core_->lockstep(); }
+
+SimTime Node::latest_time() const {
+    std::lock_guard const lock{core_->mutex};
+    return core_->latest_time;
+}
+
+SimTime Node::effect_time(SimTime input, SimSpan latency) const { return lockstep() ? input + latency : latest_time(); }
+
+Node::Counters Node::counters() const {
+    return {core_->foreign_samples.load(), core_->refused_writes.load(), core_->lost_samples.load()};
+}
+
+CountedWriter::CountedWriter(Node::Core& core, std::unique_ptr<RawWriter> raw, std::size_t slot)
+    : core_{core}, slot_{slot}, raw_{raw.get()} {
+    core_.writers[slot_].raw = std::move(raw);
+}
+
+CountedWriter::~CountedWriter() { core_.writers[slot_].raw.reset(); }
+
+void CountedWriter::write_at(void const* sample, SimTime at) {
+    count(raw_->write(sample, core_.lockstep() ? std::optional{core_.source_ns(at)} : std::nullopt));
+}
+
+void CountedWriter::write_cdr_at(std::span<std::byte const> cdr, SimTime at) {
+    count(raw_->write_cdr(cdr, core_.lockstep() ? std::optional{core_.source_ns(at)} : std::nullopt));
+}
+
+void CountedWriter::count(bool accepted) {
+    if (accepted) {
+        ++core_.writers[slot_].sent;
+        return;
+    }
+    ++core_.refused_writes;
+    if (core_.lockstep()) {
+        core_.fail({ExitCode::stall, fmt::format("DDS refused a sample of '{}'", core_.writers[slot_].topic),
+                    "more instances than its QoS profile allows?"});
+    }
+}
+
+std::vector<Received<CdrSample>> CdrReader::take() {
+    std::lock_guard const lock{mutex_};
+    auto const later = std::stable_partition(waiting_.begin(), waiting_.end(),
+                                             [&](auto const& r) { return r.origin.time <= until_; });
+    std::vector<Received<CdrSample>> due{std::make_move_iterator(waiting_.begin()), std::make_move_iterator(later)};
+    waiting_.erase(waiting_.begin(), later);
+    std::sort(due.begin(), due.end(), [](auto const& a, auto const& b) { return a.origin < b.origin; });
+    return due;
+}
+
+bool CdrReader::push(std::span<std::byte const> cdr, Origin origin, TimeBase const&) {
+    std::lock_guard const lock{mutex_};
+    waiting_.push_back({origin, {{cdr.begin(), cdr.end()}}});
+    return true;
+}
+
+bool CdrReader::has_due(SimTime until) const {
+    std::lock_guard const lock{mutex_};
+    return std::any_of(waiting_.begin(), waiting_.end(), [&](auto const& r) { return r.origin.time <= until; });
+}
+
+} // namespace gridspace::bus

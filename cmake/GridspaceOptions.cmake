@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+# Build options and the compile flags that every target of ours carries.
+
+option(GRIDSPACE_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(GRIDSPACE_BENCH "Build the benchmarks" OFF)
+option(GRIDSPACE_FUZZ "Build the libFuzzer targets (needs clang)" OFF)
+set(GRIDSPACE_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+
+set(CMAKE_CXX_STANDARD 23)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(GRIDSPACE_CCACHE ccache)
+if(GRIDSPACE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${GRIDSPACE_CCACHE}")
+  set(CMAKE_C_COMPILER_LAUNCHER "${GRIDSPACE_CCACHE}")
+endif()
+
+add_library(gridspace_flags INTERFACE)
+# Results must not depend on the compiler's freedom to fuse a multiply and an add (docs/design/determinism.md).
+target_compile_options(gridspace_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror=return-type
+                                                 -ffp-contract=off -fno-math-errno)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(gridspace_flags INTERFACE -Wno-restrict) # false alarms on std::string (GCC bug 105651)
+endif()
+if(NOT GRIDSPACE_SANITIZE)
+  target_compile_options(gridspace_flags INTERFACE -fstack-protector-strong -fstack-clash-protection
+                                                   $<$<CONFIG:Release>:-D_FORTIFY_SOURCE=2>)
+  target_link_options(gridspace_flags INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
+endif()
+target_compile_definitions(gridspace_flags INTERFACE _GLIBCXX_ASSERTIONS)
+
+if(GRIDSPACE_SANITIZE)
+  add_compile_options(-fsanitize=${GRIDSPACE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g1)
+  add_link_options(-fsanitize=${GRIDSPACE_SANITIZE})
+endif()
+
+find_program(GRIDSPACE_MOLD mold)
+if(GRIDSPACE_MOLD AND NOT CMAKE_CROSSCOMPILING)
+  add_link_options(-fuse-ld=mold)
+endif()

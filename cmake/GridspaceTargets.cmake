@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+# The three kinds of target: a library, a program, a test.
+
+# gridspace_library(NAME SOURCES a.cpp ... [PUBLIC deps ...] [PRIVATE deps ...])
+# Makes the static library gridspace_NAME with the alias gridspace::NAME. Headers are included from the project's root.
+function(gridspace_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(gridspace_${name} STATIC ${arg_SOURCES})
+  add_library(gridspace::${name} ALIAS gridspace_${name})
+  target_include_directories(gridspace_${name} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>")
+  target_link_libraries(gridspace_${name} PUBLIC ${arg_PUBLIC} PRIVATE gridspace_flags ${arg_PRIVATE})
+endfunction()
+
+# gridspace_program(NAME SOURCES ... [PRIVATE deps ...]): an installed executable; all programs land in build/bin.
+function(gridspace_program name)
+  cmake_parse_arguments(arg "" "" "SOURCES;PRIVATE" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PRIVATE gridspace_flags ${arg_PRIVATE})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
+
+# gridspace_test(NAME SOURCES ... [PRIVATE deps ...] [LABELS l ...] [TIMEOUT seconds]): GoogleTest cases, one CTest test each.
+function(gridspace_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;PRIVATE;LABELS" ${ARGN})
+  if(NOT arg_LABELS)
+    set(arg_LABELS unit)
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 60)
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${name} PRIVATE gridspace_flags ${arg_PRIVATE} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE GRIDSPACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                             GRIDSPACE_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/tests")
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}."
+                       PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
+endfunction()

@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/config/yaml.hpp"
+
+#include "common/text.hpp"
+
+#include <fmt/format.h>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+namespace gridspace::config {
+namespace {
+
+constexpr std::size_t kMaxDepth = 64;
+constexpr std::size_t kMaxNodes = 2'000'000; // an alias bomb stops here
+
+/// Builds Nodes from parse events; a stack of open containers.
+class TreeBuilder final : public YAML::EventHandler {
+  public:
+    TreeBuilder(std::shared_ptr<SourceText const> source, Diagnostics& diagnostics)
+        : source_{std::move(source)}, diagnostics_{diagnostics} {}
+
+    void OnDocumentStart(YAML::Mark const& mark) override {
+        if (++documents_ == 2) {
+            diagnostics_.error(at(mark), "a second YAML document starts here; one file holds one document");
+        }
+    }
+    void OnDocumentEnd() override {}
+    void OnNull(YAML::Mark const& mark, YAML::anchor_t anchor) override {
+        Node node;
+        node.where = at(mark);
+        add(std::move(node), anchor);
+    }
+    void OnAlias(YAML::Mark const& mark, YAML::anchor_t anchor) override {
+        auto const it = anchors_.find(anchor);
+        if (it == anchors_.end()) {
+            diagnostics_.error(at(mark), "alias to an anchor that is not complete yet");
+            OnNull(mark, 0);
+            return;
+        }
+        add(it->second, 0);
+    }
+    void OnScalar(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
+                  std::string const& value) override {
+        Node node = Node::scalar(value, at(mark));
+        node.quoted = tag == "!";
+        if (!node.quoted && (value == "~" || value == "null" || value.empty())) {
+            node.kind = Node::Kind::null;
+        }
+        add(std::move(node), anchor);
+    }
+    void OnSequenceStart(YAML::Mark const& mark, std::string const&, YAML::anchor_t anchor,
+                         YAML::EmitterStyle::value) override {
+        open(Node::sequence(at(mark)), anchor);
+    }
+    void OnSequenceEnd() override { close(); }
+    void OnMapStart(YAML::Mark const& mark, std::string const&, YAML::anchor_t anchor,
+                    YAML::EmitterStyle::value) override {
+        open(Node::map(at(mark)), anchor);
+    }
+    void OnMapEnd() override { close(); }
+
+    [[nodiscard]] Node take() { return std::move(root_); }
+    [[nodiscard]] bool too_big() const { return nodes_ > kMaxNodes; }
+
+  private:
+    struct Open {
+        Node node;
+        YAML::anchor_t anchor;
+        bool has_key{false};
+        std::string key;
+        SourceMark key_mark;
+    };
+
+    SourceMark at(YAML::Mark const& mark) const {
+        return {source_, mark.line + 1, mark.column + 1}; // yaml-cpp counts from 0
+    }
+
+    void open(Node node, YAML::anchor_t anchor) {
+        if (stack_.size() >= kMaxDepth) {
+            throw YAML::ParserException({}, fmt::format("nested deeper than {} levels", kMaxDepth));
+        }
+        stack_.push_back({std::move(node), anchor, false, {}, {}});
+    }
+
+    void close() {
+        Open done = std::move(stack_.back());
+        stack_.pop_back();
+        add(std::move(done.node), done.anchor);
+    }
+
+    void add(Node node, YAML::anchor_t anchor) {
+        if (++nodes_ > kMaxNodes) {
+            throw YAML::ParserException({}, fmt::format("more than {} values", kMaxNodes));
+        }
+        if (anchor != 0) {
+            anchors_[anchor] = node;
+        }
+        if (stack_.empty()) {
+            if (documents_ == 1) {
+                root_ = std::move(node);
+            }
+            return;
+        }
+        Open& parent = stack_.back();
+        if (parent.node.is_sequence()) {
+            parent.node.items.push_back(std::move(node));
+        } else if (!parent.has_key) {
+            take_key(parent, node);
+        } else {
+            parent.has_key = false;
+            if (Node::Entry const* first = parent.node.find_entry(parent.key)) {
+                diagnostics_.error(parent.key_mark, fmt::format("duplicate key '{}'", parent.key),
+                                   "first given at " + first->where.to_string(), static_cast<int>(parent.key.size()));
+            } else {
+                parent.node.entries.push_back({parent.key, parent.key_mark, std::move(node)});
+            }
+        }
+    }
+
+    void take_key(Open& parent, Node const& key) {
+        parent.has_key = true;
+        parent.key = key.text;
+        parent.key_mark = key.where;
+        if (!key.is_scalar()) {
+            diagnostics_.error(key.where, fmt::format("a key must be a name, found {}", describe(key)));
+        }
+    }
+
+    std::shared_ptr<SourceText const> source_;
+    Diagnostics& diagnostics_;
+    Node root_;
+    std::vector<Open> stack_;
+    std::map<YAML::anchor_t, Node> anchors_;
+    int documents_{0};
+    std::size_t nodes_{0};
+};
+
+} // namespace
+
+std::shared_ptr<SourceText const> make_source(std::string name, std::string_view text, std::string directory) {
+    auto source = std::make_shared<SourceText>();
+    source->name = std::move(name);
+    source->directory = std::move(directory);
+    for (std::string& line : split(text, '\n')) {
+        if (!line.empty() && line.back() == '\r') {
+            line.pop_back();
+        }
+        source->lines.push_back(std::move(line));
+    }
+    return source;
+}
+
+std::optional<Node> parse_yaml(std::string_view text, std::shared_ptr<SourceText const> source,
+                               Diagnostics& diagnostics) {
+    std::istringstream stream{std::string{text}};
+    TreeBuilder builder{source, diagnostics};
+    try {
+        YAML::Parser parser{stream};
+        while (parser.HandleNextDocument(builder)) {
+        }
+    } catch (YAML::Exception const& e) {
+        SourceMark where{source, 0, 0};
+        if (!e.mark.is_null() && e.mark.line >= 0) {
+            where = {source, e.mark.line + 1, e.mark.column + 1};
+        }
+        diagnostics.error(where, fmt::format("not valid YAML: {}", e.msg));
+        return std::nullopt;
+    }
+    return builder.take();
+}
+
+std::optional<Node> load_yaml(std::filesystem::path const& file, Diagnostics& diagnostics, SourceMark named_at) {
+    std::error_code ignored;
+    std::ifstream stream{file, std::ios::binary};
+    if (std::filesystem::is_directory(file, ignored) || !stream) {
+        if (named_at.source == nullptr) {
+            named_at.source = make_source(file.string(), "");
+        }
+        diagnostics.error(named_at, fmt::format("cannot read the file '{}'", file.string()),
+                          std::filesystem::exists(file, ignored) ? "it is not a readable file" : "no such file");
+        return std::nullopt;
+    }
+    std::stringstream text;
+    text << stream.rdbuf();
+    std::filesystem::path const parent = file.parent_path();
+    auto source = make_source(file.string(), text.str(), parent.empty() ? "." : parent.string());
+    return parse_yaml(text.str(), source, diagnostics);
+}
+
+} // namespace gridspace::config
