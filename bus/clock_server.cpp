@@ -219,7 +219,8 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     s.clock.quanta(time.quanta);
     s.clock.state(final ? CLOCK_FINAL : CLOCK_RUNNING);
     core.fill_ledger(s.clock.ledger());
-    bool const accepted = s.clock_writer->write(&s.clock, core.lockstep() ? std::optional{core.source_ns(time)} : std::nullopt);
+    bool const accepted =
+        s.clock_writer->write(&s.clock, core.lockstep() ? std::optional{core.source_ns(time)} : std::nullopt);
     uncork();
     if (!accepted) {
         return fail(ExitCode::stall, fmt::format("DDS refused clock sample {}", number));
@@ -236,9 +237,9 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
         return std::unexpected{*core.error};
     }
     if (!in_time) {
-        return fail(ExitCode::stall, fmt::format("tick {} ({} s): waited {} s for {}", number,
-                                                 shortest(core.base.seconds(time)),
-                                                 shortest(core.config.clock.member_timeout_s), s.culprits()));
+        return fail(ExitCode::stall,
+                    fmt::format("tick {} ({} s): waited {} s for {}", number, shortest(core.base.seconds(time)),
+                                shortest(core.config.clock.member_timeout_s), s.culprits()));
     }
     for (auto& reader : core.readers) {
         // Everything that was sent up to this tick is here; its effect may lie in the future.
@@ -281,6 +282,8 @@ void ClockServer::abort() {
     }
 }
 
-std::uint64_t ClockServer::ticks() const { return state_->next_tick; }
+std::uint64_t ClockServer::ticks() const {
+    return state_->next_tick;
+}
 
 } // namespace gridspace::bus

@@ -28,9 +28,9 @@ class ClockServer {
     /// Waits, at most start_timeout_s, until the node and all members are READY.
     [[nodiscard]] Result<void> start();
 
-    /// Publishes tick k = 0, 1, 2 … with the simulated time it grants. What belongs to the tick has been written before.
-    /// Lockstep: returns when every awaited member has acknowledged it and everything that they sent to the simulator has
-    /// arrived. Real time: returns at once.
+    /// Publishes tick k = 0, 1, 2 … with the simulated time it grants. What belongs to the tick has been written
+    /// before. Lockstep: returns when every awaited member has acknowledged it and everything that they sent to the
+    /// simulator has arrived. Real time: returns at once.
     [[nodiscard]] Result<void> tick(SimTime time, bool final);
 
     /// Holds the barrier until this incarnation of a restarted process, and everybody matched with it, is READY.

@@ -25,6 +25,7 @@ struct Codec {
 };
 
 /// The codec of a generated type. Defined in bus/types/, one file per IDL file.
-template <class T> [[nodiscard]] Codec const& codec_of();
+template <class T>
+[[nodiscard]] Codec const& codec_of();
 
 } // namespace gridspace::bus

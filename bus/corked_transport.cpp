@@ -18,10 +18,10 @@ namespace fdds = eprosima::fastdds::rtps;
 namespace rtps = eprosima::fastrtps::rtps;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kHeaderSize = 20;      // "RTPS", version, vendor, GUID prefix
-constexpr std::size_t kMaxMessage = 1472;    // one Ethernet frame: no IP fragments
+constexpr std::size_t kHeaderSize = 20;   // "RTPS", version, vendor, GUID prefix
+constexpr std::size_t kMaxMessage = 1472; // one Ethernet frame: no IP fragments
 constexpr std::size_t kGuidPrefixSize = 12;
-constexpr std::uint8_t kStatistics = 0x80;   // a vendor's submessage: Fast DDS adds it to every datagram
+constexpr std::uint8_t kStatistics = 0x80; // a vendor's submessage: Fast DDS adds it to every datagram
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wnon-virtual-dtor" // the base class is the library's, and nobody deletes through it
@@ -60,8 +60,8 @@ Shape shape_of(std::uint8_t const* message, std::size_t size) {
     while (at + 4 <= size) {
         std::uint8_t const id = message[at];
         bool const little = (message[at + 1] & 1U) != 0;
-        std::size_t const length = little ? message[at + 2] | (message[at + 3] << 8U)
-                                          : message[at + 3] | (message[at + 2] << 8U);
+        std::size_t const length =
+            little ? message[at + 2] | (message[at + 3] << 8U) : message[at + 3] | (message[at + 2] << 8U);
         if (id == kStatistics && at + 4 + length == size) {
             break; // it numbers the datagrams of a link; nobody reads it unless the statistics module is switched on
         }
@@ -178,9 +178,13 @@ class CorkedTransport final : public fdds::ChainingTransport {
 
 } // namespace
 
-fdds::TransportInterface* CorkedTransportDescriptor::create_transport() const { return new CorkedTransport{*this}; }
+fdds::TransportInterface* CorkedTransportDescriptor::create_transport() const {
+    return new CorkedTransport{*this};
+}
 
-void cork() { t_gathering.corked = true; }
+void cork() {
+    t_gathering.corked = true;
+}
 
 void uncork() {
     if (t_gathering.corked) {

@@ -7,8 +7,8 @@
 
 namespace gridspace::bus {
 
-/// Any transport with bus/cork.hpp on its sending side. Receivers need nothing: several submessages in a message are plain
-/// RTPS (DDSI-RTPS 2.2, clause 8.3).
+/// Any transport with bus/cork.hpp on its sending side. Receivers need nothing: several submessages in a message are
+/// plain RTPS (DDSI-RTPS 2.2, clause 8.3).
 struct CorkedTransportDescriptor : eprosima::fastdds::rtps::ChainingTransportDescriptor {
     using ChainingTransportDescriptor::ChainingTransportDescriptor;
     [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;

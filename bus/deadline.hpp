@@ -27,7 +27,8 @@ class Deadline {
     }
     /// Waits for `ready`; false when the deadline passed first.
     template <class Ready>
-    [[nodiscard]] bool wait(std::condition_variable& changed, std::unique_lock<std::mutex>& lock, Ready const& ready) const {
+    [[nodiscard]] bool wait(std::condition_variable& changed, std::unique_lock<std::mutex>& lock,
+                            Ready const& ready) const {
         if (!at_) {
             changed.wait(lock, ready);
             return true;

@@ -52,8 +52,12 @@ std::function<std::uint32_t()> PayloadType::getSerializedSizeProvider(void* data
     };
 }
 
-void* PayloadType::createData() { return new Incoming; }
-void PayloadType::deleteData(void* data) { delete static_cast<Incoming*>(data); }
+void* PayloadType::createData() {
+    return new Incoming;
+}
+void PayloadType::deleteData(void* data) {
+    delete static_cast<Incoming*>(data);
+}
 
 bool PayloadType::getKey(void* data, rtps::InstanceHandle_t* handle, bool) {
     if (!m_isGetKeyDefined) {

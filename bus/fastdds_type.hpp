@@ -27,8 +27,9 @@ struct Incoming {
     std::vector<std::byte> cdr;
 };
 
-/// The one data type that Fast DDS knows here: octets. Readers and writers match by topic and type name, so this carries
-/// every type, known at compile time or not, and no type object is ever announced (other 2.9.1 participants crash on it).
+/// The one data type that Fast DDS knows here: octets. Readers and writers match by topic and type name, so this
+/// carries every type, known at compile time or not, and no type object is ever announced (other 2.9.1 participants
+/// crash on it).
 class PayloadType final : public eprosima::fastdds::dds::TopicDataType {
   public:
     explicit PayloadType(Codec const& codec);

@@ -17,14 +17,15 @@ namespace gridspace::bus {
 
 /// Where a delivered sample comes from; the order of samples of one instant is (process, writer, sequence).
 struct Origin {
-    SimTime time;                ///< when it takes effect
-    std::uint32_t process{0};    ///< index in the order of process names
+    SimTime time;             ///< when it takes effect
+    std::uint32_t process{0}; ///< index in the order of process names
     std::uint32_t writer{0};
     std::uint64_t sequence{0};
     friend auto operator<=>(Origin const&, Origin const&) = default;
 };
 
-template <class T> struct Received {
+template <class T>
+struct Received {
     Origin origin;
     T value;
 };
@@ -58,7 +59,8 @@ concept HasTimeStamp = requires(T const& t) {
 
 /// The reading end of a topic. A sample becomes visible in the tick that contains its time, in an order that does not
 /// depend on the network.
-template <class T> class Reader final : public Inbox {
+template <class T>
+class Reader final : public Inbox {
   public:
     /// What is due now, oldest first. The span is valid until the next call.
     [[nodiscard]] std::span<Received<T> const> take() {

@@ -12,10 +12,9 @@
 
 namespace gridspace::bus {
 Participant& Node::Core::network_of(std::string const& topic) {
-    bool const on_management =
-        is_management_topic(topic) ||
-        std::find(config.management_topics.begin(), config.management_topics.end(), topic) !=
-            config.management_topics.end();
+    bool const on_management = is_management_topic(topic) ||
+                               std::find(config.management_topics.begin(), config.management_topics.end(), topic) !=
+                                   config.management_topics.end();
     return on_management || data == nullptr ? *management : *data;
 }
 
@@ -70,7 +69,8 @@ void Node::Core::fill_ledger(std::vector<LedgerEntry>& ledger) const {
 void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader const&) {
     std::lock_guard const lock{mutex};
     if (!codec_of<SimClock>().decode(cdr, &clock)) {
-        fail_locked({ExitCode::environment, "a clock sample cannot be decoded: another version of Gridspace on this domain?", ""});
+        fail_locked({ExitCode::environment,
+                     "a clock sample cannot be decoded: another version of Gridspace on this domain?", ""});
         return;
     }
     clock_seen = true;
@@ -165,14 +165,14 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
         }
     }
     if (!slot.inbox->push(cdr, origin, base)) {
-        fail({ExitCode::environment,
-              fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
+        fail({ExitCode::environment, fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
               "both sides must be built from the same IDL"});
         return;
     }
     std::lock_guard const lock{mutex};
     ++input_generation;
-    if (!lockstep() || (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value())) {
+    if (!lockstep() ||
+        (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value())) {
         changed.notify_all();
     }
 }
@@ -215,8 +215,9 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
         if (peer.process == raw->config.clock.simulator && !raw->is_simulator()) {
             std::lock_guard const lock{raw->mutex};
             if (!raw->final_done && !raw->stop_requested) {
-                raw->fail_locked({ExitCode::child_died, fmt::format("the simulator '{}' {}", peer.process,
-                                                                    clean ? "has left the bus" : "is silent: its lease ran out"),
+                raw->fail_locked({ExitCode::child_died,
+                                  fmt::format("the simulator '{}' {}", peer.process,
+                                              clean ? "has left the bus" : "is silent: its lease ran out"),
                                   "its log says why"});
             }
         }

@@ -27,9 +27,11 @@ struct Tick {
 };
 
 /// Writes samples of one topic, counted for the ledger. T is a generated type.
-template <class T> class Writer;
+template <class T>
+class Writer;
 
-/// One process on the bus: its readers and writers on the two networks, its place in the simulation clock, and its status.
+/// One process on the bus: its readers and writers on the two networks, its place in the simulation clock, and its
+/// status.
 ///
 ///     Node node{config};                         // 1. joins the domains
 ///     auto in = node.reader<ChargingRequest>("requests");
@@ -48,16 +50,18 @@ class Node {
     Node(Node const&) = delete;
     Node& operator=(Node const&) = delete;
 
-    template <class T> [[nodiscard]] Result<std::unique_ptr<Writer<T>>> writer(std::string const& topic);
-    template <class T> [[nodiscard]] Result<std::unique_ptr<Reader<T>>> reader(std::string const& topic);
+    template <class T>
+    [[nodiscard]] Result<std::unique_ptr<Writer<T>>> writer(std::string const& topic);
+    template <class T>
+    [[nodiscard]] Result<std::unique_ptr<Reader<T>>> reader(std::string const& topic);
     /// Samples of any type as CDR.
     [[nodiscard]] Result<std::unique_ptr<CdrReader>> cdr_reader(std::string const& topic, Codec const& codec);
 
     /// Waits, at most start_timeout_s, until all expected peers are matched and says READY.
     [[nodiscard]] Result<void> start();
 
-    /// Lockstep: the next tick that awaits this process, with all its input. Real time: whenever the clock has advanced or
-    /// input has arrived. Nothing when the run is over (the tick before was final) or a stop was asked for.
+    /// Lockstep: the next tick that awaits this process, with all its input. Real time: whenever the clock has advanced
+    /// or input has arrived. Nothing when the run is over (the tick before was final) or a stop was asked for.
     [[nodiscard]] Result<std::optional<Tick>> next();
     /// The work of the tick is done; everything that it makes visible has been written.
     [[nodiscard]] Result<void> done(Tick const& tick, std::uint64_t next_tick_needed);
@@ -111,14 +115,16 @@ class CountedWriter {
     RawWriter* raw_;
 };
 
-template <class T> class Writer : private CountedWriter {
+template <class T>
+class Writer : private CountedWriter {
   public:
     using CountedWriter::CountedWriter;
     /// Sends a sample that takes effect at `at`. Lockstep readers see it in the tick that contains `at`.
     void write(T const& sample, SimTime at) { write_at(&sample, at); }
 };
 
-template <class T> Result<std::unique_ptr<Writer<T>>> Node::writer(std::string const& topic) {
+template <class T>
+Result<std::unique_ptr<Writer<T>>> Node::writer(std::string const& topic) {
     std::size_t slot = 0;
     auto raw = open_writer(topic, codec_of<T>(), slot);
     if (!raw) {
@@ -127,7 +133,8 @@ template <class T> Result<std::unique_ptr<Writer<T>>> Node::writer(std::string c
     return std::make_unique<Writer<T>>(*core_, std::move(*raw), slot);
 }
 
-template <class T> Result<std::unique_ptr<Reader<T>>> Node::reader(std::string const& topic) {
+template <class T>
+Result<std::unique_ptr<Reader<T>>> Node::reader(std::string const& topic) {
     auto reader = std::make_unique<Reader<T>>();
     if (auto opened = open_reader(topic, codec_of<T>(), *reader); !opened) {
         return std::unexpected{opened.error()};

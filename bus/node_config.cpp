@@ -63,7 +63,8 @@ Node expected_node(ExpectedPeers const& expected) {
 void describe(Fields& f, ClockConfig& clock) {
     f.choice<ClockMode>("mode", clock.mode, {{"realtime", ClockMode::realtime}, {"lockstep", ClockMode::lockstep}},
                         {.doc = "lockstep: the simulator waits for its members; realtime: for nobody"});
-    f.fraction("quantum_s", clock.quantum_s, {.doc = "time quantum of which step and tick are whole multiples", .above = 0});
+    f.fraction("quantum_s", clock.quantum_s,
+               {.doc = "time quantum of which step and tick are whole multiples", .above = 0});
     f.fraction("tick_s", clock.tick_s, {.doc = "length of a tick", .above = 0});
     std::string epoch = format_utc(clock.epoch_unix_s);
     f.text("epoch", epoch, {.doc = "UTC of simulated time 0"});

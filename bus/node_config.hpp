@@ -19,16 +19,16 @@ enum class ClockMode { realtime, lockstep };
 /// How a process takes part in the simulation clock (docs/design/time.md).
 struct ClockConfig {
     ClockMode mode{ClockMode::realtime};
-    Rational quantum_s{1};                ///< every step and tick is a whole multiple of it
+    Rational quantum_s{1}; ///< every step and tick is a whole multiple of it
     Rational tick_s{1};
-    std::int64_t epoch_unix_s{0};         ///< simulated time 0
-    double member_timeout_s{10};          ///< a wait inside a tick; 0: none (a debugger is attached)
-    double start_timeout_s{30};           ///< until everybody is matched; 0: none
-    std::int64_t max_lag_ticks{16};       ///< an idle member still acknowledges this often
-    std::string simulator{"sim"};         ///< the process that publishes the clock
-    std::vector<std::string> members;     ///< lockstep members
-    std::vector<std::string> upstream;    ///< members whose output this process reads
-    std::vector<std::string> downstream;  ///< members that read this process's output
+    std::int64_t epoch_unix_s{0};        ///< simulated time 0
+    double member_timeout_s{10};         ///< a wait inside a tick; 0: none (a debugger is attached)
+    double start_timeout_s{30};          ///< until everybody is matched; 0: none
+    std::int64_t max_lag_ticks{16};      ///< an idle member still acknowledges this often
+    std::string simulator{"sim"};        ///< the process that publishes the clock
+    std::vector<std::string> members;    ///< lockstep members
+    std::vector<std::string> upstream;   ///< members whose output this process reads
+    std::vector<std::string> downstream; ///< members that read this process's output
 };
 
 /// One network that a process is on.
@@ -40,19 +40,19 @@ struct NetworkConfig {
 /// With how many endpoints of which process a topic's reader or writer must be matched before the process is ready.
 using ExpectedPeers = std::map<std::string, std::map<std::string, std::int64_t>>; ///< topic -> process -> count
 
-/// What a process needs to know to be on the bus. Written by the launcher for each process; a hand-written file may leave
-/// out everything but the domain.
+/// What a process needs to know to be on the bus. Written by the launcher for each process; a hand-written file may
+/// leave out everything but the domain.
 struct NodeConfig {
     std::string process;
     std::string program;
     std::int64_t incarnation{0};
-    std::filesystem::path qos;              ///< XML profiles of the role
-    NetworkConfig management;               ///< clock, acknowledgements, recording, health
-    std::optional<NetworkConfig> data;      ///< the studied network; without it everything is on management
+    std::filesystem::path qos;                  ///< XML profiles of the role
+    NetworkConfig management;                   ///< clock, acknowledgements, recording, health
+    std::optional<NetworkConfig> data;          ///< the studied network; without it everything is on management
     std::vector<std::string> management_topics; ///< topics beyond the built-in ones that stay off the studied network
     ClockConfig clock;
-    ExpectedPeers expected_writers;         ///< by topic that this process reads
-    ExpectedPeers expected_readers;         ///< by topic that this process writes
+    ExpectedPeers expected_writers; ///< by topic that this process reads
+    ExpectedPeers expected_readers; ///< by topic that this process writes
 };
 
 void describe(config::Fields& f, ClockConfig& clock);

@@ -74,8 +74,8 @@ struct Node::Core {
     std::chrono::steady_clock::time_point pending_since; ///< when the clock of the pending tick came
     std::uint64_t matches_generation{0};                 ///< counts discoveries, matches and departures
     std::uint64_t matches_published{0};
-    std::function<void(ClockAck const&)> on_ack;  ///< of the clock server; under the mutex
-    std::function<bool()> server_waits_no_more;   ///< of the clock server; under the mutex
+    std::function<void(ClockAck const&)> on_ack; ///< of the clock server; under the mutex
+    std::function<bool()> server_waits_no_more;  ///< of the clock server; under the mutex
 
     std::atomic<std::uint64_t> foreign_samples{0};
     std::atomic<std::uint64_t> refused_writes{0};
@@ -93,14 +93,15 @@ struct Node::Core {
     void on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header);
     void on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header);
     /// Takes a ledger (of an acknowledgement or a clock) into the book.
-    template <class Ledger> void take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger);
+    template <class Ledger>
+    void take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger);
     /// Writes the counts of all topics into a ledger sequence, without allocating once it has grown.
     void fill_ledger(std::vector<LedgerEntry>& ledger) const;
 
     /// Peers with which everything expected is matched, and the text of what is still missing.
     [[nodiscard]] std::vector<Peer> matched_peers(std::string& missing) const;
-    /// Looks at the matches and publishes member_status if they changed; returns what is missing. Only the process's own
-    /// thread calls it.
+    /// Looks at the matches and publishes member_status if they changed; returns what is missing. Only the process's
+    /// own thread calls it.
     std::string refresh_status(MemberState state_when_incomplete);
     std::vector<Peer> status_matched;
     std::string status_missing{"-"};

@@ -19,7 +19,9 @@ namespace gridspace::bus {
 namespace {
 
 /// What is expected of one endpoint, in addition to what the configuration lists.
-void expect(ExpectedPeers& peers, char const* topic, std::string const& process) { peers[topic].try_emplace(process, 1); }
+void expect(ExpectedPeers& peers, char const* topic, std::string const& process) {
+    peers[topic].try_emplace(process, 1);
+}
 
 /// For each expected process: are so many endpoints of its newest incarnation matched?
 void check_matches(std::string_view kind, std::string const& topic, std::map<std::string, std::int64_t> const& expected,
@@ -145,8 +147,9 @@ Result<void> Node::start() {
     Participant& management = *core.management;
     if (!core.is_simulator()) {
         expect(config.expected_writers, "simulation_clock", clock.simulator);
-        auto reader = management.create_reader("simulation_clock", codec_of<SimClock>(),
-                                               [&core](auto cdr, auto const& header) { core.on_clock_sample(cdr, header); });
+        auto reader =
+            management.create_reader("simulation_clock", codec_of<SimClock>(),
+                                     [&core](auto cdr, auto const& header) { core.on_clock_sample(cdr, header); });
         if (!reader) {
             return std::unexpected{reader.error()};
         }
@@ -158,9 +161,9 @@ Result<void> Node::start() {
             for (std::string const& process : heard) {
                 expect(config.expected_writers, "clock_ack", process);
             }
-            auto reader = management.create_reader("clock_ack", codec_of<ClockAck>(), [&core](auto cdr, auto const& header) {
-                core.on_ack_sample(cdr, header);
-            });
+            auto reader =
+                management.create_reader("clock_ack", codec_of<ClockAck>(),
+                                         [&core](auto cdr, auto const& header) { core.on_ack_sample(cdr, header); });
             if (!reader) {
                 return std::unexpected{reader.error()};
             }
@@ -215,9 +218,10 @@ Result<void> Node::start() {
             return fail(ExitCode::interrupted, "stopped while waiting for the others");
         }
         if (deadline.passed()) {
-            return fail(ExitCode::stall,
-                        fmt::format("not ready after {} s: still unmatched {}", shortest(clock.start_timeout_s), missing),
-                        "is that process running, and on the same network and DDS domain?");
+            return fail(
+                ExitCode::stall,
+                fmt::format("not ready after {} s: still unmatched {}", shortest(clock.start_timeout_s), missing),
+                "is that process running, and on the same network and DDS domain?");
         }
         // Discovery callbacks notify; the short period only covers a change between the look and the wait.
         core.changed.wait_for(lock, std::min(deadline.left(), std::chrono::milliseconds{100}));
@@ -231,8 +235,8 @@ Result<std::optional<Tick>> Node::next() {
         auto const may_return = [&] {
             return core.error || core.stop_requested || core.final_done || core.gate->granted().has_value();
         };
-        // Waiting for the next clock may take any time: others work, or the run is paused. Once the clock has come, what
-        // belongs to it must follow: twice the simulator's own patience, so that it can name the culprit first.
+        // Waiting for the next clock may take any time: others work, or the run is paused. Once the clock has come,
+        // what belongs to it must follow: twice the simulator's own patience, so that it can name the culprit first.
         double const patience_s = 2 * core.config.clock.member_timeout_s;
         while (!may_return()) {
             core.changed.wait_for(lock, std::chrono::seconds{1});
@@ -243,8 +247,10 @@ Result<std::optional<Tick>> Node::next() {
             }
             std::chrono::duration<double> const waited = std::chrono::steady_clock::now() - core.pending_since;
             if (patience_s > 0 && core.gate->has_pending() && waited.count() > patience_s && !may_return()) {
-                core.fail_locked({ExitCode::stall, fmt::format("tick {}: waited {} s for {}", core.clock.tick(),
-                                                               shortest(patience_s), core.gate->awaiting()), ""});
+                core.fail_locked({ExitCode::stall,
+                                  fmt::format("tick {}: waited {} s for {}", core.clock.tick(), shortest(patience_s),
+                                              core.gate->awaiting()),
+                                  ""});
             }
         }
         if (core.error) {
@@ -315,23 +321,33 @@ void Node::request_stop() {
     core_->changed.notify_all();
 }
 
-void Node::fail_with(Error error) { core_->fail(std::move(error)); }
+void Node::fail_with(Error error) {
+    core_->fail(std::move(error));
+}
 
 std::optional<Error> Node::failure() const {
     std::lock_guard const lock{core_->mutex};
     return core_->error;
 }
 
-NodeConfig const& Node::config() const { return core_->config; }
-TimeBase const& Node::time_base() const { return core_->base; }
-bool Node::lockstep() const { return core_->lockstep(); }
+NodeConfig const& Node::config() const {
+    return core_->config;
+}
+TimeBase const& Node::time_base() const {
+    return core_->base;
+}
+bool Node::lockstep() const {
+    return core_->lockstep();
+}
 
 SimTime Node::latest_time() const {
     std::lock_guard const lock{core_->mutex};
     return core_->latest_time;
 }
 
-SimTime Node::effect_time(SimTime input, SimSpan latency) const { return lockstep() ? input + latency : latest_time(); }
+SimTime Node::effect_time(SimTime input, SimSpan latency) const {
+    return lockstep() ? input + latency : latest_time();
+}
 
 Node::Counters Node::counters() const {
     return {core_->foreign_samples.load(), core_->refused_writes.load(), core_->lost_samples.load()};
@@ -342,7 +358,9 @@ CountedWriter::CountedWriter(Node::Core& core, std::unique_ptr<RawWriter> raw, s
     core_.writers[slot_].raw = std::move(raw);
 }
 
-CountedWriter::~CountedWriter() { core_.writers[slot_].raw.reset(); }
+CountedWriter::~CountedWriter() {
+    core_.writers[slot_].raw.reset();
+}
 
 void CountedWriter::write_at(void const* sample, SimTime at) {
     count(raw_->write(sample, core_.lockstep() ? std::optional{core_.source_ns(at)} : std::nullopt));
@@ -366,8 +384,8 @@ void CountedWriter::count(bool accepted) {
 
 std::vector<Received<CdrSample>> CdrReader::take() {
     std::lock_guard const lock{mutex_};
-    auto const later = std::stable_partition(waiting_.begin(), waiting_.end(),
-                                             [&](auto const& r) { return r.origin.time <= until_; });
+    auto const later =
+        std::stable_partition(waiting_.begin(), waiting_.end(), [&](auto const& r) { return r.origin.time <= until_; });
     std::vector<Received<CdrSample>> due{std::make_move_iterator(waiting_.begin()), std::make_move_iterator(later)};
     waiting_.erase(waiting_.begin(), later);
     std::sort(due.begin(), due.end(), [](auto const& a, auto const& b) { return a.origin < b.origin; });

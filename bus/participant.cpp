@@ -343,9 +343,8 @@ class FastDdsParticipant final : public Participant {
             return fail(ExitCode::usage, fmt::format("'{}' has no data_writer profile named '{}', and no 'default'",
                                                      options_.qos_file.string(), topic_name));
         }
-        qos.endpoint().history_memory_policy = codec.max_size != 0
-                                                   ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE
-                                                   : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+        qos.endpoint().history_memory_policy =
+            codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
         auto writer = std::make_unique<Writer>(directory_, publisher_, codec);
         if (!writer->open(*topic, qos)) {
             return fail(ExitCode::usage, fmt::format("DDS refused the writer of topic '{}'", topic_name),
@@ -366,9 +365,8 @@ class FastDdsParticipant final : public Participant {
             return fail(ExitCode::usage, fmt::format("'{}' has no data_reader profile named '{}', and no 'default'",
                                                      options_.qos_file.string(), topic_name));
         }
-        qos.endpoint().history_memory_policy = codec.max_size != 0
-                                                   ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE
-                                                   : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+        qos.endpoint().history_memory_policy =
+            codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
         auto reader = std::make_unique<Reader>(directory_, subscriber_, std::move(handler));
         if (!reader->open(*topic, qos)) {
             return fail(ExitCode::usage, fmt::format("DDS refused the reader of topic '{}'", topic_name),
@@ -408,8 +406,8 @@ class FastDdsParticipant final : public Participant {
         }
         if (auto const it = topics_.find(name); it != topics_.end()) {
             if (it->second->get_type_name() != type_name) {
-                return fail(ExitCode::usage, fmt::format("topic '{}' carries {}, not {}", name,
-                                                         it->second->get_type_name(), type_name));
+                return fail(ExitCode::usage,
+                            fmt::format("topic '{}' carries {}, not {}", name, it->second->get_type_name(), type_name));
             }
             return it->second;
         }

@@ -27,10 +27,10 @@ struct Peer {
 
 /// Where a received sample comes from.
 struct SampleHeader {
-    std::uint32_t peer{0};       ///< index for Participant::peer()
-    std::uint32_t writer{0};     ///< counts the writers that this reader has heard, from 0
-    std::uint64_t sequence{0};   ///< counts the samples of one writer, from 1
-    std::int64_t source_ns{0};   ///< when it was sent, nanoseconds since 1970; simulated time in lockstep
+    std::uint32_t peer{0};     ///< index for Participant::peer()
+    std::uint32_t writer{0};   ///< counts the writers that this reader has heard, from 0
+    std::uint64_t sequence{0}; ///< counts the samples of one writer, from 1
+    std::int64_t source_ns{0}; ///< when it was sent, nanoseconds since 1970; simulated time in lockstep
 };
 
 /// Called on the receiving thread: must not block and must not write.
@@ -41,9 +41,9 @@ struct ParticipantOptions {
     std::uint32_t incarnation{0};
     std::string program;
     int domain{0};
-    std::filesystem::path qos_file;      ///< qos/<role>.xml
-    std::string profile{"management"};   ///< participant profile in that file
-    std::vector<std::string> addresses;  ///< interfaces to use, by their IPv4 address; empty: all
+    std::filesystem::path qos_file;     ///< qos/<role>.xml
+    std::string profile{"management"};  ///< participant profile in that file
+    std::vector<std::string> addresses; ///< interfaces to use, by their IPv4 address; empty: all
 };
 
 struct Endpoint {
@@ -77,14 +77,16 @@ class Participant {
     virtual ~Participant() = default;
 
     /// QoS come from the profile named like the topic in the role's file, or from its `default` profile.
-    [[nodiscard]] virtual Result<std::unique_ptr<RawWriter>> create_writer(std::string const& topic, Codec const& codec) = 0;
+    [[nodiscard]] virtual Result<std::unique_ptr<RawWriter>> create_writer(std::string const& topic,
+                                                                           Codec const& codec) = 0;
     [[nodiscard]] virtual Result<std::unique_ptr<RawReader>> create_reader(std::string const& topic, Codec const& codec,
                                                                            SampleHandler handler) = 0;
 
     [[nodiscard]] virtual Peer peer(std::uint32_t index) const = 0;
     /// Called, from threads of DDS, whenever a peer appears or leaves or an endpoint is matched or unmatched.
     virtual void on_change(std::function<void()> callback) = 0;
-    /// Called, from threads of DDS, when a participant is gone: `clean` when it said goodbye, not when its lease ran out.
+    /// Called, from threads of DDS, when a participant is gone: `clean` when it said goodbye, not when its lease ran
+    /// out.
     virtual void on_departure(std::function<void(Peer const&, bool clean)> callback) = 0;
 };
 

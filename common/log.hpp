@@ -17,22 +17,26 @@ void set_level(Level level);
 /// The simulated time shown in front of each line; negative: not running yet.
 void set_time(double seconds);
 
-template <class... Args> void debug(fmt::format_string<Args...> format, Args&&... args) {
+template <class... Args>
+void debug(fmt::format_string<Args...> format, Args&&... args) {
     if (enabled(Level::debug)) {
         write(Level::debug, fmt::format(format, std::forward<Args>(args)...));
     }
 }
-template <class... Args> void info(fmt::format_string<Args...> format, Args&&... args) {
+template <class... Args>
+void info(fmt::format_string<Args...> format, Args&&... args) {
     if (enabled(Level::info)) {
         write(Level::info, fmt::format(format, std::forward<Args>(args)...));
     }
 }
-template <class... Args> void warning(fmt::format_string<Args...> format, Args&&... args) {
+template <class... Args>
+void warning(fmt::format_string<Args...> format, Args&&... args) {
     if (enabled(Level::warning)) {
         write(Level::warning, fmt::format(format, std::forward<Args>(args)...));
     }
 }
-template <class... Args> void error(fmt::format_string<Args...> format, Args&&... args) {
+template <class... Args>
+void error(fmt::format_string<Args...> format, Args&&... args) {
     write(Level::error, fmt::format(format, std::forward<Args>(args)...));
 }
 

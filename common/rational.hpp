@@ -15,8 +15,9 @@ namespace gridspace {
 class Rational {
   public:
     constexpr Rational() = default;
-    constexpr Rational(std::int64_t whole) : num_{whole} {} // NOLINT(google-explicit-constructor): a whole is a fraction
-    Rational(std::int64_t num, std::int64_t den);           ///< throws std::domain_error when den is 0
+    constexpr Rational(std::int64_t whole)
+        : num_{whole} {}                          // NOLINT(google-explicit-constructor): a whole is a fraction
+    Rational(std::int64_t num, std::int64_t den); ///< throws std::domain_error when den is 0
 
     [[nodiscard]] constexpr std::int64_t num() const { return num_; }
     [[nodiscard]] constexpr std::int64_t den() const { return den_; }

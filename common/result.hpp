@@ -17,7 +17,8 @@ struct Error {
     std::string remedy; ///< one line that helps; empty when there is nothing better to say
 };
 
-template <class T> using Result = std::expected<T, Error>;
+template <class T>
+using Result = std::expected<T, Error>;
 
 inline std::unexpected<Error> fail(ExitCode code, std::string message, std::string remedy = {}) {
     return std::unexpected<Error>{Error{code, std::move(message), std::move(remedy)}};

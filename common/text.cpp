@@ -3,8 +3,8 @@
 #include "common/text.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cctype>
+#include <charconv>
 
 namespace gridspace {
 namespace {
@@ -46,8 +46,7 @@ std::optional<std::string> nearest_spelling(std::string_view word, std::vector<s
     std::optional<std::string> best;
     std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
     for (std::string const& candidate : candidates) {
-        std::size_t const distance =
-            plain(word) == plain(candidate) ? 0 : edit_distance(plain(word), plain(candidate));
+        std::size_t const distance = plain(word) == plain(candidate) ? 0 : edit_distance(plain(word), plain(candidate));
         if (distance < best_distance && distance < candidate.size()) {
             best_distance = distance;
             best = candidate;

@@ -27,8 +27,12 @@ SimTime TimeBase::from_nanoseconds(std::int64_t ns) const {
                               static_cast<Wide>(quantum_s_.num()) * kNsPerSecond)};
 }
 
-SimSpan TimeBase::ceil(Rational seconds) const { return {(seconds / quantum_s_).ceil()}; }
-SimSpan TimeBase::nearest(Rational seconds) const { return {(seconds / quantum_s_).round()}; }
+SimSpan TimeBase::ceil(Rational seconds) const {
+    return {(seconds / quantum_s_).ceil()};
+}
+SimSpan TimeBase::nearest(Rational seconds) const {
+    return {(seconds / quantum_s_).round()};
+}
 
 std::string human_duration(double seconds) {
     if (!std::isfinite(seconds)) {

@@ -49,8 +49,8 @@ class TimeBase {
                static_cast<double>(quantum_s_.den());
     }
 
-    /// Nanoseconds since simulated time 0, rounded to nearest. The inverse is exact while a quantum is longer than 1 ns:
-    /// from_nanoseconds(nanoseconds(t)) == t, so a stamp on the wire loses nothing.
+    /// Nanoseconds since simulated time 0, rounded to nearest. The inverse is exact while a quantum is longer than 1
+    /// ns: from_nanoseconds(nanoseconds(t)) == t, so a stamp on the wire loses nothing.
     [[nodiscard]] std::int64_t nanoseconds(SimTime t) const;
     [[nodiscard]] SimTime from_nanoseconds(std::int64_t ns) const;
 

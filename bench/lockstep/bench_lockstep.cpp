@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Steps per second of the lockstep contract beside a bare Fast DDS ping-pong and a bare UDP one, of the same shape, in one
-// run. Each member is a process. Usage: bench_lockstep [members ...] [--steps N] [--rounds R]
+// Steps per second of the lockstep contract beside a bare Fast DDS ping-pong and a bare UDP one, of the same shape, in
+// one run. Each member is a process. Usage: bench_lockstep [members ...] [--steps N] [--rounds R]
 #include "bench/lockstep/exchanges.hpp"
 
 #include <algorithm>
@@ -39,7 +39,8 @@ Figures measure(Exchange exchange, int members, std::uint64_t steps, int domain)
             std::vector<double> times = exchange(member, members, steps, domain);
             if (member < 0) {
                 Figures figures;
-                figures.steps_per_s = 1e6 * static_cast<double>(times.size()) / std::accumulate(times.begin(), times.end(), 0.0);
+                figures.steps_per_s =
+                    1e6 * static_cast<double>(times.size()) / std::accumulate(times.begin(), times.end(), 0.0);
                 std::sort(times.begin(), times.end());
                 figures.p50_us = times[times.size() / 2];
                 figures.p99_us = times[times.size() * 99 / 100];
@@ -87,12 +88,14 @@ int main(int argc, char** argv) {
     if (counts.empty()) {
         counts = {1, 4, 16, 50};
     }
-    std::printf("members  contract steps/s (p50/p99 us)   bare DDS steps/s        bare UDP steps/s       contract/DDS\n");
+    std::printf(
+        "members  contract steps/s (p50/p99 us)   bare DDS steps/s        bare UDP steps/s       contract/DDS\n");
     int domain = 40;
     for (int const members : counts) {
         std::vector<double> contract, dds, udp, ratio;
         Figures c, d, u;
-        std::uint64_t const n = std::max<std::uint64_t>(200, steps / static_cast<std::uint64_t>(std::max(1, members / 4)));
+        std::uint64_t const n =
+            std::max<std::uint64_t>(200, steps / static_cast<std::uint64_t>(std::max(1, members / 4)));
         for (int r = 0; r < rounds; ++r) {
             domain = 40 + (domain - 39) % 50;
             c = measure(gridspace::bench::exchange_contract, members, n, domain);
@@ -103,9 +106,9 @@ int main(int argc, char** argv) {
             udp.push_back(u.steps_per_s);
             ratio.push_back(c.steps_per_s / d.steps_per_s);
         }
-        std::printf("%7d  %9.0f (%.0f/%.0f)%*s  %9.0f (%.0f/%.0f)    %9.0f (%.0f/%.0f)    %.2f\n", members, median(contract),
-                    c.p50_us, c.p99_us, 8, "", median(dds), d.p50_us, d.p99_us, median(udp), u.p50_us, u.p99_us,
-                    median(ratio));
+        std::printf("%7d  %9.0f (%.0f/%.0f)%*s  %9.0f (%.0f/%.0f)    %9.0f (%.0f/%.0f)    %.2f\n", members,
+                    median(contract), c.p50_us, c.p99_us, 8, "", median(dds), d.p50_us, d.p99_us, median(udp), u.p50_us,
+                    u.p99_us, median(ratio));
         std::fflush(stdout);
     }
     return 0;

@@ -31,9 +31,12 @@ double microseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
 }
 
-std::string member_name(int member) { return fmt::format("m{:03}", member); }
+std::string member_name(int member) {
+    return fmt::format("m{:03}", member);
+}
 
-template <class T> T must(Result<T> result) {
+template <class T>
+T must(Result<T> result) {
     if (!result) {
         fmt::print(stderr, "{}\n", describe(result.error()));
         std::_Exit(1);
@@ -43,7 +46,9 @@ template <class T> T must(Result<T> result) {
     }
 }
 
-std::string qos_file() { return std::string{GRIDSPACE_SOURCE_DIR} + "/qos/member.xml"; }
+std::string qos_file() {
+    return std::string{GRIDSPACE_SOURCE_DIR} + "/qos/member.xml";
+}
 
 bus::NodeConfig node_config(std::string const& name, int members, int domain) {
     bus::NodeConfig config;

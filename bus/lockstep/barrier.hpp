@@ -12,9 +12,9 @@ namespace gridspace::lockstep {
 
 /// The simulator's side of the barrier: who is awaited in tick k, and have they all acknowledged it?
 ///
-/// Awaited are the members that asked for the tick (next_tick_needed), those that have not acknowledged for max_lag ticks
-/// (so that nobody's inbox overflows), and everybody who is triggered, directly or not, by one of these. The set depends on
-/// acknowledgements only, never on wall time, so skipping idle members does not change a run. Pure.
+/// Awaited are the members that asked for the tick (next_tick_needed), those that have not acknowledged for max_lag
+/// ticks (so that nobody's inbox overflows), and everybody who is triggered, directly or not, by one of these. The set
+/// depends on acknowledgements only, never on wall time, so skipping idle members does not change a run. Pure.
 class Barrier {
   public:
     struct Member {
@@ -40,7 +40,7 @@ class Barrier {
     void rejoin(std::size_t member);
 
     [[nodiscard]] bool complete() const { return open_acks_ == 0; }
-    [[nodiscard]] std::vector<std::size_t> missing() const;   ///< members that have not acknowledged the open tick
+    [[nodiscard]] std::vector<std::size_t> missing() const; ///< members that have not acknowledged the open tick
     [[nodiscard]] std::optional<std::uint64_t> last_ack(std::size_t member) const;
 
   private:

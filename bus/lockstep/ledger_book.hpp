@@ -9,8 +9,8 @@
 
 namespace gridspace::lockstep {
 
-/// Compares what others say they have sent (ledgers) with what has arrived, per process and topic. Pure bookkeeping: no DDS,
-/// no clock, no allocation after the constructor's names are known. A restarted process counts from 0 again.
+/// Compares what others say they have sent (ledgers) with what has arrived, per process and topic. Pure bookkeeping: no
+/// DDS, no clock, no allocation after the constructor's names are known. A restarted process counts from 0 again.
 class LedgerBook {
   public:
     /// `processes`: everybody whose samples count; `topics`: what this process reads.

@@ -19,9 +19,9 @@ class TickGate {
   public:
     struct Config {
         std::string self;
-        std::string simulator;              ///< the process that publishes the clock
-        std::vector<std::string> members;   ///< all lockstep members; their sorted order numbers the awaited bits
-        std::vector<std::string> upstream;  ///< members whose output this one reads
+        std::string simulator;             ///< the process that publishes the clock
+        std::vector<std::string> members;  ///< all lockstep members; their sorted order numbers the awaited bits
+        std::vector<std::string> upstream; ///< members whose output this one reads
     };
     TickGate(Config config, LedgerBook& book);
 
@@ -45,8 +45,8 @@ class TickGate {
 
   private:
     struct Upstream {
-        std::size_t process;      ///< index in the book
-        std::size_t member;       ///< index among the sorted members
+        std::size_t process; ///< index in the book
+        std::size_t member;  ///< index among the sorted members
         std::int64_t acked{-1};
     };
     struct Pending {

@@ -13,7 +13,8 @@
 namespace gridspace::bus::detail {
 
 /// A Codec from what fastddsgen made: the struct T and its PubSubType.
-template <class T, class PubSubType> Codec make_codec(std::string_view name) {
+template <class T, class PubSubType>
+Codec make_codec(std::string_view name) {
     static PubSubType type;
     Codec codec;
     codec.type_name = name;
@@ -34,9 +35,9 @@ template <class T, class PubSubType> Codec make_codec(std::string_view name) {
     codec.decode = [](std::span<std::byte const> in, void* sample) -> bool {
         try {
             // FastBuffer takes a mutable pointer and only reads here.
-            eprosima::fastcdr::FastBuffer buffer{const_cast<char*>(reinterpret_cast<char const*>(in.data())), in.size()};
-            eprosima::fastcdr::Cdr cdr{buffer, eprosima::fastcdr::Cdr::DEFAULT_ENDIAN,
-                                       eprosima::fastcdr::Cdr::DDS_CDR};
+            eprosima::fastcdr::FastBuffer buffer{const_cast<char*>(reinterpret_cast<char const*>(in.data())),
+                                                 in.size()};
+            eprosima::fastcdr::Cdr cdr{buffer, eprosima::fastcdr::Cdr::DEFAULT_ENDIAN, eprosima::fastcdr::Cdr::DDS_CDR};
             cdr.read_encapsulation();
             static_cast<T*>(sample)->deserialize(cdr);
             return true;
@@ -61,7 +62,8 @@ template <class T, class PubSubType> Codec make_codec(std::string_view name) {
 
 // NOLINTNEXTLINE(cppcoreguidelines-macro-usage): a specialisation per generated type, named once
 #define GRIDSPACE_CODEC(Type)                                                                                          \
-    template <> gridspace::bus::Codec const& gridspace::bus::codec_of<Type>() {                                        \
+    template <>                                                                                                        \
+    gridspace::bus::Codec const& gridspace::bus::codec_of<Type>() {                                                    \
         static Codec const codec = detail::make_codec<Type, Type##PubSubType>(#Type);                                  \
         return codec;                                                                                                  \
     }

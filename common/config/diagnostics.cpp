@@ -9,7 +9,9 @@
 namespace gridspace::config {
 namespace {
 
-std::string plural(int n, std::string_view word) { return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s"); }
+std::string plural(int n, std::string_view word) {
+    return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s");
+}
 
 } // namespace
 
@@ -54,8 +56,9 @@ std::string Diagnostics::render() const {
             std::string const& line = d.where.source->lines[static_cast<std::size_t>(d.where.line) - 1];
             out += fmt::format("{:>4} | {}\n", d.where.line, line);
             std::string const underline = "^" + std::string(static_cast<std::size_t>(std::max(0, d.width - 1)), '~');
-            out += fmt::format("     | {}{}{}\n", std::string(static_cast<std::size_t>(std::max(0, d.where.column - 1)), ' '),
-                               underline, d.hint.empty() ? "" : " " + d.hint);
+            out += fmt::format("     | {}{}{}\n",
+                               std::string(static_cast<std::size_t>(std::max(0, d.where.column - 1)), ' '), underline,
+                               d.hint.empty() ? "" : " " + d.hint);
         } else if (!d.hint.empty()) {
             out += fmt::format("     | {}\n", d.hint);
         }

@@ -19,14 +19,36 @@ struct Unit {
 };
 // Longest suffix first where one ends another.
 constexpr std::array kUnits{
-    Unit{"_ohm_per_km", "ohm/km"}, Unit{"_nf_per_km", "nF/km"}, Unit{"_mh_per_km", "mH/km"}, Unit{"_pu", "p.u."},
-    Unit{"_percent", "%"},         Unit{"_deg", "degrees"},     Unit{"_ohm", "ohm"},         Unit{"_mh", "mH"},
-    Unit{"_uf", "uF"},             Unit{"_nf", "nF"},           Unit{"_km", "km"},           Unit{"_kwh", "kWh"},
-    Unit{"_kw", "kW"},             Unit{"_mw", "MW"},           Unit{"_kvar", "kvar"},       Unit{"_kva", "kVA"},
-    Unit{"_mva", "MVA"},           Unit{"_kv", "kV"},           Unit{"_va", "VA"},           Unit{"_w", "W"},
-    Unit{"_v", "V"},               Unit{"_ka", "kA"},           Unit{"_ma", "mA"},           Unit{"_a", "A"},
-    Unit{"_khz", "kHz"},           Unit{"_hz", "Hz"},           Unit{"_us", "microseconds"}, Unit{"_ms", "milliseconds"},
-    Unit{"_s", "seconds"},         Unit{"_h", "hours"},
+    Unit{"_ohm_per_km", "ohm/km"},
+    Unit{"_nf_per_km", "nF/km"},
+    Unit{"_mh_per_km", "mH/km"},
+    Unit{"_pu", "p.u."},
+    Unit{"_percent", "%"},
+    Unit{"_deg", "degrees"},
+    Unit{"_ohm", "ohm"},
+    Unit{"_mh", "mH"},
+    Unit{"_uf", "uF"},
+    Unit{"_nf", "nF"},
+    Unit{"_km", "km"},
+    Unit{"_kwh", "kWh"},
+    Unit{"_kw", "kW"},
+    Unit{"_mw", "MW"},
+    Unit{"_kvar", "kvar"},
+    Unit{"_kva", "kVA"},
+    Unit{"_mva", "MVA"},
+    Unit{"_kv", "kV"},
+    Unit{"_va", "VA"},
+    Unit{"_w", "W"},
+    Unit{"_v", "V"},
+    Unit{"_ka", "kA"},
+    Unit{"_ma", "mA"},
+    Unit{"_a", "A"},
+    Unit{"_khz", "kHz"},
+    Unit{"_hz", "Hz"},
+    Unit{"_us", "microseconds"},
+    Unit{"_ms", "milliseconds"},
+    Unit{"_s", "seconds"},
+    Unit{"_h", "hours"},
 };
 
 std::string bounds(NumberSpec const& spec) {
@@ -71,8 +93,8 @@ class NodeFields final : public Fields {
                 continue;
             }
             std::string const place = path_.empty() ? "" : fmt::format(" in {}", path_);
-            diagnostics_.error(entry.where, fmt::format("unknown key '{}'{}", entry.key, place), unknown_hint(entry.key),
-                               static_cast<int>(entry.key.size()));
+            diagnostics_.error(entry.where, fmt::format("unknown key '{}'{}", entry.key, place),
+                               unknown_hint(entry.key), static_cast<int>(entry.key.size()));
         }
     }
 
@@ -233,7 +255,8 @@ class NodeFields final : public Fields {
         }
         for (Node::Entry const& entry : node->entries) {
             if (!is_identifier(entry.key)) {
-                diagnostics_.error(entry.where, fmt::format("'{}' is not a name that {} may have", entry.key, child(key)),
+                diagnostics_.error(entry.where,
+                                   fmt::format("'{}' is not a name that {} may have", entry.key, child(key)),
                                    "letters, digits and _, not starting with a digit; `label:` takes any text",
                                    static_cast<int>(entry.key.size()));
             }
@@ -260,8 +283,9 @@ class NodeFields final : public Fields {
             Node const& item = node->items[i];
             std::string const path = fmt::format("{}[{}]", child(key), i);
             if (!item.is_map()) {
-                diagnostics_.error(item.where, fmt::format("{} should be a map of keys, found {}", path, describe(item)),
-                                   "", width_of(item));
+                diagnostics_.error(item.where,
+                                   fmt::format("{} should be a map of keys, found {}", path, describe(item)), "",
+                                   width_of(item));
                 continue;
             }
             read_fields(item, path, diagnostics_, body);
@@ -319,7 +343,9 @@ class NodeFields final : public Fields {
     std::optional<double> read_number(std::string_view key, Node const& node, NumberSpec const& spec) {
         std::optional<double> const v = number_of(node);
         if (!v) {
-            wrong(key, node, expected_number(key, "a number", spec) + (unit_of_key(key).empty() ? "" : "; the unit is in the key"));
+            wrong(key, node,
+                  expected_number(key, "a number", spec) +
+                      (unit_of_key(key).empty() ? "" : "; the unit is in the key"));
             return std::nullopt;
         }
         if (!in_bounds(*v, spec)) {

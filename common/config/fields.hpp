@@ -45,7 +45,8 @@ struct NumberSpec {
 /// The keys of one map. A configuration struct is described once, in `void describe(Fields&, T&)`; the same description
 /// reads a file, writes the schema and the reference page. In-class defaults of T are the defaults.
 ///
-/// A unit is the key's suffix (_s _ms _us _h _hz _v _kw _kva _a _ma _ohm _mh _km _pu _percent _deg …); values carry none.
+/// A unit is the key's suffix (_s _ms _us _h _hz _v _kw _kva _a _ma _ohm _mh _km _pu _percent _deg …); values carry
+/// none.
 class Fields {
   public:
     virtual ~Fields() = default;
@@ -57,7 +58,8 @@ class Fields {
     virtual void fraction(std::string_view key, std::optional<Rational>& value, NumberSpec spec = {}) = 0;
     virtual void text(std::string_view key, std::string& value, Spec spec = {}) = 0;
     virtual void reference(std::string_view key, Ref& value, Spec spec = {}) = 0;
-    virtual void file(std::string_view key, std::filesystem::path& value, Spec spec = {}) = 0; ///< relative to the naming file
+    virtual void file(std::string_view key, std::filesystem::path& value,
+                      Spec spec = {}) = 0; ///< relative to the naming file
     virtual void flag(std::string_view key, bool& value, Spec spec = {}) = 0;
     virtual void numbers(std::string_view key, std::vector<double>& value, NumberSpec spec = {}) = 0;
     virtual void references(std::string_view key, std::vector<Ref>& value, Spec spec = {}) = 0;

@@ -142,8 +142,9 @@ void resolve_likes(Node& section, Diagnostics& diagnostics) {
                 names.push_back(e.key);
             }
             auto const near = nearest_spelling(like->text, names);
-            diagnostics.error(like->where, fmt::format("'{}' is like {}, which does not exist", entry.key, describe(*like)),
-                              near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(like->text.size()));
+            diagnostics.error(
+                like->where, fmt::format("'{}' is like {}, which does not exist", entry.key, describe(*like)),
+                near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(like->text.size()));
             entry.value.erase("like");
         } else {
             self(self, *other);

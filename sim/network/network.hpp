@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-/// The network as a user writes it: plain data in SI units of the file, no behaviour. Each engine converts what it needs
-/// once, when it is built. The meaning of every parameter is in docs/reference/components.md.
+/// The network as a user writes it: plain data in SI units of the file, no behaviour. Each engine converts what it
+/// needs once, when it is built. The meaning of every parameter is in docs/reference/components.md.
 namespace gridspace::sim {
 
 using config::Ref;
@@ -74,7 +74,7 @@ struct Transformer : Element {
     Winding from_winding{Winding::wye_grounded}, to_winding{Winding::wye_grounded};
     double magnetising_percent{0}; ///< magnetising current, of the rated current; 0: none
     struct Saturation {
-        double knee_pu{1.2};       ///< flux linkage at the knee, p.u. of rated peak
+        double knee_pu{1.2};         ///< flux linkage at the knee, p.u. of rated peak
         double air_core_percent{30}; ///< reactance above the knee, of the rating
     };
     std::optional<Saturation> saturation;
@@ -164,8 +164,8 @@ enum class LoadModel { constant_power, constant_current, constant_impedance, exp
 struct Load : Element {
     Ref bus;
     double p_kw{0};
-    double power_factor{1};        ///< lagging, > 0
-    std::optional<double> q_kvar;  ///< instead of a power factor
+    double power_factor{1};       ///< lagging, > 0
+    std::optional<double> q_kvar; ///< instead of a power factor
     LoadModel model{LoadModel::constant_power};
     double exponent_p{0}, exponent_q{0};
     std::array<double, 3> zip_p{0, 0, 1}, zip_q{0, 0, 1}; ///< shares of constant impedance, current, power
@@ -232,7 +232,8 @@ struct Network {
 };
 
 /// The element of that name; nullptr when there is none.
-template <class T> [[nodiscard]] T const* find(std::vector<T> const& elements, std::string_view name) {
+template <class T>
+[[nodiscard]] T const* find(std::vector<T> const& elements, std::string_view name) {
     for (T const& element : elements) {
         if (element.name.name == name) {
             return &element;
@@ -241,7 +242,8 @@ template <class T> [[nodiscard]] T const* find(std::vector<T> const& elements, s
     return nullptr;
 }
 
-template <class T> [[nodiscard]] std::size_t index_of(std::vector<T> const& elements, std::string_view name) {
+template <class T>
+[[nodiscard]] std::size_t index_of(std::vector<T> const& elements, std::string_view name) {
     T const* found = find(elements, name);
     return found == nullptr ? elements.size() : static_cast<std::size_t>(found - elements.data());
 }
