@@ -70,8 +70,8 @@ void merge(Node& base, Node const& over) {
     }
 }
 
-std::optional<Node> load_extended(std::filesystem::path const& file, Diagnostics& diagnostics) {
-    return load_chain(file, {}, {}, diagnostics);
+std::optional<Node> load_extended(std::filesystem::path const& file, Diagnostics& diagnostics, SourceMark named_at) {
+    return load_chain(file, std::move(named_at), {}, diagnostics);
 }
 
 void apply_set(Node& root, std::string const& assignment, int number, Diagnostics& diagnostics) {

@@ -12,8 +12,10 @@ namespace gridspace::config {
 /// Lays `over` on `base`: maps merge by key, lists and scalars replace, `~` removes.
 void merge(Node& base, Node const& over);
 
-/// Reads a file and what it `extends:`, the nearest last. Cycles and missing files are diagnosed.
-[[nodiscard]] std::optional<Node> load_extended(std::filesystem::path const& file, Diagnostics& diagnostics);
+/// Reads a file and what it `extends:`, the nearest last. Cycles and missing files are diagnosed, at `named_at` where the
+/// name of the file itself was written.
+[[nodiscard]] std::optional<Node> load_extended(std::filesystem::path const& file, Diagnostics& diagnostics,
+                                                SourceMark named_at = {});
 
 /// Applies "a.b.c=value"; the value is YAML ("a.b={x: 1}" works, "a.b=~" removes). Missing maps on the way are made.
 /// `number` counts the --set arguments from 1, for messages.

@@ -16,7 +16,7 @@ namespace gridspace::config {
 namespace {
 
 constexpr std::size_t kMaxDepth = 64;
-constexpr std::size_t kMaxNodes = 2'000'000; // an alias bomb stops here
+constexpr std::size_t kMaxNodes = 1'000'000; // an alias bomb stops here
 
 /// Builds Nodes from parse events; a stack of open containers.
 class TreeBuilder final : public YAML::EventHandler {
@@ -42,6 +42,7 @@ class TreeBuilder final : public YAML::EventHandler {
             OnNull(mark, 0);
             return;
         }
+        count(it->second); // before the copy is made
         add(it->second, 0);
     }
     void OnScalar(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
@@ -65,7 +66,6 @@ class TreeBuilder final : public YAML::EventHandler {
     void OnMapEnd() override { close(); }
 
     [[nodiscard]] Node take() { return std::move(root_); }
-    [[nodiscard]] bool too_big() const { return nodes_ > kMaxNodes; }
 
   private:
     struct Open {
@@ -78,6 +78,18 @@ class TreeBuilder final : public YAML::EventHandler {
 
     SourceMark at(YAML::Mark const& mark) const {
         return {source_, mark.line + 1, mark.column + 1}; // yaml-cpp counts from 0
+    }
+
+    void count(Node const& node) {
+        if (++nodes_ > kMaxNodes) {
+            throw YAML::ParserException({}, fmt::format("more than {} values", kMaxNodes));
+        }
+        for (Node const& item : node.items) {
+            count(item);
+        }
+        for (Node::Entry const& entry : node.entries) {
+            count(entry.value);
+        }
     }
 
     void open(Node node, YAML::anchor_t anchor) {

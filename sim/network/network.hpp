@@ -73,6 +73,7 @@ struct Transformer : Element {
     double phase_shift_deg{0};         ///< `to` lags by it
     Winding from_winding{Winding::wye_grounded}, to_winding{Winding::wye_grounded};
     double magnetising_percent{0}; ///< magnetising current, of the rated current; 0: none
+    double charging_percent{0};    ///< total shunt susceptance, half at each winding, of the rating
     struct Saturation {
         double knee_pu{1.2};         ///< flux linkage at the knee, p.u. of rated peak
         double air_core_percent{30}; ///< reactance above the knee, of the rating

@@ -1,0 +1,231 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/network/network_check.hpp"
+
+#include "common/text.hpp"
+
+#include <fmt/format.h>
+#include <map>
+#include <numeric>
+
+namespace gridspace::sim {
+namespace {
+
+using config::Diagnostics;
+
+int width(Ref const& ref) { return static_cast<int>(ref.name.size()); }
+
+/// `ref`, which `owner` uses, must name one of `elements`.
+template <class T>
+bool must_exist(std::vector<T> const& elements, Ref const& ref, std::string_view kind, std::string const& owner,
+                Diagnostics& diagnostics) {
+    if (find(elements, ref.name) != nullptr) {
+        return true;
+    }
+    std::vector<std::string> names;
+    for (T const& element : elements) {
+        names.push_back(element.name.name);
+    }
+    auto const near = nearest_spelling(ref.name, names);
+    std::string const hint = near            ? fmt::format("did you mean '{}'?", *near)
+                             : names.empty() ? fmt::format("the network has no {}", kind)
+                             : names.size() <= 12 ? fmt::format("there are: {}", join(names, ", "))
+                                                  : "";
+    diagnostics.error(ref.where, fmt::format("{} names the {} '{}', which does not exist", owner, kind, ref.name), hint,
+                      width(ref));
+    return false;
+}
+
+template <class T>
+bool at_bus(Network const& n, std::vector<T> const& elements, std::string_view kind, Diagnostics& diagnostics) {
+    bool ok = true;
+    for (T const& e : elements) {
+        if (e.bus.empty()) {
+            ok = false; // "lacks the key 'bus'" was said when it was read
+            continue;
+        }
+        ok = must_exist(n.buses, e.bus, "bus", fmt::format("{} '{}'", kind, e.name.name), diagnostics) && ok;
+    }
+    return ok;
+}
+
+void check_names(Network const& n, Diagnostics& diagnostics) {
+    // A name stands for one thing: `disconnect: X` in an event must be unambiguous.
+    std::map<std::string, std::pair<std::string_view, Ref>> seen;
+    auto const add = [&](auto const& elements, std::string_view kind) {
+        for (auto const& e : elements) {
+            auto const [it, fresh] = seen.try_emplace(e.name.name, kind, e.name);
+            if (!fresh) {
+                diagnostics.error(e.name.where, fmt::format("the name '{}' is used twice", e.name.name),
+                                  fmt::format("a {} has it at {}", it->second.first, it->second.second.where.to_string()),
+                                  width(e.name));
+            }
+        }
+    };
+    // A bus and the source, machine or profile at it may share a name ("GRID"); devices among themselves may not.
+    add(n.lines, "line");
+    add(n.transformers, "transformer");
+    add(n.breakers, "breaker");
+    add(n.cts, "CT");
+    add(n.machines, "machine");
+    add(n.generators, "generator");
+    add(n.loads, "load");
+    add(n.shunts, "shunt");
+    add(n.pv, "PV");
+    add(n.evs, "EV");
+    add(n.sources, "source");
+}
+
+void check_branches(Network const& n, Diagnostics& diagnostics) {
+    for (Line const& line : n.lines) {
+        std::string const owner = fmt::format("line '{}'", line.name.name);
+        must_exist(n.buses, line.from, "bus", owner, diagnostics);
+        must_exist(n.buses, line.to, "bus", owner, diagnostics);
+        if (!line.type.empty() && !must_exist(n.line_types, line.type, "line type", owner, diagnostics)) {
+            continue;
+        }
+        Bus const* from = find(n.buses, line.from.name);
+        Bus const* to = find(n.buses, line.to.name);
+        if (line.from == line.to) {
+            diagnostics.error(line.to.where, fmt::format("{} starts and ends at bus '{}'", owner, line.to.name), "",
+                              width(line.to));
+        } else if (from != nullptr && to != nullptr && from->voltage_v != to->voltage_v) {
+            diagnostics.error(line.name.where,
+                              fmt::format("{} joins buses of {} V and {} V", owner, shortest(from->voltage_v),
+                                          shortest(to->voltage_v)),
+                              "buses of different voltage need a transformer", width(line.name));
+        }
+        LineTotals const t = line_totals(n, line);
+        if (t.r_ohm == 0 && t.l_h == 0) {
+            diagnostics.error(line.name.where, fmt::format("{} has no impedance", owner),
+                              "make it one bus, or give it a small resistance", width(line.name));
+        }
+    }
+    for (Transformer const& t : n.transformers) {
+        std::string const owner = fmt::format("transformer '{}'", t.name.name);
+        must_exist(n.buses, t.from, "bus", owner, diagnostics);
+        must_exist(n.buses, t.to, "bus", owner, diagnostics);
+        if (t.from == t.to) {
+            diagnostics.error(t.to.where, fmt::format("{} starts and ends at bus '{}'", owner, t.to.name), "", width(t.to));
+        }
+    }
+}
+
+/// Two devices of one kind at one end of one line.
+template <class T>
+void check_line_ends(Network const& n, std::vector<T> const& devices, std::string_view kind, Diagnostics& diagnostics) {
+    std::map<std::pair<std::string, LineEnd>, std::string> seen;
+    for (T const& d : devices) {
+        std::string const owner = fmt::format("{} '{}'", kind, d.name.name);
+        if (!must_exist(n.lines, d.line, "line", owner, diagnostics)) {
+            continue;
+        }
+        auto const [it, fresh] = seen.try_emplace({d.line.name, d.end}, d.name.name);
+        if (!fresh) {
+            diagnostics.error(d.name.where, fmt::format("{} stands where {} '{}' already is", owner, kind, it->second),
+                              fmt::format("line {}, end {}", d.line.name, d.end == LineEnd::from ? "from" : "to"),
+                              width(d.name));
+        }
+    }
+}
+
+/// Every bus must be reached, through lines and transformers that are in service, from something that holds voltage.
+void check_islands(Network const& n, Diagnostics& diagnostics) {
+    std::vector<std::size_t> root(n.buses.size());
+    std::iota(root.begin(), root.end(), std::size_t{0});
+    auto const top = [&](std::size_t i) {
+        while (root[i] != i) {
+            i = root[i] = root[root[i]];
+        }
+        return i;
+    };
+    auto const join_buses = [&](Ref const& a, Ref const& b) { root[top(index_of(n.buses, a.name))] = top(index_of(n.buses, b.name)); };
+    for (Line const& line : n.lines) {
+        bool open = false;
+        for (Breaker const& b : n.breakers) {
+            open = open || (b.line == line.name && !b.closed);
+        }
+        if (!open) {
+            join_buses(line.from, line.to);
+        }
+    }
+    for (Transformer const& t : n.transformers) {
+        join_buses(t.from, t.to);
+    }
+    std::vector<bool> fed(n.buses.size(), false);
+    auto const feed = [&](Ref const& bus) { fed[top(index_of(n.buses, bus.name))] = true; };
+    for (Source const& s : n.sources) {
+        feed(s.bus);
+    }
+    for (Machine const& m : n.machines) {
+        feed(m.bus);
+    }
+    for (Generator const& g : n.generators) {
+        if (g.role == GeneratorRole::slack) {
+            feed(g.bus);
+        }
+    }
+    std::vector<std::size_t> unfed;
+    for (std::size_t i = 0; i < n.buses.size(); ++i) {
+        if (!fed[top(i)]) {
+            unfed.push_back(i);
+        }
+    }
+    if (unfed.size() == n.buses.size()) {
+        diagnostics.error(n.where, "nothing holds the voltage of this network",
+                          "it needs a source, a machine, or a generator with `role: slack`");
+        return;
+    }
+    for (std::size_t const i : unfed) {
+        Bus const& bus = n.buses[i];
+        diagnostics.error(bus.name.where,
+                          fmt::format("bus '{}' is islanded: no line or transformer in service joins it to a source, "
+                                      "machine or slack generator",
+                                      bus.name.name),
+                          "join it, or remove it", width(bus.name));
+    }
+}
+
+} // namespace
+
+void check_network(Network const& n, Diagnostics& diagnostics) {
+    int const before = diagnostics.errors();
+    if (n.buses.empty()) {
+        diagnostics.error(n.where, "the network has no buses", "a section `buses:` is needed");
+        return;
+    }
+    check_names(n, diagnostics);
+    check_branches(n, diagnostics);
+    check_line_ends(n, n.breakers, "breaker", diagnostics);
+    check_line_ends(n, n.cts, "CT", diagnostics);
+    at_bus(n, n.sources, "source", diagnostics);
+    at_bus(n, n.machines, "machine", diagnostics);
+    at_bus(n, n.generators, "generator", diagnostics);
+    at_bus(n, n.loads, "load", diagnostics);
+    at_bus(n, n.shunts, "shunt", diagnostics);
+    at_bus(n, n.pv, "PV", diagnostics);
+    at_bus(n, n.evs, "EV", diagnostics);
+    for (Breaker const& b : n.breakers) {
+        must_exist(n.breaker_types, b.type, "breaker type", fmt::format("breaker '{}'", b.name.name), diagnostics);
+    }
+    for (Ct const& c : n.cts) {
+        must_exist(n.ct_types, c.type, "CT type", fmt::format("CT '{}'", c.name.name), diagnostics);
+    }
+    for (Machine const& m : n.machines) {
+        must_exist(n.machine_types, m.type, "machine type", fmt::format("machine '{}'", m.name.name), diagnostics);
+    }
+    auto const scaled = [&](auto const& elements, std::string_view kind) {
+        for (auto const& e : elements) {
+            if (!e.scale.empty()) {
+                must_exist(n.profiles, e.scale, "profile", fmt::format("{} '{}'", kind, e.name.name), diagnostics);
+            }
+        }
+    };
+    scaled(n.loads, "load");
+    scaled(n.pv, "PV");
+    if (diagnostics.errors() == before) {
+        check_islands(n, diagnostics);
+    }
+}
+
+} // namespace gridspace::sim

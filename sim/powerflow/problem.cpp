@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/powerflow/problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gridspace::sim {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Gives every island a node that holds the angle, and marks nodes without any source of voltage as dead.
+void hold_angles(Network const& network, PowerFlowProblem& problem) {
+    std::size_t const n = problem.nodes.size();
+    std::vector<std::size_t> island(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        island[i] = i;
+    }
+    auto const top = [&](std::size_t i) {
+        while (island[i] != i) {
+            i = island[i] = island[island[i]];
+        }
+        return i;
+    };
+    for (TwoPort const& b : problem.branches) {
+        if (b.ft != Complex{} || b.tf != Complex{}) {
+            island[top(b.from)] = top(b.to);
+        }
+    }
+    std::vector<bool> held(n, false);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (problem.nodes[i].kind == NodeKind::slack) {
+            held[top(i)] = true;
+        }
+    }
+    // The largest machine first, the first of equals.
+    std::vector<std::size_t> order;
+    for (std::size_t m = 0; m < network.machines.size(); ++m) {
+        order.push_back(m);
+    }
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return network.machines[a].rating_kva > network.machines[b].rating_kva;
+    });
+    for (std::size_t const m : order) {
+        std::size_t const node = index_of(network.buses, network.machines[m].bus.name);
+        if (!held[top(node)]) {
+            problem.nodes[node].kind = NodeKind::slack;
+            held[top(node)] = true;
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!held[top(i)]) {
+            problem.nodes[i].kind = NodeKind::dead;
+            problem.nodes[i].v = 0;
+        }
+    }
+}
+
+} // namespace
+
+PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerFlowOptions const& options) {
+    PowerFlowProblem problem;
+    problem.nodes.resize(n.buses.size());
+    problem.branches = two_ports(n, state);
+    double const base = n.power_kva;
+    auto const bus_of = [&](Ref const& bus) { return index_of(n.buses, bus.name); };
+    auto const hold = [&](std::size_t node, NodeKind kind, double v) {
+        PowerFlowProblem::Node& at = problem.nodes[node];
+        if (at.kind == NodeKind::pq || (at.kind == NodeKind::pv && kind == NodeKind::slack)) {
+            at.kind = kind;
+            at.v = v;
+        }
+    };
+    for (Source const& s : n.sources) {
+        std::size_t node = bus_of(s.bus);
+        if (s.r_ohm != 0 || s.l_mh != 0) {
+            double const omega = 2 * std::numbers::pi * n.frequency_hz;
+            Complex const y = base_impedance(n, n.buses[node]) / Complex{s.r_ohm, omega * s.l_mh * 1e-3};
+            TwoPort impedance;
+            impedance.from = problem.nodes.size();
+            impedance.to = node;
+            impedance.ff = impedance.tt = y;
+            impedance.ft = impedance.tf = -y;
+            problem.branches.push_back(impedance);
+            node = problem.nodes.size();
+            problem.nodes.emplace_back();
+        }
+        hold(node, NodeKind::slack, s.voltage_pu);
+        problem.nodes[node].angle = s.angle_deg * kDegree;
+        problem.source_node.push_back(node);
+    }
+    for (Generator const& g : n.generators) {
+        PowerFlowProblem::Node& node = problem.nodes[bus_of(g.bus)];
+        if (g.role == GeneratorRole::slack) {
+            hold(bus_of(g.bus), NodeKind::slack, g.voltage_setpoint_pu);
+            node.angle = g.angle_deg * kDegree;
+        } else {
+            node.p += g.p_kw / base;
+        }
+        if (g.role == GeneratorRole::pv) {
+            bool const first = node.kind == NodeKind::pq;
+            hold(bus_of(g.bus), NodeKind::pv, g.voltage_setpoint_pu);
+            node.q_min = (first ? 0 : node.q_min) + g.q_min_kvar.value_or(-1e30) / base;
+            node.q_max = (first ? 0 : node.q_max) + g.q_max_kvar.value_or(1e30) / base;
+        } else if (g.role == GeneratorRole::pq) {
+            node.q += g.q_kvar / base;
+        }
+    }
+    for (Machine const& m : n.machines) {
+        problem.nodes[bus_of(m.bus)].p += m.p_kw / base;
+        hold(bus_of(m.bus), NodeKind::pv, m.voltage_setpoint_pu);
+    }
+    auto const scale = [&](Ref const& profile) {
+        Profile const* p = find(n.profiles, profile.name);
+        return p == nullptr ? 1.0 : profile_value(*p, options.hours, options.start_hour_of_day);
+    };
+    for (Load const& l : n.loads) {
+        double const k = scale(l.scale) / base;
+        problem.loads.push_back({bus_of(l.bus), &l, l.p_kw * k, load_q_kvar(l) * k});
+    }
+    for (Pv const& p : n.pv) {
+        double power = p.p_kw * scale(p.scale);
+        if (p.rating_kva > 0) {
+            power = std::min(power, p.rating_kva * p.power_factor);
+        }
+        PowerFlowProblem::Node& node = problem.nodes[bus_of(p.bus)];
+        node.p += power / base;
+        node.q -= power / base * std::sqrt(1 - p.power_factor * p.power_factor) / p.power_factor;
+    }
+    problem.shunts.assign(problem.nodes.size(), Complex{});
+    for (Shunt const& s : n.shunts) {
+        problem.shunts[bus_of(s.bus)] += Complex{s.p_kw, s.q_kvar} / base;
+    }
+    hold_angles(n, problem);
+    return problem;
+}
+
+} // namespace gridspace::sim

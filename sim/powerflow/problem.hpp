@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/powerflow/load_power.hpp"
+#include "sim/powerflow/power_flow.hpp"
+
+namespace gridspace::sim {
+
+enum class NodeKind { slack, pv, pq, dead };
+
+/// The power flow as equations see it: nodes, p.u. on the base. The first nodes are the buses; the others are the ideal
+/// sources behind impedances.
+struct PowerFlowProblem {
+    struct Node {
+        NodeKind kind{NodeKind::pq};
+        double v{1}, angle{0};   ///< held or initial
+        double p{0}, q{0};       ///< generation, p.u. (q: pq nodes only)
+        double q_min{-1e30}, q_max{1e30};
+    };
+    struct BusLoad {
+        std::size_t node{0};
+        Load const* load{nullptr};
+        double p{0}, q{0}; ///< at 1 p.u., scaled
+    };
+    std::vector<Node> nodes;
+    std::vector<TwoPort> branches;      ///< with the source impedances at the end
+    std::vector<Complex> shunts;        ///< admittance by node
+    std::vector<BusLoad> loads;
+    std::vector<std::size_t> source_node; ///< by source: its internal node
+};
+
+[[nodiscard]] PowerFlowProblem make_problem(Network const& network, SwitchState const& state,
+                                            PowerFlowOptions const& options);
+
+struct NewtonOutcome {
+    bool converged{false};
+    bool singular{false};
+    int iterations{0};
+    double mismatch{0};
+    std::size_t worst_node{0};
+    std::vector<double> v, angle;
+    std::vector<Complex> injection; ///< net, computed, p.u.
+};
+
+/// Solves with all loads and generation multiplied by `scale`.
+[[nodiscard]] NewtonOutcome newton(PowerFlowProblem const& problem, PowerFlowOptions const& options, double scale = 1);
+
+} // namespace gridspace::sim

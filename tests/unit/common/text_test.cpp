@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/text.hpp"
+
+#include <gtest/gtest.h>
+
+namespace gridspace {
+namespace {
+
+TEST(NearestSpelling, FindsSlipsAndIgnoresStrangers) {
+    std::vector<std::string> const keys{"pickup_a", "window_cycles", "kind", "p_kw"};
+    EXPECT_EQ(nearest_spelling("pick_up_a", keys), "pickup_a");
+    EXPECT_EQ(nearest_spelling("pickpu_a", keys), "pickup_a");
+    EXPECT_EQ(nearest_spelling("Kind", keys), "kind");
+    EXPECT_FALSE(nearest_spelling("frequency", keys).has_value());
+}
+
+TEST(Glob, MatchesWholeTexts) {
+    EXPECT_TRUE(matches_glob("bus.*.v_pu", "bus.B1.v_pu"));
+    EXPECT_TRUE(matches_glob("*", ""));
+    EXPECT_TRUE(matches_glob("stream.SMV2?.lost", "stream.SMV21.lost"));
+    EXPECT_FALSE(matches_glob("bus.*.v_pu", "bus.B1.v_pu.a"));
+    EXPECT_FALSE(matches_glob("bus.?.v_pu", "bus.B1.v_pu"));
+    EXPECT_TRUE(matches_glob("a*b*c", "a_b_b_c"));
+}
+
+TEST(Identifier, FollowsTheStrictestDds) {
+    EXPECT_TRUE(is_identifier("TL_21"));
+    EXPECT_TRUE(is_identifier("_x"));
+    EXPECT_FALSE(is_identifier("TL-21"));
+    EXPECT_FALSE(is_identifier("21"));
+    EXPECT_FALSE(is_identifier(""));
+}
+
+TEST(Shortest, ReadsBackTheSameNumber) {
+    EXPECT_EQ(shortest(0.1), "0.1");
+    EXPECT_EQ(shortest(3), "3");
+    EXPECT_EQ(shortest(1e-9), "1e-09");
+}
+
+} // namespace
+} // namespace gridspace

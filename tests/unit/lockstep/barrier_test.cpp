@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/lockstep/barrier.hpp"
+
+#include <gtest/gtest.h>
+
+namespace gridspace::lockstep {
+namespace {
+
+std::vector<std::string> missing(Barrier const& barrier) {
+    std::vector<std::string> names;
+    for (std::size_t const member : barrier.missing()) {
+        names.push_back(barrier.member_name(member));
+    }
+    return names;
+}
+
+using Names = std::vector<std::string>;
+
+class BarrierTest : public ::testing::Test {
+  protected:
+    Barrier sut{{{"mcca", {"ev1", "ev2"}}, {"ev2", {}}, {"ev1", {}}, {"recorder", {}}}, 16};
+    std::size_t ev1 = sut.member_index("ev1");
+    std::size_t ev2 = sut.member_index("ev2");
+    std::size_t mcca = sut.member_index("mcca");
+    std::size_t recorder = sut.member_index("recorder");
+
+    void acknowledge_all(std::uint64_t tick, std::uint64_t next) {
+        for (std::size_t i = 0; i < sut.size(); ++i) {
+            sut.on_ack(i, tick, next);
+        }
+    }
+};
+
+TEST_F(BarrierTest, OpensAndClosesWithEverybody) {
+    sut.open(0, true);
+    EXPECT_EQ(missing(sut), (Names{"ev1", "ev2", "mcca", "recorder"}));
+    sut.on_ack(ev1, 0, 1);
+    sut.on_ack(ev2, 0, 1);
+    sut.on_ack(mcca, 0, 1);
+    EXPECT_FALSE(sut.complete());
+    sut.on_ack(recorder, 0, 1);
+    EXPECT_TRUE(sut.complete());
+}
+
+TEST_F(BarrierTest, IdleMembersAreSkippedUntilTheTickTheyAskedFor) {
+    sut.open(0, true);
+    acknowledge_all(0, 5);
+    for (std::uint64_t k = 1; k < 5; ++k) {
+        sut.open(k, false);
+        EXPECT_FALSE(sut.anybody_awaited()) << k;
+        EXPECT_TRUE(sut.complete());
+    }
+    sut.open(5, false);
+    EXPECT_EQ(missing(sut).size(), 4U);
+}
+
+TEST_F(BarrierTest, AMemberIsAwaitedWithWhatTriggersIt) {
+    sut.open(0, true);
+    acknowledge_all(0, 15);
+    sut.on_ack(ev1, 0, 1); // repeated: the first answer stands
+    sut.open(1, false);
+    EXPECT_FALSE(sut.anybody_awaited());
+
+    Barrier chained{{{"a", {}}, {"b", {"a"}}, {"c", {"b"}}, {"d", {}}}, 16};
+    chained.open(0, true);
+    for (std::size_t i = 0; i < 4; ++i) {
+        chained.on_ack(i, 0, i == 0 ? 1 : 10);
+    }
+    chained.open(1, false);
+    EXPECT_EQ(missing(chained), (Names{"a", "b", "c"}));
+    EXPECT_EQ(chained.awaited_bits(), std::vector<std::uint8_t>{0b0111});
+}
+
+TEST_F(BarrierTest, NobodyLagsByMoreThanTheLimit) {
+    sut.open(0, true);
+    acknowledge_all(0, 1000);
+    for (std::uint64_t k = 1; k < 16; ++k) {
+        sut.open(k, false);
+        EXPECT_FALSE(sut.anybody_awaited());
+    }
+    sut.open(16, false);
+    EXPECT_EQ(missing(sut).size(), 4U);
+}
+
+TEST_F(BarrierTest, ADroppedMemberIsNotAwaitedAndARejoinedOneIs) {
+    sut.open(0, true);
+    sut.on_ack(ev1, 0, 1);
+    sut.on_ack(mcca, 0, 1);
+    sut.on_ack(recorder, 0, 1);
+    EXPECT_FALSE(sut.complete());
+    sut.drop(ev2);
+    EXPECT_TRUE(sut.complete());
+    sut.open(1, false);
+    EXPECT_EQ(missing(sut), (Names{"ev1", "mcca", "recorder"}));
+    sut.rejoin(ev2);
+    acknowledge_all(1, 2);
+    sut.open(2, false);
+    EXPECT_EQ(missing(sut).size(), 4U);
+}
+
+TEST_F(BarrierTest, LateAcknowledgementsOfAnOldTickDoNotCount) {
+    sut.open(0, true);
+    acknowledge_all(0, 1);
+    sut.open(1, false);
+    sut.on_ack(ev1, 0, 1);
+    EXPECT_EQ(missing(sut).size(), 4U);
+    EXPECT_EQ(sut.last_ack(ev1), 0U);
+}
+
+} // namespace
+} // namespace gridspace::lockstep
