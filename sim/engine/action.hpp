@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <variant>
+
+namespace gridspace::sim {
+
+/// What an EV's charger is told; A of battery current.
+struct SetChargingCurrent {
+    std::string ev;
+    double current_a{0};
+};
+
+struct SwitchBreaker {
+    std::string breaker;
+    bool close{false};
+};
+
+enum class FaultType { three_phase_ground, three_phase, phase_ground, phase_phase, phase_phase_ground };
+
+/// A fault on a line (position in percent from its `from` end) or at a bus (line empty).
+struct ApplyFault {
+    std::string line, bus;
+    double position_percent{50};
+    FaultType type{FaultType::three_phase_ground};
+    double resistance_ohm{0};
+    std::string name; ///< of the event; clears by it
+};
+
+struct ClearFault {
+    std::string name;
+};
+
+/// A parameter of the network file, by its path ("loads.AC3.p_kw").
+struct SetParameter {
+    std::string path;
+    double value{0};
+};
+
+/// Takes an element out of service.
+struct Disconnect {
+    std::string element;
+};
+
+using Action = std::variant<SetChargingCurrent, SwitchBreaker, ApplyFault, ClearFault, SetParameter, Disconnect>;
+
+} // namespace gridspace::sim

@@ -1,0 +1,366 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/phasor/phasor_engine.hpp"
+
+#include "common/text.hpp"
+#include "sim/phasor/components.hpp"
+#include "sim/phasor/network_dae.hpp"
+#include "sim/powerflow/power_flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+namespace gridspace::sim::phasor {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+/// Double-point values of IEC 61850-7-3: intermediate 0, off 1, on 2, bad 3.
+constexpr double kOpen = 1, kClosed = 2;
+
+class PhasorEngine final : public Engine {
+  public:
+    PhasorEngine(Network network, PhasorOptions options)
+        : network_{std::move(network)}, options_{options}, switches_{network_} {
+        add_components();
+        dae_ = std::make_unique<NetworkDae>(components_, network_.buses.size());
+        y_.assign(dae_->size(), 0.0);
+        yp_.assign(dae_->size(), 0.0);
+        define_signals();
+    }
+
+    Result<void> initialise() override {
+        PowerFlowOptions options;
+        options.start_hour_of_day = options_.start_hour_of_day;
+        auto const flow = solve_power_flow(network_, switches_, options);
+        if (!flow) {
+            return std::unexpected{flow.error()};
+        }
+        for (std::size_t i = 0; i < network_.buses.size(); ++i) {
+            dae_->set_voltage(i, flow->buses[i].v, y_);
+        }
+        for (std::size_t k = 0; k < components_.size(); ++k) {
+            components_[k]->start(0, flow->buses[components_[k]->bus()].v, dae_->states_of(k, std::span{y_}));
+        }
+        set_topology();
+        return restart();
+    }
+
+    Result<void> advance(SimTime until) override {
+        double const target = options_.time_base.seconds(until);
+        if (input_changed_) {
+            if (auto ok = restart(); !ok) {
+                return ok;
+            }
+        }
+        while (t_ < target) {
+            auto const stop = solver_->advance(target, y_, yp_);
+            if (!stop) {
+                return std::unexpected{stop.error()};
+            }
+            t_ = stop->events.empty() ? target : stop->t;
+            if (!stop->events.empty()) {
+                for (int const k : stop->events) {
+                    components_[static_cast<std::size_t>(k)]->on_event(
+                        dae_->states_of(static_cast<std::size_t>(k), std::span{y_}));
+                }
+                if (auto ok = restart(); !ok) {
+                    return ok;
+                }
+            }
+        }
+        return check_voltages();
+    }
+
+    Result<void> apply(Action const& action) override {
+        return std::visit([this](auto const& a) { return act(a); }, action);
+    }
+
+    [[nodiscard]] std::vector<SignalDef> const& signals() const override { return signals_; }
+    [[nodiscard]] double value(std::size_t signal) const override { return readers_[signal](); }
+
+  private:
+    Result<void> act(SetChargingCurrent const& a) {
+        auto const it = evs_.find(a.ev);
+        if (it == evs_.end()) {
+            return fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
+        }
+        it->second->set_reference(a.current_a);
+        input_changed_ = true;
+        return {};
+    }
+    Result<void> act(SwitchBreaker const& a) {
+        std::size_t const i = index_of(network_.breakers, a.breaker);
+        if (i == network_.breakers.size()) {
+            return fail(ExitCode::usage, fmt::format("there is no breaker '{}'", a.breaker));
+        }
+        switches_.breaker_closed[i] = a.close;
+        set_topology();
+        return {};
+    }
+    Result<void> act(SetParameter const& a) {
+        std::vector<std::string> const path = split(a.path, '.');
+        if (path.size() == 3 && path[0] == "loads" && path[2] == "p_kw") {
+            if (auto const it = loads_.find(path[1]); it != loads_.end()) {
+                it->second->set_power(a.value);
+                input_changed_ = true;
+                return {};
+            }
+        }
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be changed while a phasor simulation runs", a.path),
+                    "loads.<name>.p_kw can");
+    }
+    Result<void> act(Disconnect const& a) {
+        if (auto const it = switchable_.find(a.element); it != switchable_.end()) {
+            it->second();
+            input_changed_ = true;
+            return {};
+        }
+        if (std::size_t const i = index_of(network_.lines, a.element); i < network_.lines.size()) {
+            switches_.line_out[i] = true;
+        } else if (std::size_t const j = index_of(network_.transformers, a.element); j < network_.transformers.size()) {
+            switches_.transformer_out[j] = true;
+        } else {
+            return fail(ExitCode::usage, fmt::format("'{}' cannot be disconnected: there is no such load, PV, EV, "
+                                                     "generator with given power, line or transformer",
+                                                     a.element));
+        }
+        set_topology();
+        return {};
+    }
+    Result<void> act(ApplyFault const&) {
+        return fail(ExitCode::usage, "the balanced phasor simulation has no faults yet", "use `solver: emt`");
+    }
+    Result<void> act(ClearFault const&) { return {}; }
+
+    Scale scale_of(Ref const& name) const {
+        Profile const* profile = find(network_.profiles, name.name);
+        if (profile == nullptr) {
+            return [](double) { return 1.0; };
+        }
+        return [profile, start = options_.start_hour_of_day](double t) { return profile_value(*profile, t / 3600, start); };
+    }
+
+    std::size_t bus_of(Ref const& bus) const { return index_of(network_.buses, bus.name); }
+
+    template <class C> C* add(std::unique_ptr<C> component) {
+        C* raw = component.get();
+        components_.push_back(std::move(component));
+        return raw;
+    }
+
+    void add_components() {
+        double const base = network_.power_kva;
+        for (Load const& load : network_.loads) {
+            auto* c = add(std::make_unique<LoadComponent>(load, bus_of(load.bus), base, scale_of(load.scale)));
+            loads_[load.name.name] = c;
+            switchable_[load.name.name] = [c] { c->set_connected(false); };
+        }
+        for (Pv const& pv : network_.pv) {
+            auto* c = add(std::make_unique<PvComponent>(pv, bus_of(pv.bus), base, scale_of(pv.scale)));
+            switchable_[pv.name.name] = [c] { c->set_connected(false); };
+        }
+        for (Ev const& ev : network_.evs) {
+            auto* c = add(std::make_unique<EvComponent>(ev, bus_of(ev.bus), base));
+            evs_[ev.name.name] = c;
+            switchable_[ev.name.name] = [c] { c->set_connected(false); };
+        }
+        for (Source const& source : network_.sources) {
+            if (source.r_ohm != 0 || source.l_mh != 0) {
+                add(std::make_unique<SourceComponent>(network_, source, bus_of(source.bus)));
+            }
+        }
+        for (Generator const& g : network_.generators) {
+            if (g.role == GeneratorRole::pq) {
+                auto* c = add(std::make_unique<FixedPowerComponent>(g.name.name, Complex{g.p_kw, g.q_kvar} / base,
+                                                                    bus_of(g.bus), base));
+                switchable_[g.name.name] = [c] { c->set_connected(false); };
+            }
+        }
+    }
+
+    /// Admittances and bus rules for the switches as they are now; the solver starts anew.
+    void set_topology() {
+        std::vector<TwoPort> branches = two_ports(network_, switches_);
+        std::vector<Complex> shunts(network_.buses.size());
+        for (Shunt const& s : network_.shunts) {
+            shunts[bus_of(s.bus)] += Complex{s.p_kw, s.q_kvar} / network_.power_kva;
+        }
+        std::vector<BusRule> rules(network_.buses.size());
+        std::vector<bool> fed(network_.buses.size(), false);
+        for (Source const& s : network_.sources) {
+            fed[bus_of(s.bus)] = true;
+            if (s.r_ohm == 0 && s.l_mh == 0) {
+                rules[bus_of(s.bus)] = {BusRule::Kind::held, std::polar(s.voltage_pu, s.angle_deg / kDegrees), 1, 0};
+            }
+        }
+        for (Generator const& g : network_.generators) {
+            BusRule& rule = rules[bus_of(g.bus)];
+            if (g.role == GeneratorRole::slack) {
+                rule = {BusRule::Kind::held, std::polar(g.voltage_setpoint_pu, g.angle_deg / kDegrees), 1, 0};
+                fed[bus_of(g.bus)] = true;
+            } else if (g.role == GeneratorRole::pv && rule.kind != BusRule::Kind::held) {
+                double const before = rule.kind == BusRule::Kind::regulated ? rule.p : 0;
+                rule = {BusRule::Kind::regulated, {}, g.voltage_setpoint_pu, before + g.p_kw / network_.power_kva};
+            }
+        }
+        mark_dead(branches, fed, rules);
+        dae_->set_network(branches, shunts, rules);
+        branches_ = std::move(branches);
+        solver_ = std::make_unique<DaeSolver>(*dae_, DaeOptions{options_.relative_tolerance, options_.absolute_tolerance});
+        for (std::size_t i = 0; i < rules.size(); ++i) {
+            // A bus that comes back to life starts near nominal voltage.
+            if (rules[i].kind != BusRule::Kind::dead && std::abs(dae_->voltage(i, y_)) < 0.01) {
+                dae_->set_voltage(i, 1, y_);
+            }
+        }
+        input_changed_ = true;
+    }
+
+    void mark_dead(std::vector<TwoPort> const& branches, std::vector<bool> fed, std::vector<BusRule>& rules) const {
+        for (bool changed = true; changed;) {
+            changed = false;
+            for (TwoPort const& b : branches) {
+                if ((b.ft != Complex{} || b.tf != Complex{}) && fed[b.from] != fed[b.to]) {
+                    fed[b.from] = fed[b.to] = changed = true;
+                }
+            }
+        }
+        for (std::size_t i = 0; i < rules.size(); ++i) {
+            if (!fed[i]) {
+                rules[i] = {BusRule::Kind::dead, {}, 1, 0};
+            }
+        }
+    }
+
+    Result<void> restart() {
+        input_changed_ = false;
+        auto ok = solver_->restart(t_, y_, yp_);
+        return ok;
+    }
+
+    Result<void> check_voltages() const {
+        for (std::size_t i = 0; i < network_.buses.size(); ++i) {
+            double const v = std::abs(dae_->voltage(i, y_));
+            if (!(v < 10)) {
+                return fail(ExitCode::usage, fmt::format("the voltage of bus '{}' is {} p.u. at {} s",
+                                                         network_.buses[i].name.name, shortest(v), shortest(t_)));
+            }
+        }
+        return {};
+    }
+
+    void signal(std::string name, std::string unit, std::function<double()> read) {
+        signals_.push_back({std::move(name), std::move(unit)});
+        readers_.push_back(std::move(read));
+    }
+
+    void define_signals() {
+        double const base = network_.power_kva;
+        for (std::size_t i = 0; i < network_.buses.size(); ++i) {
+            std::string const bus = "bus." + network_.buses[i].name.name;
+            signal(bus + ".v_pu", "p.u.", [this, i] { return std::abs(dae_->voltage(i, y_)); });
+            signal(bus + ".angle_deg", "deg", [this, i] { return std::arg(dae_->voltage(i, y_)) * kDegrees; });
+            signal(bus + ".frequency_hz", "Hz", [this] { return network_.frequency_hz; });
+            auto const net = [this, i] { return -dae_->voltage(i, y_) * std::conj(dae_->network_current(i, y_)); };
+            signal(bus + ".p_kw", "kW", [net, base] { return net().real() * base; });
+            signal(bus + ".q_kvar", "kvar", [net, base] { return net().imag() * base; });
+        }
+        auto const branch_signals = [&](TwoPort::Kind kind, std::string const& prefix, std::size_t element, double amperes_from,
+                                        double amperes_to) {
+            for (bool const from : {true, false}) {
+                auto const current = [this, kind, element, from]() -> std::pair<Complex, Complex> {
+                    for (TwoPort const& b : branches_) {
+                        if (b.kind == kind && b.element == element) {
+                            Complex const vf = dae_->voltage(b.from, y_), vt = dae_->voltage(b.to, y_);
+                            return from ? std::pair{vf, b.ff * vf + b.ft * vt} : std::pair{vt, b.tf * vf + b.tt * vt};
+                        }
+                    }
+                    return {};
+                };
+                std::string const end = prefix + (from ? ".from" : ".to");
+                double const amperes = from ? amperes_from : amperes_to;
+                signal(end + ".p_kw", "kW", [current, base] { auto const [v, i] = current(); return (v * std::conj(i)).real() * base; });
+                signal(end + ".q_kvar", "kvar", [current, base] { auto const [v, i] = current(); return (v * std::conj(i)).imag() * base; });
+                signal(end + ".i_a", "A", [current, amperes] { return std::abs(current().second) * amperes; });
+            }
+        };
+        auto const amperes = [&](Ref const& bus) {
+            return base * 1e3 / (std::sqrt(3.0) * network_.buses[bus_of(bus)].voltage_v);
+        };
+        for (std::size_t i = 0; i < network_.lines.size(); ++i) {
+            Line const& line = network_.lines[i];
+            branch_signals(TwoPort::Kind::line, "line." + line.name.name, i, amperes(line.from), amperes(line.to));
+        }
+        for (std::size_t i = 0; i < network_.transformers.size(); ++i) {
+            Transformer const& t = network_.transformers[i];
+            branch_signals(TwoPort::Kind::transformer, "transformer." + t.name.name, i, amperes(t.from), amperes(t.to));
+        }
+        for (std::size_t i = 0; i < network_.breakers.size(); ++i) {
+            signal("breaker." + network_.breakers[i].name.name + ".position", "dpc",
+                   [this, i] { return switches_.breaker_closed[i] ? kClosed : kOpen; });
+        }
+        for (std::size_t k = 0; k < components_.size(); ++k) {
+            std::vector<SignalDef> const own = components_[k]->signals();
+            for (std::size_t s = 0; s < own.size(); ++s) {
+                signal(own[s].name, own[s].unit, [this, k, s] {
+                    return components_[k]->value(s, t_, dae_->states_of(k, std::span<double const>{y_}),
+                                                 dae_->voltage(components_[k]->bus(), y_));
+                });
+            }
+        }
+        for (Generator const& g : network_.generators) {
+            if (g.role != GeneratorRole::pq) {
+                // What the bus needs beyond its other components; shared equally where several hold one bus.
+                std::size_t const bus = bus_of(g.bus);
+                auto const holders = static_cast<double>(
+                    std::count_if(network_.generators.begin(), network_.generators.end(), [&](Generator const& other) {
+                        return other.role != GeneratorRole::pq && other.bus == g.bus;
+                    }));
+                auto const power = [this, bus, holders] {
+                    Complex const v = dae_->voltage(bus, y_);
+                    return v * std::conj(dae_->network_current(bus, y_) - dae_->component_current(bus, t_, y_)) / holders;
+                };
+                signal("generator." + g.name.name + ".p_kw", "kW", [power, base] { return power().real() * base; });
+                signal("generator." + g.name.name + ".q_kvar", "kvar", [power, base] { return power().imag() * base; });
+            }
+        }
+    }
+
+    Network network_;
+    PhasorOptions options_;
+    SwitchState switches_;
+    std::vector<std::unique_ptr<Component>> components_;
+    std::map<std::string, EvComponent*> evs_;
+    std::map<std::string, LoadComponent*> loads_;
+    std::map<std::string, std::function<void()>> switchable_;
+    std::unique_ptr<NetworkDae> dae_;
+    std::unique_ptr<DaeSolver> solver_;
+    std::vector<TwoPort> branches_;
+    std::vector<double> y_, yp_;
+    double t_{0};
+    bool input_changed_{false};
+    std::vector<SignalDef> signals_;
+    std::vector<std::function<double()>> readers_;
+};
+
+} // namespace
+
+Result<std::unique_ptr<Engine>> make_phasor_engine(Network network, PhasorOptions options) {
+    if (!network.machines.empty()) {
+        return fail(ExitCode::usage,
+                    fmt::format("machine '{}': the phasor solver has no synchronous machines yet",
+                                network.machines.front().name.name),
+                    "use `solver: emt`, or a generator with a role");
+    }
+    return std::make_unique<PhasorEngine>(std::move(network), options);
+}
+
+std::vector<SignalDef> phasor_signals(Network const& network) {
+    return PhasorEngine{network, {}}.signals();
+}
+
+} // namespace gridspace::sim::phasor

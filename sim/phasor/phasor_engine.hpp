@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/engine/engine.hpp"
+#include "sim/network/network.hpp"
+
+#include <memory>
+
+namespace gridspace::sim::phasor {
+
+struct PhasorOptions {
+    TimeBase time_base;
+    double start_hour_of_day{0}; ///< of simulated time 0
+    double relative_tolerance{1e-8};
+    double absolute_tolerance{1e-9};
+};
+
+/// Balanced phasor simulation: the network's algebraic equations together with the components' states, as one DAE
+/// (docs/design/phasor.md). Fails when the network holds what it has no model for yet.
+[[nodiscard]] Result<std::unique_ptr<Engine>> make_phasor_engine(Network network, PhasorOptions options);
+
+/// The signals that such an engine has, without solving anything.
+[[nodiscard]] std::vector<SignalDef> phasor_signals(Network const& network);
+
+} // namespace gridspace::sim::phasor
