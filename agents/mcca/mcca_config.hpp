@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "agents/mcca/mcca_logic.hpp"
+#include "common/config/fields.hpp"
+
+namespace gridspace::agents {
+
+/// Settings of gridspace-mcca.
+struct MccaConfig {
+    std::vector<config::Ref> evs;
+    Rational request_timeout_s{30};
+    Rational latency_us{0}; ///< from the last request to the effect of the decision
+    MccaRules rules;
+};
+
+void describe(config::Fields& f, MccaConfig& config);
+
+} // namespace gridspace::agents

@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/daemon.hpp"
+
+#include "common/config/merge.hpp"
+#include "common/log.hpp"
+#include "common/version.hpp"
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <fmt/format.h>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <pthread.h>
+#include <sys/prctl.h>
+#include <thread>
+#include <unistd.h>
+
+namespace gridspace {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+sigset_t stop_signals() {
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    return set;
+}
+
+/// Waits for SIGINT and SIGTERM on a thread of its own; a second one ends the process at once.
+class SignalWatcher {
+  public:
+    SignalWatcher() {
+        sigset_t const set = stop_signals();
+        pthread_sigmask(SIG_BLOCK, &set, nullptr); // inherited by every thread that comes later
+        std::signal(SIGPIPE, SIG_IGN);
+        thread_ = std::thread{[this, set] { watch(set); }};
+    }
+    ~SignalWatcher() {
+        ending_ = true;
+        pthread_kill(thread_.native_handle(), SIGTERM);
+        thread_.join();
+    }
+    SignalWatcher(SignalWatcher const&) = delete;
+    SignalWatcher& operator=(SignalWatcher const&) = delete;
+
+    void on_stop(std::function<void()> stop) {
+        std::lock_guard const lock{mutex_};
+        stop_ = std::move(stop);
+        if (received_ && stop_) {
+            stop_();
+        }
+    }
+    [[nodiscard]] bool received() const { return received_; }
+
+  private:
+    void watch(sigset_t const& set) {
+        while (true) {
+            int signal = 0;
+            sigwait(&set, &signal);
+            if (ending_) {
+                return;
+            }
+            if (received_.exchange(true)) {
+                std::_Exit(static_cast<int>(ExitCode::interrupted));
+            }
+            std::lock_guard const lock{mutex_};
+            if (stop_) {
+                stop_();
+            }
+        }
+    }
+
+    std::mutex mutex_;
+    std::function<void()> stop_;
+    std::atomic<bool> received_{false}, ending_{false};
+    std::thread thread_;
+};
+
+struct Options {
+    std::string config;
+    bool check{false};
+    int status_fd{-1};
+    std::string log_level{"info"};
+};
+
+/// The exit code when the process shall end here (--help, a mistake), nothing otherwise.
+std::optional<int> parse(Daemon const& daemon, int argc, char** argv, Options& options) {
+    CLI::App app{std::string{daemon.description}, std::string{daemon.program}};
+    app.set_version_flag("--version", version_text(daemon.program));
+    app.add_option("--config", options.config, "its configuration (YAML)")->required();
+    app.add_flag("--check", options.check, "check the configuration and end");
+    app.add_option("--log-level", options.log_level, "debug, info, warning or error")
+        ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
+    app.add_option("--status-fd", options.status_fd, "file descriptor for status lines (used by `gridspace run`)");
+    try {
+        app.parse(argc, argv);
+    } catch (CLI::ParseError const& e) {
+        return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+    }
+    using log::Level;
+    log::set_level(options.log_level == "debug"     ? Level::debug
+                   : options.log_level == "warning" ? Level::warning
+                   : options.log_level == "error"   ? Level::error
+                                                    : Level::info);
+    return std::nullopt;
+}
+
+/// Reads the file: who the process is, its place on the bus, its settings.
+bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, config::Diagnostics& diagnostics) {
+    auto const root = config::load_extended(options.config, diagnostics);
+    if (!root) {
+        return false;
+    }
+    config::read_fields(*root, "", diagnostics, [&](config::Fields& f) {
+        f.text("process", node.process, {.doc = "name of this process in the run", .required = true});
+        node.program = daemon.program;
+        std::string program{daemon.program};
+        f.text("program", program, {.doc = "the program that the file is for"});
+        if (program != daemon.program) {
+            f.error("program", fmt::format("this file is for {}, and this is {}", program, daemon.program));
+        }
+        f.object("bus", {.doc = "its place on the bus and in the simulation clock", .required = true},
+                 [&](config::Fields& b) { describe(b, node); });
+        bool const given = f.object("settings", {.doc = "what the program itself does"}, daemon.describe_settings);
+        if (!given) { // required settings are still missed
+            config::Node const empty = config::Node::map(root->where);
+            config::read_fields(empty, "settings", diagnostics, daemon.describe_settings);
+        }
+    });
+    if (diagnostics.ok() && daemon.check) {
+        daemon.check(diagnostics);
+    }
+    return diagnostics.ok();
+}
+
+} // namespace
+
+void StatusReporter::send(std::string const& line) {
+    if (fd_ < 0) {
+        return;
+    }
+    std::lock_guard const lock{mutex_};
+    std::string const text = line + "\n";
+    [[maybe_unused]] auto const written = ::write(fd_, text.data(), text.size());
+}
+
+void StatusReporter::ready() { send(R"({"status":"ready"})"); }
+
+void StatusReporter::failed(Error const& error) {
+    send(Json{{"status", "failed"},
+              {"code", static_cast<int>(error.code)},
+              {"message", error.message},
+              {"remedy", error.remedy}}
+             .dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void StatusReporter::progress(double time_s, double duration_s, std::uint64_t overruns, bool now) {
+    auto const instant = std::chrono::steady_clock::now();
+    if (fd_ < 0 || (!now && instant - last_progress_ < std::chrono::milliseconds{100})) {
+        return;
+    }
+    last_progress_ = instant;
+    send(Json{{"status", "progress"}, {"time_s", time_s}, {"duration_s", duration_s}, {"overruns", overruns}}.dump());
+}
+
+void StatusReporter::event(double time_s, std::string_view source, std::string_view kind, std::string_view text) {
+    send(Json{{"status", "event"}, {"time_s", time_s}, {"source", source}, {"kind", kind}, {"text", text}}.dump(
+        -1, ' ', false, Json::error_handler_t::replace));
+}
+
+Result<void> StatusReporter::hold(std::uint64_t index) {
+    if (fd_ < 0) {
+        return {};
+    }
+    send(Json{{"status", "hold"}, {"index", index}}.dump());
+    std::string answer;
+    if (!std::getline(std::cin, answer) || answer != "go") {
+        return fail(ExitCode::child_died, "the launcher did not let the run go on after a held tick");
+    }
+    return {};
+}
+
+int run_daemon(Daemon const& daemon, int argc, char** argv) {
+    SignalWatcher signals; // before anything else: an interrupt during start-up is orderly too
+    Options options;
+    if (auto const code = parse(daemon, argc, argv, options)) {
+        return *code;
+    }
+    StatusReporter status{options.status_fd};
+    bus::NodeConfig node;
+    config::Diagnostics diagnostics;
+    bool const readable = read(daemon, options, node, diagnostics);
+    if (diagnostics.errors() + diagnostics.warnings() > 0) {
+        fmt::print(stderr, "{}\n", diagnostics.render());
+    }
+    if (!readable) {
+        status.failed({ExitCode::usage, fmt::format("its configuration '{}' is not valid", options.config), "see its log"});
+        return static_cast<int>(ExitCode::usage);
+    }
+    if (options.check) {
+        fmt::print("{}: valid\n", options.config);
+        return 0;
+    }
+    prctl(PR_SET_NAME, std::string{daemon.program}.substr(0, 15).c_str()); // what ps and pgrep show
+    DaemonRun run{std::move(node), status, [&signals](std::function<void()> stop) { signals.on_stop(std::move(stop)); }};
+    Result<void> const result = daemon.run(run);
+    signals.on_stop({});
+    if (result) {
+        return 0;
+    }
+    if (signals.received()) {
+        return static_cast<int>(ExitCode::interrupted);
+    }
+    log::error("{}", describe(result.error()));
+    status.failed(result.error());
+    return static_cast<int>(result.error().code);
+}
+
+Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> const& body) {
+    auto node = bus::Node::create(run.bus);
+    if (!node) {
+        return std::unexpected{node.error()};
+    }
+    run.on_stop([&node] { (*node)->request_stop(); });
+    auto result = body(**node);
+    run.on_stop({});
+    return result;
+}
+
+} // namespace gridspace

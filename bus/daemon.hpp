@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/node.hpp"
+#include "bus/node_config.hpp"
+#include "common/config/fields.hpp"
+#include "common/result.hpp"
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace gridspace {
+
+/// Tells whoever started the process what it is doing, as JSON lines on a file descriptor (the launcher's pipe). Without one
+/// it does nothing. Thread-safe.
+class StatusReporter {
+  public:
+    explicit StatusReporter(int fd = -1) : fd_{fd} {}
+    void ready();
+    void failed(Error const& error);
+    /// Progress of the simulator. Cheap; sends at most ten times a second unless `now` is set.
+    void progress(double time_s, double duration_s, std::uint64_t overruns, bool now = false);
+    void event(double time_s, std::string_view source, std::string_view kind, std::string_view text);
+    /// "Between tick and tick, something has to be done by the launcher"; then waits for its answer on standard input.
+    [[nodiscard]] Result<void> hold(std::uint64_t index);
+
+  private:
+    void send(std::string const& line);
+    int fd_;
+    std::mutex mutex_;
+    std::chrono::steady_clock::time_point last_progress_;
+};
+
+/// What a daemon gets to run with.
+struct DaemonRun {
+    bus::NodeConfig bus;
+    StatusReporter& status;
+    /// `stop` is called once, from another thread, when the process is asked to end (SIGINT, SIGTERM).
+    std::function<void(std::function<void()> stop)> on_stop;
+};
+
+/// A program of Gridspace: one life for all of them: parse -> check -> prepare -> start -> run -> stop.
+struct Daemon {
+    std::string_view program;     ///< "gridspace-ev"
+    std::string_view description; ///< one line
+    std::function<void(config::Fields&)> describe_settings;      ///< keys of `settings:`
+    std::function<void(config::Diagnostics&)> check;             ///< beyond single keys; may be empty
+    std::function<Result<void>(DaemonRun&)> run;
+};
+
+/// The main function of every daemon: options --config FILE, --check, --log-level, --status-fd, --version, --help.
+/// Signals are handled before anything else; errors are printed once; the exit code is from common/exit_code.hpp.
+int run_daemon(Daemon const& daemon, int argc, char** argv);
+
+/// Joins the bus, hands the node to `body` and waits for nothing else: the part that most daemons share.
+[[nodiscard]] Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> const& body);
+
+} // namespace gridspace

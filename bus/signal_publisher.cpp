@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/signal_publisher.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <signals.h>
+
+namespace gridspace::bus {
+
+Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std::string group, double rate_hz,
+                                                                 std::vector<SignalColumn> columns) {
+    if (columns.size() > MAX_SIGNALS) {
+        return fail(ExitCode::usage, fmt::format("{} signals in group '{}', and {} fit", columns.size(), group, MAX_SIGNALS),
+                    "choose some with record.signals");
+    }
+    auto catalog = node.writer<SignalCatalog>("signal_catalog");
+    if (!catalog) {
+        return std::unexpected{catalog.error()};
+    }
+    auto frames = node.writer<SignalFrame>("signals");
+    if (!frames) {
+        return std::unexpected{frames.error()};
+    }
+    auto out = std::unique_ptr<SignalPublisher>{new SignalPublisher};
+    out->node_ = &node;
+    out->catalog_writer_ = std::move(*catalog);
+    out->frame_writer_ = std::move(*frames);
+    out->catalog_ = std::make_unique<SignalCatalog>();
+    out->frame_ = std::make_unique<SignalFrame>();
+    out->catalog_->source(node.config().process.c_str());
+    out->catalog_->group(group.c_str());
+    out->catalog_->rate_hz(rate_hz);
+    for (SignalColumn const& column : columns) {
+        SignalInfo info;
+        info.name(column.name.c_str());
+        info.unit(column.unit.c_str());
+        out->catalog_->columns().push_back(info);
+    }
+    out->frame_->source(node.config().process.c_str());
+    out->frame_->group(group.c_str());
+    out->columns_ = columns.size();
+    // About twenty frames a second of simulated time; what fits at high rates.
+    std::size_t const fits = std::min<std::size_t>(MAX_FRAME_ROWS, MAX_FRAME_VALUES / std::max<std::size_t>(1, columns.size()));
+    out->rows_per_frame_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate_hz / 20), 1, std::max<std::size_t>(1, fits));
+    out->frame_->times_ns().reserve(out->rows_per_frame_);
+    out->frame_->values().reserve(out->rows_per_frame_ * columns.size());
+    return out;
+}
+
+SignalPublisher::~SignalPublisher() = default;
+
+void SignalPublisher::announce(SimTime now) { catalog_writer_->write(*catalog_, now); }
+
+void SignalPublisher::row(SimTime time, std::span<double const> values) {
+    frame_->times_ns().push_back(node_->time_base().nanoseconds(time));
+    frame_->values().insert(frame_->values().end(), values.begin(), values.begin() + static_cast<std::ptrdiff_t>(columns_));
+    last_ = time;
+    if (frame_->times_ns().size() >= rows_per_frame_) {
+        flush();
+    }
+}
+
+void SignalPublisher::flush() {
+    if (!frame_->times_ns().empty()) {
+        frame_writer_->write(*frame_, last_);
+        frame_->times_ns().clear();
+        frame_->values().clear();
+    }
+}
+
+} // namespace gridspace::bus

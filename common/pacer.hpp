@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+
+namespace gridspace {
+
+/// Holds simulated time to the wall clock: absolute deadlines on the monotonic clock, never relative sleeps, so that lateness
+/// does not add up. Speed 0: no pace.
+class Pacer {
+  public:
+    explicit Pacer(double speed) : speed_{speed} {}
+
+    /// Simulated time 0 is now.
+    void start();
+    /// Waits until simulated time `time_s` is due. False when it was due already (an overrun), by `late()`.
+    bool wait(double time_s, std::atomic<bool> const& stop);
+    [[nodiscard]] std::chrono::nanoseconds late() const { return late_; }
+    [[nodiscard]] std::uint64_t overruns() const { return overruns_; }
+    [[nodiscard]] std::chrono::nanoseconds worst() const { return worst_; }
+    [[nodiscard]] bool paced() const { return speed_ > 0; }
+
+  private:
+    double speed_;
+    std::chrono::steady_clock::time_point start_;
+    std::chrono::nanoseconds late_{0}, worst_{0};
+    std::uint64_t overruns_{0};
+};
+
+} // namespace gridspace

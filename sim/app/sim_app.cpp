@@ -1,0 +1,220 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/app/sim_app.hpp"
+
+#include "bus/signal_publisher.hpp"
+#include "bus/tick_grid.hpp"
+#include "common/config/merge.hpp"
+#include "common/log.hpp"
+#include "common/pacer.hpp"
+#include "common/text.hpp"
+#include "sim/gateway/bus_gateway.hpp"
+#include "sim/network/network_config.hpp"
+#include "sim/phasor/phasor_engine.hpp"
+#include "sim/runtime/simulation.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::sim {
+namespace {
+
+double start_hour_of_day(SimulationConfig const& simulation) {
+    std::int64_t const epoch = parse_utc(simulation.epoch).value_or(0);
+    return static_cast<double>(((epoch % 86400) + 86400) % 86400) / 3600;
+}
+
+/// The simulator's side of a co-simulation: engine, gateways, clock.
+class SimApp {
+  public:
+    SimApp(SimConfig const& config, DaemonRun& run, bus::Node& node, Network network, std::unique_ptr<Engine> engine)
+        : config_{config}, run_{run}, node_{node}, network_{std::move(network)},
+          simulation_{std::move(engine),
+                      {node.time_base(), node.time_base().nearest(config.simulation.step_s)},
+                      timeline(config.events)},
+          clock_{node, config.members}, pacer_{config.speed},
+          duration_{SimTime{} + node.time_base().nearest(config.simulation.duration())}, grid_{node.config().clock} {}
+
+    Result<void> run() {
+        run_.on_stop([this] {
+            stop_ = true;
+            node_.request_stop();
+        });
+        if (auto ok = prepare(); !ok) {
+            return ok;
+        }
+        if (auto ok = clock_.start(); !ok) {
+            return ok;
+        }
+        run_.status.ready();
+        Result<void> const result = simulate();
+        run_.on_stop({});
+        if (!result) {
+            clock_.abort();
+        }
+        log::info("{} ticks, {} overruns, worst {:.3f} ms late", clock_.ticks(), pacer_.overruns(),
+                  static_cast<double>(pacer_.worst().count()) / 1e6);
+        return result;
+    }
+
+  private:
+    Result<void> prepare() {
+        // Per bus: what every bus measures; line gateways come with the waveform solver.
+        config::Node const& gateways = config_.simulation.gateways;
+        if (gateways.is_scalar() && gateways.text == "per_bus") {
+            for (Bus const& bus : network_.buses) {
+                auto gateway = BusGateway::create(node_, simulation_.engine(), network_, bus.name.name);
+                if (!gateway) {
+                    return std::unexpected{gateway.error()};
+                }
+                gateways_.push_back(std::move(*gateway));
+            }
+        }
+        std::vector<bus::SignalColumn> columns;
+        std::vector<SignalDef> const& all = simulation_.engine().signals();
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            bool const wanted = std::any_of(config_.signals.begin(), config_.signals.end(),
+                                            [&](std::string const& pattern) { return matches_glob(pattern, all[i].name); });
+            if (wanted) {
+                columns.push_back({all[i].name, all[i].unit});
+                published_.push_back(i);
+            }
+        }
+        row_.resize(published_.size());
+        auto signals = bus::SignalPublisher::create(node_, "electrical", 1 / config_.simulation.step_s.to_double(), columns);
+        if (!signals) {
+            return std::unexpected{signals.error()};
+        }
+        signals_ = std::move(*signals);
+        simulation_.on_event([this](SimTime t, TimedAction const& action) {
+            log::info("event '{}'", action.event);
+            run_.status.event(node_.time_base().seconds(t), node_.config().process, "event", action.event);
+        });
+        return {};
+    }
+
+    void observe(SimTime t) {
+        for (auto const& gateway : gateways_) {
+            gateway->publish(t);
+        }
+        for (std::size_t i = 0; i < published_.size(); ++i) {
+            row_[i] = simulation_.engine().value(published_[i]);
+        }
+        signals_->row(t, row_);
+    }
+
+    Result<void> simulate() {
+        auto const observer = [this](SimTime t) { observe(t); };
+        double const duration_s = node_.time_base().seconds(duration_);
+        pacer_.start();
+        signals_->announce({});
+        for (std::uint64_t k = 0;; ++k) {
+            SimTime const end = std::min(grid_.end_of(k), duration_);
+            log::set_time(node_.time_base().seconds(end));
+            if (k > 0) {
+                for (auto const& gateway : gateways_) {
+                    gateway->take_commands(simulation_, end);
+                }
+            }
+            // Lockstep or not, tick k is not published before its time at the wanted pace.
+            auto const advanced = k == 0 ? simulation_.start(observer) : simulation_.run_until(end, observer);
+            if (!advanced) {
+                return advanced;
+            }
+            pacer_.wait(node_.time_base().seconds(end), stop_);
+            bool const final = end == duration_;
+            if (final) {
+                signals_->flush();
+            }
+            if (auto ok = clock_.tick(end, final); !ok) {
+                return ok;
+            }
+            run_.status.progress(node_.time_base().seconds(end), duration_s, pacer_.overruns(), final);
+            if (final) {
+                return {};
+            }
+            if (stop_) {
+                return fail(ExitCode::interrupted, "stopped");
+            }
+            if (auto ok = hold_for_launcher(end); !ok) {
+                return ok;
+            }
+        }
+    }
+
+    /// Process events of the timeline happen between two ticks, while nobody works.
+    Result<void> hold_for_launcher(SimTime acknowledged) {
+        while (next_hold_ < config_.holds_s.size() &&
+               SimTime{} + node_.time_base().nearest(config_.holds_s[next_hold_]) <= acknowledged) {
+            if (auto ok = run_.status.hold(next_hold_); !ok) {
+                return ok;
+            }
+            ++next_hold_;
+        }
+        return {};
+    }
+
+    SimConfig const& config_;
+    DaemonRun& run_;
+    bus::Node& node_;
+    Network network_;
+    Simulation simulation_;
+    bus::ClockServer clock_;
+    Pacer pacer_;
+    SimTime duration_;
+    bus::TickGrid grid_;
+    std::vector<std::unique_ptr<BusGateway>> gateways_;
+    std::vector<std::size_t> published_;
+    std::vector<double> row_;
+    std::unique_ptr<bus::SignalPublisher> signals_;
+    std::atomic<bool> stop_{false};
+    std::size_t next_hold_{0};
+};
+
+} // namespace
+
+std::optional<Network> load_simulated_network(SimulationConfig const& simulation, config::Diagnostics& diagnostics) {
+    if (simulation.network_changes.is_null()) {
+        return load_network(simulation.network, diagnostics, simulation.network_mark);
+    }
+    if (simulation.network.extension() == ".m") {
+        diagnostics.error(simulation.network_changes.where, "network_changes cannot be laid over a MATPOWER case");
+        return std::nullopt;
+    }
+    auto root = config::load_extended(simulation.network, diagnostics, simulation.network_mark);
+    if (!root) {
+        return std::nullopt;
+    }
+    config::merge(*root, simulation.network_changes);
+    return read_network(*root, diagnostics);
+}
+
+Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, Network network, TimeBase base) {
+    if (simulation.solver == SolverKind::emt) {
+        return fail(ExitCode::usage, "the waveform solver is not part of this build yet", "use `solver: phasor`");
+    }
+    return phasor::make_phasor_engine(std::move(network), {base, start_hour_of_day(simulation)});
+}
+
+void check(SimConfig const& config, config::Diagnostics& diagnostics) {
+    if (auto const network = load_simulated_network(config.simulation, diagnostics)) {
+        check_events(config.events, *network, diagnostics);
+    }
+}
+
+Result<void> run(SimConfig const& config, DaemonRun& run) {
+    config::Diagnostics diagnostics;
+    auto network = load_simulated_network(config.simulation, diagnostics);
+    if (!network) {
+        return fail(ExitCode::usage, diagnostics.render());
+    }
+    auto engine = make_engine(config.simulation, *network, TimeBase{run.bus.clock.quantum_s});
+    if (!engine) {
+        return std::unexpected{engine.error()};
+    }
+    return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
+        return SimApp{config, run, node, std::move(*network), std::move(*engine)}.run();
+    });
+}
+
+} // namespace gridspace::sim

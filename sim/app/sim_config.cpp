@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/app/sim_config.hpp"
+
+#include "common/time.hpp"
+
+#include <fmt/format.h>
+
+namespace gridspace::sim {
+namespace {
+
+void names(config::Fields& f, std::string_view key, std::vector<std::string>& out, std::string_view doc) {
+    std::vector<config::Ref> refs;
+    f.references(key, refs, {.doc = doc});
+    if (!refs.empty()) {
+        out.clear();
+    }
+    for (config::Ref& ref : refs) {
+        out.push_back(std::move(ref.name));
+    }
+}
+
+} // namespace
+
+Rational SimulationConfig::duration() const {
+    return duration_s ? *duration_s : duration_h ? *duration_h * Rational{3600} : Rational{0};
+}
+
+void describe(config::Fields& f, SimulationConfig& s) {
+    f.file("network", s.network, {.doc = "network file (YAML, or a MATPOWER case *.m)", .required = true});
+    s.network_mark = f.where("network");
+    f.raw("network_changes", s.network_changes, {.doc = "laid over the network file, key by key"});
+    f.choice<SolverKind>("solver", s.solver, {{"phasor", SolverKind::phasor}, {"emt", SolverKind::emt}},
+                         {.doc = "balanced phasors, or waveforms", .required = true});
+    f.fraction("step_s", s.step_s, {.doc = "time step; fractions like 1/48000 are exact", .required = true, .above = 0});
+    f.fraction("duration_s", s.duration_s, {.doc = "simulated time", .above = 0});
+    f.fraction("duration_h", s.duration_h, {.doc = "simulated time", .above = 0});
+    f.text("epoch", s.epoch, {.doc = "UTC of simulated time 0"});
+    if (!parse_utc(s.epoch)) {
+        f.error("epoch", fmt::format("'{}' is not a UTC time", s.epoch), "for example \"2019-12-01T09:00:00Z\"");
+    }
+    f.raw("gateways", s.gateways, {.doc = "per_bus, or a map of line gateways"});
+    f.raw("sampling", s.sampling, {.doc = "sampled values of line gateways"});
+    if (s.duration_s.has_value() == s.duration_h.has_value()) {
+        f.error("", "the simulation needs one of duration_s and duration_h");
+    }
+}
+
+void describe(config::Fields& f, SimConfig& c) {
+    f.object("simulation", {.doc = "what is simulated", .required = true}, [&](config::Fields& s) { describe(s, c.simulation); });
+    f.number("speed", c.speed, {.doc = "simulated seconds per second; 0: as fast as it goes", .min = 0});
+    describe_events(f, c.events);
+    f.map("members", {.doc = "lockstep members"}, [&](config::Ref const& name, config::Fields& m) {
+        bus::MemberPlan plan;
+        plan.name = name.name;
+        names(m, "upstream", plan.upstream, "members whose output it reads");
+        names(m, "triggered_by", plan.triggered_by, "those whose output makes it work in the same tick");
+        m.flag("feeds_simulator", plan.feeds_simulator, {.doc = "the simulator reads its output"});
+        c.members.push_back(std::move(plan));
+    });
+    std::vector<config::Ref> holds;
+    f.references("holds_s", holds, {.doc = "instants after which the launcher acts"});
+    for (config::Ref const& hold : holds) {
+        if (auto const at = Rational::parse(hold.name)) {
+            c.holds_s.push_back(*at);
+        }
+    }
+    names(f, "signals", c.signals, "patterns of the signals that are published");
+}
+
+} // namespace gridspace::sim

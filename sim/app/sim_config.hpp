@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/clock_server.hpp"
+#include "common/config/fields.hpp"
+#include "sim/events/event.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::sim {
+
+enum class SolverKind { phasor, emt };
+
+/// `simulation:` of a scenario.
+struct SimulationConfig {
+    std::filesystem::path network;
+    config::SourceMark network_mark;
+    config::Node network_changes;          ///< laid over the network file
+    SolverKind solver{SolverKind::phasor};
+    Rational step_s{1};
+    std::optional<Rational> duration_s, duration_h;
+    std::string epoch{"2020-01-01T00:00:00Z"};
+    config::Node gateways;                 ///< `per_bus`, or a map of line gateways
+    config::Node sampling;
+    [[nodiscard]] Rational duration() const; ///< seconds
+};
+void describe(config::Fields& f, SimulationConfig& simulation);
+
+/// Settings of gridspace-sim; written by `gridspace run` from the scenario.
+struct SimConfig {
+    SimulationConfig simulation;
+    double speed{0};                        ///< simulated seconds per second; 0: as fast as it goes
+    std::vector<Event> events;
+    std::vector<bus::MemberPlan> members;
+    std::vector<Rational> holds_s;          ///< the launcher has to act when these instants have been acknowledged
+    std::vector<std::string> signals{"*"};  ///< which signals are published
+};
+void describe(config::Fields& f, SimConfig& config);
+
+} // namespace gridspace::sim

@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/events/event.hpp"
+
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::sim {
+
+using config::Fields;
+
+void describe(Fields& f, Event& e) {
+    f.fraction("at_s", e.at_s, {.doc = "simulated time", .required = true, .min = 0});
+    config::Node set;
+    f.raw("set", set, {.doc = "parameters of the network by path, and their new values"});
+    for (config::Node::Entry const& entry : set.entries) {
+        if (auto const value = config::number_of(entry.value)) {
+            e.set.emplace_back(Ref{entry.key, entry.where}, *value);
+        } else {
+            f.error("set", fmt::format("'{}' is set to {}", entry.key, config::describe(entry.value)), "expected a number");
+        }
+    }
+    f.references("open", e.open, {.doc = "breakers to open"});
+    f.references("close", e.close, {.doc = "breakers to close"});
+    f.object("apply_fault", {.doc = "short circuit on a line or at a bus"}, [&](Fields& g) {
+        ApplyFault& fault = e.fault.emplace();
+        fault.name = e.name.name;
+        g.reference("line", e.fault_line, {.doc = "the faulted line"});
+        g.reference("bus", e.fault_bus, {.doc = "the faulted bus"});
+        g.number("position_percent", fault.position_percent, {.doc = "place on the line, from its `from` end", .min = 0, .max = 100});
+        g.choice<FaultType>("type", fault.type,
+                            {{"3ph_g", FaultType::three_phase_ground},
+                             {"3ph", FaultType::three_phase},
+                             {"1ph_g", FaultType::phase_ground},
+                             {"2ph", FaultType::phase_phase},
+                             {"2ph_g", FaultType::phase_phase_ground}},
+                            {.doc = "which conductors", .required = true});
+        g.number("resistance_ohm", fault.resistance_ohm, {.doc = "per phase", .min = 0});
+        fault.line = e.fault_line.name;
+        fault.bus = e.fault_bus.name;
+        if (e.fault_line.empty() == e.fault_bus.empty()) {
+            g.error("", fmt::format("event '{}': a fault is on a line or at a bus", e.name.name), "give one of `line` and `bus`");
+        }
+    });
+    f.fraction("clear_after_ms", e.clear_after_ms, {.doc = "the fault clears by itself after so long", .above = 0});
+    f.reference("disconnect", e.disconnect, {.doc = "element taken out of service"});
+    f.reference("kill", e.kill, {.doc = "process killed (SIGKILL)"});
+    f.reference("pause", e.pause, {.doc = "process stopped (SIGSTOP)"});
+    f.reference("resume", e.resume, {.doc = "process continued (SIGCONT)"});
+    f.reference("restart", e.restart, {.doc = "process killed and started again"});
+    bool const does_something = !e.set.empty() || !e.open.empty() || !e.close.empty() || e.fault || !e.disconnect.empty() ||
+                                !e.kill.empty() || !e.pause.empty() || !e.resume.empty() || !e.restart.empty();
+    if (!does_something && !f.has("set")) {
+        f.error("", fmt::format("event '{}' does nothing", e.name.name),
+                "one of: set, open, close, apply_fault, disconnect, kill, pause, resume, restart");
+    }
+    if (e.clear_after_ms && !e.fault) {
+        f.error("clear_after_ms", fmt::format("event '{}' has no fault to clear", e.name.name));
+    }
+}
+
+void describe_events(Fields& parent, std::vector<Event>& events) {
+    parent.map("events", {.doc = "what happens, on one timeline"}, [&](Ref const& name, Fields& f) {
+        Event event;
+        event.name = name;
+        describe(f, event);
+        events.push_back(std::move(event));
+    });
+}
+
+std::vector<TimedAction> timeline(std::vector<Event> const& events) {
+    std::vector<TimedAction> out;
+    for (Event const& e : events) {
+        if (!e.at_s) {
+            continue;
+        }
+        auto const add = [&](Rational at, Action action) { out.push_back({at, std::move(action), e.name.name}); };
+        for (auto const& [path, value] : e.set) {
+            add(*e.at_s, SetParameter{path.name, value});
+        }
+        for (Ref const& breaker : e.open) {
+            add(*e.at_s, SwitchBreaker{breaker.name, false});
+        }
+        for (Ref const& breaker : e.close) {
+            add(*e.at_s, SwitchBreaker{breaker.name, true});
+        }
+        if (e.fault) {
+            add(*e.at_s, *e.fault);
+            if (e.clear_after_ms) {
+                add(*e.at_s + *e.clear_after_ms / Rational{1000}, ClearFault{e.name.name});
+            }
+        }
+        if (!e.disconnect.empty()) {
+            add(*e.at_s, Disconnect{e.disconnect.name});
+        }
+    }
+    std::stable_sort(out.begin(), out.end(), [](auto const& a, auto const& b) { return a.at_s < b.at_s; });
+    return out;
+}
+
+void check_events(std::vector<Event> const& events, Network const& n, config::Diagnostics& diagnostics) {
+    auto const must = [&](auto const& elements, Ref const& ref, std::string_view kind, Event const& e) {
+        if (ref.empty() || find(elements, ref.name) != nullptr) {
+            return;
+        }
+        std::vector<std::string> names;
+        for (auto const& element : elements) {
+            names.push_back(element.name.name);
+        }
+        auto const near = nearest_spelling(ref.name, names);
+        diagnostics.error(ref.where, fmt::format("event '{}' names the {} '{}', which does not exist", e.name.name, kind, ref.name),
+                          near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(ref.name.size()));
+    };
+    for (Event const& e : events) {
+        for (Ref const& b : e.open) {
+            must(n.breakers, b, "breaker", e);
+        }
+        for (Ref const& b : e.close) {
+            must(n.breakers, b, "breaker", e);
+        }
+        must(n.lines, e.fault_line, "line", e);
+        must(n.buses, e.fault_bus, "bus", e);
+        for (auto const& [path, value] : e.set) {
+            std::vector<std::string> const parts = split(path.name, '.');
+            if (parts.size() != 3) {
+                diagnostics.error(path.where, fmt::format("event '{}' sets '{}'", e.name.name, path.name),
+                                  "expected section.element.parameter, for example loads.AC3.p_kw",
+                                  static_cast<int>(path.name.size()));
+            } else if (parts[0] == "loads") {
+                must(n.loads, Ref{parts[1], path.where}, "load", e);
+            }
+        }
+    }
+}
+
+} // namespace gridspace::sim

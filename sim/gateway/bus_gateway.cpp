@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/gateway/bus_gateway.hpp"
+
+#include <algorithm>
+#include <bus_gateway.h>
+#include <ev_charging.h>
+#include <fmt/format.h>
+
+namespace gridspace::sim {
+
+Result<std::unique_ptr<BusGateway>> BusGateway::create(bus::Node& node, Engine& engine, Network const& network,
+                                                       std::string const& bus) {
+    auto gateway = std::unique_ptr<BusGateway>{new BusGateway};
+    BusGateway& g = *gateway;
+    g.node_ = &node;
+    g.engine_ = &engine;
+    auto writer = node.writer<BusMeasurement>("bus_measurements");
+    if (!writer) {
+        return std::unexpected{writer.error()};
+    }
+    g.measurements_ = std::move(*writer);
+    g.sample_ = std::make_unique<BusMeasurement>();
+    g.sample_->bus(bus.c_str());
+    std::string const prefix = "bus." + bus;
+    for (auto [signal, name] : {std::pair{&g.v_, ".v_pu"}, {&g.angle_, ".angle_deg"}, {&g.frequency_, ".frequency_hz"},
+                                {&g.p_, ".p_kw"}, {&g.q_, ".q_kvar"}}) {
+        *signal = engine.find_signal(prefix + name);
+        if (*signal == engine.signals().size()) {
+            return fail(ExitCode::usage, fmt::format("the solver has no signal '{}{}' for the gateway of the bus", prefix, name));
+        }
+    }
+    for (Ev const& ev : network.evs) {
+        if (ev.bus.name == bus) {
+            std::string const name = "ev." + ev.name.name;
+            g.evs_.push_back({ev.name.name, engine.find_signal(name + ".soc_percent"),
+                              engine.find_signal(name + ".current_a"), engine.find_signal(name + ".reference_a"), {}});
+            EvMeasurement measurement;
+            measurement.ev(ev.name.name.c_str());
+            measurement.connected(true);
+            g.sample_->evs().push_back(measurement);
+        }
+    }
+    if (g.evs_.size() > MAX_EVS_PER_BUS) {
+        return fail(ExitCode::usage, fmt::format("bus '{}' has {} EVs, and {} fit into a measurement", bus, g.evs_.size(),
+                                                 MAX_EVS_PER_BUS));
+    }
+    if (!g.evs_.empty()) {
+        auto reader = node.reader<ChargingDecision>("decisions");
+        if (!reader) {
+            return std::unexpected{reader.error()};
+        }
+        g.decisions_ = std::move(*reader);
+    }
+    return gateway;
+}
+
+BusGateway::~BusGateway() = default;
+
+void BusGateway::publish(SimTime t) {
+    sample_->time_ns(node_->time_base().nanoseconds(t));
+    sample_->v_pu(engine_->value(v_));
+    sample_->angle_deg(engine_->value(angle_));
+    sample_->frequency_hz(engine_->value(frequency_));
+    sample_->p_kw(engine_->value(p_));
+    sample_->q_kvar(engine_->value(q_));
+    for (std::size_t i = 0; i < evs_.size(); ++i) {
+        EvMeasurement& ev = sample_->evs()[i];
+        ev.soc_percent(engine_->value(evs_[i].soc));
+        ev.current_a(engine_->value(evs_[i].current));
+        ev.current_reference_a(engine_->value(evs_[i].reference));
+    }
+    measurements_->write(*sample_, t);
+}
+
+void BusGateway::take_commands(Simulation& simulation, SimTime until) {
+    if (decisions_ == nullptr) {
+        return;
+    }
+    for (auto const& received : decisions_->take()) {
+        ChargingDecision const& decision = received.value;
+        auto const ev = std::find_if(evs_.begin(), evs_.end(),
+                                     [&](EvPort const& port) { return port.ev == decision.ev().c_str(); });
+        if (ev == evs_.end()) {
+            continue; // for an EV at another bus
+        }
+        // In real time a command acts when it arrives; its delay is what it is.
+        SimTime const effect = node_->lockstep() ? received.origin.time : std::max(received.origin.time, simulation.now());
+        simulation.command(effect, SetChargingCurrent{ev->ev, decision.current_a()});
+        if (ev->expires && *ev->expires < effect) {
+            simulation.command(*ev->expires, SetChargingCurrent{ev->ev, 0});
+        }
+        auto const valid_ns = static_cast<std::int64_t>(decision.valid_for_s() * 1e9);
+        ev->expires = effect + (node_->time_base().from_nanoseconds(valid_ns) - SimTime{});
+    }
+    for (EvPort& ev : evs_) {
+        if (ev.expires && *ev.expires <= until) {
+            simulation.command(*ev.expires, SetChargingCurrent{ev.ev, 0});
+            ev.expires.reset();
+        }
+    }
+}
+
+} // namespace gridspace::sim

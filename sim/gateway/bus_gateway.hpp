@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/node.hpp"
+#include "sim/network/network.hpp"
+#include "sim/runtime/simulation.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+struct BusMeasurement;
+struct ChargingDecision;
+
+namespace gridspace::sim {
+
+/// The simulator's DDS gateway of one bus: bus_measurements out, decisions for the EVs at the bus in.
+class BusGateway {
+  public:
+    [[nodiscard]] static Result<std::unique_ptr<BusGateway>> create(bus::Node& node, Engine& engine,
+                                                                    Network const& network, std::string const& bus);
+    ~BusGateway();
+
+    /// Publishes what is measured at the bus at `t`.
+    void publish(SimTime t);
+
+    /// Passes what has arrived on to the simulation, which now goes on from `now` to `until`. A decision holds for its
+    /// valid_for_s; then the charger stops.
+    void take_commands(Simulation& simulation, SimTime until);
+
+  private:
+    BusGateway() = default;
+    struct EvPort {
+        std::string ev;
+        std::size_t soc{0}, current{0}, reference{0}; ///< signals
+        std::optional<SimTime> expires;
+    };
+
+    bus::Node* node_{nullptr};
+    Engine* engine_{nullptr};
+    std::unique_ptr<bus::Writer<BusMeasurement>> measurements_;
+    std::unique_ptr<bus::Reader<ChargingDecision>> decisions_; ///< only where there are EVs
+    std::unique_ptr<BusMeasurement> sample_;
+    std::size_t v_{0}, angle_{0}, frequency_{0}, p_{0}, q_{0}; ///< signals
+    std::vector<EvPort> evs_;
+};
+
+} // namespace gridspace::sim

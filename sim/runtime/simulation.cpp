@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/runtime/simulation.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::sim {
+
+Simulation::Simulation(std::unique_ptr<Engine> engine, Options options, std::vector<TimedAction> const& timeline)
+    : engine_{std::move(engine)}, options_{options}, timeline_{timeline} {
+    for (TimedAction const& event : timeline_) {
+        changes_.insert({{SimTime{} + options_.base.nearest(event.at_s), 0}, {event.action, &event}});
+    }
+}
+
+void Simulation::command(SimTime at, Action action) {
+    changes_.insert({{std::max(at, now_), 1}, {std::move(action), nullptr}});
+}
+
+void Simulation::cancel(std::function<bool(SimTime, Action const&)> const& drop) {
+    std::erase_if(changes_, [&](auto const& entry) {
+        return entry.second.event == nullptr && drop(entry.first.first, entry.second.action);
+    });
+}
+
+Result<void> Simulation::start(Observer const& observer) {
+    if (auto ok = engine_->initialise(); !ok) {
+        return ok;
+    }
+    now_ = {};
+    next_step_ = SimTime{} + options_.step;
+    observer(now_);
+    return apply_changes();
+}
+
+Result<void> Simulation::run_until(SimTime until, Observer const& observer) {
+    // Commands for the present instant may have come since.
+    if (auto ok = apply_changes(); !ok) {
+        return ok;
+    }
+    while (now_ < until) {
+        SimTime target = std::min(next_step_, until);
+        if (!changes_.empty()) {
+            target = std::min(target, std::max(changes_.begin()->first.first, now_));
+        }
+        if (target > now_) {
+            // A tick that ends between two steps does not make the engine stop there: the steps decide the results.
+            bool const only_the_tick_ends = target == until && until != next_step_ &&
+                                            (changes_.empty() || changes_.begin()->first.first != until);
+            if (only_the_tick_ends) {
+                return {};
+            }
+            if (auto ok = engine_->advance(target); !ok) {
+                return ok;
+            }
+            now_ = target;
+        }
+        if (now_ == next_step_) {
+            next_step_ = next_step_ + options_.step;
+            observer(now_);
+        }
+        if (auto ok = apply_changes(); !ok) {
+            return ok;
+        }
+    }
+    return {};
+}
+
+Result<void> Simulation::apply_changes() {
+    while (!changes_.empty() && changes_.begin()->first.first <= now_) {
+        auto const node = changes_.extract(changes_.begin());
+        Change const& change = node.mapped();
+        if (auto ok = engine_->apply(change.action); !ok) {
+            if (change.event != nullptr) {
+                return fail(ok.error().code, fmt::format("event '{}': {}", change.event->event, ok.error().message),
+                            ok.error().remedy);
+            }
+            return ok;
+        }
+        if (change.event != nullptr && on_event_) {
+            on_event_(now_, *change.event);
+        }
+    }
+    return {};
+}
+
+} // namespace gridspace::sim

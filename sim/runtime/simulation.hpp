@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "common/time.hpp"
+#include "sim/engine/engine.hpp"
+#include "sim/events/event.hpp"
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace gridspace::sim {
+
+/// An engine on its time grid, with the scenario's physical events and the commands of others. Pure: whoever drives it
+/// decides when and with whom the results are shared.
+class Simulation {
+  public:
+    struct Options {
+        TimeBase base;
+        SimSpan step;
+    };
+    Simulation(std::unique_ptr<Engine> engine, Options options, std::vector<TimedAction> const& timeline);
+
+    /// A change that takes effect at `at`; in the past (real time only): at once. At equal times the scenario's events come
+    /// first, then commands in the order in which they were given.
+    void command(SimTime at, Action action);
+    /// Forgets commands for which `drop` is true and that have not taken effect.
+    void cancel(std::function<bool(SimTime at, Action const&)> const& drop);
+
+    /// Called at every step, the initial state included, before changes of that instant take effect: measurements at t show
+    /// the system before the switching at t.
+    using Observer = std::function<void(SimTime)>;
+
+    [[nodiscard]] Result<void> start(Observer const& observer);
+    /// Simulates up to and including `until`; steps that lie in between are observed.
+    [[nodiscard]] Result<void> run_until(SimTime until, Observer const& observer);
+
+    /// Called when a physical event takes effect.
+    void on_event(std::function<void(SimTime, TimedAction const&)> callback) { on_event_ = std::move(callback); }
+
+    [[nodiscard]] Engine& engine() { return *engine_; }
+    [[nodiscard]] SimTime now() const { return now_; }
+
+  private:
+    struct Change {
+        Action action;
+        TimedAction const* event{nullptr};
+    };
+    [[nodiscard]] Result<void> apply_changes();
+
+    std::unique_ptr<Engine> engine_;
+    Options options_;
+    std::vector<TimedAction> timeline_;
+    std::multimap<std::pair<SimTime, int>, Change> changes_; ///< (time, 0 events / 1 commands), in order of insertion
+    std::function<void(SimTime, TimedAction const&)> on_event_;
+    SimTime now_;
+    SimTime next_step_;
+};
+
+} // namespace gridspace::sim
