@@ -24,6 +24,9 @@ struct Codec {
     void (*key)(void const* sample, std::array<std::uint8_t, 16>& key_hash){nullptr};
 };
 
+/// The codec of a type of ours by its name; nullptr for a type that the program was not compiled for.
+[[nodiscard]] Codec const* find_codec(std::string_view type_name);
+
 /// The codec of a generated type. Defined in bus/types/, one file per IDL file.
 template <class T>
 [[nodiscard]] Codec const& codec_of();

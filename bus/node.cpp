@@ -66,7 +66,7 @@ void Node::Core::fill_ledger(std::vector<LedgerEntry>& ledger) const {
     }
 }
 
-void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader const&) {
+void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
     std::lock_guard const lock{mutex};
     if (!codec_of<SimClock>().decode(cdr, &clock)) {
         fail_locked({ExitCode::environment,
@@ -74,6 +74,13 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
         return;
     }
     clock_seen = true;
+    if (clock_tap != nullptr) {
+        Origin origin{{clock.quanta()}, 0, header.writer, header.sequence};
+        std::size_t const simulator = book->process_index(config.clock.simulator);
+        origin.process = static_cast<std::uint32_t>(simulator == lockstep::LedgerBook::kUnknown ? book->process_count()
+                                                                                                : simulator);
+        clock_tap->push(cdr, origin, base);
+    }
     ++clock_generation;
     latest_time = {clock.quanta()};
     if (clock.state() == CLOCK_ABORTED) {
@@ -96,7 +103,7 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
     changed.notify_all();
 }
 
-void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader const&) {
+void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
     std::lock_guard const lock{mutex};
     static thread_local ClockAck received; // keeps its capacity: no allocation per acknowledgement
     if (!codec_of<ClockAck>().decode(cdr, &received)) {
@@ -106,6 +113,12 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
     if (process == lockstep::LedgerBook::kUnknown) {
         ++foreign_samples;
         return;
+    }
+    if (ack_tap != nullptr) {
+        ack_tap->push(cdr,
+                      {base.from_nanoseconds(header.source_ns - epoch_ns), static_cast<std::uint32_t>(process),
+                       header.writer, header.sequence},
+                      base);
     }
     take_ledger(process, received.incarnation(), received.ledger());
     gate->on_ack(process, received.tick());
@@ -118,10 +131,10 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
 }
 
 void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header) {
-    if (header.writer >= slot.sources.size()) {
-        slot.sources.resize(header.writer + 1);
+    if (header.source >= slot.sources.size()) {
+        slot.sources.resize(header.source + 1);
     }
-    ReaderSlot::Source& source = slot.sources[header.writer];
+    ReaderSlot::Source& source = slot.sources[header.source];
     if (!source.known) {
         Peer const peer = slot.network->peer(header.peer);
         source = {true, book->process_index(peer.process), peer.incarnation, peer.process};
@@ -290,6 +303,25 @@ Result<std::unique_ptr<CdrReader>> Node::cdr_reader(std::string const& topic, Co
         return std::unexpected{opened.error()};
     }
     return reader;
+}
+
+std::unique_ptr<CdrReader> Node::tap_clock() {
+    auto tap = std::make_unique<CdrReader>();
+    core_->clock_tap = tap.get();
+    core_->taps.push_back(tap.get());
+    tap->release({lockstep() ? INT64_MIN : INT64_MAX});
+    return tap;
+}
+
+std::unique_ptr<CdrReader> Node::tap_acknowledgements() {
+    auto tap = std::make_unique<CdrReader>();
+    core_->ack_tap = tap.get();
+    core_->taps.push_back(tap.get());
+    return tap;
+}
+
+std::string Node::process_name(Origin const& origin) const {
+    return origin.process < core_->book->process_count() ? core_->book->process_name(origin.process) : "unknown";
 }
 
 } // namespace gridspace::bus

@@ -57,6 +57,11 @@ class Node {
     /// Samples of any type as CDR.
     [[nodiscard]] Result<std::unique_ptr<CdrReader>> cdr_reader(std::string const& topic, Codec const& codec);
 
+    /// The clock's own samples as CDR, for a recorder: everything that belongs to the granted tick is in it.
+    [[nodiscard]] std::unique_ptr<CdrReader> tap_clock();
+    [[nodiscard]] std::unique_ptr<CdrReader> tap_acknowledgements();
+    [[nodiscard]] std::string process_name(Origin const& origin) const;
+
     /// Waits, at most start_timeout_s, until all expected peers are matched and says READY.
     [[nodiscard]] Result<void> start();
 

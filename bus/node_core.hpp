@@ -44,7 +44,7 @@ struct Node::Core {
             std::uint32_t incarnation{0};
             std::string name;
         };
-        std::vector<Source> sources; ///< by SampleHeader::writer; used by the receiving thread only
+        std::vector<Source> sources; ///< by SampleHeader::source; used by the receiving thread only
     };
     std::vector<std::unique_ptr<ReaderSlot>> readers; ///< opened in start(), when the book knows all topics
 
@@ -58,6 +58,9 @@ struct Node::Core {
 
     mutable std::mutex mutex;
     std::condition_variable changed;
+    CdrReader* clock_tap{nullptr}; ///< a recorder's copy of the clock
+    CdrReader* ack_tap{nullptr};   ///< and of the acknowledgements
+    std::vector<Inbox*> taps;
     std::unique_ptr<lockstep::LedgerBook> book;
     std::unique_ptr<lockstep::TickGate> gate;
     bool joining{true}; ///< until READY; a late joiner takes ledgers as baselines meanwhile

@@ -264,6 +264,9 @@ Result<std::optional<Tick>> Node::next() {
         for (auto& reader : core.readers) {
             reader->inbox->release(tick.time);
         }
+        for (Inbox* tap : core.taps) {
+            tap->release(tick.time);
+        }
         log::set_time(core.base.seconds(tick.time));
         cork(); // until the acknowledgement
         return tick;

@@ -256,8 +256,9 @@ class Reader final : public RawReader, private dds::DataReaderListener {
             }
             SampleHeader header;
             auto const& guid = info.sample_identity.writer_guid();
-            header.writer = writer_index(guid);
-            header.peer = writers_[header.writer].peer;
+            header.source = writer_index(guid);
+            header.peer = writers_[header.source].peer;
+            header.writer = guid.entityId.to_uint32();
             header.sequence = info.sample_identity.sequence_number().to64long();
             header.source_ns = info.source_timestamp.to_ns();
             handler_(incoming_.cdr, header);

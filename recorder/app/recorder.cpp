@@ -1,0 +1,228 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// gridspace-recorder: every sample of the topics it is given, into data.mcap. In lockstep it is a member and loses nothing;
+// in real time nothing waits for it.
+#include "bus/daemon.hpp"
+#include "bus/tick_grid.hpp"
+#include "bus/topics.hpp"
+#include "common/log.hpp"
+#include "recorder/app/recorder_config.hpp"
+#include "recorder/idl/cdr_visitor.hpp"
+#include "recorder/mcap/mcap_writer.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+namespace gridspace::recorder {
+namespace {
+
+/// One topic's way from the bus into the file.
+struct Tap {
+    std::string topic;
+    std::string type;
+    std::string idl;
+    std::unique_ptr<bus::CdrReader> reader;
+    idl::Model model;
+    std::size_t model_type{0};
+    bool has_stamp{false};        ///< the type has a member time_ns
+    std::uint16_t schema{0};      ///< 0: not added yet
+    std::map<std::uint32_t, std::uint16_t> channels; ///< by process
+    std::map<std::uint32_t, std::uint32_t> sequences;
+};
+
+struct Entry {
+    SimTime time;
+    std::size_t tap;
+    bus::Origin origin;
+    std::vector<std::byte> cdr;
+};
+
+class RecorderShell {
+  public:
+    RecorderShell(RecorderConfig const& config, bus::Node& node, mcap::Writer file)
+        : config_{config}, node_{node}, file_{std::move(file)}, epoch_ns_{node.config().clock.epoch_unix_s * 1'000'000'000} {}
+
+    Result<void> run() {
+        if (auto ok = open_taps(); !ok) {
+            return ok;
+        }
+        if (auto ok = node_.start(); !ok) {
+            return ok;
+        }
+        while (true) {
+            auto tick = node_.next();
+            if (!tick) {
+                (void)file_.flush(); // what was recorded is worth reading
+                return std::unexpected{tick.error()};
+            }
+            if (!*tick) {
+                return file_.close();
+            }
+            if (auto ok = write_due((*tick)->final); !ok) {
+                return ok;
+            }
+            if ((*tick)->final) {
+                if (auto ok = file_.close(); !ok) {
+                    return ok;
+                }
+                log::info("{} samples, {} octets", file_.messages(), file_.octets());
+            } else if (!node_.lockstep()) {
+                if (auto ok = flush_sometimes(); !ok) {
+                    return ok;
+                }
+            }
+            // Samples are kept by the receiving threads; they are written and acknowledged in batches.
+            if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok) {
+                return ok;
+            }
+        }
+    }
+
+  private:
+    Result<void> open_taps() {
+        auto const add = [&](RecorderConfig::Topic const& topic, std::unique_ptr<bus::CdrReader> reader) -> Result<void> {
+            Tap tap;
+            tap.topic = topic.name;
+            tap.type = topic.type;
+            tap.idl = std::string{bus::idl_of_type(topic.type)};
+            if (!topic.idl.empty()) {
+                std::ifstream stream{topic.idl};
+                std::stringstream text;
+                text << stream.rdbuf();
+                tap.idl = text.str();
+            }
+            auto model = idl::parse(tap.idl);
+            if (!model) {
+                return fail(ExitCode::usage, fmt::format("the IDL of type '{}': {}", topic.type, model.error().message));
+            }
+            auto const type = model->find(topic.type);
+            if (!type) {
+                return fail(ExitCode::usage, fmt::format("topic '{}' carries '{}', and no IDL defines that type", topic.name, topic.type),
+                            "give the topic an `idl:` file");
+            }
+            tap.model_type = *type;
+            tap.has_stamp = std::any_of(model->types[*type].members.begin(), model->types[*type].members.end(),
+                                        [](auto const& m) { return m.name == "time_ns"; });
+            tap.model = std::move(*model);
+            if (reader == nullptr) {
+                bus::Codec codec;
+                codec.type_name = topic.type;
+                codec.keyed = tap.model.is_keyed(*type);
+                if (bus::Codec const* known = bus::find_codec(topic.type); known != nullptr) {
+                    codec = *known;
+                }
+                auto opened = node_.cdr_reader(topic.name, codec);
+                if (!opened) {
+                    return std::unexpected{opened.error()};
+                }
+                reader = std::move(*opened);
+            }
+            tap.reader = std::move(reader);
+            taps_.push_back(std::move(tap));
+            return {};
+        };
+        if (auto ok = add({"simulation_clock", "SimClock", {}}, node_.tap_clock()); !ok) {
+            return ok;
+        }
+        if (node_.lockstep()) {
+            if (auto ok = add({"clock_ack", "ClockAck", {}}, node_.tap_acknowledgements()); !ok) {
+                return ok;
+            }
+        }
+        for (RecorderConfig::Topic const& topic : config_.topics) {
+            if (auto ok = add(topic, nullptr); !ok) {
+                return ok;
+            }
+        }
+        std::sort(taps_.begin(), taps_.end(), [](Tap const& a, Tap const& b) { return a.topic < b.topic; });
+        return {};
+    }
+
+    /// Everything whose time has come, in the order (time, topic, process, writer, sequence), which is the same in every run.
+    Result<void> write_due(bool final) {
+        batch_.clear();
+        for (std::size_t i = 0; i < taps_.size(); ++i) {
+            if (final) {
+                taps_[i].reader->release({INT64_MAX}); // effects that lie beyond the end
+            }
+            for (auto& received : taps_[i].reader->take()) {
+                SimTime time = received.origin.time;
+                if (taps_[i].has_stamp) {
+                    if (auto const ns = idl::find_integer(taps_[i].model, taps_[i].model_type, received.value.cdr, "time_ns")) {
+                        time = node_.time_base().from_nanoseconds(*ns);
+                    }
+                }
+                batch_.push_back({time, i, received.origin, std::move(received.value.cdr)});
+            }
+        }
+        std::stable_sort(batch_.begin(), batch_.end(), [](Entry const& a, Entry const& b) {
+            return std::tuple{a.time, a.tap, a.origin.process, a.origin.writer, a.origin.sequence} <
+                   std::tuple{b.time, b.tap, b.origin.process, b.origin.writer, b.origin.sequence};
+        });
+        for (Entry const& entry : batch_) {
+            if (auto ok = write(entry); !ok) {
+                return ok;
+            }
+        }
+        return {};
+    }
+
+    Result<void> write(Entry const& entry) {
+        Tap& tap = taps_[entry.tap];
+        if (tap.schema == 0) {
+            tap.schema = file_.add_schema(tap.type, "omgidl", tap.idl);
+        }
+        auto channel = tap.channels.find(entry.origin.process);
+        if (channel == tap.channels.end()) {
+            std::uint16_t const id =
+                file_.add_channel(tap.schema, tap.topic, "cdr", {{"process", node_.process_name(entry.origin)}});
+            channel = tap.channels.emplace(entry.origin.process, id).first;
+        }
+        std::int64_t const ns = epoch_ns_ + node_.time_base().nanoseconds(entry.time);
+        return file_.write(channel->second, ++tap.sequences[entry.origin.process], static_cast<std::uint64_t>(std::max<std::int64_t>(0, ns)),
+                           entry.cdr);
+    }
+
+    /// In real time a crash must not cost more than a second of the recording.
+    Result<void> flush_sometimes() {
+        auto const now = std::chrono::steady_clock::now();
+        if (now - flushed_ < std::chrono::seconds{1}) {
+            return {};
+        }
+        flushed_ = now;
+        return file_.flush();
+    }
+
+    RecorderConfig const& config_;
+    bus::Node& node_;
+    mcap::Writer file_;
+    std::int64_t epoch_ns_;
+    std::vector<Tap> taps_;
+    std::vector<Entry> batch_;
+    std::chrono::steady_clock::time_point flushed_{std::chrono::steady_clock::now()};
+};
+
+} // namespace
+} // namespace gridspace::recorder
+
+int main(int argc, char** argv) {
+    using namespace gridspace;
+    recorder::RecorderConfig config;
+    Daemon const daemon{"gridspace-recorder", "records every sample of a run",
+                        [&](config::Fields& f) { describe(f, config); },
+                        {},
+                        [&](DaemonRun& run) -> Result<void> {
+                            auto file = mcap::Writer::create(config.file, {.compress = config.compress});
+                            if (!file) {
+                                return std::unexpected{file.error()};
+                            }
+                            return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
+                                return recorder::RecorderShell{config, node, std::move(*file)}.run();
+                            });
+                        }};
+    return run_daemon(daemon, argc, argv);
+}

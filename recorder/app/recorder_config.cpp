@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder/app/recorder_config.hpp"
+
+namespace gridspace::recorder {
+
+void describe(config::Fields& f, RecorderConfig& config) {
+    f.file("file", config.file, {.doc = "the recording (MCAP)"});
+    f.map("topics", {.doc = "topics to record; filled in by `gridspace run` with all of the scenario"},
+          [&](config::Ref const& name, config::Fields& t) {
+              RecorderConfig::Topic topic;
+              topic.name = name.name;
+              t.text("type", topic.type, {.doc = "name of the type on the wire", .required = true});
+              t.file("idl", topic.idl, {.doc = "IDL file of a type that Gridspace does not know"});
+              config.topics.push_back(std::move(topic));
+          });
+    f.flag("compress", config.compress, {.doc = "compress chunks with zstd"});
+}
+
+} // namespace gridspace::recorder

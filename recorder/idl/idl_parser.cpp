@@ -1,0 +1,326 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder/idl/idl_lexer.hpp"
+#include "recorder/idl/idl_model.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fmt/format.h>
+
+namespace gridspace::idl {
+namespace {
+
+constexpr std::uint32_t kLargestBound = 1U << 24U;
+
+class Parser {
+  public:
+    explicit Parser(std::string_view text) : lexer_{text} {}
+
+    Model run() {
+        while (lexer_.peek().kind != Token::Kind::end) {
+            definition();
+        }
+        return std::move(model_);
+    }
+
+  private:
+    /// Annotations before a definition or a member; only @key matters to a decoder.
+    bool annotations() {
+        bool key = false;
+        while (lexer_.accept("@")) {
+            std::string name = lexer_.expect_name();
+            while (lexer_.accept("::")) {
+                name = lexer_.expect_name();
+            }
+            key = key || name == "key";
+            if (lexer_.accept("(")) {
+                for (int depth = 1; depth > 0;) {
+                    Token const token = lexer_.take();
+                    if (token.kind == Token::Kind::end) {
+                        throw SyntaxError{token.line, "an annotation is not closed"};
+                    }
+                    depth += token.text == "(" ? 1 : token.text == ")" ? -1 : 0;
+                }
+            }
+        }
+        return key;
+    }
+
+    void definition() {
+        annotations();
+        Token const word = lexer_.peek();
+        if (lexer_.accept(";")) {
+            return;
+        }
+        if (lexer_.accept("module")) {
+            scope_.push_back(lexer_.expect_name());
+            lexer_.expect("{");
+            while (!lexer_.accept("}")) {
+                if (lexer_.peek().kind == Token::Kind::end) {
+                    throw SyntaxError{lexer_.peek().line, fmt::format("module '{}' is not closed", scope_.back())};
+                }
+                definition();
+            }
+            scope_.pop_back();
+        } else if (lexer_.accept("struct")) {
+            structure();
+        } else if (lexer_.accept("enum")) {
+            enumeration();
+        } else if (lexer_.accept("const")) {
+            constant();
+        } else if (lexer_.accept("typedef")) {
+            std::size_t const type = type_spec();
+            do {
+                std::string const name = lexer_.expect_name();
+                typedefs_[scoped(name)] = array_of(type);
+            } while (lexer_.accept(","));
+        } else {
+            throw SyntaxError{word.line, fmt::format("'{}' is not supported", word.text)};
+        }
+        lexer_.accept(";");
+    }
+
+    void structure() {
+        Type type;
+        type.kind = Kind::structure;
+        std::string const name = lexer_.expect_name();
+        type.name = scoped(name);
+        if (lexer_.accept(";")) {
+            return; // forward declaration
+        }
+        if (lexer_.accept(":")) {
+            std::size_t const base = named_type();
+            if (model_.types[base].kind != Kind::structure) {
+                throw SyntaxError{lexer_.peek().line, fmt::format("'{}' inherits from what is not a struct", name)};
+            }
+            type.members = model_.types[base].members;
+        }
+        lexer_.expect("{");
+        while (!lexer_.accept("}")) {
+            bool const key = annotations();
+            std::size_t const member_type = type_spec();
+            do {
+                std::string const member = lexer_.expect_name();
+                type.members.push_back({member, array_of(member_type), key});
+            } while (lexer_.accept(","));
+            lexer_.expect(";");
+        }
+        define(std::move(type));
+    }
+
+    void enumeration() {
+        Type type;
+        type.kind = Kind::enumeration;
+        type.name = scoped(lexer_.expect_name());
+        lexer_.expect("{");
+        std::int32_t next = 0;
+        while (!lexer_.accept("}")) {
+            if (lexer_.accept("@")) { // @value(n)
+                std::string const annotation = lexer_.expect_name();
+                if (lexer_.accept("(")) {
+                    std::uint32_t const value = number();
+                    lexer_.expect(")");
+                    next = annotation == "value" ? static_cast<std::int32_t>(value) : next;
+                }
+                continue;
+            }
+            type.values.emplace_back(lexer_.expect_name(), next++);
+            lexer_.accept(",");
+        }
+        define(std::move(type));
+    }
+
+    void constant() {
+        type_spec();
+        std::string const name = lexer_.expect_name();
+        lexer_.expect("=");
+        Token const first = lexer_.take();
+        if (first.kind == Token::Kind::number) {
+            constants_[scoped(name)] = to_number(first);
+        }
+        while (lexer_.peek().kind != Token::Kind::end && lexer_.peek().text != ";") {
+            lexer_.take(); // texts and expressions: nothing that a bound can use
+        }
+    }
+
+    std::size_t type_spec() {
+        Token const word = lexer_.peek();
+        std::optional<Kind> kind;
+        if (lexer_.accept("unsigned")) {
+            kind = lexer_.accept("short") ? Kind::uint16 : long_kind(true);
+        } else if (lexer_.accept("long")) {
+            kind = lexer_.accept("long") ? Kind::int64 : Kind::int32;
+            if (lexer_.accept("double")) {
+                throw SyntaxError{word.line, "long double is not supported"};
+            }
+        } else if (lexer_.accept("sequence")) {
+            return sequence();
+        } else if (lexer_.accept("string")) {
+            Type type;
+            type.kind = Kind::string;
+            if (lexer_.accept("<")) {
+                type.bound = number();
+                lexer_.expect(">");
+            }
+            return add(std::move(type));
+        } else {
+            static std::map<std::string, Kind, std::less<>> const words{
+                {"boolean", Kind::boolean}, {"octet", Kind::octet},   {"uint8", Kind::octet},   {"char", Kind::character},
+                {"int8", Kind::int8},       {"short", Kind::int16},   {"int16", Kind::int16},   {"uint16", Kind::uint16},
+                {"int32", Kind::int32},     {"uint32", Kind::uint32}, {"int64", Kind::int64},   {"uint64", Kind::uint64},
+                {"float", Kind::float32},   {"double", Kind::float64},
+            };
+            if (auto const it = words.find(word.text); it != words.end()) {
+                lexer_.take();
+                kind = it->second;
+            }
+        }
+        if (!kind) {
+            return named_type();
+        }
+        Type type;
+        type.kind = *kind;
+        return add(std::move(type));
+    }
+
+    Kind long_kind(bool is_unsigned) {
+        lexer_.expect("long");
+        bool const wide = lexer_.accept("long");
+        return wide ? (is_unsigned ? Kind::uint64 : Kind::int64) : (is_unsigned ? Kind::uint32 : Kind::int32);
+    }
+
+    std::size_t sequence() {
+        Type type;
+        type.kind = Kind::sequence;
+        lexer_.expect("<");
+        type.element = type_spec();
+        if (lexer_.accept(",")) {
+            type.bound = number();
+        }
+        lexer_.expect(">");
+        return add(std::move(type));
+    }
+
+    /// [n][m] after a name; the last bound is the innermost.
+    std::size_t array_of(std::size_t element) {
+        std::vector<std::uint32_t> bounds;
+        while (lexer_.accept("[")) {
+            bounds.push_back(number());
+            lexer_.expect("]");
+        }
+        for (auto bound = bounds.rbegin(); bound != bounds.rend(); ++bound) {
+            Type type;
+            type.kind = Kind::array;
+            type.element = element;
+            type.bound = *bound;
+            element = add(std::move(type));
+        }
+        return element;
+    }
+
+    std::size_t named_type() {
+        int const line = lexer_.peek().line;
+        std::string name;
+        lexer_.accept("::");
+        do {
+            name += (name.empty() ? "" : "::") + lexer_.expect_name();
+        } while (lexer_.accept("::"));
+        // From the innermost module outwards.
+        for (std::size_t depth = scope_.size() + 1; depth-- > 0;) {
+            std::string full;
+            for (std::size_t i = 0; i < depth; ++i) {
+                full += scope_[i] + "::";
+            }
+            full += name;
+            if (auto const it = typedefs_.find(full); it != typedefs_.end()) {
+                return it->second;
+            }
+            if (auto const found = model_.find(full)) {
+                return *found;
+            }
+        }
+        throw SyntaxError{line, fmt::format("the type '{}' is not known", name)};
+    }
+
+    std::uint32_t number() {
+        Token const token = lexer_.take();
+        if (token.kind == Token::Kind::number) {
+            return to_number(token);
+        }
+        for (std::size_t depth = scope_.size() + 1; depth-- > 0;) {
+            std::string full;
+            for (std::size_t i = 0; i < depth; ++i) {
+                full += scope_[i] + "::";
+            }
+            if (auto const it = constants_.find(full + token.text); it != constants_.end()) {
+                return it->second;
+            }
+        }
+        throw SyntaxError{token.line, fmt::format("'{}' is not a number", token.text)};
+    }
+
+    static std::uint32_t to_number(Token const& token) {
+        std::string_view digits = token.text;
+        int base = 10;
+        if (digits.starts_with("0x") || digits.starts_with("0X")) {
+            digits.remove_prefix(2);
+            base = 16;
+        }
+        std::uint32_t value = 0;
+        auto const [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, base);
+        if (error != std::errc{} || end != digits.data() + digits.size() || value > kLargestBound) {
+            throw SyntaxError{token.line, fmt::format("'{}' is not a number from 0 to {}", token.text, kLargestBound)};
+        }
+        return value;
+    }
+
+    std::string scoped(std::string const& name) const {
+        std::string out;
+        for (std::string const& part : scope_) {
+            out += part + "::";
+        }
+        return out + name;
+    }
+
+    std::size_t add(Type type) {
+        model_.types.push_back(std::move(type));
+        return model_.types.size() - 1;
+    }
+    void define(Type type) {
+        if (model_.find(type.name)) {
+            throw SyntaxError{lexer_.peek().line, fmt::format("'{}' is defined twice", type.name)};
+        }
+        add(std::move(type));
+    }
+
+    Lexer lexer_;
+    Model model_;
+    std::vector<std::string> scope_;
+    std::map<std::string, std::size_t> typedefs_;
+    std::map<std::string, std::uint32_t> constants_;
+};
+
+} // namespace
+
+std::optional<std::size_t> Model::find(std::string_view name) const {
+    for (std::size_t i = 0; i < types.size(); ++i) {
+        if ((types[i].kind == Kind::structure || types[i].kind == Kind::enumeration) && types[i].name == name) {
+            return i;
+        }
+    }
+    return std::nullopt;
+}
+
+bool Model::is_keyed(std::size_t type) const {
+    return std::any_of(types[type].members.begin(), types[type].members.end(), [](auto const& m) { return m.key; });
+}
+
+Result<Model> parse(std::string_view text) {
+    try {
+        return Parser{text}.run();
+    } catch (SyntaxError const& e) {
+        return fail(ExitCode::usage, fmt::format("IDL line {}: {}", e.line, e.what()));
+    }
+}
+
+} // namespace gridspace::idl

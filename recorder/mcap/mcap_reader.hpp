@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "recorder/mcap/mcap_format.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <span>
+
+namespace gridspace::mcap {
+
+struct Message {
+    Channel const& channel;
+    Schema const& schema;
+    std::uint32_t sequence;
+    std::uint64_t time_ns;
+    std::span<std::byte const> data;
+};
+
+struct ReadOutcome {
+    std::uint64_t messages{0};
+    bool complete{false}; ///< the file ends as it should; otherwise it was cut, and the prefix was read
+    std::string note;     ///< what is wrong with the rest
+};
+
+/// Calls `handler` for every message in the order of the file. Works on files that were cut off. Records of unknown kinds are
+/// skipped. Memory is bounded by the largest chunk (at most 256 MiB is believed). `handler` returns false to stop.
+[[nodiscard]] Result<ReadOutcome> read_messages(std::filesystem::path const& file,
+                                                std::function<bool(Message const&)> const& handler);
+
+} // namespace gridspace::mcap

@@ -1,0 +1,287 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder/mcap/mcap_writer.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+#include <utility>
+#include <zlib.h>
+#include <zstd.h>
+
+namespace gridspace::mcap {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Appends little-endian numbers and length-prefixed texts.
+class Encoder {
+  public:
+    explicit Encoder(Bytes& out) : out_{out} {}
+    template <class T> Encoder& number(T value) {
+        for (std::size_t i = 0; i < sizeof(T); ++i) {
+            out_.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
+        }
+        return *this;
+    }
+    Encoder& text(std::string const& text) {
+        number(static_cast<std::uint32_t>(text.size()));
+        out_.insert(out_.end(), text.begin(), text.end());
+        return *this;
+    }
+    Encoder& texts(std::map<std::string, std::string> const& map) {
+        Bytes body;
+        Encoder inner{body};
+        for (auto const& [key, value] : map) {
+            inner.text(key).text(value);
+        }
+        number(static_cast<std::uint32_t>(body.size()));
+        out_.insert(out_.end(), body.begin(), body.end());
+        return *this;
+    }
+    template <class K, class V> Encoder& numbers(std::map<K, V> const& map) {
+        number(static_cast<std::uint32_t>(map.size() * (sizeof(K) + sizeof(V))));
+        for (auto const& [key, value] : map) {
+            number(key).number(value);
+        }
+        return *this;
+    }
+
+  private:
+    Bytes& out_;
+};
+
+void record(Bytes& out, Op op, Bytes const& body) {
+    out.push_back(static_cast<std::uint8_t>(op));
+    Encoder{out}.number(static_cast<std::uint64_t>(body.size()));
+    out.insert(out.end(), body.begin(), body.end());
+}
+
+Bytes schema_body(Schema const& s) {
+    Bytes body;
+    Encoder{body}.number(s.id).text(s.name).text(s.encoding).text(s.data);
+    return body;
+}
+
+Bytes channel_body(Channel const& c) {
+    Bytes body;
+    Encoder{body}.number(c.id).number(c.schema_id).text(c.topic).text(c.message_encoding).texts(c.metadata);
+    return body;
+}
+
+std::uint32_t checksum(Bytes const& bytes) {
+    return static_cast<std::uint32_t>(::crc32(0, bytes.data(), static_cast<uInt>(bytes.size())));
+}
+
+} // namespace
+
+Result<Writer> Writer::create(std::filesystem::path const& file, Options options) {
+    int const fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    if (fd < 0) {
+        return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file.string(), std::strerror(errno)));
+    }
+    Writer writer{fd, file, options};
+    Bytes head{kMagic.begin(), kMagic.end()};
+    Bytes body;
+    Encoder{body}.text("").text("gridspace");
+    record(head, Op::header, body);
+    if (auto ok = writer.put(head); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    return writer;
+}
+
+Writer::Writer(int fd, std::filesystem::path file, Options options) : fd_{fd}, file_{std::move(file)}, options_{options} {
+    chunk_.reserve(options_.chunk_octets + 64 * 1024);
+}
+
+Writer::Writer(Writer&& other) noexcept
+    : fd_{std::exchange(other.fd_, -1)}, file_{std::move(other.file_)}, options_{other.options_},
+      position_{other.position_}, schemas_{std::move(other.schemas_)}, channels_{std::move(other.channels_)},
+      chunk_{std::move(other.chunk_)}, chunk_messages_{std::move(other.chunk_messages_)},
+      chunk_start_{other.chunk_start_}, chunk_end_{other.chunk_end_}, chunks_{std::move(other.chunks_)},
+      channel_counts_{std::move(other.channel_counts_)}, message_count_{other.message_count_},
+      first_time_{other.first_time_}, last_time_{other.last_time_}, failed_{other.failed_} {}
+
+Writer::~Writer() {
+    if (fd_ >= 0) {
+        ::close(fd_);
+    }
+}
+
+Result<void> Writer::put(std::vector<std::uint8_t> const& bytes) {
+    std::size_t done = 0;
+    while (done < bytes.size() && !failed_) {
+        ssize_t const written = ::write(fd_, bytes.data() + done, bytes.size() - done);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written <= 0) {
+            failed_ = true; // a half-written record would hide everything after it: no more is written
+            return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file_.string(), std::strerror(errno)),
+                        errno == ENOSPC ? "the disk is full; what was recorded before is readable" : "");
+        }
+        done += static_cast<std::size_t>(written);
+    }
+    position_ += done;
+    return failed_ ? fail(ExitCode::environment, fmt::format("'{}' could not be written before", file_.string()))
+                   : Result<void>{};
+}
+
+std::uint16_t Writer::add_schema(std::string name, std::string encoding, std::string data) {
+    auto const id = static_cast<std::uint16_t>(schemas_.size() + 1);
+    schemas_.push_back({id, std::move(name), std::move(encoding), std::move(data)});
+    record(chunk_, Op::schema, schema_body(schemas_.back()));
+    return id;
+}
+
+std::uint16_t Writer::add_channel(std::uint16_t schema, std::string topic, std::string message_encoding,
+                                  std::map<std::string, std::string> metadata) {
+    auto const id = static_cast<std::uint16_t>(channels_.size());
+    channels_.push_back({id, schema, std::move(topic), std::move(message_encoding), std::move(metadata)});
+    record(chunk_, Op::channel, channel_body(channels_.back()));
+    return id;
+}
+
+Result<void> Writer::write(std::uint16_t channel, std::uint32_t sequence, std::uint64_t time_ns,
+                           std::span<std::byte const> data) {
+    auto& index = chunk_messages_[channel];
+    bool const first_of_chunk =
+        std::all_of(chunk_messages_.begin(), chunk_messages_.end(), [](auto const& e) { return e.second.empty(); });
+    index.emplace_back(time_ns, chunk_.size());
+    chunk_start_ = first_of_chunk ? time_ns : std::min(chunk_start_, time_ns);
+    chunk_end_ = first_of_chunk ? time_ns : std::max(chunk_end_, time_ns);
+    first_time_ = message_count_ == 0 ? time_ns : std::min(first_time_, time_ns);
+    last_time_ = std::max(last_time_, time_ns);
+    ++message_count_;
+    ++channel_counts_[channel];
+
+    chunk_.push_back(static_cast<std::uint8_t>(Op::message));
+    Encoder encoder{chunk_};
+    encoder.number(static_cast<std::uint64_t>(22 + data.size()));
+    encoder.number(channel).number(sequence).number(time_ns).number(time_ns);
+    auto const* octets = reinterpret_cast<std::uint8_t const*>(data.data());
+    chunk_.insert(chunk_.end(), octets, octets + data.size());
+    return chunk_.size() >= options_.chunk_octets ? flush() : Result<void>{};
+}
+
+Result<void> Writer::flush() {
+    if (chunk_.empty()) {
+        return {};
+    }
+    Bytes compressed;
+    if (options_.compress) {
+        compressed.resize(ZSTD_compressBound(chunk_.size()));
+        std::size_t const size = ZSTD_compress(compressed.data(), compressed.size(), chunk_.data(), chunk_.size(), 1);
+        compressed.resize(ZSTD_isError(size) != 0 ? 0 : size);
+    }
+    bool const zstd = !compressed.empty();
+    Bytes const& stored = zstd ? compressed : chunk_;
+    Bytes out, body;
+    Encoder{body}
+        .number(chunk_start_)
+        .number(chunk_end_)
+        .number(static_cast<std::uint64_t>(chunk_.size()))
+        .number(checksum(chunk_))
+        .text(zstd ? "zstd" : "")
+        .number(static_cast<std::uint64_t>(stored.size()));
+    body.insert(body.end(), stored.begin(), stored.end());
+    record(out, Op::chunk, body);
+    ChunkIndex index{chunk_start_, chunk_end_, position_, out.size(), {}, 0, stored.size(), chunk_.size()};
+    for (auto& [channel, messages] : chunk_messages_) {
+        if (messages.empty()) {
+            continue;
+        }
+        index.index_offsets[channel] = position_ + out.size();
+        Bytes entries;
+        Encoder encoder{entries};
+        encoder.number(channel).number(static_cast<std::uint32_t>(messages.size() * 16));
+        for (auto const& [time, offset] : messages) {
+            encoder.number(time).number(offset);
+        }
+        record(out, Op::message_index, entries);
+        messages.clear();
+    }
+    index.index_length = out.size() - index.length;
+    chunks_.push_back(std::move(index));
+    chunk_.clear();
+    return put(out);
+}
+
+Result<void> Writer::close() {
+    if (auto ok = flush(); !ok) {
+        return ok;
+    }
+    Bytes out, body;
+    Encoder{body}.number(std::uint32_t{0}); // CRC of the data section: not computed
+    record(out, Op::data_end, body);
+    std::uint64_t const summary_start = position_ + out.size();
+
+    struct Group {
+        Op op;
+        std::uint64_t start, length;
+    };
+    std::vector<Group> groups;
+    auto const group = [&](Op op, auto const& items, auto const& to_body) {
+        std::uint64_t const start = position_ + out.size();
+        for (auto const& item : items) {
+            record(out, op, to_body(item));
+        }
+        if (position_ + out.size() != start) {
+            groups.push_back({op, start, position_ + out.size() - start});
+        }
+    };
+    group(Op::schema, schemas_, schema_body);
+    group(Op::channel, channels_, channel_body);
+    group(Op::statistics, std::array{0}, [&](int) {
+        Bytes b;
+        Encoder{b}
+            .number(message_count_)
+            .number(static_cast<std::uint16_t>(schemas_.size()))
+            .number(static_cast<std::uint32_t>(channels_.size()))
+            .number(std::uint32_t{0})
+            .number(std::uint32_t{0})
+            .number(static_cast<std::uint32_t>(chunks_.size()))
+            .number(first_time_)
+            .number(last_time_)
+            .numbers(channel_counts_);
+        return b;
+    });
+    group(Op::chunk_index, chunks_, [&](ChunkIndex const& c) {
+        Bytes b;
+        Encoder{b}
+            .number(c.start_time)
+            .number(c.end_time)
+            .number(c.offset)
+            .number(c.length)
+            .numbers(c.index_offsets)
+            .number(c.index_length)
+            .text(options_.compress ? "zstd" : "")
+            .number(c.compressed)
+            .number(c.uncompressed);
+        return b;
+    });
+    std::uint64_t const offsets_start = position_ + out.size();
+    for (Group const& g : groups) {
+        Bytes b;
+        Encoder{b}.number(static_cast<std::uint8_t>(g.op)).number(g.start).number(g.length);
+        record(out, Op::summary_offset, b);
+    }
+    Bytes footer;
+    Encoder{footer}.number(summary_start).number(offsets_start).number(std::uint32_t{0});
+    record(out, Op::footer, footer);
+    out.insert(out.end(), kMagic.begin(), kMagic.end());
+    if (auto ok = put(out); !ok) {
+        return ok;
+    }
+    int const synced = ::fsync(fd_);
+    int const closed = ::close(std::exchange(fd_, -1));
+    return synced == 0 && closed == 0
+               ? Result<void>{}
+               : fail(ExitCode::environment, fmt::format("cannot finish '{}': {}", file_.string(), std::strerror(errno)));
+}
+
+} // namespace gridspace::mcap
