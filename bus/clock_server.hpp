@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bus/lockstep/barrier.hpp"
+#include "bus/member_plan.hpp"
 #include "bus/node.hpp"
 
 #include <memory>
@@ -10,14 +11,6 @@
 #include <vector>
 
 namespace gridspace::bus {
-
-/// A lockstep member as the simulator sees it.
-struct MemberPlan {
-    std::string name;
-    std::vector<std::string> upstream;     ///< members whose output it reads: it cannot be quicker than they are
-    std::vector<std::string> triggered_by; ///< those of them whose output makes it work in the same tick
-    bool feeds_simulator{false};           ///< the simulator reads something that it writes
-};
 
 /// Publishes the simulation clock and, in lockstep, is the barrier. Used by the simulator, on its node.
 class ClockServer {

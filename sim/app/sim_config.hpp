@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bus/clock_server.hpp"
+#include "bus/member_plan.hpp"
 #include "common/config/fields.hpp"
 #include "sim/events/event.hpp"
 

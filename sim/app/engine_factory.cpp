@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/app/engine_factory.hpp"
+
+#include "common/config/merge.hpp"
+#include "sim/network/network_config.hpp"
+#include "sim/phasor/phasor_engine.hpp"
+
+namespace gridspace::sim {
+
+double start_hour_of_day(SimulationConfig const& simulation) {
+    std::int64_t const epoch = parse_utc(simulation.epoch).value_or(0);
+    return static_cast<double>(((epoch % 86400) + 86400) % 86400) / 3600;
+}
+
+std::optional<Network> load_simulated_network(SimulationConfig const& simulation, config::Diagnostics& diagnostics) {
+    if (simulation.network_changes.is_null()) {
+        return load_network(simulation.network, diagnostics, simulation.network_mark);
+    }
+    if (simulation.network.extension() == ".m") {
+        diagnostics.error(simulation.network_changes.where, "network_changes cannot be laid over a MATPOWER case");
+        return std::nullopt;
+    }
+    auto root = config::load_extended(simulation.network, diagnostics, simulation.network_mark);
+    if (!root) {
+        return std::nullopt;
+    }
+    config::merge(*root, simulation.network_changes);
+    return read_network(*root, diagnostics);
+}
+
+Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, Network network, TimeBase base) {
+    if (simulation.solver == SolverKind::emt) {
+        return fail(ExitCode::usage, "the waveform solver is not part of this build yet", "use `solver: phasor`");
+    }
+    return phasor::make_phasor_engine(std::move(network), {base, start_hour_of_day(simulation)});
+}
+
+} // namespace gridspace::sim
