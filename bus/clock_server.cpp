@@ -32,6 +32,7 @@ struct ClockServer::State {
     };
     std::map<std::string, Status> statuses;            // under core.mutex
     std::map<std::string, std::uint32_t> incarnations; // expected, by process
+    std::set<std::string> dropped;                     // the run goes on without them
     std::vector<std::size_t> inputs;                   // processes that feed the simulator, as indices of the book
 
     static std::vector<lockstep::Barrier::Member> barrier_members(std::vector<MemberPlan> const& plan) {
@@ -70,6 +71,9 @@ struct ClockServer::State {
     std::string not_ready() const {
         std::string out;
         for (MemberPlan const& member : plan) {
+            if (dropped.contains(member.name)) {
+                continue;
+            }
             auto const it = statuses.find(member.name);
             std::string why;
             auto const expected = incarnations.find(member.name);
@@ -261,6 +265,7 @@ Result<void> ClockServer::await_restarted(std::string const& process, std::uint3
     std::lock_guard const lock{s.core.mutex};
     if (std::size_t const member = s.barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
         s.barrier.rejoin(member);
+        s.dropped.erase(process);
     }
     return {};
 }
@@ -269,8 +274,16 @@ void ClockServer::drop(std::string const& process) {
     std::lock_guard const lock{state_->core.mutex};
     if (std::size_t const member = state_->barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
         state_->barrier.drop(member);
+        state_->dropped.insert(process);
     }
-    std::erase_if(state_->plan, [&](MemberPlan const& m) { return m.name == process; });
+}
+
+void ClockServer::rejoin(std::string const& process) {
+    std::lock_guard const lock{state_->core.mutex};
+    if (std::size_t const member = state_->barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
+        state_->barrier.rejoin(member);
+        state_->dropped.erase(process);
+    }
 }
 
 void ClockServer::abort() {

@@ -28,8 +28,9 @@ class ClockServer {
 
     /// Holds the barrier until this incarnation of a restarted process, and everybody matched with it, is READY.
     [[nodiscard]] Result<void> await_restarted(std::string const& process, std::uint32_t incarnation);
-    /// Goes on without the member.
+    /// Goes on without the member, and with it again.
     void drop(std::string const& process);
+    void rejoin(std::string const& process);
 
     /// Tells the members that the run is over before its end.
     void abort();

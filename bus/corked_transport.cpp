@@ -21,7 +21,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kHeaderSize = 20;   // "RTPS", version, vendor, GUID prefix
 constexpr std::size_t kMaxMessage = 1472; // one Ethernet frame: no IP fragments
 constexpr std::size_t kGuidPrefixSize = 12;
-constexpr std::uint8_t kStatistics = 0x80; // a vendor's submessage: Fast DDS adds it to every datagram
+// A vendor's submessage that ends every datagram of Fast DDS. Its UDP transport fills it in by position: it looks for
+// this octet at a fixed distance from the end, so a message without it may have its payload overwritten. A merged
+// message therefore ends in exactly one.
+constexpr std::uint8_t kStatistics = 0x80;
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wnon-virtual-dtor" // the base class is the library's, and nobody deletes through it
@@ -46,7 +49,7 @@ class LocatorWalk final : public fdds::LocatorsIterator {
 /// What decides whether two messages may become one.
 struct Shape {
     bool mergeable{false};
-    std::size_t size{0};  ///< octets worth sending: without the statistics submessage at the end
+    std::size_t body{0};  ///< octets up to the statistics submessage at the end
     bool directed{false}; ///< has an INFO_DST; all of them name `destination`
     std::array<std::uint8_t, kGuidPrefixSize> destination{};
 };
@@ -63,7 +66,7 @@ Shape shape_of(std::uint8_t const* message, std::size_t size) {
         std::size_t const length =
             little ? message[at + 2] | (message[at + 3] << 8U) : message[at + 3] | (message[at + 2] << 8U);
         if (id == kStatistics && at + 4 + length == size) {
-            break; // it numbers the datagrams of a link; nobody reads it unless the statistics module is switched on
+            break;
         }
         bool const has_no_body = id == 0x09 && (message[at + 1] & 2U) != 0; // INFO_TS that invalidates
         if (std::find(kPlain.begin(), kPlain.end(), id) == kPlain.end() || (length == 0 && !has_no_body) ||
@@ -80,7 +83,7 @@ Shape shape_of(std::uint8_t const* message, std::size_t size) {
         }
         at += 4 + length;
     }
-    shape.size = at;
+    shape.body = at;
     shape.mergeable = true;
     return shape;
 }
@@ -88,7 +91,8 @@ Shape shape_of(std::uint8_t const* message, std::size_t size) {
 struct Held {
     rtps::SenderResource* resource{nullptr};
     std::vector<rtps::Locator_t> locators;
-    std::vector<std::uint8_t> bytes;
+    std::vector<std::uint8_t> bytes; ///< without `tail`
+    std::vector<std::uint8_t> tail;  ///< the statistics submessage, or empty
     Shape shape;
 };
 
@@ -113,7 +117,9 @@ void flush() {
     Gathering& g = t_gathering;
     auto const timeout = Clock::now() + std::chrono::milliseconds{100};
     for (std::size_t i = 0; i < g.used; ++i) {
-        send_now(g.held[i].resource, g.held[i].bytes.data(), g.held[i].bytes.size(), g.held[i].locators, timeout);
+        Held& held = g.held[i];
+        held.bytes.insert(held.bytes.end(), held.tail.begin(), held.tail.end());
+        send_now(held.resource, held.bytes.data(), held.bytes.size(), held.locators, timeout);
     }
     g.used = 0;
 }
@@ -147,9 +153,10 @@ class CorkedTransport final : public fdds::ChainingTransport {
             }
             bool const same_destination = // an INFO_DST stays in force until the next one
                 held.shape.directed == shape.directed && held.shape.destination == shape.destination;
-            if (same_destination && held.bytes.size() + shape.size - kHeaderSize <= kMaxMessage &&
+            if (same_destination && held.bytes.size() + size - kHeaderSize <= kMaxMessage &&
                 std::memcmp(held.bytes.data(), bytes, kHeaderSize) == 0) {
-                held.bytes.insert(held.bytes.end(), bytes + kHeaderSize, bytes + shape.size);
+                held.bytes.insert(held.bytes.end(), bytes + kHeaderSize, bytes + shape.body);
+                held.tail.assign(bytes + shape.body, bytes + size);
                 return true;
             }
             flush();
@@ -162,7 +169,8 @@ class CorkedTransport final : public fdds::ChainingTransport {
         Held& held = g.held[g.used++];
         held.resource = resource;
         held.locators = g.locators;
-        held.bytes.assign(bytes, bytes + shape.size);
+        held.bytes.assign(bytes, bytes + shape.body);
+        held.tail.assign(bytes + shape.body, bytes + size);
         held.shape = shape;
         return true;
     }

@@ -169,20 +169,25 @@ void StatusReporter::progress(double time_s, double duration_s, std::uint64_t ov
 }
 
 void StatusReporter::event(double time_s, std::string_view source, std::string_view kind, std::string_view text) {
-    send(Json{{"status", "event"}, {"time_s", time_s}, {"source", source}, {"kind", kind}, {"text", text}}.dump(
+    send(Json{{"status", "event"}, {"time_s", time_s}, {"source", source}, {"event", kind}, {"text", text}}.dump(
         -1, ' ', false, Json::error_handler_t::replace));
 }
 
-Result<void> StatusReporter::hold(std::uint64_t index) {
+Result<std::vector<std::string>> StatusReporter::hold(std::uint64_t index, bool wait) {
+    std::vector<std::string> answers;
     if (fd_ < 0) {
-        return {};
+        return answers;
     }
     send(Json{{"status", "hold"}, {"index", index}}.dump());
-    std::string answer;
-    if (!std::getline(std::cin, answer) || answer != "go") {
-        return fail(ExitCode::child_died, "the launcher did not let the run go on after a held tick");
+    std::string line;
+    while (wait && std::getline(std::cin, line)) {
+        if (line == "go") {
+            return answers;
+        }
+        answers.push_back(line);
     }
-    return {};
+    return wait ? fail(ExitCode::child_died, "the launcher did not let the run go on after a held tick")
+                : Result<std::vector<std::string>>{std::move(answers)};
 }
 
 int run_daemon(Daemon const& daemon, int argc, char** argv) {

@@ -25,8 +25,9 @@ class StatusReporter {
     /// Progress of the simulator. Cheap; sends at most ten times a second unless `now` is set.
     void progress(double time_s, double duration_s, std::uint64_t overruns, bool now = false);
     void event(double time_s, std::string_view source, std::string_view kind, std::string_view text);
-    /// "Between tick and tick, something has to be done by the launcher"; then waits for its answer on standard input.
-    [[nodiscard]] Result<void> hold(std::uint64_t index);
+    /// "Between tick and tick, the launcher has to act." With `wait`, returns what it answers on standard input: lines like
+    /// "drop ev1", "rejoin ev1" or "restarted ev1 2".
+    [[nodiscard]] Result<std::vector<std::string>> hold(std::uint64_t index, bool wait);
 
   private:
     void send(std::string const& line);

@@ -34,14 +34,10 @@ template <class Ledger>
 void Node::Core::take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger) {
     bool const late_joiner = joining && config.incarnation > 0;
     for (LedgerEntry const& entry : ledger) {
-        std::size_t const topic = book->topic_index(entry.topic().c_str());
-        if (topic == lockstep::LedgerBook::kUnknown) {
-            continue;
-        }
         if (late_joiner) {
-            book->baseline(process, incarnation, topic, entry.sent());
+            book->baseline(process, incarnation, entry.topic().c_str(), entry.sent());
         } else {
-            book->announced(process, incarnation, topic, entry.sent());
+            book->announced(process, incarnation, entry.topic().c_str(), entry.sent());
         }
     }
 }
@@ -84,7 +80,11 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
     ++clock_generation;
     latest_time = {clock.quanta()};
     if (clock.state() == CLOCK_ABORTED) {
-        fail_locked({ExitCode::stall, "the simulator has ended the run", "its log says why"});
+        fail_locked({ExitCode::stall,
+                     gate->has_pending()
+                         ? fmt::format("the simulator has ended the run; this process waited for {}", gate->awaiting())
+                         : "the simulator has ended the run",
+                     "the simulator's log says why"});
         return;
     }
     if (lockstep()) {
@@ -161,7 +161,7 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
         if (process != lockstep::LedgerBook::kUnknown) {
             using Arrival = lockstep::LedgerBook::Arrival;
             Arrival const arrival =
-                book->arrived(process, source.incarnation, slot.book_topic, header.writer, header.sequence);
+                book->arrived(process, source.incarnation, slot.book_reader, header.writer, header.sequence);
             if (arrival == Arrival::repeated) {
                 return;
             }

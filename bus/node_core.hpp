@@ -35,7 +35,7 @@ struct Node::Core {
         std::string topic;
         Codec codec;
         Inbox* inbox{nullptr};
-        std::size_t book_topic{0};
+        std::size_t book_reader{0};
         std::unique_ptr<RawReader> raw;
         Participant const* network{nullptr};
         struct Source { ///< who a writer of the topic belongs to; looked up once per writer
@@ -44,7 +44,7 @@ struct Node::Core {
             std::uint32_t incarnation{0};
             std::string name;
         };
-        std::vector<Source> sources; ///< by SampleHeader::source; used by the receiving thread only
+        std::vector<Source> sources; ///< by SampleHeader::source; one receiving thread at a time
     };
     std::vector<std::unique_ptr<ReaderSlot>> readers; ///< opened in start(), when the book knows all topics
 

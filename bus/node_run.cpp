@@ -99,6 +99,10 @@ std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
     std::string missing;
     std::vector<Peer> const matched = matched_peers(missing);
     MemberState const state = missing.empty() ? MEMBER_READY : state_when_incomplete;
+    if (state == MEMBER_READY) {
+        std::lock_guard const lock{mutex};
+        joining = false; // before anybody hears of it: the clock may come at once
+    }
     if (matched == status_matched && missing == status_missing) {
         return missing;
     }
@@ -177,7 +181,7 @@ Result<void> Node::start() {
         }
     }
     for (auto& slot : core.readers) {
-        slot->book_topic = core.book->topic_index(slot->topic);
+        slot->book_reader = static_cast<std::size_t>(&slot - core.readers.data());
         auto* raw_slot = slot.get();
         Participant& network = core.network_of(slot->topic);
         slot->network = &network;
@@ -208,7 +212,6 @@ Result<void> Node::start() {
         bool const ready = missing.empty();
         std::unique_lock lock{core.mutex};
         if (ready) {
-            core.joining = false;
             return core.error ? Result<void>{std::unexpected{*core.error}} : Result<void>{};
         }
         if (core.error) {

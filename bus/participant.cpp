@@ -249,6 +249,8 @@ class Reader final : public RawReader, private dds::DataReaderListener {
 
   private:
     void on_data_available(dds::DataReader* reader) override {
+        // Unicast and multicast arrive on different threads; samples are handed on one at a time, in the order of the writer.
+        std::lock_guard const lock{take_mutex_};
         dds::SampleInfo info;
         while (reader->take_next_sample(&incoming_, &info) == ReturnCode_t::RETCODE_OK) {
             if (!info.valid_data) {
@@ -288,8 +290,9 @@ class Reader final : public RawReader, private dds::DataReaderListener {
     SampleHandler handler_;
     dds::DataReader* reader_{nullptr};
     Matches matches_;
-    Incoming incoming_;                // used by the receiving thread only
-    std::vector<KnownWriter> writers_; // used by the receiving thread only
+    std::mutex take_mutex_; // guards the next two
+    Incoming incoming_;
+    std::vector<KnownWriter> writers_;
 };
 
 class FastDdsParticipant final : public Participant {

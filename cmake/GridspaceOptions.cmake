@@ -29,6 +29,9 @@ target_compile_options(gridspace_flags INTERFACE -Wall -Wextra -Wpedantic -Wshad
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   target_compile_options(gridspace_flags INTERFACE -Wno-restrict) # false alarms on std::string (GCC bug 105651)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  target_compile_options(gridspace_flags INTERFACE -Wno-deprecated-declarations) # libstdc++ 12 uses its own std::get_temporary_buffer
+endif()
 if(NOT GRIDSPACE_SANITIZE)
   target_compile_options(gridspace_flags INTERFACE -fstack-protector-strong -fstack-clash-protection
                                                    $<$<CONFIG:Release>:-D_FORTIFY_SOURCE=2>)

@@ -39,6 +39,9 @@ class EvShell {
         if (auto ok = open_signals(); !ok) {
             return ok;
         }
+        if (auto ok = node_.start(); !ok) {
+            return ok;
+        }
         TimeBase const& base = node_.time_base();
         SimSpan const period = base.nearest(config_.period_s), latency = base.ceil(config_.latency_us / Rational{1'000'000});
         bus::TickGrid const grid{node_.config().clock};

@@ -48,6 +48,9 @@ class MccaShell {
             return std::unexpected{signals.error()};
         }
         signals_ = std::move(*signals);
+        if (auto ok = node_.start(); !ok) {
+            return ok;
+        }
         bus::TickGrid const grid{node_.config().clock};
         bool announced = false;
         while (true) {

@@ -7,14 +7,14 @@
 
 namespace gridspace::lockstep {
 
-LedgerBook::LedgerBook(std::vector<std::string> processes, std::vector<std::string> topics)
-    : topics_{std::move(topics)} {
+LedgerBook::LedgerBook(std::vector<std::string> processes, std::vector<std::string> readers)
+    : readers_{std::move(readers)} {
     std::sort(processes.begin(), processes.end());
     for (std::string& name : processes) {
         Process process;
         process.name = std::move(name);
-        process.topics.resize(topics_.size());
-        for (Counts& counts : process.topics) {
+        process.readers.resize(readers_.size());
+        for (Counts& counts : process.readers) {
             counts.writers.reserve(8);
         }
         processes_.push_back(std::move(process));
@@ -27,18 +27,13 @@ std::size_t LedgerBook::process_index(std::string_view process) const {
     return it != processes_.end() && it->name == process ? static_cast<std::size_t>(it - processes_.begin()) : kUnknown;
 }
 
-std::size_t LedgerBook::topic_index(std::string_view topic) const {
-    auto const it = std::find(topics_.begin(), topics_.end(), topic);
-    return it != topics_.end() ? static_cast<std::size_t>(it - topics_.begin()) : kUnknown;
-}
-
 bool LedgerBook::enter_incarnation(Process& process, std::uint32_t incarnation) {
     if (incarnation < process.incarnation) {
         return false;
     }
     if (incarnation > process.incarnation) {
         process.incarnation = incarnation;
-        for (Counts& counts : process.topics) {
+        for (Counts& counts : process.readers) {
             counts.announced = 0;
             counts.held = 0;
             counts.joined_late = false;
@@ -48,28 +43,38 @@ bool LedgerBook::enter_incarnation(Process& process, std::uint32_t incarnation) 
     return true;
 }
 
-void LedgerBook::announced(std::size_t process, std::uint32_t incarnation, std::size_t topic, std::uint64_t sent) {
-    if (enter_incarnation(processes_[process], incarnation)) {
-        Counts& counts = processes_[process].topics[topic];
-        counts.announced = std::max(counts.announced, sent);
+void LedgerBook::announced(std::size_t process, std::uint32_t incarnation, std::string_view topic, std::uint64_t sent) {
+    if (!enter_incarnation(processes_[process], incarnation)) {
+        return;
+    }
+    for (std::size_t r = 0; r < readers_.size(); ++r) {
+        if (readers_[r] == topic) {
+            Counts& counts = processes_[process].readers[r];
+            counts.announced = std::max(counts.announced, sent);
+        }
     }
 }
 
-void LedgerBook::baseline(std::size_t process, std::uint32_t incarnation, std::size_t topic, std::uint64_t sent) {
-    if (enter_incarnation(processes_[process], incarnation)) {
-        Counts& counts = processes_[process].topics[topic];
-        counts.announced = sent;
-        counts.held = sent;
-        counts.joined_late = true;
+void LedgerBook::baseline(std::size_t process, std::uint32_t incarnation, std::string_view topic, std::uint64_t sent) {
+    if (!enter_incarnation(processes_[process], incarnation)) {
+        return;
+    }
+    for (std::size_t r = 0; r < readers_.size(); ++r) {
+        if (readers_[r] == topic) {
+            Counts& counts = processes_[process].readers[r];
+            counts.announced = sent;
+            counts.held = sent;
+            counts.joined_late = true;
+        }
     }
 }
 
-LedgerBook::Arrival LedgerBook::arrived(std::size_t process, std::uint32_t incarnation, std::size_t topic,
+LedgerBook::Arrival LedgerBook::arrived(std::size_t process, std::uint32_t incarnation, std::size_t reader,
                                         std::uint32_t writer, std::uint64_t sequence) {
     if (!enter_incarnation(processes_[process], incarnation)) {
         return Arrival::repeated;
     }
-    Counts& counts = processes_[process].topics[topic];
+    Counts& counts = processes_[process].readers[reader];
     auto it = std::find_if(counts.writers.begin(), counts.writers.end(),
                            [&](WriterCount const& w) { return w.writer == writer; });
     if (it == counts.writers.end()) {
@@ -87,17 +92,17 @@ LedgerBook::Arrival LedgerBook::arrived(std::size_t process, std::uint32_t incar
 }
 
 bool LedgerBook::complete(std::size_t process) const {
-    return std::all_of(processes_[process].topics.begin(), processes_[process].topics.end(),
+    return std::all_of(processes_[process].readers.begin(), processes_[process].readers.end(),
                        [](Counts const& counts) { return counts.held >= counts.announced; });
 }
 
 std::string LedgerBook::missing(std::size_t process) const {
     std::string out;
-    for (std::size_t t = 0; t < topics_.size(); ++t) {
-        Counts const& counts = processes_[process].topics[t];
+    for (std::size_t r = 0; r < readers_.size(); ++r) {
+        Counts const& counts = processes_[process].readers[r];
         if (counts.held < counts.announced) {
             out += fmt::format("{}{} of {} samples of '{}' from {}", out.empty() ? "" : ", ",
-                               counts.announced - counts.held, counts.announced, topics_[t], processes_[process].name);
+                               counts.announced - counts.held, counts.announced, readers_[r], processes_[process].name);
         }
     }
     return out;

@@ -28,14 +28,14 @@ TickGate::TickGate(Config config, LedgerBook& book) : book_{book}, simulator_{bo
 
 void TickGate::on_clock(std::uint64_t tick, std::span<std::uint8_t const> awaited, bool final) {
     latest_ = tick;
-    if (!self_member_ || !bit_of(awaited, *self_member_)) {
-        return;
+    for (Upstream& upstream : upstream_) {
+        if (bit_of(awaited, upstream.member)) {
+            upstream.awaited = static_cast<std::int64_t>(tick);
+        }
     }
-    Pending pending{tick, final, std::vector<bool>(upstream_.size())};
-    for (std::size_t i = 0; i < upstream_.size(); ++i) {
-        pending.awaited_upstream[i] = bit_of(awaited, upstream_[i].member);
+    if (self_member_ && bit_of(awaited, *self_member_)) {
+        pending_ = Pending{tick, final};
     }
-    pending_ = std::move(pending);
 }
 
 void TickGate::on_ack(std::size_t process, std::uint64_t tick) {
@@ -50,11 +50,8 @@ std::optional<TickGate::Grant> TickGate::granted() const {
     if (!pending_ || (simulator_ != LedgerBook::kUnknown && !book_.complete(simulator_))) {
         return std::nullopt;
     }
-    for (std::size_t i = 0; i < upstream_.size(); ++i) {
-        if (pending_->awaited_upstream[i] && upstream_[i].acked < static_cast<std::int64_t>(pending_->tick)) {
-            return std::nullopt;
-        }
-        if (!book_.complete(upstream_[i].process)) {
+    for (Upstream const& upstream : upstream_) {
+        if (upstream.acked < upstream.awaited || !book_.complete(upstream.process)) {
             return std::nullopt;
         }
     }
@@ -72,13 +69,12 @@ std::string TickGate::awaiting() const {
     if (simulator_ != LedgerBook::kUnknown && !book_.complete(simulator_)) {
         add(book_.missing(simulator_));
     }
-    for (std::size_t i = 0; i < upstream_.size(); ++i) {
-        if (pending_->awaited_upstream[i] && upstream_[i].acked < static_cast<std::int64_t>(pending_->tick)) {
-            add(fmt::format("the acknowledgement of tick {} by {}", pending_->tick,
-                            book_.process_name(upstream_[i].process)));
+    for (Upstream const& upstream : upstream_) {
+        if (upstream.acked < upstream.awaited) {
+            add(fmt::format("the acknowledgement of tick {} by {}", upstream.awaited, book_.process_name(upstream.process)));
         }
-        if (!book_.complete(upstream_[i].process)) {
-            add(book_.missing(upstream_[i].process));
+        if (!book_.complete(upstream.process)) {
+            add(book_.missing(upstream.process));
         }
     }
     return out;

@@ -79,11 +79,11 @@ std::uint32_t checksum(Bytes const& bytes) {
 } // namespace
 
 Result<Writer> Writer::create(std::filesystem::path const& file, Options options) {
-    int const fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    if (fd < 0) {
+    UniqueFd fd{::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
+    if (!fd) {
         return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file.string(), std::strerror(errno)));
     }
-    Writer writer{fd, file, options};
+    Writer writer{std::move(fd), file, options};
     Bytes head{kMagic.begin(), kMagic.end()};
     Bytes body;
     Encoder{body}.text("").text("gridspace");
@@ -94,28 +94,14 @@ Result<Writer> Writer::create(std::filesystem::path const& file, Options options
     return writer;
 }
 
-Writer::Writer(int fd, std::filesystem::path file, Options options) : fd_{fd}, file_{std::move(file)}, options_{options} {
+Writer::Writer(UniqueFd fd, std::filesystem::path file, Options options) : fd_{std::move(fd)}, file_{std::move(file)}, options_{options} {
     chunk_.reserve(options_.chunk_octets + 64 * 1024);
-}
-
-Writer::Writer(Writer&& other) noexcept
-    : fd_{std::exchange(other.fd_, -1)}, file_{std::move(other.file_)}, options_{other.options_},
-      position_{other.position_}, schemas_{std::move(other.schemas_)}, channels_{std::move(other.channels_)},
-      chunk_{std::move(other.chunk_)}, chunk_messages_{std::move(other.chunk_messages_)},
-      chunk_start_{other.chunk_start_}, chunk_end_{other.chunk_end_}, chunks_{std::move(other.chunks_)},
-      channel_counts_{std::move(other.channel_counts_)}, message_count_{other.message_count_},
-      first_time_{other.first_time_}, last_time_{other.last_time_}, failed_{other.failed_} {}
-
-Writer::~Writer() {
-    if (fd_ >= 0) {
-        ::close(fd_);
-    }
 }
 
 Result<void> Writer::put(std::vector<std::uint8_t> const& bytes) {
     std::size_t done = 0;
     while (done < bytes.size() && !failed_) {
-        ssize_t const written = ::write(fd_, bytes.data() + done, bytes.size() - done);
+        ssize_t const written = ::write(fd_.get(), bytes.data() + done, bytes.size() - done);
         if (written < 0 && errno == EINTR) {
             continue;
         }
@@ -149,9 +135,8 @@ std::uint16_t Writer::add_channel(std::uint16_t schema, std::string topic, std::
 Result<void> Writer::write(std::uint16_t channel, std::uint32_t sequence, std::uint64_t time_ns,
                            std::span<std::byte const> data) {
     auto& index = chunk_messages_[channel];
-    bool const first_of_chunk =
-        std::all_of(chunk_messages_.begin(), chunk_messages_.end(), [](auto const& e) { return e.second.empty(); });
     index.emplace_back(time_ns, chunk_.size());
+    bool const first_of_chunk = std::exchange(chunk_has_messages_, true) == false;
     chunk_start_ = first_of_chunk ? time_ns : std::min(chunk_start_, time_ns);
     chunk_end_ = first_of_chunk ? time_ns : std::max(chunk_end_, time_ns);
     first_time_ = message_count_ == 0 ? time_ns : std::min(first_time_, time_ns);
@@ -208,10 +193,14 @@ Result<void> Writer::flush() {
     index.index_length = out.size() - index.length;
     chunks_.push_back(std::move(index));
     chunk_.clear();
+    chunk_has_messages_ = false;
     return put(out);
 }
 
 Result<void> Writer::close() {
+    if (!fd_) {
+        return {};
+    }
     if (auto ok = flush(); !ok) {
         return ok;
     }
@@ -277,8 +266,8 @@ Result<void> Writer::close() {
     if (auto ok = put(out); !ok) {
         return ok;
     }
-    int const synced = ::fsync(fd_);
-    int const closed = ::close(std::exchange(fd_, -1));
+    int const synced = ::fsync(fd_.get());
+    int const closed = ::close(fd_.release());
     return synced == 0 && closed == 0
                ? Result<void>{}
                : fail(ExitCode::environment, fmt::format("cannot finish '{}': {}", file_.string(), std::strerror(errno)));

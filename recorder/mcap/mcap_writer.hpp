@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "common/unique_fd.hpp"
 #include "recorder/mcap/mcap_format.hpp"
 
 #include <cstddef>
@@ -24,11 +25,6 @@ class Writer {
     };
     [[nodiscard]] static Result<Writer> create(std::filesystem::path const& file, Options options);
     [[nodiscard]] static Result<Writer> create(std::filesystem::path const& file) { return create(file, Options{}); }
-    Writer(Writer&& other) noexcept;
-    Writer& operator=(Writer&&) = delete;
-    Writer(Writer const&) = delete;
-    Writer& operator=(Writer const&) = delete;
-    ~Writer(); ///< without close(): the file has no index, as after a crash
 
     [[nodiscard]] std::uint16_t add_schema(std::string name, std::string encoding, std::string data);
     [[nodiscard]] std::uint16_t add_channel(std::uint16_t schema, std::string topic, std::string message_encoding,
@@ -37,6 +33,7 @@ class Writer {
                                      std::span<std::byte const> data);
     /// Ends the open chunk, so that what was written so far is on disk.
     [[nodiscard]] Result<void> flush();
+    /// Writes the index. Without it the file is as after a crash. Later calls do nothing.
     [[nodiscard]] Result<void> close();
 
     [[nodiscard]] std::uint64_t messages() const { return message_count_; }
@@ -48,10 +45,10 @@ class Writer {
         std::map<std::uint16_t, std::uint64_t> index_offsets;
         std::uint64_t index_length, compressed, uncompressed;
     };
-    Writer(int fd, std::filesystem::path file, Options options);
+    Writer(UniqueFd fd, std::filesystem::path file, Options options);
     [[nodiscard]] Result<void> put(std::vector<std::uint8_t> const& bytes);
 
-    int fd_;
+    UniqueFd fd_;
     std::filesystem::path file_;
     Options options_;
     std::uint64_t position_{0};
@@ -59,6 +56,7 @@ class Writer {
     std::vector<Channel> channels_;
     std::vector<std::uint8_t> chunk_;
     std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages_; ///< (time, offset)
+    bool chunk_has_messages_{false};
     std::uint64_t chunk_start_{0}, chunk_end_{0};
     std::vector<ChunkIndex> chunks_;
     std::map<std::uint16_t, std::uint64_t> channel_counts_;

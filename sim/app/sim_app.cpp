@@ -140,10 +140,27 @@ class SimApp {
     Result<void> hold_for_launcher(SimTime acknowledged) {
         while (next_hold_ < config_.holds_s.size() &&
                SimTime{} + node_.time_base().nearest(config_.holds_s[next_hold_]) <= acknowledged) {
-            if (auto ok = run_.status.hold(next_hold_); !ok) {
-                return ok;
+            auto const answers = run_.status.hold(next_hold_, node_.lockstep());
+            if (!answers) {
+                return std::unexpected{answers.error()};
+            }
+            for (std::string const& answer : *answers) {
+                if (auto ok = obey(split(answer, ' ')); !ok) {
+                    return ok;
+                }
             }
             ++next_hold_;
+        }
+        return {};
+    }
+
+    Result<void> obey(std::vector<std::string> const& words) {
+        if (words.size() >= 2 && words[0] == "drop") {
+            clock_.drop(words[1]);
+        } else if (words.size() >= 2 && words[0] == "rejoin") {
+            clock_.rejoin(words[1]);
+        } else if (words.size() >= 3 && words[0] == "restarted") {
+            return clock_.await_restarted(words[1], static_cast<std::uint32_t>(std::strtoul(words[2].c_str(), nullptr, 10)));
         }
         return {};
     }

@@ -64,6 +64,12 @@ struct Line : Element {
 
 enum class Winding { wye_grounded, wye, delta };
 
+/// Two-slope saturation. (Outside of its owner: clang cannot make an optional of a nested class with default values.)
+struct TransformerSaturation {
+    double knee_pu{1.2};         ///< flux linkage at the knee, p.u. of rated peak
+    double air_core_percent{30}; ///< reactance above the knee, of the rating
+};
+
 /// Two-winding transformer.
 struct Transformer : Element {
     Ref from, to;
@@ -74,10 +80,7 @@ struct Transformer : Element {
     Winding from_winding{Winding::wye_grounded}, to_winding{Winding::wye_grounded};
     double magnetising_percent{0}; ///< magnetising current, of the rated current; 0: none
     double charging_percent{0};    ///< total shunt susceptance, half at each winding, of the rating
-    struct Saturation {
-        double knee_pu{1.2};         ///< flux linkage at the knee, p.u. of rated peak
-        double air_core_percent{30}; ///< reactance above the knee, of the rating
-    };
+    using Saturation = TransformerSaturation;
     std::optional<Saturation> saturation;
 };
 
@@ -195,12 +198,14 @@ struct Ev : Element {
     double current_lag_s{1}; ///< first-order response of the converter to its reference
 };
 
+struct ProfileHalfSine {
+    double rise_h{6}, set_h{18}, exponent{1};
+};
+
 struct Profile : Element {
     enum class Time { since_start, hour_of_day } time{Time::since_start};
     std::vector<double> hours, values; ///< linear between points, constant outside
-    struct HalfSine {
-        double rise_h{6}, set_h{18}, exponent{1};
-    };
+    using HalfSine = ProfileHalfSine;
     std::optional<HalfSine> half_sine;
     struct Cloud {
         double at_h{12}, depth_percent{0}, width_h{0.1};

@@ -23,7 +23,7 @@ TEST_F(TickGateTest, StartsOnlyWithTheClockTheAcknowledgementsAndTheSamples) {
     sut.on_clock(0, all, false);
     EXPECT_FALSE(sut.granted());
     sut.on_ack(ev1, 0);
-    book.announced(ev2, 0, 0, 1);
+    book.announced(ev2, 0, "requests", 1);
     sut.on_ack(ev2, 0);
     EXPECT_FALSE(sut.granted());
     EXPECT_EQ(sut.awaiting(), "1 of 1 samples of 'requests' from ev2");
@@ -57,10 +57,19 @@ TEST_F(TickGateTest, SleepsThroughTicksThatDoNotAwaitIt) {
     EXPECT_EQ(sut.latest_tick(), 3U);
 }
 
+TEST_F(TickGateTest, MissesNothingOfTheTicksThatItSleptThrough) {
+    sut.on_clock(3, std::vector<std::uint8_t>{0b001}, false); // ev1 works, this member does not
+    sut.on_clock(9, std::vector<std::uint8_t>{0b100}, false); // now it does, and ev1 does not
+    EXPECT_FALSE(sut.granted());
+    EXPECT_EQ(sut.awaiting(), "the acknowledgement of tick 3 by ev1");
+    sut.on_ack(ev1, 3);
+    EXPECT_TRUE(sut.granted());
+}
+
 TEST_F(TickGateTest, WaitsForTheSimulatorsSamplesToo) {
     LedgerBook own{{"sim"}, {"bus_measurements"}};
     TickGate gate{{"ev1", "sim", {"ev1"}, {}}, own};
-    own.announced(0, 0, 0, 1);
+    own.announced(0, 0, "bus_measurements", 1);
     gate.on_clock(0, std::vector<std::uint8_t>{1}, true);
     EXPECT_FALSE(gate.granted());
     own.arrived(0, 0, 0, 0, 1);

@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `gridspace doctor`: what this machine allows, tried rather than guessed.
+#include "launcher/cli/verbs.hpp"
+#include "launcher/run/installation.hpp"
+#include "launcher/run/namespaces.hpp"
+#include "launcher/run/virtual_network.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+namespace gridspace::cli {
+namespace {
+
+struct Finding {
+    enum class Level { ok, note, problem } level{Level::ok};
+    std::string what, detail, remedy;
+};
+using Level = Finding::Level;
+
+long read_number(char const* file) {
+    std::ifstream stream{file};
+    long value = -1;
+    stream >> value;
+    return value;
+}
+
+/// Tries, in a child, the namespaces and the network that a run would make.
+Finding try_virtual_network() {
+    launcher::RunPlan plan;
+    plan.hosts = {"a", "b"};
+    plan.ports = {{"a", "mgmt0", "mgmt0", "02:47:53:00:00:01", "10.254.0.1", 16}, {"b", "mgmt0", "mgmt0", "02:47:53:00:00:02", "10.254.0.2", 16}};
+    int report[2];
+    if (::pipe2(report, O_CLOEXEC) != 0) {
+        return {Level::problem, "virtual network", "no pipe", ""};
+    }
+    auto const pid = launcher::start_in_namespaces([&] {
+        launcher::VirtualNetwork network;
+        auto const built = network.build(plan);
+        std::string text = built ? "" : describe(built.error());
+        if (built) {
+            ::setns(network.host("a"), CLONE_NEWNET);
+            int const raw = ::socket(AF_PACKET, SOCK_RAW, 0);
+            text = raw < 0 ? fmt::format("raw sockets: {}", std::strerror(errno)) : "";
+        }
+        [[maybe_unused]] auto const written = ::write(report[1], text.data(), text.size());
+        return 0;
+    });
+    ::close(report[1]);
+    std::string text;
+    char buffer[512];
+    for (ssize_t n = 0; pid && (n = ::read(report[0], buffer, sizeof buffer)) > 0;) {
+        text.append(buffer, static_cast<std::size_t>(n));
+    }
+    ::close(report[0]);
+    std::string const kind = ::geteuid() == 0 ? "as root: network, mount and PID namespaces" : "as an ordinary user: user, network, mount and PID namespaces";
+    if (!pid) {
+        return {Level::problem, "virtual network", pid.error().message, pid.error().remedy + "; scenarios without raw frames run on the loopback interface"};
+    }
+    ::waitpid(*pid, nullptr, 0);
+    return text.empty() ? Finding{Level::ok, "virtual network", kind + ", veth, bridges, raw sockets", ""}
+                        : Finding{Level::problem, "virtual network", text, "`ip` comes with the package iproute2"};
+}
+
+Finding try_real_time() {
+    rlimit limit{};
+    ::getrlimit(RLIMIT_RTPRIO, &limit);
+    bool const root = ::geteuid() == 0;
+    std::string const detail = root ? "SCHED_FIFO as root" : limit.rlim_cur > 0 ? fmt::format("SCHED_FIFO up to priority {}", limit.rlim_cur) : "no SCHED_FIFO";
+    return {root || limit.rlim_cur > 0 ? Level::ok : Level::note, "real-time priority", detail,
+            root || limit.rlim_cur > 0 ? "" : "real-time runs are measured honestly, but may be late more often; `rtprio` in /etc/security/limits.conf"};
+}
+
+Finding check_locked_memory() {
+    rlimit limit{};
+    ::getrlimit(RLIMIT_MEMLOCK, &limit);
+    bool const unlimited = limit.rlim_cur == RLIM_INFINITY || ::geteuid() == 0;
+    return {unlimited ? Level::ok : Level::note, "locked memory", unlimited ? "unlimited" : fmt::format("{} KiB", limit.rlim_cur / 1024),
+            unlimited ? "" : "processes run without mlockall"};
+}
+
+Finding check_buffers() {
+    long const receive = read_number("/proc/sys/net/core/rmem_max");
+    bool const enough = receive >= 2 * 1024 * 1024;
+    return {enough ? Level::ok : Level::note, "socket buffers", fmt::format("net.core.rmem_max {} KiB", receive / 1024),
+            enough ? "" : "bursts may be dropped: sysctl -w net.core.rmem_max=4194304 net.core.wmem_max=4194304"};
+}
+
+Finding check_clock() {
+    std::ifstream stream{"/sys/devices/system/clocksource/clocksource0/current_clocksource"};
+    std::string source;
+    stream >> source;
+    bool const good = source == "tsc" || source == "kvm-clock" || source == "arch_sys_counter" || source == "hyperv_clocksource_tsc_page";
+    return {good ? Level::ok : Level::note, "clock source", source.empty() ? "unknown" : source, good ? "" : "reading the time may be slow"};
+}
+
+Finding check_programs() {
+    std::string missing;
+    for (char const* program : {"gridspace-sim", "gridspace-ev", "gridspace-mcca", "gridspace-recorder", "gridspace-monitor"}) {
+        if (!std::filesystem::exists(launcher::program_file(program))) {
+            missing += std::string{missing.empty() ? "" : ", "} + program;
+        }
+    }
+    return {missing.empty() ? Level::ok : Level::problem, "programs", missing.empty() ? launcher::program_file("").string() : "missing: " + missing,
+            missing.empty() ? "" : "build everything: cmake --build --preset release"};
+}
+
+Finding check_qos() {
+    bool const found = std::filesystem::exists(launcher::qos_file("simulator"));
+    return {found ? Level::ok : Level::problem, "QoS profiles", launcher::qos_file("").parent_path().string(), found ? "" : "set GRIDSPACE_QOS_DIR"};
+}
+
+Finding check_shared_memory() {
+    std::size_t count = 0;
+    std::error_code error;
+    for (auto const& file : std::filesystem::directory_iterator{"/dev/shm", error}) {
+        count += file.path().filename().string().starts_with("fast") ? 1 : 0;
+    }
+    return {Level::ok, "Fast DDS shared memory", count == 0 ? "none left behind" : fmt::format("{} files of other programs", count), ""};
+}
+
+Finding check_profile_file() {
+    bool const stray = std::filesystem::exists("DEFAULT_FASTRTPS_PROFILES.xml");
+    return {stray ? Level::note : Level::ok, "stray DDS profiles", stray ? "DEFAULT_FASTRTPS_PROFILES.xml in this folder" : "none",
+            stray ? "runs ignore it; your own DDS programs do not" : ""};
+}
+
+} // namespace
+
+int doctor(bool json) {
+    std::vector<Finding> const findings{check_programs(), check_qos(),    try_virtual_network(),  try_real_time(),     check_locked_memory(),
+                                        check_buffers(),  check_clock(),  check_shared_memory(), check_profile_file(),
+                                        {std::thread::hardware_concurrency() >= 2 ? Level::ok : Level::note, "processors",
+                                         std::to_string(std::thread::hardware_concurrency()), ""}};
+    bool problem = false;
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (Finding const& f : findings) {
+        problem = problem || f.level == Level::problem;
+        char const* level = f.level == Level::ok ? "ok" : f.level == Level::note ? "note" : "PROBLEM";
+        if (json) {
+            list.push_back({{"check", f.what}, {"level", level}, {"detail", f.detail}, {"remedy", f.remedy}});
+        } else {
+            fmt::print("{:<8} {:<24} {}{}{}\n", level, f.what, f.detail, f.remedy.empty() ? "" : "\n                                  -> ", f.remedy);
+        }
+    }
+    if (json) {
+        fmt::print("{}\n", list.dump(2));
+    }
+    return problem ? static_cast<int>(ExitCode::environment) : 0;
+}
+
+} // namespace gridspace::cli

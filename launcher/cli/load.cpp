@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/cli/load.hpp"
+
+#include <fmt/format.h>
+
+namespace gridspace::cli {
+
+std::unique_ptr<launcher::Scenario> load(ScenarioArguments const& arguments) {
+    launcher::LoadOptions options;
+    options.set = arguments.set;
+    options.until = arguments.until;
+    options.seed = arguments.seed;
+    if (arguments.speed) {
+        options.set.push_back("clock.speed=" + *arguments.speed);
+    }
+    config::Diagnostics diagnostics;
+    auto scenario = launcher::load_scenario(arguments.file, options, diagnostics);
+    if (diagnostics.errors() + diagnostics.warnings() > 0) {
+        fmt::print(stderr, "{}{}\n", diagnostics.render(), scenario ? "" : "  Nothing was started.");
+    }
+    return scenario;
+}
+
+int print_error(Error const& error) {
+    fmt::print(stderr, "error: {}{}{}\n", error.message, error.remedy.empty() ? "" : "\n  ", error.remedy);
+    return static_cast<int>(error.code);
+}
+
+std::filesystem::path run_folder(std::filesystem::path const& written) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(written / "manifest.json", ignored) && std::filesystem::exists("runs" / written / "manifest.json", ignored)) {
+        return "runs" / written;
+    }
+    return written;
+}
+
+} // namespace gridspace::cli

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// gridspace: the command line. Parses; the verbs do the work.
+#include "common/exit_code.hpp"
+#include "common/version.hpp"
+#include "launcher/cli/completion.hpp"
+#include "launcher/cli/verbs.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+namespace gridspace::cli {
+
+int version(bool json) {
+    Version const& v = gridspace::version();
+    if (json) {
+        fmt::print("{}\n", nlohmann::ordered_json{{"version", v.version}, {"commit", v.commit}, {"build", v.build_type}, {"compiler", v.compiler}}.dump());
+    } else {
+        fmt::print("{}\n", version_text("gridspace"));
+    }
+    return 0;
+}
+
+namespace {
+
+/// The verbs that were added to `app`, with their options: the completion scripts cannot forget one.
+std::vector<VerbOptions> verbs_of(CLI::App const& app) {
+    std::vector<VerbOptions> out;
+    for (CLI::App const* verb : app.get_subcommands([](CLI::App const*) { return true; })) {
+        VerbOptions entry{verb->get_name(), verb->get_description(), {}};
+        for (CLI::Option const* option : verb->get_options()) {
+            for (std::string const& name : option->get_lnames()) {
+                entry.options.push_back("--" + name);
+            }
+        }
+        out.push_back(std::move(entry));
+    }
+    return out;
+}
+
+void scenario_options(CLI::App* verb, ScenarioArguments& a) {
+    verb->add_option("SCENARIO", a.file, "scenario file (YAML)")->required();
+    verb->add_option("--set", a.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")->take_all()->allow_extra_args(false);
+    verb->add_option("--speed", a.speed, "simulated seconds per second, or max");
+    verb->add_option("--until", a.until, "end at this simulated time: 10s, 5min, 2h");
+    verb->add_option("--seed", a.seed, "seed of everything random");
+}
+
+int main_function(int argc, char** argv) {
+    CLI::App app{"Gridspace: smart-grid co-simulation over DDS and IEC 61850", "gridspace"};
+    app.require_subcommand(0, 1);
+    app.set_help_all_flag("--help-all", "help of all verbs");
+    bool show_version = false, version_json = false;
+    app.add_flag("--version", show_version, "version of this build");
+    app.add_flag("--json", version_json, "with --version: as JSON");
+    std::function<int()> action;
+    auto const verb = [&](char const* name, char const* description) { return app.add_subcommand(name, description); };
+
+    RunArguments run_arguments;
+    CLI::App* run_verb = verb("run", "run a scenario: start, watch, record, judge, report");
+    scenario_options(run_verb, run_arguments.scenario);
+    run_verb->add_flag("--dry-run", run_arguments.dry_run, "show what would be started");
+    run_verb->add_option("--out", run_arguments.out, "run folder (default: runs/<scenario>-<utc>)");
+    run_verb->add_option("--junit", run_arguments.junit, "write the expectations as JUnit XML");
+    run_verb->add_flag("--json", run_arguments.json, "progress as JSON lines, the summary as JSON");
+    run_verb->add_flag("--quiet", run_arguments.quiet, "print nothing but errors");
+    run_verb->add_flag("--no-namespaces", run_arguments.no_namespaces, "everything on the loopback interface");
+    run_verb->add_flag("--no-deadlines", run_arguments.no_deadlines, "wait for ever (a debugger is attached)");
+    run_verb->add_option("--log-level", run_arguments.log_level, "of the processes")->check(CLI::IsMember({"debug", "info", "warning", "error"}));
+    run_verb->callback([&] { action = [&] { return run(run_arguments); }; });
+
+    ValidateArguments validate_arguments;
+    CLI::App* validate_verb = verb("validate", "check scenario and network files; start nothing");
+    validate_verb->add_option("FILE", validate_arguments.files, "files")->required();
+    validate_verb->add_option("--set", validate_arguments.set, "override a value")->take_all()->allow_extra_args(false);
+    std::string format = "text";
+    validate_verb->add_option("--format", format, "text or json")->check(CLI::IsMember({"text", "json"}));
+    validate_verb->callback([&] {
+        action = [&] {
+            validate_arguments.json = format == "json";
+            return validate(validate_arguments);
+        };
+    });
+
+    ScenarioArguments signals_arguments;
+    bool signals_json = false;
+    CLI::App* signals_verb = verb("signals", "list the signals of a scenario: name, unit, rate");
+    scenario_options(signals_verb, signals_arguments);
+    signals_verb->add_flag("--json", signals_json, "as JSON");
+    signals_verb->callback([&] { action = [&] { return signals(signals_arguments, signals_json); }; });
+
+    PowerFlowArguments powerflow_arguments;
+    CLI::App* powerflow_verb = verb("powerflow", "solve the power flow of a network (YAML or MATPOWER)");
+    powerflow_verb->add_option("NETWORK", powerflow_arguments.network, "network file")->required();
+    powerflow_verb->add_flag("--json", powerflow_arguments.json, "as JSON");
+    powerflow_verb->add_flag("--enforce-q-limits", powerflow_arguments.enforce_q_limits, "generators give up their voltage at their reactive limits");
+    powerflow_verb->callback([&] { action = [&] { return powerflow(powerflow_arguments); }; });
+
+    CompareArguments compare_arguments;
+    CLI::App* compare_verb = verb("compare", "compare the recordings of two runs: identical, or the first divergence");
+    compare_verb->add_option("RUN_A", compare_arguments.a, "run folder or recording")->required();
+    compare_verb->add_option("RUN_B", compare_arguments.b, "run folder or recording")->required();
+    compare_verb->add_option("--tolerance", compare_arguments.tolerance, "of numbers, absolute or relative")->check(CLI::NonNegativeNumber);
+    compare_verb->add_option("--signals", compare_arguments.signals, "compare only these recorded signals (patterns)")->delimiter(',');
+    compare_verb->callback([&] { action = [&] { return compare(compare_arguments); }; });
+
+    std::filesystem::path report_run;
+    bool report_json = false;
+    CLI::App* report_verb = verb("report", "judge a recorded run again and rewrite its report");
+    report_verb->add_option("RUN", report_run, "run folder, or latest")->required();
+    report_verb->add_flag("--json", report_json, "the summary as JSON");
+    report_verb->callback([&] { action = [&] { return report(report_run, report_json); }; });
+
+    ExportArguments export_arguments;
+    CLI::App* export_verb = verb("export", "write a recording as tables");
+    export_verb->add_option("RUN", export_arguments.run, "run folder, or latest")->required();
+    export_verb->add_flag("--csv", export_arguments.csv, "CSV: one table per topic (the default)");
+    export_verb->add_option("--out", export_arguments.out, "folder (default: RUN/csv)");
+    export_verb->callback([&] { action = [&] { return export_run(export_arguments); }; });
+
+    bool doctor_json = false;
+    CLI::App* doctor_verb = verb("doctor", "look at what this machine allows, and what helps");
+    doctor_verb->add_flag("--json", doctor_json, "as JSON");
+    doctor_verb->callback([&] { action = [&] { return doctor(doctor_json); }; });
+
+    std::string shell;
+    CLI::App* completion_verb = verb("completion", "print a completion script");
+    completion_verb->add_option("SHELL", shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    completion_verb->callback([&] {
+        action = [&] {
+            fmt::print("{}", completion_script(shell, verbs_of(app)));
+            return 0;
+        };
+    });
+
+    try {
+        app.parse(argc, argv);
+    } catch (CLI::ParseError const& e) {
+        return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+    }
+    if (show_version) {
+        return version(version_json);
+    }
+    if (!action) {
+        fmt::print(stderr, "{}", app.help());
+        return static_cast<int>(ExitCode::usage);
+    }
+    return action();
+}
+
+} // namespace
+} // namespace gridspace::cli
+
+int main(int argc, char** argv) {
+    try {
+        return gridspace::cli::main_function(argc, argv);
+    } catch (std::exception const& e) {
+        fmt::print(stderr, "error: {}\n", e.what());
+        return static_cast<int>(gridspace::ExitCode::environment);
+    }
+}

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Verbs that look at finished runs: compare, report, export.
+#include "common/time.hpp"
+#include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
+#include "launcher/report/html_report.hpp"
+#include "launcher/report/results.hpp"
+#include "recorder/compare/compare.hpp"
+#include "recorder/export/csv_export.hpp"
+
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace gridspace::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json manifest_of(std::filesystem::path const& folder) {
+    std::ifstream stream{folder / "manifest.json"};
+    return Json::parse(stream, nullptr, false);
+}
+
+std::string tick_of(Json const& manifest) {
+    return manifest.is_object() && manifest.contains("clock") ? manifest["clock"].value("tick_s", "") : "";
+}
+
+/// A run folder's recording; a file is taken as it is.
+std::filesystem::path recording_of(std::filesystem::path const& written) {
+    std::filesystem::path const folder = run_folder(written);
+    return std::filesystem::is_directory(folder) ? folder / "data.mcap" : folder;
+}
+
+} // namespace
+
+int compare(CompareArguments const& arguments) {
+    Json const a = manifest_of(run_folder(arguments.a)), b = manifest_of(run_folder(arguments.b));
+    CompareOptions options;
+    options.tolerance = arguments.tolerance;
+    options.signals = arguments.signals;
+    for (auto const& [manifest, folder] : {std::pair{&a, arguments.a}, {&b, arguments.b}}) {
+        if (manifest->is_object() && !manifest->value("deterministic", true)) {
+            return print_error({ExitCode::usage, fmt::format("'{}' was not deterministic: a member was left behind on a wall-clock deadline", folder.string()),
+                                "such runs cannot be compared"});
+        }
+    }
+    bool const ticks_differ = tick_of(a) != tick_of(b);
+    if (ticks_differ) {
+        options.skip_topics = {"simulation_clock", "clock_ack"};
+    }
+    auto const result = compare_recordings(recording_of(arguments.a), recording_of(arguments.b), options);
+    if (!result) {
+        return print_error(result.error());
+    }
+    for (std::string const& note : result->notes) {
+        fmt::print(stderr, "note: {}\n", note);
+    }
+    if (ticks_differ && arguments.signals.empty()) {
+        fmt::print("the ticks differ ({} s and {} s): the clock's own topics are left out\n", tick_of(a), tick_of(b));
+    }
+    if (result->identical()) {
+        fmt::print("identical: {} {}{}\n", result->samples, arguments.signals.empty() ? "samples" : "values",
+                   arguments.tolerance > 0 ? fmt::format(" within {}", arguments.tolerance) : "");
+        return 0;
+    }
+    Difference const& first = result->differences.front();
+    std::int64_t const epoch = a.is_object() && a.contains("clock") ? parse_utc(a["clock"].value("epoch", "")).value_or(0) : 0;
+    auto const seconds = [&](Difference const& d) {
+        return arguments.signals.empty() ? static_cast<double>(static_cast<std::int64_t>(d.time_ns) - epoch * 1'000'000'000) / 1e9
+                                         : static_cast<double>(d.time_ns) / 1e9;
+    };
+    fmt::print("first divergence at {} s: {}{}: {}\n", seconds(first), first.topic, first.process.empty() ? "" : " of " + first.process, first.what);
+    for (std::size_t i = 1; i < result->differences.size(); ++i) {
+        Difference const& d = result->differences[i];
+        fmt::print("  then at {} s: {}{}: {}\n", seconds(d), d.topic, d.process.empty() ? "" : " of " + d.process, d.what);
+    }
+    return static_cast<int>(ExitCode::expectation_failed);
+}
+
+int report(std::filesystem::path const& run, bool json) {
+    auto const results = launcher::read_results(run_folder(run));
+    if (!results) {
+        return print_error(results.error());
+    }
+    if (auto ok = write_summary(*results); !ok) {
+        return print_error(ok.error());
+    }
+    auto const html = launcher::write_html_report(*results);
+    if (!html) {
+        return print_error(html.error());
+    }
+    if (json) {
+        std::ifstream summary{results->folder / "report/summary.json"};
+        fmt::print("{}", std::string{std::istreambuf_iterator<char>{summary}, {}});
+    } else {
+        fmt::print("{}report: {}\n", to_text(*results, ::isatty(STDOUT_FILENO) != 0), html->string());
+    }
+    return results->exit_code();
+}
+
+int export_run(ExportArguments const& arguments) {
+    std::filesystem::path const folder = run_folder(arguments.run);
+    Json const manifest = manifest_of(folder);
+    std::int64_t epoch = 0;
+    if (manifest.is_object() && manifest.contains("clock")) {
+        epoch = parse_utc(manifest["clock"].value("epoch", "")).value_or(0);
+    }
+    std::filesystem::path const out = arguments.out.empty() ? folder / "csv" : arguments.out;
+    auto const files = export_csv(recording_of(arguments.run), epoch * 1'000'000'000, out);
+    if (!files) {
+        return print_error(files.error());
+    }
+    for (std::filesystem::path const& file : *files) {
+        fmt::print("{}\n", file.string());
+    }
+    return 0;
+}
+
+} // namespace gridspace::cli

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Verbs that look at a scenario or a network without running it: validate, signals, powerflow.
+#include "common/config/yaml.hpp"
+#include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
+#include "sim/network/network_config.hpp"
+#include "sim/powerflow/power_flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace gridspace::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(config::Diagnostics const& diagnostics) {
+    Json out = Json::array();
+    for (config::Diagnostic const& d : diagnostics.sorted()) {
+        out.push_back({{"severity", d.severity == config::Severity::error ? "error" : "warning"},
+                       {"file", d.where.source == nullptr ? "" : d.where.source->name},
+                       {"line", d.where.line},
+                       {"column", d.where.column},
+                       {"message", d.message},
+                       {"hint", d.hint}});
+    }
+    return out;
+}
+
+double degrees(sim::Complex v) { return std::arg(v) * 180 / std::numbers::pi; }
+
+std::string branch_name(sim::Network const& n, sim::PowerFlow::BranchValue const& b) {
+    return b.kind == sim::TwoPort::Kind::line ? n.lines[b.element].name.name : n.transformers[b.element].name.name;
+}
+
+std::pair<std::string, std::string> branch_ends(sim::Network const& n, sim::PowerFlow::BranchValue const& b) {
+    if (b.kind == sim::TwoPort::Kind::line) {
+        return {n.lines[b.element].from.name, n.lines[b.element].to.name};
+    }
+    return {n.transformers[b.element].from.name, n.transformers[b.element].to.name};
+}
+
+void print_power_flow(sim::Network const& n, sim::PowerFlow const& flow) {
+    fmt::print("{}: converged in {} iterations, largest mismatch {:.1e} p.u.\n\n", n.name, flow.iterations, flow.mismatch_pu);
+    fmt::print("{:<12} {:>10} {:>11} {:>14} {:>14}\n", "bus", "v, p.u.", "angle, deg", "p, kW", "q, kvar");
+    for (std::size_t i = 0; i < n.buses.size(); ++i) {
+        auto const& b = flow.buses[i];
+        fmt::print("{:<12} {:>10.6f} {:>11.5f} {:>14.4f} {:>14.4f}\n", n.buses[i].name.name, std::abs(b.v), degrees(b.v), b.p_kw, b.q_kvar);
+    }
+    fmt::print("\n{:<12} {:<10} {:<10} {:>14} {:>14} {:>12}\n", "branch", "from", "to", "p from, kW", "q from, kvar", "loss, kW");
+    for (auto const& b : flow.branches) {
+        auto const [from, to] = branch_ends(n, b);
+        fmt::print("{:<12} {:<10} {:<10} {:>14.4f} {:>14.4f} {:>12.4f}\n", branch_name(n, b), from, to, b.p_from_kw, b.q_from_kvar, b.p_from_kw + b.p_to_kw);
+    }
+    fmt::print("\nlosses {:.4f} kW; p and q of a bus are its net injection (generation minus load)\n", flow.losses_kw);
+}
+
+Json power_flow_json(sim::Network const& n, sim::PowerFlow const& flow) {
+    Json buses = Json::array(), branches = Json::array();
+    for (std::size_t i = 0; i < n.buses.size(); ++i) {
+        auto const& b = flow.buses[i];
+        buses.push_back({{"name", n.buses[i].name.name}, {"v_pu", std::abs(b.v)}, {"angle_deg", degrees(b.v)}, {"p_mw", b.p_kw / 1e3}, {"q_mvar", b.q_kvar / 1e3}});
+    }
+    for (auto const& b : flow.branches) {
+        auto const [from, to] = branch_ends(n, b);
+        branches.push_back({{"name", branch_name(n, b)}, {"from", from}, {"to", to}, {"p_from_mw", b.p_from_kw / 1e3}, {"q_from_mvar", b.q_from_kvar / 1e3},
+                            {"p_to_mw", b.p_to_kw / 1e3}, {"q_to_mvar", b.q_to_kvar / 1e3}, {"loss_mw", (b.p_from_kw + b.p_to_kw) / 1e3}});
+    }
+    return {{"converged", true}, {"iterations", flow.iterations}, {"mismatch_pu", flow.mismatch_pu}, {"buses", buses}, {"branches", branches}, {"losses_mw", flow.losses_kw / 1e3}};
+}
+
+} // namespace
+
+int validate(ValidateArguments const& arguments) {
+    bool all_valid = true;
+    Json json = Json::array();
+    for (std::filesystem::path const& file : arguments.files) {
+        config::Diagnostics diagnostics;
+        // A network file is told by its own version key.
+        config::Diagnostics probe;
+        auto const root = file.extension() == ".m" ? std::nullopt : config::load_yaml(file, probe);
+        bool const is_network = file.extension() == ".m" || (root && root->find("gridspace_network") != nullptr);
+        std::string kind = is_network ? "network" : "scenario", summary;
+        if (is_network) {
+            if (auto const network = sim::load_network(file, diagnostics)) {
+                auto const flow = solve_power_flow(*network, sim::SwitchState{*network});
+                if (!flow) {
+                    diagnostics.error(network->where, flow.error().message, flow.error().remedy);
+                } else {
+                    summary = fmt::format("{} buses", network->buses.size());
+                }
+            }
+        } else if (auto const scenario = launcher::load_scenario(file, {arguments.set, {}, {}, {}}, diagnostics)) {
+            summary = fmt::format("{} processes on {} hosts", scenario->processes.size(), scenario->hosts.size());
+        }
+        all_valid = all_valid && diagnostics.ok();
+        if (arguments.json) {
+            json.push_back({{"file", file.string()}, {"kind", kind}, {"valid", diagnostics.ok()}, {"diagnostics", to_json(diagnostics)}});
+            continue;
+        }
+        if (diagnostics.errors() + diagnostics.warnings() > 0) {
+            fmt::print(stderr, "{}\n", diagnostics.render());
+        }
+        if (diagnostics.ok()) {
+            fmt::print("{}: valid {}, {}\n", file.string(), kind, summary);
+        }
+    }
+    if (arguments.json) {
+        fmt::print("{}\n", json.dump(2));
+    }
+    return all_valid ? 0 : static_cast<int>(ExitCode::usage);
+}
+
+int signals(ScenarioArguments const& arguments, bool json) {
+    auto const scenario = load(arguments);
+    if (!scenario) {
+        return static_cast<int>(ExitCode::usage);
+    }
+    Json list = Json::array();
+    for (launcher::Process const& process : scenario->processes) {
+        for (launcher::SignalUse const& s : process.settings->signals(*scenario, process)) {
+            if (json) {
+                list.push_back({{"name", s.name}, {"unit", s.unit}, {"rate_hz", s.rate_hz}, {"process", process.name.name}});
+            } else {
+                fmt::print("{:<36} {:<8} {}\n", s.name, s.unit.empty() ? "-" : s.unit, s.rate_hz > 0 ? fmt::format("{:.6g} Hz", s.rate_hz) : "on change");
+            }
+        }
+    }
+    if (json) {
+        fmt::print("{}\n", list.dump(2));
+    }
+    return 0;
+}
+
+int powerflow(PowerFlowArguments const& arguments) {
+    config::Diagnostics diagnostics;
+    auto const network = sim::load_network(arguments.network, diagnostics);
+    if (!network) {
+        fmt::print(stderr, "{}\n", diagnostics.render());
+        return static_cast<int>(ExitCode::usage);
+    }
+    sim::PowerFlowOptions options;
+    options.enforce_q_limits = arguments.enforce_q_limits;
+    auto const flow = solve_power_flow(*network, sim::SwitchState{*network}, options);
+    if (!flow) {
+        if (arguments.json) {
+            fmt::print("{}\n", Json{{"converged", false}, {"message", flow.error().message}, {"hint", flow.error().remedy}}.dump(2));
+        }
+        return print_error(flow.error());
+    }
+    if (arguments.json) {
+        fmt::print("{}\n", power_flow_json(*network, *flow).dump(2));
+    } else {
+        print_power_flow(*network, *flow);
+    }
+    return 0;
+}
+
+} // namespace gridspace::cli

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// The verbs of `gridspace`, as functions that return an exit code. The command line is parsed in main.cpp.
+namespace gridspace::cli {
+
+struct ScenarioArguments {
+    std::filesystem::path file;
+    std::vector<std::string> set;
+    std::optional<std::string> speed, until;
+    std::optional<std::int64_t> seed;
+};
+
+struct RunArguments {
+    ScenarioArguments scenario;
+    bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false};
+    std::filesystem::path out, parent{"runs"}, junit;
+    std::string log_level{"info"};
+};
+int run(RunArguments const& arguments);
+
+struct ValidateArguments {
+    std::vector<std::filesystem::path> files;
+    std::vector<std::string> set;
+    bool json{false};
+};
+int validate(ValidateArguments const& arguments);
+
+int signals(ScenarioArguments const& arguments, bool json);
+
+struct CompareArguments {
+    std::filesystem::path a, b;
+    double tolerance{0};
+    std::vector<std::string> signals;
+};
+int compare(CompareArguments const& arguments);
+
+struct PowerFlowArguments {
+    std::filesystem::path network;
+    bool json{false}, enforce_q_limits{false};
+};
+int powerflow(PowerFlowArguments const& arguments);
+
+int report(std::filesystem::path const& run, bool json);
+
+struct ExportArguments {
+    std::filesystem::path run, out;
+    bool csv{true};
+};
+int export_run(ExportArguments const& arguments);
+
+int doctor(bool json);
+int version(bool json);
+
+} // namespace gridspace::cli

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/config/fields.hpp"
+#include "launcher/expect/expression.hpp"
+#include "recorder/signals/signal_store.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::launcher {
+
+struct Scenario;
+using config::Ref;
+
+/// "fault", "fault + 2 s", "relay2.trip - 1 ms": an instant relative to something that happened.
+struct Moment {
+    std::string event;
+    double offset_s{0};
+};
+
+/// One entry of a scenario's `expect:`.
+struct Expectation {
+    enum class Verb { always, never, eventually, time_of, min_of, max_of, mean_of, median_of, p99_of, count_of, last_of };
+
+    Ref name;
+    Verb verb{Verb::always};
+    std::string verb_name;
+    std::optional<Expression> expression;
+    std::optional<double> is, tolerance, above, below, at_least, at_most;
+    std::vector<double> between;
+    std::string unit;                ///< of time_of
+    std::optional<double> within_s;  ///< of eventually
+    std::optional<Moment> from, until, since;
+    bool show_only{false};
+    bool advisory{false};            ///< shown when it fails, but the run does not fail
+
+    /// The accepted band; open ends are infinite.
+    struct Band {
+        std::optional<double> low, high;
+        bool low_open{false}, high_open{false};
+        [[nodiscard]] bool contains(double value) const;
+        [[nodiscard]] std::string to_string() const;
+    };
+    [[nodiscard]] Band band() const;
+};
+
+struct ExpectationResult {
+    enum class Status { passed, failed, shown, not_applicable };
+    std::string name, verb;
+    std::optional<double> value;
+    std::string unit;
+    Expectation::Band band;
+    Status status{Status::shown};
+    bool advisory{false};
+    std::string detail; ///< when and how it failed
+};
+
+/// Reads `expect:`.
+[[nodiscard]] std::vector<Expectation> read_expectations(config::Node const& node, config::Diagnostics& diagnostics);
+
+/// Signals, events and verbs must make sense for the scenario.
+void check_expectations(Scenario const& scenario, config::Diagnostics& diagnostics);
+
+/// When things happened, by name: events of the timeline, and "process.kind" of what processes reported (the first time).
+using Moments = std::map<std::string, double>;
+
+/// Judges an expectation by the recorded signals. `duration_s` is the simulated time of the run.
+[[nodiscard]] ExpectationResult judge(Expectation const& expectation, SignalStore const& signals, Moments const& moments,
+                                      double duration_s);
+
+} // namespace gridspace::launcher

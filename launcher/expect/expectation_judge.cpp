@@ -1,0 +1,328 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/text.hpp"
+#include "launcher/expect/expectation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace gridspace::launcher {
+namespace {
+
+using Status = ExpectationResult::Status;
+using Verb = Expectation::Verb;
+
+std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+
+/// Steps through the values of an expression in a window of time.
+class Timeline {
+  public:
+    Timeline(Expression const& expression, SignalStore const& signals, std::int64_t from, std::int64_t until)
+        : expression_{expression}, from_{from}, until_{until} {
+        for (std::string const& pattern : expression.signals()) {
+            std::vector<std::size_t> places;
+            for (auto const& [name, series] : signals) {
+                if (matches_glob(pattern, name)) {
+                    places.push_back(series_.size());
+                    series_.push_back(&series);
+                }
+            }
+            if (places.empty()) {
+                missing_ = pattern;
+            }
+            bindings_.push_back(std::move(places));
+        }
+        for (SignalSeries const* series : series_) {
+            times_.insert(times_.end(), series->times_ns.begin(), series->times_ns.end());
+        }
+        times_.push_back(from_);
+        std::sort(times_.begin(), times_.end());
+        times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
+    }
+
+    [[nodiscard]] std::string const& missing() const { return missing_; }
+    [[nodiscard]] std::vector<SignalSeries const*> const& series() const { return series_; }
+    [[nodiscard]] std::int64_t from() const { return from_; }
+    [[nodiscard]] std::int64_t until() const { return until_; }
+
+    /// Calls visit(time, value) at every change in the window, the held value at its begin first; false stops.
+    template <class Visit> void run(Visit const& visit) const {
+        std::vector<double> values(series_.size(), std::numeric_limits<double>::quiet_NaN());
+        std::vector<std::size_t> next(series_.size(), 0);
+        std::size_t unknown = series_.size();
+        for (std::int64_t const t : times_) {
+            if (t > until_) {
+                return;
+            }
+            for (std::size_t i = 0; i < series_.size(); ++i) {
+                auto const& times = series_[i]->times_ns;
+                for (; next[i] < times.size() && times[next[i]] <= t; ++next[i]) {
+                    unknown -= next[i] == 0 ? 1 : 0;
+                    values[i] = series_[i]->values[next[i]];
+                }
+            }
+            if (t >= from_ && unknown == 0 && !visit(t, expression_.evaluate(bindings_, values))) {
+                return;
+            }
+        }
+    }
+
+  private:
+    Expression const& expression_;
+    std::int64_t from_, until_;
+    std::vector<SignalSeries const*> series_;
+    Expression::Bindings bindings_;
+    std::vector<std::int64_t> times_;
+    std::string missing_;
+};
+
+double unit_factor(std::string const& unit) { return unit == "h" ? 3600 : unit == "min" ? 60 : unit == "ms" ? 1e-3 : 1; }
+
+/// All values in the window: of every signal of a pattern, or of the expression.
+std::vector<double> collect(Expectation const& e, Timeline const& timeline) {
+    std::vector<double> out;
+    if (e.expression->is_plain_signal()) {
+        for (SignalSeries const* series : timeline.series()) {
+            for (std::size_t i = 0; i < series->times_ns.size(); ++i) {
+                bool const held_at_begin = i + 1 < series->times_ns.size() ? series->times_ns[i + 1] > timeline.from() : true;
+                if (series->times_ns[i] <= timeline.until() &&
+                    (series->times_ns[i] >= timeline.from() || held_at_begin)) {
+                    out.push_back(series->values[i]);
+                }
+            }
+        }
+    } else {
+        timeline.run([&](std::int64_t, double value) {
+            out.push_back(value);
+            return true;
+        });
+    }
+    return out;
+}
+
+/// Nearest-rank percentile.
+double percentile(std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    auto const rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+    return values[std::clamp<std::size_t>(rank, 1, values.size()) - 1];
+}
+
+std::optional<double> statistic(Expectation const& e, Timeline const& timeline) {
+    std::vector<double> const values = collect(e, timeline);
+    if (values.empty()) {
+        return std::nullopt;
+    }
+    switch (e.verb) {
+    case Verb::min_of:
+        return *std::min_element(values.begin(), values.end());
+    case Verb::max_of:
+        return *std::max_element(values.begin(), values.end());
+    case Verb::mean_of: {
+        double sum = 0;
+        for (double const v : values) {
+            sum += v;
+        }
+        return sum / static_cast<double>(values.size());
+    }
+    case Verb::median_of:
+        return percentile(values, 0.5);
+    case Verb::p99_of:
+        return percentile(values, 0.99);
+    default: {
+        // last_of: with a pattern, the worst last value is what matters; the largest is shown.
+        if (!e.expression->is_plain_signal()) {
+            return values.back();
+        }
+        std::optional<double> last;
+        for (SignalSeries const* series : timeline.series()) {
+            auto const end = std::upper_bound(series->times_ns.begin(), series->times_ns.end(), timeline.until());
+            if (end != series->times_ns.begin()) {
+                double const v = series->values[static_cast<std::size_t>(end - series->times_ns.begin()) - 1];
+                last = last ? std::max(*last, v) : v;
+            }
+        }
+        return last;
+    }
+    }
+}
+
+/// Instants at which the expression becomes true (or false), and whether it is true at the begin of the window.
+struct Edges {
+    bool true_at_begin{false};
+    std::vector<std::int64_t> rises, falls;
+    std::int64_t true_samples{0};
+};
+
+Edges edges_of(Timeline const& timeline) {
+    Edges edges;
+    bool first = true, before = false;
+    timeline.run([&](std::int64_t t, double value) {
+        bool const now = value != 0 && !std::isnan(value);
+        edges.true_samples += now ? 1 : 0;
+        if (first) {
+            edges.true_at_begin = now;
+        } else if (now && !before) {
+            edges.rises.push_back(t);
+        } else if (!now && before) {
+            edges.falls.push_back(t);
+        }
+        first = false;
+        before = now;
+        return true;
+    });
+    return edges;
+}
+
+void judge_condition(Expectation const& e, Timeline const& timeline, ExpectationResult& out) {
+    bool const wanted = e.verb != Verb::never;
+    std::optional<std::int64_t> decisive;
+    bool any = false;
+    timeline.run([&](std::int64_t t, double value) {
+        any = true;
+        bool const holds = value != 0 && !std::isnan(value);
+        if (e.verb == Verb::eventually ? holds : holds != wanted) {
+            decisive = t;
+        }
+        return !decisive;
+    });
+    bool const passed = any && (e.verb == Verb::eventually ? decisive.has_value() : !decisive.has_value());
+    out.value = passed ? 1 : 0;
+    out.status = passed ? Status::passed : Status::failed;
+    if (!any) {
+        out.detail = "the signals have no values in that time";
+    } else if (decisive) {
+        out.detail = fmt::format("{} at {} s", e.verb == Verb::eventually ? "true" : e.verb == Verb::never ? "true" : "not true",
+                                 shortest(static_cast<double>(*decisive) / 1e9));
+    } else if (e.verb == Verb::eventually) {
+        out.detail = "never true in that time";
+    }
+}
+
+} // namespace
+
+bool Expectation::Band::contains(double v) const {
+    bool const above_low = !low || (low_open ? v > *low : v >= *low);
+    bool const below_high = !high || (high_open ? v < *high : v <= *high);
+    return above_low && below_high; // NaN is in no band
+}
+
+std::string Expectation::Band::to_string() const {
+    if (low && high) {
+        return *low == *high ? shortest(*low) : fmt::format("{} .. {}", shortest(*low), shortest(*high));
+    }
+    if (low) {
+        return fmt::format("{} {}", low_open ? ">" : ">=", shortest(*low));
+    }
+    return high ? fmt::format("{} {}", high_open ? "<" : "<=", shortest(*high)) : "";
+}
+
+Expectation::Band Expectation::band() const {
+    Band b;
+    if (is) {
+        // 4.2 - 0.1 is 4.1000000000000005; what the user meant has few digits.
+        auto const tidy = [](double v) { return std::round(v * 1e12) / 1e12; };
+        b.low = tidy(*is - tolerance.value_or(0));
+        b.high = tidy(*is + tolerance.value_or(0));
+    }
+    if (between.size() == 2) {
+        b.low = between[0];
+        b.high = between[1];
+    }
+    if (at_least) {
+        b.low = *at_least;
+    }
+    if (at_most) {
+        b.high = *at_most;
+    }
+    if (above) {
+        b.low = *above;
+        b.low_open = true;
+    }
+    if (below) {
+        b.high = *below;
+        b.high_open = true;
+    }
+    return b;
+}
+
+ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moments const& moments, double duration_s) {
+    ExpectationResult out;
+    out.name = e.name.name;
+    out.verb = e.verb_name;
+    out.band = e.band();
+    out.advisory = e.advisory;
+    out.unit = e.unit;
+    auto const missed = [&](std::string why) {
+        out.detail = std::move(why);
+        out.status = e.show_only ? Status::shown : Status::failed;
+        return out;
+    };
+    auto const instant = [&](std::optional<Moment> const& moment, double otherwise) -> std::optional<double> {
+        if (!moment) {
+            return otherwise;
+        }
+        auto const it = moments.find(moment->event);
+        return it == moments.end() ? std::nullopt : std::optional{it->second + moment->offset_s};
+    };
+    auto const from = instant(e.from, 0), until = instant(e.until, duration_s), since = instant(e.since, 0);
+    for (auto const& [at, moment] : {std::pair{from, e.from}, {until, e.until}, {since, e.since}}) {
+        if (!at) {
+            return missed(fmt::format("'{}' did not happen", moment->event));
+        }
+    }
+    double end = *until;
+    if (e.within_s) {
+        end = std::min(end, *from + *e.within_s);
+    }
+    Timeline const timeline{*e.expression, signals, nanoseconds(*from), nanoseconds(end)};
+    if (!timeline.missing().empty()) {
+        return missed(fmt::format("no signal '{}' was recorded", timeline.missing()));
+    }
+    if (out.unit.empty() && e.expression->is_plain_signal() && !timeline.series().empty()) {
+        out.unit = timeline.series().front()->unit;
+    }
+    switch (e.verb) {
+    case Verb::always:
+    case Verb::never:
+    case Verb::eventually:
+        judge_condition(e, timeline, out);
+        if (e.show_only) {
+            out.status = Status::shown;
+        }
+        return out;
+    case Verb::count_of: {
+        Edges const edges = edges_of(timeline);
+        out.unit.clear();
+        out.value = e.expression->edge() == Expression::Edge::rises   ? static_cast<double>(edges.rises.size())
+                    : e.expression->edge() == Expression::Edge::falls ? static_cast<double>(edges.falls.size())
+                                                                      : static_cast<double>(edges.true_samples);
+        break;
+    }
+    case Verb::time_of: {
+        Edges const edges = edges_of(timeline);
+        std::vector<std::int64_t> const& list = e.expression->edge() == Expression::Edge::falls ? edges.falls : edges.rises;
+        std::optional<std::int64_t> at;
+        if (edges.true_at_begin && e.expression->edge() == Expression::Edge::none) {
+            at = timeline.from();
+        } else if (!list.empty()) {
+            at = list.front();
+        }
+        if (!at) {
+            return missed("it never became true");
+        }
+        out.value = (static_cast<double>(*at) / 1e9 - *since) / unit_factor(e.unit);
+        break;
+    }
+    default:
+        out.value = statistic(e, timeline);
+        if (!out.value) {
+            return missed("no values in that time");
+        }
+    }
+    out.status = e.show_only ? Status::shown : out.band.contains(*out.value) ? Status::passed : Status::failed;
+    return out;
+}
+
+} // namespace gridspace::launcher

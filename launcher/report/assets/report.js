@@ -1,0 +1,92 @@
+// A cursor with values, and zoom: drag to zoom, double click to see all again. All figures share the time axis.
+"use strict";
+(() => {
+  const views = [];
+  const niceTicks = (low, high, count) => {
+    const raw = (high - low) / count, magnitude = 10 ** Math.floor(Math.log10(raw));
+    const step = magnitude * ([1, 2, 2.5, 5, 10].find((m) => m * magnitude >= raw) || 10);
+    const ticks = [];
+    for (let v = Math.ceil(low / step) * step; v <= high + 1e-9 * step; v += step) ticks.push(Math.abs(v) < 1e-12 * step ? 0 : v);
+    return ticks;
+  };
+  for (const data of figures) {
+    const figure = document.getElementById(data.id), svg = figure.querySelector("svg"), d = svg.dataset;
+    const n = (key) => Number(d[key]);
+    const all = { from: n("from"), to: n("to") }, box = { left: n("left"), right: n("right"), top: n("top"), bottom: n("bottom") };
+    const unit = n("unitS"), ns = svg.namespaceURI, plot = svg.querySelector(".plot"), ticks = svg.querySelector(".ticks");
+    const make = (tag, attributes, parent) => {
+      const element = document.createElementNS(ns, tag);
+      for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+      parent.appendChild(element);
+      return element;
+    };
+    const cursor = make("line", { stroke: "currentColor", "stroke-opacity": 0.5, y1: box.top, y2: box.bottom, visibility: "hidden" }, svg);
+    const band = make("rect", { fill: "currentColor", "fill-opacity": 0.1, y: box.top, height: box.bottom - box.top, visibility: "hidden" }, svg);
+    const tip = figure.appendChild(Object.assign(document.createElement("div"), { className: "tip" }));
+    const view = { from: all.from, to: all.to };
+    const toX = (t) => box.left + ((t - view.from) / (view.to - view.from)) * (box.right - box.left);
+    const toTime = (x) => view.from + ((x - box.left) / (box.right - box.left)) * (view.to - view.from);
+    const svgX = (event) => {
+      const r = svg.getBoundingClientRect();
+      return Math.min(box.right, Math.max(box.left, ((event.clientX - r.left) / r.width) * svg.viewBox.baseVal.width));
+    };
+    view.draw = () => {
+      const scale = (all.to - all.from) / (view.to - view.from);
+      plot.setAttribute("transform", `translate(${box.left - scale * (box.left + ((view.from - all.from) / (all.to - all.from)) * (box.right - box.left))} 0) scale(${scale} 1)`);
+      ticks.querySelectorAll(".tx").forEach((tick) => tick.remove());
+      for (const v of niceTicks(view.from / unit, view.to / unit, 10)) {
+        const x = toX(v * unit), group = make("g", { class: "tx" }, ticks);
+        make("line", { class: "grid", x1: x, x2: x, y1: box.bottom, y2: box.top }, group);
+        make("text", { x, y: box.bottom + 15, "text-anchor": "middle" }, group).textContent = String(Number(v.toPrecision(8)));
+      }
+      svg.querySelectorAll(".tm").forEach((label) => {
+        const x = toX(Number(label.dataset.t));
+        label.setAttribute("x", x);
+        label.setAttribute("visibility", x >= box.left && x <= box.right ? "visible" : "hidden");
+      });
+    };
+    view.show = (t) => {
+      const x = toX(t);
+      cursor.setAttribute("x1", x);
+      cursor.setAttribute("x2", x);
+      cursor.setAttribute("visibility", x >= box.left && x <= box.right ? "visible" : "hidden");
+    };
+    view.hide = () => { cursor.setAttribute("visibility", "hidden"); tip.style.display = "none"; };
+    const valueAt = (series, t) => {
+      let low = 0, high = series.t.length - 1;
+      if (high < 0 || t < series.t[0]) return null;
+      while (low < high) { const middle = (low + high + 1) >> 1; if (series.t[middle] <= t) low = middle; else high = middle - 1; }
+      return series.v[low];
+    };
+    let dragFrom = null;
+    svg.addEventListener("pointermove", (event) => {
+      const x = svgX(event), t = toTime(x);
+      views.forEach((other) => other.show(t));
+      tip.innerHTML = `<b>${(t / unit).toFixed(3)} ${d.unit}</b>` + data.series.map((s) => {
+        const v = valueAt(s, t);
+        return `<br><i style="background:${s.colour}"></i>${s.name} ${v === null ? "–" : Number(v.toPrecision(5))}`;
+      }).join("");
+      const r = figure.getBoundingClientRect(), right = event.clientX - r.left > r.width / 2;
+      Object.assign(tip.style, { display: "block", top: `${event.clientY - r.top + 12}px`, left: right ? "auto" : `${event.clientX - r.left + 14}px`,
+        right: right ? `${r.right - event.clientX + 14}px` : "auto" });
+      if (dragFrom !== null) {
+        band.setAttribute("visibility", "visible");
+        band.setAttribute("x", Math.min(dragFrom, x));
+        band.setAttribute("width", Math.abs(x - dragFrom));
+      }
+    });
+    svg.addEventListener("pointerleave", () => views.forEach((other) => other.hide()));
+    svg.addEventListener("pointerdown", (event) => { dragFrom = svgX(event); svg.setPointerCapture(event.pointerId); });
+    svg.addEventListener("pointerup", (event) => {
+      const x = svgX(event);
+      if (dragFrom !== null && Math.abs(x - dragFrom) > 6) {
+        const [from, to] = [toTime(Math.min(dragFrom, x)), toTime(Math.max(dragFrom, x))];
+        views.forEach((other) => { Object.assign(other, { from, to }); other.draw(); });
+      }
+      dragFrom = null;
+      band.setAttribute("visibility", "hidden");
+    });
+    svg.addEventListener("dblclick", () => views.forEach((other) => { Object.assign(other, all); other.draw(); }));
+    views.push(view);
+  }
+})();

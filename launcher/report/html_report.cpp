@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/report/html_report.hpp"
+
+#include "common/config/yaml.hpp"
+#include "common/text.hpp"
+#include "common/time.hpp"
+#include "launcher/report/figures.hpp"
+#include "launcher/report/report_assets.hpp"
+
+#include <fmt/format.h>
+#include <fstream>
+
+namespace gridspace::launcher {
+namespace {
+
+namespace fs = std::filesystem;
+using Status = ExpectationResult::Status;
+
+std::string escape(std::string_view text) {
+    std::string out;
+    for (char const c : text) {
+        out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string{c};
+    }
+    return out;
+}
+
+Result<void> write(fs::path const& file, std::string const& text) {
+    std::ofstream stream{file, std::ios::trunc};
+    stream << text;
+    return stream ? Result<void>{} : fail(ExitCode::environment, fmt::format("cannot write '{}'", file.string()));
+}
+
+std::string row(std::vector<std::string> const& cells, char const* tag) {
+    std::string out = "<tr>";
+    for (std::string const& cell : cells) {
+        out += fmt::format("<{}>{}</{}>", tag, cell, tag);
+    }
+    return out + "</tr>\n";
+}
+
+std::string table(ReportTable const& t) {
+    std::string out = fmt::format("<section><h2>{}</h2>\n<table>{}", escape(t.title), row(t.header, "th"));
+    for (auto const& cells : t.rows) {
+        out += row(cells, "td");
+    }
+    return out + "</table></section>\n";
+}
+
+std::string expectations(Results const& r) {
+    if (r.expectations.empty()) {
+        return "";
+    }
+    std::string out = "<section><h2>Expectations</h2>\n<table class=\"expect\">" + row({"", "name", "value", "accepted", "what happened"}, "th");
+    for (ExpectationResult const& e : r.expectations) {
+        bool const condition = e.verb == "always" || e.verb == "never" || e.verb == "eventually";
+        std::string const value = !e.value ? "–" : condition ? (*e.value != 0 ? "holds" : "does not hold") : fmt::format("{:.6g} {}", *e.value, escape(e.unit));
+        char const* badge = e.status == Status::passed   ? "<span class=\"ok\">✓ pass</span>"
+                            : e.status == Status::failed ? (e.advisory ? "<span class=\"warn\">▲ advisory</span>" : "<span class=\"bad\">✗ fail</span>")
+                                                         : "<span class=\"dim\">shown</span>";
+        out += row({badge, escape(e.name), value, escape(e.band.to_string()), escape(e.detail)}, "td");
+    }
+    return out + "</table></section>\n";
+}
+
+std::string facts(Results const& r) {
+    double const speed = r.outcome.wall_s > 0 ? r.outcome.simulated_s / r.outcome.wall_s : 0;
+    std::vector<std::pair<std::string, std::string>> const items{
+        {"clock", r.mode},
+        {"simulated", human_duration(r.outcome.simulated_s)},
+        {"wall time", fmt::format("{} (×{:.4g})", human_duration(r.outcome.wall_s), speed)},
+        {"overruns", std::to_string(r.outcome.overruns)},
+        {"epoch", format_utc(r.epoch_unix_s)},
+    };
+    std::string out = "<dl class=\"facts\">";
+    for (auto const& [name, value] : items) {
+        out += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escape(value));
+    }
+    return out + "</dl>\n";
+}
+
+std::string notes(config::Node const& scenario) {
+    config::Node const* list = scenario.find("notes");
+    if (list == nullptr || !list->is_sequence() || list->items.empty()) {
+        return "";
+    }
+    std::string out = "<section class=\"box\"><h2>Assumptions taken</h2><ul>\n";
+    for (config::Node const& note : list->items) {
+        out += fmt::format("<li>{}</li>\n", escape(note.text));
+    }
+    return out + "</ul></section>\n";
+}
+
+ReportTable process_table(Results const& r) {
+    ReportTable t{"Processes", {"process", "program", "host", "end"}, {}};
+    for (Results::ProcessRow const& p : r.processes) {
+        t.rows.push_back({escape(p.name), escape(p.program), escape(p.host), escape(p.end)});
+    }
+    return t;
+}
+
+ReportTable topic_table(Results const& r) {
+    ReportTable t{"Topics", {"topic", "type", "samples", "written by"}, {}};
+    for (Results::Topic const& topic : r.topics) {
+        t.rows.push_back({escape(topic.topic), escape(topic.type), std::to_string(topic.samples), escape(join(topic.processes, ", "))});
+    }
+    return t;
+}
+
+ReportTable event_table(Results const& r) {
+    ReportTable t{"Events", {"time", "source", "what"}, {}};
+    for (LoggedEvent const& e : r.events) {
+        t.rows.push_back({fmt::format("{:.4f} s", e.time_s), escape(e.source), escape(e.text)});
+    }
+    return t;
+}
+
+} // namespace
+
+Result<fs::path> write_html_report(Results const& r) {
+    config::Diagnostics ignored;
+    auto const loaded = config::load_yaml(r.folder / "scenario.resolved.yaml", ignored);
+    config::Node const scenario = loaded ? *loaded : config::Node::map();
+    std::error_code error;
+    fs::create_directories(r.folder / "report" / "figures", error);
+
+    bool const passed = r.exit_code() == 0;
+    std::string body = fmt::format("<header><h1>{}</h1><p>{}</p><p class=\"verdict {}\">{}</p></header>\n", escape(r.scenario), escape(r.description),
+                                   passed ? "ok" : "bad",
+                                   passed                        ? "✓ every expectation holds"
+                                   : r.outcome.exit_code != 0 ? "✗ " + escape(r.outcome.cause)
+                                                              : "✗ an expectation failed");
+    body += facts(r);
+    if (!r.recording_note.empty()) {
+        body += fmt::format("<p class=\"warn\">▲ recording: {}</p>\n", escape(r.recording_note));
+    }
+    body += expectations(r);
+    for (ReportTable const& t : make_tables(r, scenario)) {
+        body += table(t);
+    }
+    std::string data;
+    for (Figure const& figure : make_figures(r, scenario)) {
+        std::string const svg = to_svg(figure);
+        for (auto const& [ending, text] : {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {
+            if (auto ok = write(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
+                return std::unexpected{ok.error()};
+            }
+        }
+        body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a> "
+                            "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}</figure>\n",
+                            figure.id, escape(figure.title), svg);
+        data += (data.empty() ? "" : ",") + to_json(figure);
+    }
+    body += notes(scenario);
+    if (!r.events.empty()) {
+        body += table(event_table(r));
+    }
+    body += table(process_table(r)) + table(topic_table(r));
+    std::string const page =
+        fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">"
+                    "<title>{} – Gridspace report</title><style>{}</style></head>\n<body><main>{}</main>\n"
+                    "<script>const figures=[{}];\n{}</script></body></html>\n",
+                    escape(r.scenario), kReportCss, body, data, kReportJs);
+    fs::path const file = r.folder / "report" / "index.html";
+    if (auto ok = write(file, page); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    return file;
+}
+
+} // namespace gridspace::launcher

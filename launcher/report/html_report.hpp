@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "launcher/report/results.hpp"
+
+#include <filesystem>
+
+namespace gridspace::launcher {
+
+/// Writes report/index.html (one self-contained file, opens offline) with an SVG and a CSV per figure beside it. Returns the
+/// page's path.
+[[nodiscard]] Result<std::filesystem::path> write_html_report(Results const& results);
+
+} // namespace gridspace::launcher

@@ -1,0 +1,280 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/report/results.hpp"
+
+#include "common/config/yaml.hpp"
+#include "common/text.hpp"
+#include "common/time.hpp"
+#include "recorder/mcap/mcap_reader.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace gridspace::launcher {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+using Status = ExpectationResult::Status;
+
+std::string_view name_of(Status status) {
+    switch (status) {
+    case Status::passed:
+        return "pass";
+    case Status::failed:
+        return "FAIL";
+    case Status::shown:
+        return "shown";
+    case Status::not_applicable:
+        break;
+    }
+    return "n/a";
+}
+
+void read_manifest(fs::path const& folder, Results& out) {
+    std::ifstream stream{folder / "manifest.json"};
+    Json const m = Json::parse(stream, nullptr, false);
+    if (!m.is_object()) {
+        return;
+    }
+    out.scenario = m.value("scenario", "");
+    out.description = m.value("description", "");
+    out.duration_s = m.value("duration_s", 0.0);
+    if (auto const clock = m.find("clock"); clock != m.end()) {
+        out.mode = clock->value("mode", "");
+        out.epoch_unix_s = parse_utc(clock->value("epoch", "")).value_or(0);
+    }
+    out.outcome.exit_code = m.value("exit", static_cast<int>(ExitCode::child_died));
+    out.outcome.cause = m.value("cause", "the launcher did not see its end");
+    out.outcome.simulated_s = m.value("simulated_s", 0.0);
+    out.outcome.wall_s = m.value("wall_s", 0.0);
+    out.outcome.overruns = m.value("overruns", std::uint64_t{0});
+    if (auto const processes = m.find("processes"); processes != m.end()) {
+        for (auto const& [name, p] : processes->items()) {
+            out.processes.push_back({name, p.value("program", ""), p.value("host", ""), p.value("end", ""), p.value("exit", 0)});
+        }
+    }
+}
+
+Result<void> read_recording(fs::path const& folder, Results& out) {
+    fs::path const file = folder / "data.mcap";
+    if (!fs::exists(file)) {
+        out.recording_note = "nothing was recorded";
+        return {};
+    }
+    std::map<std::string, Results::Topic> topics;
+    std::map<std::string, std::set<std::string>> processes;
+    auto const outcome = mcap::read_messages(file, [&](mcap::Message const& message) {
+        Results::Topic& topic = topics[message.channel.topic];
+        ++topic.samples;
+        if (topic.samples == 1) {
+            topic.topic = message.channel.topic;
+            topic.type = message.schema.name;
+        }
+        if (auto const it = message.channel.metadata.find("process"); it != message.channel.metadata.end()) {
+            processes[topic.topic].insert(it->second);
+        }
+        return true;
+    });
+    if (!outcome) {
+        return std::unexpected{outcome.error()};
+    }
+    out.recording_note = outcome->note;
+    for (auto& [name, topic] : topics) {
+        topic.processes.assign(processes[name].begin(), processes[name].end());
+        out.topics.push_back(std::move(topic));
+    }
+    auto signals = read_signals(file, [](std::string const&) { return true; });
+    if (!signals) {
+        return std::unexpected{signals.error()};
+    }
+    out.signals = std::move(*signals);
+    return {};
+}
+
+void judge_all(fs::path const& folder, Results& out) {
+    config::Diagnostics diagnostics;
+    auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", diagnostics);
+    if (!scenario) {
+        return;
+    }
+    Moments moments;
+    if (config::Node const* events = scenario->find("events"); events != nullptr) {
+        for (config::Node::Entry const& event : events->entries) {
+            if (config::Node const* at = event.value.find("at_s"); at != nullptr) {
+                moments[event.key] = config::number_of(*at).value_or(0);
+            }
+        }
+    }
+    for (LoggedEvent const& event : out.events) {
+        moments.try_emplace(event.source + "." + event.event, event.time_s);
+    }
+    config::Node const* expect = scenario->find("expect");
+    for (Expectation const& e : read_expectations(expect == nullptr ? config::Node{} : *expect, diagnostics)) {
+        out.expectations.push_back(judge(e, out.signals, moments, out.outcome.simulated_s));
+    }
+}
+
+Json number_or_null(std::optional<double> const& v) { return v ? Json(*v) : Json(nullptr); }
+
+std::string paint(std::string_view text, Status status, bool colour) {
+    if (!colour || status == Status::shown || status == Status::not_applicable) {
+        return std::string{text};
+    }
+    return fmt::format("\x1b[{}m{}\x1b[0m", status == Status::passed ? "32" : "1;31", text);
+}
+
+std::string value_text(ExpectationResult const& e) {
+    if (!e.value) {
+        return "-";
+    }
+    if (e.verb == "always" || e.verb == "never" || e.verb == "eventually") {
+        return *e.value != 0 ? "holds" : "does not hold";
+    }
+    return fmt::format("{:.6g}{}{}", *e.value, e.unit.empty() ? "" : " ", e.unit);
+}
+
+std::string xml_text(std::string_view text) {
+    std::string out;
+    for (char const c : text) {
+        switch (c) {
+        case '<':
+            out += "&lt;";
+            break;
+        case '>':
+            out += "&gt;";
+            break;
+        case '&':
+            out += "&amp;";
+            break;
+        case '"':
+            out += "&quot;";
+            break;
+        default:
+            out += c;
+        }
+    }
+    return out;
+}
+
+} // namespace
+
+bool Results::passed() const {
+    return std::none_of(expectations.begin(), expectations.end(), [](auto const& e) { return e.status == Status::failed && !e.advisory; });
+}
+
+int Results::exit_code() const {
+    return outcome.exit_code != 0 ? outcome.exit_code : static_cast<int>(passed() ? ExitCode::ok : ExitCode::expectation_failed);
+}
+
+Result<Results> read_results(fs::path const& folder) {
+    if (!fs::exists(folder / "manifest.json")) {
+        return fail(ExitCode::usage, fmt::format("'{}' is not a run folder", folder.string()), "it has no manifest.json");
+    }
+    Results out;
+    out.folder = fs::canonical(folder);
+    read_manifest(folder, out);
+    out.events = read_events(folder / "events.ndjson");
+    if (auto ok = read_recording(folder, out); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    judge_all(folder, out);
+    return out;
+}
+
+Result<void> write_summary(Results const& r) {
+    Json expectations = Json::array(), processes = Json::array(), topics = Json::array();
+    for (ExpectationResult const& e : r.expectations) {
+        expectations.push_back({{"name", e.name},
+                                {"verb", e.verb},
+                                {"value", number_or_null(e.value)},
+                                {"unit", e.unit},
+                                {"low", number_or_null(e.band.low)},
+                                {"high", number_or_null(e.band.high)},
+                                {"pass", e.status == Status::passed || e.status == Status::failed ? Json(e.status == Status::passed) : Json(nullptr)},
+                                {"advisory", e.advisory},
+                                {"detail", e.detail}});
+    }
+    for (Results::ProcessRow const& p : r.processes) {
+        processes.push_back({{"name", p.name}, {"program", p.program}, {"host", p.host}, {"exit", p.code}, {"end", p.end}});
+    }
+    for (Results::Topic const& t : r.topics) {
+        topics.push_back({{"name", t.topic}, {"type", t.type}, {"samples", t.samples}, {"processes", t.processes}});
+    }
+    Json const summary{{"scenario", r.scenario},
+                       {"mode", r.mode},
+                       {"simulated_s", r.outcome.simulated_s},
+                       {"wall_s", r.outcome.wall_s},
+                       {"exit", r.exit_code()},
+                       {"cause", r.outcome.cause},
+                       {"overruns", r.outcome.overruns},
+                       {"expectations", expectations},
+                       {"processes", processes},
+                       {"topics", topics}};
+    std::error_code ignored;
+    fs::create_directories(r.folder / "report", ignored);
+    std::ofstream stream{r.folder / "report" / "summary.json", std::ios::trunc};
+    stream << summary.dump(2) << "\n";
+    return stream ? Result<void>{} : fail(ExitCode::environment, fmt::format("cannot write '{}'", (r.folder / "report/summary.json").string()));
+}
+
+std::string to_text(Results const& r, bool colour) {
+    std::string out;
+    std::size_t width = 12;
+    for (ExpectationResult const& e : r.expectations) {
+        width = std::max(width, e.name.size());
+    }
+    if (!r.expectations.empty()) {
+        out += "expectations\n";
+        for (ExpectationResult const& e : r.expectations) {
+            std::string const status = fmt::format("{:<5}", name_of(e.status));
+            out += fmt::format("  {:<{}}  {:>16}  {:<18} {}{}{}\n", e.name, width, value_text(e), e.band.to_string(),
+                               paint(status, e.status, colour), e.advisory && e.status == Status::failed ? " (advisory)" : "",
+                               e.detail.empty() || e.status == Status::passed ? "" : "  " + e.detail);
+        }
+    }
+    bool const any_bad = std::any_of(r.processes.begin(), r.processes.end(), [](auto const& p) { return p.code != 0; });
+    if (any_bad) {
+        out += "processes\n";
+        for (Results::ProcessRow const& p : r.processes) {
+            out += fmt::format("  {:<{}}  {:<20} {}\n", p.name, width, p.program, p.end);
+        }
+    }
+    if (!r.recording_note.empty()) {
+        out += fmt::format("recording: {}\n", r.recording_note);
+    }
+    double const speed = r.outcome.wall_s > 0 ? r.outcome.simulated_s / r.outcome.wall_s : 0;
+    out += fmt::format("{} simulated in {}{}{}\n", human_duration(r.outcome.simulated_s), human_duration(r.outcome.wall_s),
+                       speed > 0 ? fmt::format(" (x{:.4g})", speed) : "",
+                       r.outcome.overruns > 0 ? fmt::format(", {} overruns", r.outcome.overruns) : "");
+    return out;
+}
+
+std::string to_junit(Results const& r) {
+    auto const failures = std::count_if(r.expectations.begin(), r.expectations.end(),
+                                        [](auto const& e) { return e.status == Status::failed && !e.advisory; });
+    std::string out = fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.3f}\">\n",
+                                  xml_text(r.scenario), r.expectations.size() + 1, failures, r.outcome.exit_code != 0 ? 1 : 0,
+                                  r.outcome.wall_s);
+    out += fmt::format("  <testcase classname=\"{}\" name=\"run\">", xml_text(r.scenario));
+    if (r.outcome.exit_code != 0) {
+        out += fmt::format("<error message=\"{}\"/>", xml_text(r.outcome.cause));
+    }
+    out += "</testcase>\n";
+    for (ExpectationResult const& e : r.expectations) {
+        out += fmt::format("  <testcase classname=\"{}\" name=\"{}\">", xml_text(r.scenario), xml_text(e.name));
+        if (e.status == Status::failed && !e.advisory) {
+            out += fmt::format("<failure message=\"{} instead of {} {}\"/>", xml_text(value_text(e)), xml_text(e.band.to_string()), xml_text(e.detail));
+        } else if (e.status == Status::not_applicable) {
+            out += "<skipped/>";
+        }
+        out += "</testcase>\n";
+    }
+    return out + "</testsuite>\n";
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "launcher/expect/expectation.hpp"
+#include "launcher/run/event_log.hpp"
+#include "launcher/run/run_folder.hpp"
+#include "recorder/signals/signal_store.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace gridspace::launcher {
+
+/// A finished run as it lies on disk, judged by its expectations.
+struct Results {
+    std::filesystem::path folder;
+    std::string scenario, description, mode;
+    double duration_s{0};
+    std::int64_t epoch_unix_s{0};
+    RunOutcome outcome;
+    std::vector<ExpectationResult> expectations;
+    struct Topic {
+        std::string topic, type;
+        std::uint64_t samples{0};
+        std::vector<std::string> processes;
+    };
+    std::vector<Topic> topics;
+    std::vector<LoggedEvent> events;
+    struct ProcessRow {
+        std::string name, program, host, end;
+        int code{0};
+    };
+    std::vector<ProcessRow> processes;
+    std::string recording_note; ///< when the recording is not complete
+    SignalStore signals;        ///< all that were recorded
+
+    [[nodiscard]] bool passed() const; ///< no expectation failed that is not advisory
+    /// The exit code of `gridspace run`: that of the run, or 1 when an expectation failed.
+    [[nodiscard]] int exit_code() const;
+};
+
+/// Reads a run folder: manifest, resolved scenario, recording, events; judges the expectations.
+[[nodiscard]] Result<Results> read_results(std::filesystem::path const& folder);
+
+/// report/summary.json
+[[nodiscard]] Result<void> write_summary(Results const& results);
+
+/// The tables that `gridspace run` and `gridspace report` print.
+[[nodiscard]] std::string to_text(Results const& results, bool colour);
+
+/// JUnit XML with one test case per expectation.
+[[nodiscard]] std::string to_junit(Results const& results);
+
+} // namespace gridspace::launcher

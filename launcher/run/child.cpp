@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/run/child.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gridspace::launcher {
+namespace {
+
+constexpr int kStatusFd = 3; // in the child
+constexpr int kListenFd = 4;
+
+/// In the child: never returns. Reports what fails as "step: reason" on `error_fd`, which closes by itself on success.
+[[noreturn]] void become(PlannedProcess const& process, SpawnOptions const& options, int control_read, int status_write,
+                         int log_fd, int error_fd) {
+    auto const stop = [&](char const* step) {
+        std::string const text = fmt::format("{}: {}", step, std::strerror(errno));
+        [[maybe_unused]] auto const written = ::write(error_fd, text.data(), text.size());
+        ::_exit(127);
+    };
+    ::setpgid(0, 0);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    sigset_t none;
+    sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+    ::signal(SIGPIPE, SIG_DFL);
+    if (options.netns >= 0 && ::setns(options.netns, CLONE_NEWNET) != 0) {
+        stop("entering its host");
+    }
+    if (process.cpu) {
+        cpu_set_t set;
+        CPU_ZERO(&set);
+        CPU_SET(static_cast<std::size_t>(*process.cpu), &set);
+        ::sched_setaffinity(0, sizeof set, &set); // a processor that does not exist is noted by `doctor`
+    }
+    // Standard descriptors, then 3 (status) and 4 (listening socket). Sources are moved above 10 first: no overlap.
+    int const control = ::fcntl(control_read, F_DUPFD, 10), status = ::fcntl(status_write, F_DUPFD, 10),
+              log = ::fcntl(log_fd, F_DUPFD, 10), listening = options.listen_fd < 0 ? -1 : ::fcntl(options.listen_fd, F_DUPFD, 10),
+              error = ::fcntl(error_fd, F_DUPFD_CLOEXEC, 10);
+    error_fd = error;
+    ::dup2(control, STDIN_FILENO);
+    ::dup2(log, STDOUT_FILENO);
+    ::dup2(log, STDERR_FILENO);
+    ::dup2(status, kStatusFd);
+    if (listening >= 0) {
+        ::dup2(listening, kListenFd);
+    }
+    for (int const fd : {control, status, log, listening}) {
+        if (fd >= 0) {
+            ::close(fd);
+        }
+    }
+    for (auto const& [name, value] : process.environment) {
+        ::setenv(name.c_str(), value.c_str(), 1);
+    }
+    ::setenv("SKIP_DEFAULT_XML_FILE", "1", 1); // a stray Fast DDS profile file must not change a run
+    ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+    std::vector<std::string> words = process.command;
+    if (process.program != "exec") {
+        words.insert(words.end(), {"--status-fd", std::to_string(kStatusFd)});
+    }
+    std::vector<char*> arguments;
+    for (std::string& word : words) {
+        arguments.push_back(word.data());
+    }
+    arguments.push_back(nullptr);
+    std::filesystem::path const folder = process.config_file.parent_path();
+    if (::chdir(folder.c_str()) != 0) {
+        stop("entering the run folder");
+    }
+    ::execvp(arguments[0], arguments.data());
+    stop(arguments[0]);
+    ::_exit(127);
+}
+
+} // namespace
+
+Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options) {
+    int control[2], status[2], error[2];
+    if (::pipe2(control, O_CLOEXEC) != 0 || ::pipe2(status, O_CLOEXEC) != 0 || ::pipe2(error, O_CLOEXEC) != 0) {
+        return fail(ExitCode::environment, fmt::format("no pipe for '{}': {}", process.name, std::strerror(errno)));
+    }
+    int const log = ::open(process.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (log < 0) {
+        return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", process.log_file.string(), std::strerror(errno)));
+    }
+    pid_t const pid = ::fork();
+    if (pid == 0) {
+        become(process, options, control[0], status[1], log, error[1]);
+    }
+    ::close(control[0]);
+    ::close(status[1]);
+    ::close(error[1]);
+    ::close(log);
+    if (pid < 0) {
+        return fail(ExitCode::environment, fmt::format("cannot start '{}': {}", process.name, std::strerror(errno)));
+    }
+    char reason[256];
+    ssize_t const size = ::read(error[0], reason, sizeof reason);
+    ::close(error[0]);
+    if (size > 0) {
+        ::waitpid(pid, nullptr, 0);
+        ::close(control[1]);
+        ::close(status[0]);
+        return fail(ExitCode::environment, fmt::format("process '{}' cannot start: {}", process.name,
+                                                       std::string{reason, static_cast<std::size_t>(size)}),
+                    process.program == "exec" ? "its `command` must be an executable file" : "is Gridspace built completely?");
+    }
+    Child child;
+    child.pid = pid;
+    child.pidfd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
+    child.status_fd = status[0];
+    child.control_fd = control[1];
+    ::fcntl(child.status_fd, F_SETFL, O_NONBLOCK);
+    return child;
+}
+
+std::string describe_end(int wait_status) {
+    if (WIFSIGNALED(wait_status)) {
+        return fmt::format("killed by signal {} ({})", WTERMSIG(wait_status), ::strsignal(WTERMSIG(wait_status)));
+    }
+    return fmt::format("exit code {}", WEXITSTATUS(wait_status));
+}
+
+} // namespace gridspace::launcher

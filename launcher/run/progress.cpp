@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/run/progress.hpp"
+
+#include "common/time.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::size_t terminal_width() {
+    winsize size{};
+    return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 100;
+}
+
+std::string bar(double share, int cells) {
+    static constexpr std::string_view kEighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+    auto const eighths = static_cast<int>(std::clamp(share, 0.0, 1.0) * cells * 8);
+    std::string out;
+    for (int i = 0; i < eighths / 8; ++i) {
+        out += "█";
+    }
+    int used = eighths / 8;
+    if (eighths % 8 != 0) {
+        out += kEighths[eighths % 8];
+        ++used;
+    }
+    return out + std::string(static_cast<std::size_t>(cells - used), ' ');
+}
+
+} // namespace
+
+Progress::Progress(Style style, std::string scenario, double duration_s)
+    : style_{style}, scenario_{std::move(scenario)}, duration_s_{duration_s} {}
+
+void Progress::clear() {
+    if (style_ == Style::terminal && drawn_) {
+        std::fputs("\r\x1b[K", stderr);
+        drawn_ = false;
+    }
+}
+
+void Progress::note(std::string_view text) {
+    if (style_ == Style::quiet) {
+        return;
+    }
+    clear();
+    if (style_ == Style::json) {
+        fmt::print(stderr, "{}\n", Json{{"note", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+    } else {
+        fmt::print(stderr, "{}\n", text);
+    }
+}
+
+void Progress::event(double time_s, std::string_view source, std::string_view text) {
+    if (style_ == Style::quiet) {
+        return;
+    }
+    clear();
+    if (style_ == Style::json) {
+        fmt::print(stderr, "{}\n", Json{{"event", text}, {"source", source}, {"time_s", time_s}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+    } else {
+        fmt::print(stderr, "  {:>12.4f} s  {:<12} {}\n", time_s, source, text);
+    }
+}
+
+void Progress::update(double time_s, unsigned long overruns) {
+    if (!started_) {
+        started_ = true;
+        start_ = drawn_at_ = Clock::now();
+    }
+    time_s_ = time_s;
+    overruns_ = overruns;
+    double const since_drawn = seconds_since(drawn_at_);
+    bool const due = style_ == Style::terminal ? since_drawn >= 0.1 : style_ == Style::json ? since_drawn >= 0.5 : since_drawn >= 10;
+    if (due) {
+        draw(false);
+    }
+}
+
+void Progress::draw(bool last) {
+    if (style_ == Style::quiet || !started_) {
+        return;
+    }
+    drawn_at_ = Clock::now();
+    double const wall = std::max(1e-3, seconds_since(start_));
+    double const speed = time_s_ / wall;
+    double const share = duration_s_ > 0 ? time_s_ / duration_s_ : 0;
+    double const left = speed > 0 ? (duration_s_ - time_s_) / speed : 0;
+    if (style_ == Style::json) {
+        fmt::print(stderr, "{}\n", Json{{"time_s", time_s_}, {"duration_s", duration_s_}, {"speed", speed}, {"overruns", overruns_}}.dump());
+        return;
+    }
+    std::string const text = fmt::format("sim {} / {}  x{:.3g}  {}{}", human_duration(time_s_), human_duration(duration_s_), speed,
+                                         last ? fmt::format("in {}", human_duration(wall)) : fmt::format("ETA {}", human_duration(left)),
+                                         overruns_ > 0 ? fmt::format("  overruns {}", overruns_) : "");
+    if (style_ == Style::plain) {
+        fmt::print(stderr, "{}: {}\n", scenario_, text);
+        return;
+    }
+    int const cells = terminal_width() > scenario_.size() + text.size() + 26 ? 20 : 0;
+    std::fputs("\r\x1b[K", stderr);
+    fmt::print(stderr, "{} {}{}{}", scenario_, cells > 0 ? "▕" : "", cells > 0 ? bar(share, cells) + "▏ " : "", text);
+    std::fflush(stderr);
+    drawn_ = true;
+}
+
+void Progress::finish() {
+    if (started_) {
+        draw(true);
+        if (style_ == Style::terminal) {
+            std::fputs("\n", stderr);
+            drawn_ = false;
+        }
+    }
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,272 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/run/run.hpp"
+
+#include "launcher/run/domain_lock.hpp"
+#include "launcher/run/event_log.hpp"
+#include "launcher/run/listening.hpp"
+#include "launcher/run/namespaces.hpp"
+#include "launcher/run/supervisor.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+
+/// SIGINT and SIGTERM as a file descriptor, blocked from before anything is made until after everything is gone.
+class InterruptWatch {
+  public:
+    InterruptWatch() {
+        sigset_t set;
+        sigemptyset(&set);
+        sigaddset(&set, SIGINT);
+        sigaddset(&set, SIGTERM);
+        sigaddset(&set, SIGHUP);
+        ::sigprocmask(SIG_BLOCK, &set, &before_);
+        fd_ = ::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
+    }
+    ~InterruptWatch() {
+        ::close(fd_);
+        ::sigprocmask(SIG_SETMASK, &before_, nullptr);
+    }
+    InterruptWatch(InterruptWatch const&) = delete;
+    InterruptWatch& operator=(InterruptWatch const&) = delete;
+    [[nodiscard]] int fd() const { return fd_; }
+    /// How many signals came since the last call.
+    int take() const {
+        int count = 0;
+        for (signalfd_siginfo info; ::read(fd_, &info, sizeof info) == sizeof info;) {
+            ++count;
+        }
+        return count;
+    }
+
+  private:
+    int fd_{-1};
+    sigset_t before_{};
+};
+
+/// Follows the supervisor of a run until it is gone.
+class Follower {
+  public:
+    Follower(RunPlan const& plan, Progress& progress, EventLog& events)
+        : plan_{plan}, progress_{progress}, events_{events} {}
+
+    RunOutcome follow(pid_t supervisor, int channel, InterruptWatch const& interrupts) {
+        int const pidfd = static_cast<int>(::syscall(SYS_pidfd_open, supervisor, 0));
+        int asked = 0;
+        bool gone = false;
+        while (!gone) {
+            pollfd fds[] = {{channel, POLLIN, 0}, {pidfd, POLLIN, 0}, {interrupts.fd(), POLLIN, 0}};
+            ::poll(fds, 3, 1000);
+            if (fds[0].revents != 0) {
+                read(channel);
+            }
+            if (fds[2].revents != 0) {
+                asked += interrupts.take();
+                if (asked == 1) {
+                    progress_.note("stopping (once more: at once)");
+                    [[maybe_unused]] auto const sent = ::write(channel, "stop", 4);
+                } else if (asked > 1) {
+                    ::kill(supervisor, SIGKILL); // its namespaces go with it
+                }
+            }
+            gone = fds[1].revents != 0;
+        }
+        while (read(channel)) {
+        }
+        ::close(pidfd);
+        int status = 0;
+        ::waitpid(supervisor, &status, 0);
+        progress_.finish();
+        if (!over_) {
+            outcome_.exit_code = asked > 1 ? static_cast<int>(ExitCode::interrupted) : static_cast<int>(ExitCode::child_died);
+            outcome_.cause = asked > 1 ? "stopped at once" : "the supervisor of the run died, and everything with it";
+        }
+        if (started_) {
+            outcome_.wall_s = std::chrono::duration<double>(last_progress_ - clock_started_).count();
+        }
+        outcome_.simulated_s = time_s_;
+        return outcome_;
+    }
+
+  private:
+    /// False when nothing more can come.
+    bool read(int channel) {
+        char buffer[65536];
+        ssize_t const size = ::recv(channel, buffer, sizeof buffer, MSG_DONTWAIT);
+        if (size <= 0) {
+            return false;
+        }
+        pending_.append(buffer, static_cast<std::size_t>(size));
+        for (std::size_t end = 0; (end = pending_.find('\n')) != std::string::npos;) {
+            Json const line = Json::parse(pending_.substr(0, end), nullptr, false);
+            pending_.erase(0, end + 1);
+            if (line.is_object()) {
+                on_line(line);
+            }
+        }
+        return true;
+    }
+
+    void on_line(Json const& line) {
+        std::string const kind = line.value("kind", ""), process = line.value("process", "");
+        if (kind == "status") {
+            on_status(process, line);
+        } else if (kind == "exit") {
+            std::erase_if(outcome_.ends, [&](auto const& e) { return e.process == process; });
+            outcome_.ends.push_back({process, line.value("how", ""), line.value("code", 0)});
+            if (line.value("code", 0) != 0) {
+                events_.write(time_s_, process, "exit", line.value("how", ""));
+            }
+        } else if (kind == "stroke") {
+            std::string const text = fmt::format("{} {}", line.value("process", ""), line.value("what", ""));
+            events_.write(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
+            progress_.event(line.value("time_s", 0.0), "launcher", text);
+        } else if (kind == "over") {
+            over_ = true;
+            outcome_.exit_code = line.value("code", 0);
+            outcome_.cause = line.value("cause", "");
+            outcome_.remedy = line.value("remedy", "");
+        }
+    }
+
+    void on_status(std::string const& process, Json const& line) {
+        std::string const status = line.value("status", "");
+        if (status == "ready") {
+            progress_.note(fmt::format("all {} processes are ready", plan_.processes.size()));
+            clock_started_ = last_progress_ = Clock::now();
+            started_ = true;
+        } else if (status == "progress") {
+            time_s_ = line.value("time_s", 0.0);
+            last_progress_ = Clock::now();
+            outcome_.overruns = line.value("overruns", std::uint64_t{0});
+            progress_.update(time_s_, outcome_.overruns);
+        } else if (status == "event") {
+            events_.write(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
+                          line.value("text", ""));
+            progress_.event(line.value("time_s", 0.0), line.value("source", process), line.value("text", ""));
+        } else if (status == "serving") {
+            progress_.note(fmt::format("{}: {}", process, line.value("url", "")));
+        }
+    }
+
+    RunPlan const& plan_;
+    Progress& progress_;
+    EventLog& events_;
+    RunOutcome outcome_;
+    std::string pending_;
+    bool over_{false}, started_{false};
+    double time_s_{0};
+    Clock::time_point clock_started_, last_progress_;
+};
+
+bool needs_frames(Scenario const& scenario) { return !scenario.streams.is_null(); }
+
+} // namespace
+
+Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options) {
+    InterruptWatch const interrupts;
+    auto const begin = Clock::now();
+    auto folder = make_run_folder(scenario.name, options.parent, options.out);
+    if (!folder) {
+        return std::unexpected{folder.error()};
+    }
+    bool const root = ::geteuid() == 0;
+    Progress progress{options.style, scenario.name, scenario.simulation.duration().to_double()};
+    auto events = EventLog::create(*folder / "events.ndjson");
+    if (!events) {
+        return std::unexpected{events.error()};
+    }
+
+    PlanOptions plan_options{*folder, options.namespaces, 0, options.log_level};
+    RunPlan plan = make_plan(scenario, plan_options);
+    std::map<std::string, int> listen_fds;
+    auto const closer = [&] {
+        for (auto const& [name, fd] : listen_fds) {
+            ::close(fd);
+        }
+    };
+    for (PlannedProcess& process : plan.processes) {
+        if (!process.listen.empty()) {
+            auto socket = open_listening(process.listen);
+            if (!socket) {
+                closer();
+                return std::unexpected{socket.error()};
+            }
+            listen_fds[process.name] = socket->fd;
+            progress.note(fmt::format("{}: http://{}", process.name, socket->address));
+        }
+    }
+    int channel[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, channel) != 0) {
+        closer();
+        return fail(ExitCode::environment, fmt::format("no socket: {}", std::strerror(errno)));
+    }
+    progress.note(fmt::format("run folder: {}", folder->string()));
+
+    std::optional<DomainLock> domains;
+    Result<pid_t> supervisor = fail(ExitCode::environment, "");
+    auto const body = [&] {
+        ::close(channel[0]);
+        return supervise(plan, channel[1], listen_fds);
+    };
+    if (options.namespaces) {
+        if (auto ok = write_inputs(scenario, plan, root); !ok) {
+            closer();
+            return std::unexpected{ok.error()};
+        }
+        supervisor = start_in_namespaces(body);
+    }
+    if (!supervisor && (!options.namespaces || !needs_frames(scenario))) {
+        if (options.namespaces) {
+            progress.note(fmt::format("note: {}; running on the loopback interface instead", describe(supervisor.error())));
+        }
+        domains = DomainLock::take();
+        if (!domains) {
+            closer();
+            return fail(ExitCode::environment, "no pair of DDS domains is free on this machine", "too many runs at once");
+        }
+        plan_options.namespaces = false;
+        plan_options.domain = domains->first();
+        plan = make_plan(scenario, plan_options);
+        if (auto ok = write_inputs(scenario, plan, root); !ok) {
+            closer();
+            return std::unexpected{ok.error()};
+        }
+        supervisor = start_without_namespaces(body);
+    }
+    ::close(channel[1]);
+    closer();
+    if (!supervisor) {
+        ::close(channel[0]);
+        return std::unexpected{supervisor.error()};
+    }
+    FinishedRun finished;
+    finished.folder = *folder;
+    finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel[0], interrupts);
+    ::close(channel[0]);
+    finished.outcome.total_wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (auto ok = write_outcome(*folder, finished.outcome); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    return finished;
+}
+
+} // namespace gridspace::launcher

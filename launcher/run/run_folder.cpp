@@ -1,0 +1,173 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/run/run_folder.hpp"
+
+#include "common/version.hpp"
+
+#include <array>
+#include <ctime>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <openssl/evp.h>
+#include <sstream>
+#include <sys/utsname.h>
+#include <thread>
+#include <unistd.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+std::string utc_stamp() {
+    std::time_t const now = std::time(nullptr);
+    std::tm parts{};
+    gmtime_r(&now, &parts);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y%m%dT%H%M%SZ", &parts);
+    return text;
+}
+
+/// A line "key : value" of /proc/cpuinfo.
+std::string cpu_info(std::string_view key) {
+    std::ifstream stream{"/proc/cpuinfo"};
+    for (std::string line; std::getline(stream, line);) {
+        if (line.starts_with(key)) {
+            std::size_t const colon = line.find(": ");
+            return colon == std::string::npos ? "" : line.substr(colon + 2);
+        }
+    }
+    return "";
+}
+
+Json host_of(bool root) {
+    utsname name{};
+    uname(&name);
+    return Json{{"kernel", fmt::format("{} {}", name.sysname, name.release)},
+                {"machine", name.machine},
+                {"cpu", cpu_info("model name")},
+                {"cpu_flags", cpu_info("flags")},
+                {"processors", std::thread::hardware_concurrency()},
+                {"root", root}};
+}
+
+Result<void> write_text(fs::path const& file, std::string const& text) {
+    std::ofstream stream{file, std::ios::trunc};
+    stream << text;
+    stream.close();
+    return stream ? Result<void>{} : fail(ExitCode::environment, fmt::format("cannot write '{}'", file.string()));
+}
+
+} // namespace
+
+std::string sha256_of(fs::path const& file) {
+    std::ifstream stream{file, std::ios::binary};
+    if (!stream) {
+        return "";
+    }
+    EVP_MD_CTX* context = EVP_MD_CTX_new();
+    EVP_DigestInit_ex(context, EVP_sha256(), nullptr);
+    std::array<char, 65536> buffer{};
+    while (stream.read(buffer.data(), buffer.size()) || stream.gcount() > 0) {
+        EVP_DigestUpdate(context, buffer.data(), static_cast<std::size_t>(stream.gcount()));
+    }
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned size = 0;
+    EVP_DigestFinal_ex(context, digest.data(), &size);
+    EVP_MD_CTX_free(context);
+    std::string out;
+    for (unsigned i = 0; i < size; ++i) {
+        out += fmt::format("{:02x}", digest[i]);
+    }
+    return out;
+}
+
+Result<fs::path> make_run_folder(std::string const& scenario, fs::path const& parent, fs::path const& exact) {
+    std::error_code error;
+    if (!exact.empty()) {
+        if (fs::exists(exact, error) && !fs::is_empty(exact, error)) {
+            return fail(ExitCode::usage, fmt::format("the folder '{}' is not empty", exact.string()), "choose another one for --out");
+        }
+        fs::create_directories(exact, error);
+        return error ? fail(ExitCode::environment, fmt::format("cannot make '{}': {}", exact.string(), error.message()))
+                     : Result<fs::path>{fs::absolute(exact).lexically_normal()};
+    }
+    fs::create_directories(parent, error);
+    std::string const name = fmt::format("{}-{}", scenario, utc_stamp());
+    fs::path folder = parent / name;
+    for (int n = 2; !fs::create_directory(folder, error); ++n) {
+        if (error) {
+            return fail(ExitCode::environment, fmt::format("cannot make '{}': {}", folder.string(), error.message()));
+        }
+        folder = parent / fmt::format("{}-{}", name, n);
+    }
+    fs::path const fresh = parent / fmt::format(".latest-{}", ::getpid());
+    fs::create_directory_symlink(folder.filename(), fresh, error);
+    fs::rename(fresh, parent / "latest", error); // atomic: two runs may start at once
+    return fs::absolute(folder).lexically_normal();
+}
+
+Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool root) {
+    std::error_code error;
+    for (char const* name : {"processes", "logs", "report"}) {
+        fs::create_directories(plan.folder / name, error);
+    }
+    Json processes = Json::object();
+    for (PlannedProcess const& process : plan.processes) {
+        if (auto ok = write_text(process.config_file, to_yaml(process.config)); !ok) {
+            return ok;
+        }
+        processes[process.name] = {{"program", process.program}, {"host", process.host}, {"member", process.is_member}};
+    }
+    if (auto ok = write_text(plan.folder / "scenario.resolved.yaml", to_yaml(scenario.resolved)); !ok) {
+        return ok;
+    }
+    fs::copy_file(scenario.simulation.network, plan.folder / ("network" + scenario.simulation.network.extension().string()),
+                  fs::copy_options::overwrite_existing, error);
+    Version const& v = version();
+    Json const manifest{
+        {"scenario", scenario.name},
+        {"description", scenario.description},
+        {"started", utc_stamp()},
+        {"gridspace", {{"version", v.version}, {"commit", v.commit}, {"build", v.build_type}, {"compiler", v.compiler}}},
+        {"seed", scenario.seed},
+        {"clock",
+         {{"mode", scenario.clock.mode == bus::ClockMode::lockstep ? "lockstep" : "realtime"},
+          {"speed", scenario.clock.speed == 0 ? Json("max") : Json(scenario.clock.speed)},
+          {"tick_s", scenario.tick_s().to_string()},
+          {"step_s", scenario.simulation.step_s.to_string()},
+          {"epoch", scenario.simulation.epoch}}},
+        {"duration_s", plan.duration_s},
+        {"files",
+         {{"scenario", {{"path", scenario.file.string()}, {"sha256", sha256_of(scenario.file)}}},
+          {"network", {{"path", scenario.simulation.network.string()}, {"sha256", sha256_of(scenario.simulation.network)}}}}},
+        {"processes", processes},
+        {"isolation", plan.namespaces ? (root ? "network, mount and PID namespaces" : "user, network, mount and PID namespaces")
+                                      : "none: loopback interface, own DDS domains"},
+        {"host", host_of(root)},
+    };
+    return write_text(plan.folder / "manifest.json", manifest.dump(2) + "\n");
+}
+
+Result<void> write_outcome(fs::path const& folder, RunOutcome const& outcome) {
+    std::ifstream stream{folder / "manifest.json"};
+    Json manifest = Json::parse(stream, nullptr, false);
+    if (!manifest.is_object()) {
+        manifest = Json::object();
+    }
+    manifest["exit"] = outcome.exit_code;
+    manifest["cause"] = outcome.cause;
+    manifest["simulated_s"] = outcome.simulated_s;
+    manifest["wall_s"] = outcome.wall_s;
+    manifest["overruns"] = outcome.overruns;
+    manifest["deterministic"] = outcome.deterministic;
+    for (RunOutcome::ProcessEnd const& end : outcome.ends) {
+        manifest["processes"][end.process]["exit"] = end.code;
+        manifest["processes"][end.process]["end"] = end.how;
+    }
+    return write_text(folder / "manifest.json", manifest.dump(2) + "\n");
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/run/run_plan.hpp"
+
+#include "common/text.hpp"
+#include "launcher/run/installation.hpp"
+#include "launcher/scenario/dataflow.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Node;
+
+/// Addresses of a host on the links that carry IP, and on the management network.
+std::vector<std::string> addresses_of(std::vector<Port> const& ports, std::string const& host, bool management) {
+    std::vector<std::string> out;
+    for (Port const& port : ports) {
+        if (port.host == host && !port.address.empty() && (port.link == kManagementLink) == management) {
+            out.push_back(port.address);
+        }
+    }
+    return out;
+}
+
+bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Dataflow const& flow, RunPlan const& plan,
+                            PlanOptions const& options) {
+    bus::NodeConfig node;
+    node.process = process.name.name;
+    node.program = process.program.name;
+    node.qos = qos_file(process.qos.name);
+    if (options.namespaces) {
+        node.management = {0, addresses_of(plan.ports, process.host.name, true)};
+        if (auto addresses = addresses_of(plan.ports, process.host.name, false); !addresses.empty()) {
+            node.data = bus::NetworkConfig{1, std::move(addresses)};
+        }
+    } else {
+        node.management = {options.domain, {"127.0.0.1"}};
+        node.data = bus::NetworkConfig{options.domain + 1, {"127.0.0.1"}};
+    }
+    bus::ClockConfig& clock = node.clock;
+    clock.mode = scenario.clock.mode;
+    clock.quantum_s = scenario.quantum_s();
+    clock.tick_s = scenario.tick_s();
+    clock.epoch_unix_s = parse_utc(scenario.simulation.epoch).value_or(0);
+    clock.member_timeout_s = scenario.clock.member_timeout_s;
+    clock.start_timeout_s = scenario.clock.start_timeout_s;
+    clock.simulator = scenario.simulator()->name.name;
+    for (bus::MemberPlan const& member : flow.members) {
+        clock.members.push_back(member.name);
+        if (member.name == node.process) {
+            clock.upstream = member.upstream;
+        }
+        if (std::find(member.upstream.begin(), member.upstream.end(), node.process) != member.upstream.end()) {
+            clock.downstream.push_back(member.name);
+        }
+    }
+    node.expected_writers = flow.expected_writers(node.process);
+    node.expected_readers = flow.expected_readers(node.process);
+    return node;
+}
+
+PlannedProcess plan_process(Scenario const& scenario, Process const& process, Dataflow const& flow, RunPlan const& plan,
+                            PlanOptions const& options) {
+    PlannedProcess out;
+    out.name = process.name.name;
+    out.program = process.program.name;
+    out.host = process.host.name;
+    out.cpu = process.cpu;
+    out.is_simulator = &process == scenario.simulator();
+    out.is_member = process.settings->is_member();
+    out.is_observer = !out.is_member && !out.is_simulator;
+    out.listen = process.settings->listen();
+    out.config_file = plan.folder / "processes" / (out.name + ".yaml");
+    out.log_file = plan.folder / "logs" / (out.name + ".log");
+
+    out.config = Node::map();
+    out.config.set("process", Node::scalar(out.name));
+    out.config.set("program", Node::scalar(out.program));
+    out.config.set("bus", to_node(node_config(scenario, process, flow, plan, options)));
+    out.config.set("settings", process.settings->settings(scenario, process));
+
+    out.command = process.settings->command();
+    if (out.command.empty()) {
+        out.command = {program_file(out.program).string(), "--config", out.config_file.string(), "--log-level", options.log_level};
+    }
+    bus::NodeConfig const node = node_config(scenario, process, flow, plan, options);
+    out.environment = {{"GRIDSPACE_PROCESS", out.name},
+                       {"GRIDSPACE_CONFIG", out.config_file.string()},
+                       {"GRIDSPACE_RUN_FOLDER", plan.folder.string()},
+                       {"GRIDSPACE_MANAGEMENT_DOMAIN", std::to_string(node.management.domain)},
+                       {"GRIDSPACE_MANAGEMENT_ADDRESS", node.management.addresses.empty() ? "" : node.management.addresses.front()},
+                       {"GRIDSPACE_DATA_DOMAIN", std::to_string(node.data ? node.data->domain : node.management.domain)},
+                       {"GRIDSPACE_DATA_ADDRESS", node.data && !node.data->addresses.empty() ? node.data->addresses.front() : ""}};
+    return out;
+}
+
+} // namespace
+
+RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
+    RunPlan plan;
+    plan.scenario = scenario.name;
+    plan.folder = options.folder;
+    plan.namespaces = options.namespaces;
+    plan.links = scenario.links;
+    plan.ports = plan_ports(scenario);
+    plan.duration_s = scenario.simulation.duration().to_double();
+    plan.start_timeout_s = scenario.clock.start_timeout_s;
+    plan.member_timeout_s = scenario.clock.member_timeout_s;
+    for (Host const& host : scenario.hosts) {
+        plan.hosts.push_back(host.name.name);
+    }
+    Dataflow const flow = dataflow(scenario);
+    for (Process const& process : scenario.processes) {
+        plan.processes.push_back(plan_process(scenario, process, flow, plan, options));
+    }
+    std::stable_partition(plan.processes.begin(), plan.processes.end(), [](PlannedProcess const& p) { return !p.is_simulator; });
+    for (sim::Event const& event : process_events(scenario)) {
+        std::vector<PlannedStroke> strokes;
+        using Kind = PlannedStroke::Kind;
+        for (auto const& [kind, target] : {std::pair{Kind::kill, &event.kill}, {Kind::pause, &event.pause},
+                                           {Kind::resume, &event.resume}, {Kind::restart, &event.restart}}) {
+            if (!target->empty()) {
+                strokes.push_back({kind, event.name.name, target->name, event.at_s->to_double()});
+            }
+        }
+        plan.holds.push_back(std::move(strokes));
+    }
+    return plan;
+}
+
+std::string to_text(RunPlan const& plan) {
+    std::string out = fmt::format("scenario {}, {} simulated, {}\n", plan.scenario, human_duration(plan.duration_s),
+                                  plan.namespaces ? "in its own network namespaces" : "on the loopback interface");
+    if (plan.namespaces) {
+        out += "\nhosts\n";
+        for (std::string const& host : plan.hosts) {
+            out += fmt::format("  {}\n", host);
+            for (Port const& port : plan.ports) {
+                if (port.host == host) {
+                    out += fmt::format("    {:<15} {}  {}\n", port.interface, port.mac,
+                                       port.address.empty() ? "no IP" : fmt::format("{}/{}", port.address, port.prefix));
+                }
+            }
+        }
+    }
+    out += "\nprocesses\n";
+    for (PlannedProcess const& process : plan.processes) {
+        out += fmt::format("  {:<12} on {:<12} {}\n", process.name, process.host, join(process.command, " "));
+    }
+    for (auto const& strokes : plan.holds) {
+        for (PlannedStroke const& stroke : strokes) {
+            out += fmt::format("  at {} s: {} acts on {}\n", shortest(stroke.at_s), stroke.event, stroke.process);
+        }
+    }
+    return out;
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "launcher/run/addresses.hpp"
+#include "launcher/scenario/scenario.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace gridspace::launcher {
+
+/// One process to start.
+struct PlannedProcess {
+    std::string name, program, host;
+    std::filesystem::path config_file;    ///< in the run folder
+    config::Node config;                  ///< what goes into it
+    std::vector<std::string> command;
+    std::map<std::string, std::string> environment;
+    std::optional<std::int64_t> cpu;
+    std::filesystem::path log_file;
+    bool is_simulator{false};
+    bool is_member{false};                ///< its end before the run's is a failure, also with exit code 0
+    bool is_observer{false};              ///< ends when told to
+    std::string listen;                   ///< address to serve on; the launcher opens the socket
+};
+
+/// Something that the launcher does to a process between two ticks.
+struct PlannedStroke {
+    enum class Kind { kill, pause, resume, restart } kind{Kind::kill};
+    std::string event, process;
+    double at_s{0};
+};
+
+/// Everything that a run needs, ready to be carried out.
+struct RunPlan {
+    std::string scenario;
+    std::filesystem::path folder;
+    bool namespaces{true};
+    std::vector<std::string> hosts;
+    std::vector<Link> links;
+    std::vector<Port> ports;
+    std::vector<PlannedProcess> processes; ///< the simulator last: everybody else is there when it starts to wait
+    std::vector<std::vector<PlannedStroke>> holds; ///< by index of the simulator's hold
+    double duration_s{0};
+    double start_timeout_s{30}, member_timeout_s{10};
+};
+
+struct PlanOptions {
+    std::filesystem::path folder;  ///< of the run; absolute
+    bool namespaces{true};         ///< false: everything on the loopback interface
+    int domain{0};                 ///< first of two DDS domains for the run (without namespaces)
+    std::string log_level{"info"};
+};
+
+[[nodiscard]] RunPlan make_plan(Scenario const& scenario, PlanOptions const& options);
+
+/// The plan as text, for --dry-run.
+[[nodiscard]] std::string to_text(RunPlan const& plan);
+
+} // namespace gridspace::launcher

@@ -1,0 +1,354 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/run/supervisor.hpp"
+
+#include "common/text.hpp"
+#include "launcher/run/child.hpp"
+#include "launcher/run/virtual_network.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <poll.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
+using std::chrono::seconds;
+
+/// A process of the plan, and its present incarnation.
+struct Watched {
+    PlannedProcess plan;
+    Child child;
+    bool running{false};
+    bool expected_to_die{false}; ///< killed by an event of the scenario
+    std::int64_t incarnation{0};
+    std::string pending;         ///< status text without its line end yet
+    std::optional<Error> reported; ///< what it said before it ended
+};
+
+class Supervisor {
+  public:
+    Supervisor(RunPlan const& plan, int channel, std::map<std::string, int> const& listen_fds)
+        : plan_{plan}, channel_{channel}, listen_fds_{listen_fds} {
+        for (PlannedProcess const& process : plan.processes) {
+            watched_.push_back({process, {}, false, false, 0, {}, std::nullopt});
+        }
+    }
+
+    int run() {
+        if (plan_.namespaces) {
+            if (auto ok = network_.build(plan_); !ok) {
+                return finish(ok.error());
+            }
+        }
+        for (Watched& w : watched_) {
+            if (auto ok = start(w); !ok) {
+                end_all();
+                return finish(ok.error());
+            }
+        }
+        while (!over()) {
+            step();
+        }
+        end_all();
+        return finish(failure_);
+    }
+
+  private:
+    Result<void> start(Watched& w) {
+        SpawnOptions options;
+        options.netns = plan_.namespaces ? network_.host(w.plan.host) : -1;
+        if (auto const it = listen_fds_.find(w.plan.name); it != listen_fds_.end()) {
+            options.listen_fd = it->second;
+        }
+        auto child = spawn(w.plan, options);
+        if (!child) {
+            return std::unexpected{child.error()};
+        }
+        w.child = *child;
+        w.running = true;
+        w.pending.clear();
+        tell(Json{{"kind", "started"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
+        return {};
+    }
+
+    /// The run is over: it failed, was stopped, or the simulator has finished and everybody who follows it has too.
+    bool over() {
+        if (failure_) {
+            return true;
+        }
+        auto const now = Clock::now();
+        if (suspect_ && !simulator_done_ && now > suspect_->first) {
+            fail_with({ExitCode::child_died, fmt::format("process '{}' ended before the run did", suspect_->second), "see its log"});
+            return true;
+        }
+        if (!simulator_done_) {
+            return false;
+        }
+        bool const members_done = std::none_of(watched_.begin(), watched_.end(), [](Watched const& w) { return w.running && !w.plan.is_observer; });
+        if (!members_done && now > *simulator_done_ + seconds{10}) {
+            for (Watched const& w : watched_) {
+                if (w.running && !w.plan.is_observer) {
+                    fail_with({ExitCode::stall, fmt::format("process '{}' did not end after the last tick", w.plan.name), "see its log"});
+                }
+            }
+        }
+        return members_done || failure_.has_value();
+    }
+
+    void step() {
+        std::vector<pollfd> fds{{channel_, POLLIN, 0}};
+        std::vector<Watched*> owners{nullptr};
+        for (Watched& w : watched_) {
+            if (w.running) {
+                fds.push_back({w.child.pidfd, POLLIN, 0});
+                owners.push_back(&w);
+            }
+            if (w.child.status_fd >= 0) {
+                fds.push_back({w.child.status_fd, POLLIN, 0});
+                owners.push_back(&w);
+            }
+        }
+        if (::poll(fds.data(), fds.size(), 200) <= 0) {
+            return;
+        }
+        // What a process said comes before its end.
+        for (std::size_t i = 1; i < fds.size(); ++i) {
+            if (fds[i].revents != 0 && fds[i].fd == owners[i]->child.status_fd) {
+                read_status(*owners[i]);
+            }
+        }
+        for (std::size_t i = 1; i < fds.size(); ++i) {
+            if (fds[i].revents != 0 && owners[i]->running && fds[i].fd == owners[i]->child.pidfd) {
+                reap(*owners[i]);
+            }
+        }
+        if (fds[0].revents != 0) {
+            read_channel();
+        }
+        if (plan_.namespaces) { // process 1 reaps whatever its children left behind
+            for (bool more = true; more;) {
+                siginfo_t info{};
+                more = ::waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0 && !is_watched(info.si_pid);
+                if (more) {
+                    ::waitpid(info.si_pid, nullptr, 0);
+                }
+            }
+        }
+    }
+
+    bool is_watched(pid_t pid) const {
+        return std::any_of(watched_.begin(), watched_.end(), [&](Watched const& w) { return w.running && w.child.pid == pid; });
+    }
+
+    void read_channel() {
+        char buffer[256];
+        ssize_t const size = ::read(channel_, buffer, sizeof buffer);
+        if (size <= 0 || std::string_view{buffer, static_cast<std::size_t>(size)}.find("stop") != std::string_view::npos) {
+            fail_with({ExitCode::interrupted, "stopped", ""});
+        }
+    }
+
+    void read_status(Watched& w) {
+        char buffer[4096];
+        ssize_t size = 0;
+        while ((size = ::read(w.child.status_fd, buffer, sizeof buffer)) > 0) {
+            w.pending.append(buffer, static_cast<std::size_t>(size));
+        }
+        if (size == 0) {
+            ::close(std::exchange(w.child.status_fd, -1));
+        }
+        for (std::size_t end = 0; (end = w.pending.find('\n')) != std::string::npos;) {
+            std::string const line = w.pending.substr(0, end);
+            w.pending.erase(0, end + 1);
+            Json status = Json::parse(line, nullptr, false);
+            if (status.is_object()) {
+                on_status(w, status);
+            }
+        }
+    }
+
+    void on_status(Watched& w, Json& status) {
+        std::string const what = status.value("status", "");
+        if (what == "failed") {
+            w.reported = Error{static_cast<ExitCode>(status.value("code", 4)), status.value("message", ""), status.value("remedy", "")};
+            // The simulator names the culprit of a stall; others notice the consequences.
+            if (w.plan.is_simulator && !failure_) {
+                fail_with({w.reported->code, fmt::format("{}: {}", w.plan.name, w.reported->message), w.reported->remedy});
+            }
+        } else if (what == "hold") {
+            strike(w, status.value("index", std::size_t{0}));
+        }
+        status["kind"] = "status";
+        status["process"] = w.plan.name;
+        tell(status);
+    }
+
+    void reap(Watched& w) {
+        int wait_status = 0;
+        if (::waitpid(w.child.pid, &wait_status, 0) != w.child.pid) {
+            return;
+        }
+        read_status(w); // its last words
+        w.running = false;
+        ::close(w.child.pidfd);
+        ::close(w.child.control_fd);
+        tell(Json{{"kind", "exit"}, {"process", w.plan.name}, {"how", describe_end(wait_status)},
+                  {"code", WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status)},
+                  {"expected", w.expected_to_die}});
+        if (w.expected_to_die || failure_) {
+            return;
+        }
+        bool const clean = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0;
+        if (w.plan.is_simulator) {
+            if (clean) {
+                simulator_done_ = Clock::now();
+            } else {
+                fail_with({w.reported ? w.reported->code : ExitCode::child_died,
+                           fmt::format("the simulator '{}' ended: {}", w.plan.name, describe_end(wait_status)), "see its log"});
+            }
+            return;
+        }
+        if (clean && !simulator_done_) {
+            if (w.plan.is_member && !suspect_) { // it may just be quicker with the last tick than the simulator
+                suspect_ = {Clock::now() + seconds{2}, w.plan.name};
+            }
+            return;
+        }
+        if (!clean && (!w.plan.is_observer || !simulator_done_)) {
+            Error error{ExitCode::child_died, fmt::format("process '{}' died: {}", w.plan.name, describe_end(wait_status)), "see its log"};
+            if (w.reported) {
+                error = {w.reported->code == ExitCode::interrupted ? ExitCode::child_died : w.reported->code,
+                         fmt::format("{}: {}", w.plan.name, w.reported->message), w.reported->remedy};
+            }
+            fail_with(std::move(error));
+        }
+    }
+
+    /// Carries out what the timeline does to processes at a held tick, then lets the simulator go on.
+    void strike(Watched& simulator, std::size_t index) {
+        std::string answer;
+        using Kind = PlannedStroke::Kind;
+        if (index < plan_.holds.size()) {
+            for (PlannedStroke const& stroke : plan_.holds[index]) {
+                auto const w = std::find_if(watched_.begin(), watched_.end(), [&](Watched const& x) { return x.plan.name == stroke.process; });
+                char const* text = "killed";
+                switch (stroke.kind) {
+                case Kind::kill:
+                    w->expected_to_die = true;
+                    kill_and_reap(*w);
+                    answer += "drop " + stroke.process + "\n";
+                    break;
+                case Kind::pause:
+                    ::kill(-w->child.pid, SIGSTOP);
+                    answer += "drop " + stroke.process + "\n";
+                    text = "paused";
+                    break;
+                case Kind::resume:
+                    ::kill(-w->child.pid, SIGCONT);
+                    answer += "rejoin " + stroke.process + "\n";
+                    text = "resumed";
+                    break;
+                case Kind::restart:
+                    w->expected_to_die = true;
+                    kill_and_reap(*w);
+                    if (!restart(*w)) {
+                        return;
+                    }
+                    answer += fmt::format("restarted {} {}\n", stroke.process, w->incarnation);
+                    text = "restarted";
+                    break;
+                }
+                tell(Json{{"kind", "stroke"}, {"event", stroke.event}, {"process", stroke.process}, {"what", text}, {"time_s", stroke.at_s}});
+            }
+        }
+        answer += "go\n";
+        [[maybe_unused]] auto const written = ::write(simulator.child.control_fd, answer.data(), answer.size());
+    }
+
+    void kill_and_reap(Watched& w) {
+        if (w.running) {
+            ::kill(-w.child.pid, SIGKILL);
+            reap(w);
+        }
+    }
+
+    bool restart(Watched& w) {
+        ++w.incarnation;
+        w.plan.config.find("bus")->set("incarnation", config::Node::scalar(std::to_string(w.incarnation)));
+        std::ofstream{w.plan.config_file} << to_yaml(w.plan.config);
+        if (auto ok = start(w); !ok) {
+            fail_with(ok.error());
+            return false;
+        }
+        w.expected_to_die = false;
+        return true;
+    }
+
+    /// Ends what still runs: a request, two seconds, then force.
+    void end_all() {
+        for (Watched& w : watched_) {
+            if (w.running) {
+                w.expected_to_die = true;
+                ::kill(-w.child.pid, SIGCONT);
+                ::kill(-w.child.pid, SIGTERM);
+            }
+        }
+        auto const deadline = Clock::now() + seconds{2};
+        auto const any = [&] { return std::any_of(watched_.begin(), watched_.end(), [](Watched const& w) { return w.running; }); };
+        while (any() && Clock::now() < deadline) {
+            step();
+        }
+        for (Watched& w : watched_) {
+            kill_and_reap(w);
+        }
+    }
+
+    void fail_with(Error error) {
+        if (!failure_) {
+            failure_ = std::move(error);
+        }
+    }
+
+    int finish(std::optional<Error> const& error) {
+        ExitCode const code = error ? error->code : ExitCode::ok;
+        tell(Json{{"kind", "over"}, {"code", static_cast<int>(code)}, {"cause", error ? error->message : ""}, {"remedy", error ? error->remedy : ""}});
+        return static_cast<int>(code);
+    }
+
+    void tell(Json const& json) {
+        std::string const line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+        [[maybe_unused]] auto const written = ::write(channel_, line.data(), line.size());
+    }
+
+    RunPlan const& plan_;
+    int channel_;
+    std::map<std::string, int> listen_fds_;
+    VirtualNetwork network_;
+    std::vector<Watched> watched_;
+    std::optional<Error> failure_;
+    std::optional<Clock::time_point> simulator_done_;
+    std::optional<std::pair<Clock::time_point, std::string>> suspect_;
+};
+
+} // namespace
+
+int supervise(RunPlan const& plan, int channel, std::map<std::string, int> const& listen_fds) {
+    std::signal(SIGPIPE, SIG_IGN);
+    return Supervisor{plan, channel, listen_fds}.run();
+}
+
+} // namespace gridspace::launcher

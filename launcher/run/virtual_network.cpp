@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/run/virtual_network.hpp"
+
+#include "launcher/run/installation.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gridspace::launcher {
+namespace {
+
+std::string error_text() { return std::strerror(errno); }
+
+/// Frames that nobody asked for (router solicitations, neighbour discovery) would make captures differ.
+void disable_ipv6() {
+    for (char const* file : {"/proc/sys/net/ipv6/conf/all/disable_ipv6", "/proc/sys/net/ipv6/conf/default/disable_ipv6"}) {
+        int const fd = ::open(file, O_WRONLY | O_CLOEXEC);
+        if (fd >= 0) {
+            [[maybe_unused]] auto const written = ::write(fd, "1", 1);
+            ::close(fd);
+        }
+    }
+}
+
+std::string bridge_name(std::size_t link) { return fmt::format("br{}", link); }
+
+} // namespace
+
+VirtualNetwork::~VirtualNetwork() {
+    for (auto const& [name, fd] : hosts_) {
+        ::close(fd);
+    }
+    if (own_ >= 0) {
+        ::close(own_);
+    }
+}
+
+Result<int> VirtualNetwork::make_namespace() {
+    if (::unshare(CLONE_NEWNET) != 0) {
+        return fail(ExitCode::environment, fmt::format("cannot make a network namespace: {}", error_text()),
+                    "`gridspace run --no-namespaces` runs scenarios without raw frames on the loopback interface");
+    }
+    disable_ipv6();
+    int const fd = ::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC);
+    int const back = ::setns(own_, CLONE_NEWNET);
+    if (fd < 0 || back != 0) {
+        return fail(ExitCode::environment, fmt::format("cannot use a network namespace: {}", error_text()));
+    }
+    return fd;
+}
+
+Result<void> VirtualNetwork::ip(int netns, std::string const& batch) const {
+    static std::filesystem::path const program = system_program("ip");
+    if (program.empty()) {
+        return fail(ExitCode::environment, "the program `ip` is missing", "install the package iproute2");
+    }
+    int input[2], output[2];
+    if (::pipe2(input, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0) {
+        return fail(ExitCode::environment, fmt::format("no pipe: {}", error_text()));
+    }
+    pid_t const pid = ::fork();
+    if (pid == 0) {
+        ::dup2(input[0], STDIN_FILENO);
+        ::dup2(output[1], STDOUT_FILENO);
+        ::dup2(output[1], STDERR_FILENO);
+        for (auto const& [name, fd] : hosts_) {
+            ::fcntl(fd, F_SETFD, 0); // named as /proc/self/fd/N in the batch
+        }
+        if (::setns(netns, CLONE_NEWNET) == 0) {
+            ::execl(program.c_str(), "ip", "-batch", "-", nullptr);
+        }
+        ::_exit(127);
+    }
+    ::close(input[0]);
+    ::close(output[1]);
+    std::size_t sent = 0;
+    while (sent < batch.size()) {
+        ssize_t const n = ::write(input[1], batch.data() + sent, batch.size() - sent);
+        if (n <= 0) {
+            break;
+        }
+        sent += static_cast<std::size_t>(n);
+    }
+    ::close(input[1]);
+    std::string printed;
+    char buffer[1024];
+    for (ssize_t n = 0; (n = ::read(output[0], buffer, sizeof buffer)) > 0;) {
+        printed.append(buffer, static_cast<std::size_t>(n));
+    }
+    ::close(output[0]);
+    int status = 0;
+    ::waitpid(pid, &status, 0);
+    if (status != 0) {
+        std::replace(printed.begin(), printed.end(), '\n', ' ');
+        return fail(ExitCode::environment, fmt::format("the virtual network could not be made: {}", printed),
+                    "`gridspace doctor` checks what the kernel allows");
+    }
+    return {};
+}
+
+Result<void> VirtualNetwork::build(RunPlan const& plan) {
+    own_ = ::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC);
+    if (own_ < 0) {
+        return fail(ExitCode::environment, fmt::format("cannot open the network namespace: {}", error_text()));
+    }
+    disable_ipv6();
+    for (std::string const& host : plan.hosts) {
+        auto fd = make_namespace();
+        if (!fd) {
+            return std::unexpected{fd.error()};
+        }
+        hosts_[host] = *fd;
+    }
+    std::vector<std::string> links{std::string{kManagementLink}};
+    for (Link const& link : plan.links) {
+        links.push_back(link.name.name);
+    }
+    std::string core = "link set lo up\n";
+    std::map<std::string, std::string> inside;
+    for (std::size_t l = 0; l < links.size(); ++l) {
+        core += fmt::format("link add {} type bridge mcast_snooping 0 stp_state 0\nlink set {} up\n", bridge_name(l), bridge_name(l));
+    }
+    for (std::size_t p = 0; p < plan.ports.size(); ++p) {
+        Port const& port = plan.ports[p];
+        auto const link = static_cast<std::size_t>(std::find(links.begin(), links.end(), port.link) - links.begin());
+        std::string const outer = fmt::format("p{}", p);
+        core += fmt::format("link add {} type veth peer name {} address {} netns /proc/self/fd/{}\n", outer, port.interface, port.mac,
+                            hosts_.at(port.host));
+        core += fmt::format("link set {} master {} up\n", outer, bridge_name(link));
+        std::string& commands = inside[port.host];
+        if (!port.address.empty()) {
+            commands += fmt::format("addr add {}/{} dev {}\n", port.address, port.prefix, port.interface);
+        }
+        commands += fmt::format("link set {} up\n", port.interface);
+    }
+    if (auto ok = ip(own_, core); !ok) {
+        return ok;
+    }
+    for (auto const& [host, commands] : inside) {
+        if (auto ok = ip(hosts_.at(host), "link set lo up\n" + commands); !ok) {
+            return ok;
+        }
+    }
+    return {};
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "launcher/run/run_plan.hpp"
+
+#include <map>
+#include <string>
+
+namespace gridspace::launcher {
+
+/// Hosts and switches of a run: a network namespace per host, a bridge per link, joined by veth pairs. Lives in the namespaces
+/// of the calling process (which must own them) and goes with them. Needs `ip` of iproute2.
+class VirtualNetwork {
+  public:
+    VirtualNetwork() = default;
+    VirtualNetwork(VirtualNetwork const&) = delete;
+    VirtualNetwork& operator=(VirtualNetwork const&) = delete;
+    ~VirtualNetwork();
+
+    /// All links are up, with carrier, when it returns.
+    [[nodiscard]] Result<void> build(RunPlan const& plan);
+
+    /// The namespace of a host as a file descriptor for setns().
+    [[nodiscard]] int host(std::string const& name) const { return hosts_.at(name); }
+
+  private:
+    [[nodiscard]] Result<int> make_namespace();
+    [[nodiscard]] Result<void> ip(int netns, std::string const& batch) const;
+    int own_{-1};
+    std::map<std::string, int> hosts_;
+};
+
+} // namespace gridspace::launcher

@@ -1,0 +1,256 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/dataflow.hpp"
+
+#include "bus/topics.hpp"
+#include "common/text.hpp"
+#include "launcher/scenario/scenario.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <functional>
+#include <set>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Diagnostics;
+using config::Node;
+
+/// Members that write a topic which `member` reads, the simulator apart.
+std::vector<std::string> sources_of(Dataflow const& flow, Scenario const& scenario, std::string const& member,
+                                    bool triggering_only) {
+    std::set<std::string> out;
+    for (auto const& [topic, readers] : flow.readers) {
+        for (Dataflow::Endpoint const& reader : readers) {
+            if (reader.process != member || (triggering_only && !reader.use.triggers)) {
+                continue;
+            }
+            auto const writers = flow.writers.find(topic);
+            if (writers == flow.writers.end()) {
+                continue;
+            }
+            for (Dataflow::Endpoint const& writer : writers->second) {
+                Process const* process = scenario.find_process(writer.process);
+                if (writer.process != member && process->settings->is_member()) {
+                    out.insert(writer.process);
+                }
+            }
+        }
+    }
+    return {out.begin(), out.end()};
+}
+
+Node name_list(std::vector<std::string> const& names) {
+    Node node = Node::sequence();
+    for (std::string const& name : names) {
+        node.items.push_back(Node::scalar(name));
+    }
+    return node;
+}
+
+/// A circle among the members, as "a -> b -> a"; empty when there is none.
+std::string find_circle(std::vector<bus::MemberPlan> const& members) {
+    std::map<std::string, bus::MemberPlan const*> by_name;
+    for (bus::MemberPlan const& member : members) {
+        by_name[member.name] = &member;
+    }
+    std::set<std::string> done;
+    std::vector<std::string> path;
+    std::string circle;
+    std::function<void(std::string const&)> const walk = [&](std::string const& name) {
+        if (!circle.empty() || done.contains(name)) {
+            return;
+        }
+        auto const seen = std::find(path.begin(), path.end(), name);
+        if (seen != path.end()) {
+            std::vector<std::string> loop{seen, path.end()};
+            std::reverse(loop.begin(), loop.end()); // upstream was walked; data flows the other way
+            loop.push_back(loop.front());
+            circle = join(loop, " -> ");
+            return;
+        }
+        path.push_back(name);
+        for (std::string const& up : by_name.at(name)->upstream) {
+            walk(up);
+        }
+        path.pop_back();
+        done.insert(name);
+    };
+    for (bus::MemberPlan const& member : members) {
+        walk(member.name);
+    }
+    return circle;
+}
+
+} // namespace
+
+Dataflow dataflow(Scenario const& scenario) {
+    Dataflow flow;
+    for (Process const& process : scenario.processes) {
+        bool const expected = process.settings->is_expected();
+        for (TopicUse const& use : process.settings->writes(scenario, process)) {
+            flow.writers[use.topic].push_back({process.name.name, use, expected});
+        }
+        for (TopicUse const& use : process.settings->reads(scenario, process)) {
+            flow.readers[use.topic].push_back({process.name.name, use, expected});
+        }
+    }
+    Process const* simulator = scenario.simulator();
+    for (Process const& process : scenario.processes) {
+        if (!process.settings->is_member()) {
+            continue;
+        }
+        bus::MemberPlan plan;
+        plan.name = process.name.name;
+        plan.upstream = sources_of(flow, scenario, plan.name, false);
+        plan.triggered_by = sources_of(flow, scenario, plan.name, true);
+        if (simulator != nullptr) {
+            for (TopicUse const& use : simulator->settings->reads(scenario, *simulator)) {
+                auto const writers = flow.writers.find(use.topic);
+                plan.feeds_simulator =
+                    plan.feeds_simulator || (writers != flow.writers.end() &&
+                                             std::any_of(writers->second.begin(), writers->second.end(),
+                                                         [&](auto const& w) { return w.process == plan.name; }));
+            }
+        }
+        flow.members.push_back(std::move(plan));
+    }
+    std::sort(flow.members.begin(), flow.members.end(), [](auto const& a, auto const& b) { return a.name < b.name; });
+    return flow;
+}
+
+bus::ExpectedPeers Dataflow::expected_writers(std::string const& process) const {
+    bus::ExpectedPeers out;
+    for (auto const& [topic, all_readers] : readers) {
+        bool const reads = std::any_of(all_readers.begin(), all_readers.end(), [&](auto const& r) { return r.process == process; });
+        auto const topic_writers = writers.find(topic);
+        if (!reads || topic_writers == writers.end()) {
+            continue;
+        }
+        for (Endpoint const& writer : topic_writers->second) {
+            if (writer.process != process && writer.expected) {
+                out[topic][writer.process] += writer.use.endpoints;
+            }
+        }
+    }
+    return out;
+}
+
+bus::ExpectedPeers Dataflow::expected_readers(std::string const& process) const {
+    bus::ExpectedPeers out;
+    for (auto const& [topic, all_writers] : writers) {
+        bool const writes = std::any_of(all_writers.begin(), all_writers.end(), [&](auto const& w) { return w.process == process; });
+        auto const topic_readers = readers.find(topic);
+        if (!writes || topic_readers == readers.end()) {
+            continue;
+        }
+        for (Endpoint const& reader : topic_readers->second) {
+            if (reader.process != process && reader.expected) {
+                out[topic][reader.process] += reader.use.endpoints;
+            }
+        }
+    }
+    return out;
+}
+
+void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
+    Dataflow const flow = dataflow(scenario);
+    auto const mark_of = [&](std::string const& process) { return scenario.find_process(process)->name; };
+    for (auto const& [topic, readers] : flow.readers) {
+        auto const writers = flow.writers.find(topic);
+        for (Dataflow::Endpoint const& reader : readers) {
+            Ref const name = mark_of(reader.process);
+            if (writers == flow.writers.end()) {
+                diagnostics.error(name.where, fmt::format("process '{}' reads the topic '{}', which nobody writes", reader.process, topic),
+                                  "is a process missing, or a topic misspelt?", static_cast<int>(name.name.size()));
+                continue;
+            }
+            for (Dataflow::Endpoint const& writer : writers->second) {
+                if (writer.use.type != reader.use.type) {
+                    diagnostics.error(name.where,
+                                      fmt::format("process '{}' reads '{}' as {}, and '{}' writes it as {}", reader.process, topic,
+                                                  reader.use.type, writer.process, writer.use.type),
+                                      "", static_cast<int>(name.name.size()));
+                }
+            }
+        }
+    }
+    if (scenario.clock.mode != bus::ClockMode::lockstep) {
+        return;
+    }
+    if (std::string const circle = find_circle(flow.members); !circle.empty()) {
+        diagnostics.error(scenario.processes.front().name.where,
+                          fmt::format("the members wait for each other in a circle: {}", circle),
+                          "in lockstep a chain of processes must come to an end within a tick");
+    }
+    Rational const tick = scenario.tick_s();
+    for (bus::MemberPlan const& member : flow.members) {
+        Process const& process = *scenario.find_process(member.name);
+        Rational const latency = process.settings->latency_s();
+        if (member.feeds_simulator && latency < tick) {
+            config::SourceMark where = process.name.where;
+            if (Node const* written = process.node.find("latency_us")) {
+                where = written->where;
+            }
+            diagnostics.error(where,
+                              fmt::format("process '{}' acts on the simulator {} us after its input, and a tick is {} us", member.name,
+                                          shortest((latency * Rational{1'000'000}).to_double()),
+                                          shortest((tick * Rational{1'000'000}).to_double())),
+                              "its `latency_us` must be at least a tick: a tick that is over cannot be changed");
+        }
+    }
+}
+
+std::vector<TopicUse> recorded_topics(Scenario const& scenario, Process const& recorder) {
+    std::map<std::string, TopicUse> topics;
+    for (Process const& process : scenario.processes) {
+        if (&process == &recorder) {
+            continue;
+        }
+        for (TopicUse const& use : process.settings->writes(scenario, process)) {
+            if (!bus::is_diagnostic_topic(use.topic)) {
+                topics.emplace(use.topic, TopicUse{use.topic, use.type, 1, false});
+            }
+        }
+    }
+    std::vector<TopicUse> out;
+    for (auto& [name, use] : topics) {
+        out.push_back(std::move(use));
+    }
+    return out;
+}
+
+config::Node simulator_settings(Scenario const& scenario) {
+    Node node = Node::map();
+    Node simulation = *scenario.resolved.find("simulation");
+    simulation.set("network", Node::scalar(std::filesystem::absolute(scenario.simulation.network).string()));
+    node.set("simulation", std::move(simulation));
+    node.set("speed", Node::scalar(shortest(scenario.clock.speed)));
+    Node events = Node::map(), holds = Node::sequence();
+    if (Node const* all = scenario.resolved.find("events")) {
+        events = *all;
+    }
+    node.set("events", std::move(events));
+    Node members = Node::map();
+    for (bus::MemberPlan const& plan : dataflow(scenario).members) {
+        Node member = Node::map();
+        member.set("upstream", name_list(plan.upstream));
+        member.set("triggered_by", name_list(plan.triggered_by));
+        member.set("feeds_simulator", Node::scalar(plan.feeds_simulator ? "true" : "false"));
+        members.set(plan.name, std::move(member));
+    }
+    node.set("members", std::move(members));
+    for (sim::Event const& event : process_events(scenario)) {
+        holds.items.push_back(Node::scalar(event.at_s->to_string()));
+    }
+    node.set("holds_s", std::move(holds));
+    Node signals = Node::sequence();
+    for (std::string const& pattern : scenario.record.signals) {
+        signals.items.push_back(Node::quoted_text(pattern));
+    }
+    node.set("signals", std::move(signals));
+    return node;
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/config/fields.hpp"
+#include "common/rational.hpp"
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gridspace::launcher {
+
+struct Scenario;
+struct Process;
+
+/// A topic that a process reads or writes.
+struct TopicUse {
+    std::string topic;
+    std::string type;
+    std::int64_t endpoints{1}; ///< how many readers or writers it has on the topic
+    bool triggers{false};      ///< reading side: a sample makes the process work in the same tick
+};
+
+/// A signal that a process publishes.
+struct SignalUse {
+    std::string name;
+    std::string unit;
+    double rate_hz{0}; ///< 0: when something changes
+};
+
+/// What the launcher has to know about one process of a program: its settings, and what follows from them.
+class ProcessSettings {
+  public:
+    virtual ~ProcessSettings() = default;
+
+    /// Looks at the rest of the scenario: names that must exist, values that come from the network.
+    virtual void check(Scenario const& /*scenario*/, Process const& /*process*/, config::Diagnostics& /*diagnostics*/) {}
+    [[nodiscard]] virtual std::vector<TopicUse> writes(Scenario const&, Process const&) const { return {}; }
+    [[nodiscard]] virtual std::vector<TopicUse> reads(Scenario const&, Process const&) const { return {}; }
+    [[nodiscard]] virtual std::vector<SignalUse> signals(Scenario const&, Process const&) const { return {}; }
+    /// Takes part in the barrier in lockstep.
+    [[nodiscard]] virtual bool is_member() const { return true; }
+    /// Waits for others to be matched before it is ready, and others for it.
+    [[nodiscard]] virtual bool is_expected() const { return true; }
+    /// From input to effect.
+    [[nodiscard]] virtual Rational latency_s() const { return Rational{0}; }
+    /// `settings:` of the configuration file that the process is started with.
+    [[nodiscard]] virtual config::Node settings(Scenario const& scenario, Process const& process) const = 0;
+    /// The command with its arguments, for a program that is not ours; empty otherwise.
+    [[nodiscard]] virtual std::vector<std::string> command() const { return {}; }
+    /// An address on which the process serves; the launcher opens the socket ("127.0.0.1:0").
+    [[nodiscard]] virtual std::string listen() const { return {}; }
+};
+
+/// A program that a scenario can start.
+struct Program {
+    std::string_view name;
+    std::string_view description;
+    std::string_view default_role; ///< QoS role when the process names none
+    std::unique_ptr<ProcessSettings> (*read)(config::Fields& fields);
+};
+
+/// nullptr for a name that is not a program.
+[[nodiscard]] Program const* find_program(std::string_view name);
+[[nodiscard]] std::vector<std::string> program_names();
+
+/// The keys of a process that are the launcher's, not the program's.
+[[nodiscard]] bool is_common_key(std::string_view key);
+
+/// The process's own keys as a settings tree.
+[[nodiscard]] config::Node own_settings(Process const& process);
+
+} // namespace gridspace::launcher

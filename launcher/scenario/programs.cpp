@@ -1,0 +1,311 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "agents/ev/ev_config.hpp"
+#include "agents/mcca/mcca_config.hpp"
+#include "common/text.hpp"
+#include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/program.hpp"
+#include "launcher/scenario/scenario.hpp"
+#include "sim/phasor/phasor_engine.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Diagnostics;
+using config::Fields;
+using config::Node;
+
+constexpr std::array<std::string_view, 9> kCommonKeys{"program", "host",      "qos",   "run_on", "cpu",
+                                                      "interface", "capture", "label", "comment"};
+
+/// A name must be among `names`, or it is an error with the nearest spelling.
+bool check_name(Ref const& ref, std::vector<std::string> const& names, std::string const& what, Diagnostics& diagnostics) {
+    if (std::find(names.begin(), names.end(), ref.name) != names.end()) {
+        return true;
+    }
+    auto const near = nearest_spelling(ref.name, names);
+    diagnostics.error(ref.where, fmt::format("{} '{}' does not exist", what, ref.name),
+                      near ? fmt::format("did you mean '{}'?", *near) : names.empty() ? "" : fmt::format("there are: {}", join(names, ", ")),
+                      static_cast<int>(ref.name.size()));
+    return false;
+}
+
+std::vector<std::string> ev_names(Scenario const& scenario) {
+    std::vector<std::string> names;
+    if (scenario.network) {
+        for (sim::Ev const& ev : scenario.network->evs) {
+            names.push_back(ev.name.name);
+        }
+    }
+    return names;
+}
+
+std::vector<TopicUse> with_signals(std::vector<TopicUse> topics) {
+    topics.push_back({"signals", "SignalFrame"});
+    topics.push_back({"signal_catalog", "SignalCatalog"});
+    return topics;
+}
+
+class SimSettings final : public ProcessSettings {
+  public:
+    static std::unique_ptr<ProcessSettings> read(Fields&) { return std::make_unique<SimSettings>(); }
+
+    [[nodiscard]] bool is_member() const override { return false; } // it is the clock
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const& s, Process const&) const override {
+        std::vector<TopicUse> out;
+        if (per_bus(s) && s.network) {
+            out.push_back({"bus_measurements", "BusMeasurement", static_cast<std::int64_t>(s.network->buses.size())});
+        }
+        return with_signals(std::move(out));
+    }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const&) const override {
+        std::vector<TopicUse> out;
+        if (per_bus(s) && s.network) {
+            auto const with_evs = std::count_if(s.network->buses.begin(), s.network->buses.end(), [&](sim::Bus const& bus) {
+                return std::any_of(s.network->evs.begin(), s.network->evs.end(), [&](sim::Ev const& ev) { return ev.bus == bus.name; });
+            });
+            if (with_evs > 0) {
+                out.push_back({"decisions", "ChargingDecision", with_evs});
+            }
+        }
+        return out;
+    }
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const&) const override {
+        std::vector<SignalUse> out;
+        if (s.network && s.simulation.solver == sim::SolverKind::phasor && s.network->machines.empty()) {
+            for (sim::SignalDef& signal : sim::phasor::phasor_signals(*s.network)) {
+                out.push_back({std::move(signal.name), std::move(signal.unit), 1 / s.simulation.step_s.to_double()});
+            }
+        }
+        return out;
+    }
+    [[nodiscard]] Node settings(Scenario const& s, Process const&) const override { return simulator_settings(s); }
+
+  private:
+    static bool per_bus(Scenario const& s) { return s.simulation.gateways.is_scalar() && s.simulation.gateways.text == "per_bus"; }
+};
+
+class EvSettings final : public ProcessSettings {
+  public:
+    static std::unique_ptr<ProcessSettings> read(Fields& f) {
+        auto out = std::make_unique<EvSettings>();
+        describe(f, out->config_);
+        return out;
+    }
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        if (!s.network) {
+            return;
+        }
+        for (agents::EvConfig::Agent& agent : config_.agents) {
+            if (!check_name(agent.ev, ev_names(s), fmt::format("process '{}' acts for the EV", process.name.name), diagnostics)) {
+                continue;
+            }
+            sim::Ev const& ev = *sim::find(s.network->evs, agent.ev.name);
+            agent.bus = agent.bus.empty() ? ev.bus.name : agent.bus;
+            if (process.node.find("capacity_kwh") == nullptr) {
+                agent.params.capacity_kwh = ev.capacity_kwh;
+            }
+        }
+    }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
+        return with_signals({{"requests", "ChargingRequest"}});
+    }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
+        return {{"bus_measurements", "BusMeasurement"}};
+    }
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+        std::vector<SignalUse> out;
+        for (agents::EvConfig::Agent const& agent : config_.agents) {
+            std::string prefix = "agent." + process.name.name;
+            if (config_.agents.size() > 1) {
+                prefix += "." + agent.ev.name;
+            }
+            out.push_back({prefix + ".requested_a", "A", 0});
+            out.push_back({prefix + ".v_pu", "p.u.", 0});
+        }
+        return out;
+    }
+    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Node settings(Scenario const&, Process const& process) const override {
+        Node node = own_settings(process);
+        auto const complete = [](Node& target, agents::EvConfig::Agent const& agent) {
+            target.set("bus", Node::scalar(agent.bus));
+            target.set("capacity_kwh", Node::scalar(shortest(agent.params.capacity_kwh)));
+        };
+        for (agents::EvConfig::Agent const& agent : config_.agents) {
+            Node* several = node.find("evs");
+            Node* own = several == nullptr ? nullptr : several->find(agent.ev.name);
+            complete(own == nullptr ? node : *own, agent);
+        }
+        return node;
+    }
+
+  private:
+    agents::EvConfig config_;
+};
+
+class MccaSettings final : public ProcessSettings {
+  public:
+    static std::unique_ptr<ProcessSettings> read(Fields& f) {
+        auto out = std::make_unique<MccaSettings>();
+        describe(f, out->config_);
+        return out;
+    }
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        if (s.network) {
+            for (Ref const& ev : config_.evs) {
+                check_name(ev, ev_names(s), fmt::format("process '{}' decides for the EV", process.name.name), diagnostics);
+            }
+        }
+    }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
+        return with_signals({{"decisions", "ChargingDecision"}});
+    }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
+        return {{"requests", "ChargingRequest", 1, true}};
+    }
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+        std::string const prefix = "agent." + process.name.name;
+        return {{prefix + ".curtailed", "", 0}, {prefix + ".undervoltage", "", 0}, {prefix + ".complete", "", 0}};
+    }
+    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Node settings(Scenario const&, Process const& process) const override { return own_settings(process); }
+
+  private:
+    agents::MccaConfig config_;
+};
+
+class RecorderSettings final : public ProcessSettings {
+  public:
+    static std::unique_ptr<ProcessSettings> read(Fields& f) {
+        auto out = std::make_unique<RecorderSettings>();
+        f.flag("compress", out->compress_, {.doc = "compress the recording"});
+        return out;
+    }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const& process) const override {
+        return s.record.samples ? recorded_topics(s, process) : std::vector<TopicUse>{};
+    }
+    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
+        Node node = Node::map();
+        node.set("file", Node::scalar("../data.mcap")); // beside the folder of the process files
+        node.set("compress", Node::scalar(compress_ ? "true" : "false"));
+        Node topics = Node::map();
+        for (TopicUse const& use : reads(s, process)) {
+            topics.set(use.topic, Node::map()).set("type", Node::scalar(use.type));
+        }
+        node.set("topics", std::move(topics));
+        return node;
+    }
+
+  private:
+    bool compress_{true};
+};
+
+class MonitorSettings final : public ProcessSettings {
+  public:
+    static std::unique_ptr<ProcessSettings> read(Fields& f) {
+        auto out = std::make_unique<MonitorSettings>();
+        f.text("listen", out->listen_, {.doc = "address and port of the dashboard; port 0: a free one, printed"});
+        return out;
+    }
+    [[nodiscard]] bool is_member() const override { return false; }
+    [[nodiscard]] bool is_expected() const override { return false; }
+    [[nodiscard]] std::string listen() const override { return listen_; }
+    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
+        Node node = own_settings(process);
+        node.set("scenario", Node::quoted_text(s.name));
+        return node;
+    }
+
+  private:
+    std::string listen_{"127.0.0.1:0"};
+};
+
+/// Somebody's own program.
+class ExecSettings final : public ProcessSettings {
+  public:
+    static std::unique_ptr<ProcessSettings> read(Fields& f) {
+        auto out = std::make_unique<ExecSettings>();
+        std::vector<Ref> words;
+        f.references("command", words, {.doc = "the program and its arguments", .required = true});
+        for (Ref& word : words) {
+            out->command_.push_back(std::move(word.name));
+        }
+        f.flag("member", out->member_, {.doc = "it follows the lockstep protocol"});
+        f.fraction("latency_us", out->latency_us_, {.doc = "from input to output, in lockstep", .min = 0});
+        auto const topics = [&](std::string_view key, std::vector<TopicUse>& uses, std::string_view doc) {
+            f.map(key, {.doc = doc}, [&](Ref const& topic, Fields& t) {
+                TopicUse use;
+                use.topic = topic.name;
+                t.text("type", use.type, {.doc = "name of the type on the wire", .required = true});
+                t.integer("endpoints", use.endpoints, {.doc = "how many readers or writers it has", .min = 1});
+                t.flag("triggers", use.triggers, {.doc = "a sample makes it work in the same tick"});
+                uses.push_back(std::move(use));
+            });
+        };
+        topics("writes", out->writes_, "topics that it writes");
+        topics("reads", out->reads_, "topics that it reads");
+        f.raw("settings", out->settings_, {.doc = "passed on in its configuration file"});
+        return out;
+    }
+    [[nodiscard]] bool is_member() const override { return member_; }
+    [[nodiscard]] bool is_expected() const override { return member_; }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override { return writes_; }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override { return reads_; }
+    [[nodiscard]] Rational latency_s() const override { return latency_us_ / Rational{1'000'000}; }
+    [[nodiscard]] Node settings(Scenario const&, Process const&) const override {
+        return settings_.is_map() ? settings_ : Node::map();
+    }
+    [[nodiscard]] std::vector<std::string> command() const override { return command_; }
+
+  private:
+    std::vector<std::string> command_;
+    bool member_{false};
+    Rational latency_us_{0};
+    std::vector<TopicUse> writes_, reads_;
+    Node settings_;
+};
+
+constexpr std::array kPrograms{
+    Program{"gridspace-sim", "simulator", "simulator", SimSettings::read},
+    Program{"gridspace-ev", "EV agent", "ev_agent", EvSettings::read},
+    Program{"gridspace-mcca", "microgrid control agent", "mcca", MccaSettings::read},
+    Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
+    Program{"gridspace-monitor", "monitor and dashboard", "monitor", MonitorSettings::read},
+    Program{"exec", "a program of your own", "member", ExecSettings::read},
+};
+
+} // namespace
+
+Program const* find_program(std::string_view name) {
+    auto const it = std::find_if(kPrograms.begin(), kPrograms.end(), [&](Program const& p) { return p.name == name; });
+    return it == kPrograms.end() ? nullptr : &*it;
+}
+
+std::vector<std::string> program_names() {
+    std::vector<std::string> out;
+    for (Program const& program : kPrograms) {
+        out.emplace_back(program.name);
+    }
+    return out;
+}
+
+bool is_common_key(std::string_view key) {
+    return std::find(kCommonKeys.begin(), kCommonKeys.end(), key) != kCommonKeys.end();
+}
+
+config::Node own_settings(Process const& process) {
+    Node out = Node::map();
+    for (Node::Entry const& entry : process.node.entries) {
+        if (!is_common_key(entry.key)) {
+            out.entries.push_back(entry);
+        }
+    }
+    return out;
+}
+
+} // namespace gridspace::launcher

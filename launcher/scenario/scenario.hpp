@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/node_config.hpp"
+#include "common/config/fields.hpp"
+#include "launcher/scenario/program.hpp"
+#include "sim/app/sim_config.hpp"
+#include "sim/events/event.hpp"
+#include "sim/network/network.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::launcher {
+
+using config::Ref;
+
+struct Host {
+    Ref name;
+    std::vector<Ref> links;
+};
+
+/// An Ethernet switch (a bridge) that hosts are plugged into.
+struct Link {
+    Ref name;
+    std::string ipv4;   ///< "10.10.0.0/24"; empty: no IP on it
+    double delay_us{0};
+};
+
+enum class RunOn { native, qemu_user, qemu_system, ssh };
+
+struct Process {
+    Ref name;
+    Ref program;
+    Ref host;
+    Ref qos;                          ///< role: qos/<role>.xml
+    std::string run_on{"native"};
+    std::optional<std::int64_t> cpu;
+    std::string interface;
+    config::Node node;                ///< everything that was written about it, defaults included
+    std::unique_ptr<ProcessSettings> settings;
+};
+
+struct ClockSettings {
+    bus::ClockMode mode{bus::ClockMode::lockstep};
+    double speed{0};                  ///< 0: max
+    std::optional<Rational> tick_s;
+    std::optional<std::int64_t> tick_samples;
+    double member_timeout_s{10}, start_timeout_s{30};
+    bool start_at_utc_second{false};
+};
+
+struct RecordSettings {
+    bool samples{true};
+    std::string frames{"none"};
+    std::vector<std::string> signals{"*"};
+    config::Node comtrade;
+};
+
+/// A scenario as it was written, resolved (extends, defaults, --set) and read.
+struct Scenario {
+    std::filesystem::path file;
+    std::string name, description;
+    std::int64_t seed{0};
+    sim::SimulationConfig simulation;
+    ClockSettings clock;
+    std::vector<Host> hosts;
+    std::vector<Link> links;
+    std::vector<Process> processes;
+    std::vector<sim::Event> events;
+    RecordSettings record;
+    config::Node streams, attacks, expect;
+    config::Node resolved;            ///< the whole tree after merging
+    std::optional<sim::Network> network;
+
+    [[nodiscard]] Process const* find_process(std::string_view process) const;
+    [[nodiscard]] Process const* simulator() const; ///< the one gridspace-sim
+    [[nodiscard]] Rational tick_s() const;
+    [[nodiscard]] Rational quantum_s() const;       ///< of which step and tick are whole multiples
+};
+
+/// Events that act on processes, in the order in which they happen.
+[[nodiscard]] std::vector<sim::Event> process_events(Scenario const& scenario);
+
+struct LoadOptions {
+    std::vector<std::string> set;            ///< --set a.b=c
+    std::optional<double> speed;             ///< --speed; 0: max
+    std::optional<std::string> until;        ///< --until 10s
+    std::optional<std::int64_t> seed;
+};
+
+/// Reads and checks a scenario: syntax, keys, references, network and power flow, dataflow, expectations. Everything that is
+/// wrong is in `diagnostics`; nothing is returned when there are errors.
+[[nodiscard]] std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadOptions const& options,
+                                                      config::Diagnostics& diagnostics);
+
+} // namespace gridspace::launcher

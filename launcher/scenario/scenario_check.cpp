@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/scenario_check.hpp"
+
+#include "common/text.hpp"
+#include "launcher/expect/expectation.hpp"
+#include "launcher/run/addresses.hpp"
+#include "launcher/run/installation.hpp"
+#include "launcher/scenario/dataflow.hpp"
+#include "sim/app/engine_factory.hpp"
+#include "sim/powerflow/power_flow.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Diagnostics;
+
+template <class T> std::vector<std::string> names_of(std::vector<T> const& elements) {
+    std::vector<std::string> out;
+    for (T const& element : elements) {
+        out.push_back(element.name.name);
+    }
+    return out;
+}
+
+void must_exist(Ref const& ref, std::vector<std::string> const& names, std::string const& sentence, Diagnostics& diagnostics) {
+    if (ref.empty() || std::find(names.begin(), names.end(), ref.name) != names.end()) {
+        return;
+    }
+    auto const near = nearest_spelling(ref.name, names);
+    diagnostics.error(ref.where, fmt::format("{} '{}', which does not exist", sentence, ref.name),
+                      near            ? fmt::format("did you mean '{}'?", *near)
+                      : names.empty() ? ""
+                                      : fmt::format("there are: {}", join(names, ", ")),
+                      static_cast<int>(ref.name.size()));
+}
+
+void check_references(Scenario const& s, Diagnostics& diagnostics) {
+    std::vector<std::string> const links = names_of(s.links), hosts = names_of(s.hosts), processes = names_of(s.processes);
+    for (Host const& host : s.hosts) {
+        for (Ref const& link : host.links) {
+            must_exist(link, links, fmt::format("host '{}' is plugged into", host.name.name), diagnostics);
+        }
+    }
+    for (Process const& process : s.processes) {
+        must_exist(process.host, hosts, fmt::format("process '{}' runs on", process.name.name), diagnostics);
+    }
+    for (sim::Event const& event : s.events) {
+        for (Ref const* process : {&event.kill, &event.pause, &event.resume, &event.restart}) {
+            must_exist(*process, processes, fmt::format("event '{}' acts on the process", event.name.name), diagnostics);
+        }
+    }
+    if (s.network) {
+        check_events(s.events, *s.network, diagnostics);
+    }
+}
+
+void check_simulators(Scenario const& s, Diagnostics& diagnostics) {
+    Process const* first = nullptr;
+    for (Process const& process : s.processes) {
+        if (process.program.name != "gridspace-sim") {
+            continue;
+        }
+        if (first != nullptr) {
+            diagnostics.error(process.name.where, fmt::format("'{}' is a second simulator", process.name.name),
+                              fmt::format("'{}' is the first; one publishes the clock", first->name.name),
+                              static_cast<int>(process.name.name.size()));
+        }
+        first = first == nullptr ? &process : first;
+    }
+    if (first == nullptr && !s.processes.empty()) {
+        diagnostics.error(s.processes.front().name.where, "no process is a simulator", "one needs `program: gridspace-sim`");
+    }
+}
+
+void check_times(Scenario const& s, Diagnostics& diagnostics) {
+    config::Node const* simulation = s.resolved.find("simulation");
+    config::Node const* clock = s.resolved.find("clock");
+    if (simulation == nullptr || clock == nullptr || !simulation->is_map() || !clock->is_map()) {
+        return;
+    }
+    if (s.clock.tick_s && s.clock.tick_samples) {
+        diagnostics.error(clock->where, "the clock has both tick_s and tick_samples", "one of them is enough");
+    }
+    if (s.clock.tick_samples && s.simulation.sampling.find("rate_hz") == nullptr) {
+        diagnostics.error(clock->find("tick_samples")->where, "tick_samples needs simulation.sampling.rate_hz");
+    }
+    Rational const tick = s.tick_s(), step = s.simulation.step_s;
+    bool const tick_in_steps = (tick / step).is_whole(), step_in_ticks = (step / tick).is_whole();
+    if (!tick_in_steps && !step_in_ticks) {
+        diagnostics.error(clock->where,
+                          fmt::format("a tick of {} s and a step of {} s do not divide each other", tick.to_string(), step.to_string()),
+                          "make one a whole multiple of the other");
+    }
+    Rational const duration = s.simulation.duration();
+    if (duration > Rational{0} && !(duration / tick).is_whole()) {
+        diagnostics.error(simulation->where,
+                          fmt::format("the duration of {} s is not a whole number of ticks of {} s", duration.to_string(), tick.to_string()));
+    }
+    if (duration > Rational{0} && !(duration / step).is_whole()) {
+        diagnostics.error(simulation->where,
+                          fmt::format("the duration of {} s is not a whole number of steps of {} s", duration.to_string(), step.to_string()));
+    }
+    if (s.quantum_s() < Rational{2, 1'000'000'000}) {
+        diagnostics.error(clock->where, fmt::format("step and tick have only {} s in common", s.quantum_s().to_string()),
+                          "time stamps are exact down to 2 ns");
+    }
+    for (sim::Event const& event : s.events) {
+        if (event.at_s && duration > Rational{0} && *event.at_s > duration) {
+            diagnostics.warning(event.name.where,
+                                fmt::format("event '{}' at {} s never happens: the run ends at {} s", event.name.name,
+                                            shortest(event.at_s->to_double()), shortest(duration.to_double())),
+                                "", static_cast<int>(event.name.name.size()));
+        }
+    }
+}
+
+void check_programs(Scenario const& s, Diagnostics& diagnostics) {
+    for (Process const& process : s.processes) {
+        if (process.run_on != "native") {
+            config::Node const* where = process.node.find("run_on");
+            diagnostics.error(where == nullptr ? process.name.where : where->where,
+                              fmt::format("process '{}' runs on '{}'", process.name.name, process.run_on),
+                              "this build runs processes natively; `run_on: native`");
+        }
+        if (process.program.name != "exec" && !process.qos.empty() && !std::filesystem::exists(qos_file(process.qos.name))) {
+            diagnostics.error(process.qos.where, fmt::format("there is no QoS role '{}'", process.qos.name),
+                              fmt::format("no file {}", qos_file(process.qos.name).string()),
+                              static_cast<int>(process.qos.name.size()));
+        }
+        if (s.clock.mode == bus::ClockMode::lockstep && process.program.name == "exec" && process.settings &&
+            !process.settings->is_member() && !process.settings->writes(s, process).empty()) {
+            diagnostics.error(process.name.where,
+                              fmt::format("process '{}' writes topics, but is not a member of the lockstep clock", process.name.name),
+                              "`member: true` when it follows the protocol (docs/reference/lockstep_protocol.md), or a realtime clock");
+        }
+    }
+}
+
+/// The operating point at the start must exist.
+void check_power_flow(Scenario const& s, Diagnostics& diagnostics) {
+    if (!s.network) {
+        return;
+    }
+    sim::PowerFlowOptions options;
+    options.start_hour_of_day = sim::start_hour_of_day(s.simulation);
+    auto const flow = solve_power_flow(*s.network, sim::SwitchState{*s.network}, options);
+    if (!flow) {
+        diagnostics.error(s.simulation.network_mark, flow.error().message, flow.error().remedy);
+    }
+}
+
+} // namespace
+
+void check_scenario(Scenario& s, Diagnostics& diagnostics) {
+    check_references(s, diagnostics);
+    check_simulators(s, diagnostics);
+    check_times(s, diagnostics);
+    check_programs(s, diagnostics);
+    check_addresses(s, diagnostics);
+    check_power_flow(s, diagnostics);
+    bool const readable = std::all_of(s.processes.begin(), s.processes.end(), [](Process const& p) { return p.settings != nullptr; });
+    if (!readable) {
+        return; // the rest would only repeat what was said
+    }
+    for (Process& process : s.processes) {
+        process.settings->check(s, process, diagnostics);
+    }
+    if (s.simulator() != nullptr && s.network) {
+        check_dataflow(s, diagnostics);
+        check_expectations(s, diagnostics);
+    }
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,281 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/config/merge.hpp"
+#include "common/config/yaml.hpp"
+#include "common/text.hpp"
+#include "launcher/expect/expectation.hpp"
+#include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/scenario_check.hpp"
+#include "sim/app/engine_factory.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Diagnostics;
+using config::Fields;
+using config::Node;
+
+void describe_clock(Fields& f, ClockSettings& c) {
+    f.choice<bus::ClockMode>("mode", c.mode, {{"realtime", bus::ClockMode::realtime}, {"lockstep", bus::ClockMode::lockstep}},
+                             {.doc = "lockstep: the simulator waits for its members; realtime: for nobody", .required = true});
+    std::string speed = c.mode == bus::ClockMode::realtime ? "1" : "max";
+    f.text("speed", speed, {.doc = "simulated seconds per second, or max"});
+    if (speed == "max") {
+        c.speed = 0;
+        if (c.mode == bus::ClockMode::realtime) {
+            f.error("speed", "a real-time clock needs a pace", "a number: 1 is real time, 60 a minute per second");
+        }
+    } else if (auto const pace = Rational::parse(speed); pace && *pace > Rational{0}) {
+        c.speed = pace->to_double();
+    } else {
+        f.error("speed", fmt::format("clock.speed is '{}'", speed), "expected a number > 0, or max");
+    }
+    f.fraction("tick_s", c.tick_s, {.doc = "simulated time between two clock samples", .above = 0});
+    std::int64_t samples = 0;
+    f.integer("tick_samples", samples, {.doc = "the same in samples of the sampling rate", .min = 1});
+    if (samples > 0) {
+        c.tick_samples = samples;
+    }
+    f.number("member_timeout_s", c.member_timeout_s,
+             {.doc = "how long a member may take for a tick before the run is stalled; 0: no limit", .min = 0});
+    f.number("start_timeout_s", c.start_timeout_s, {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
+    std::string start_at;
+    f.text("start_at", start_at, {.doc = "utc_second: real time starts on a UTC second"});
+    c.start_at_utc_second = start_at == "utc_second";
+    if (!start_at.empty() && start_at != "utc_second") {
+        f.error("start_at", fmt::format("clock.start_at is '{}'", start_at), "expected utc_second");
+    }
+}
+
+void describe_record(Fields& f, RecordSettings& r) {
+    std::string samples = "all";
+    f.text("samples", samples, {.doc = "all or none"});
+    r.samples = samples != "none";
+    if (samples != "all" && samples != "none") {
+        f.error("samples", fmt::format("record.samples is '{}'", samples), "expected all or none");
+    }
+    f.text("frames", r.frames, {.doc = "all or none"});
+    std::vector<Ref> patterns;
+    f.references("signals", patterns, {.doc = "patterns of the simulator's signals that are published; all when not given"});
+    if (!patterns.empty()) {
+        r.signals.clear();
+    }
+    for (Ref& pattern : patterns) {
+        r.signals.push_back(std::move(pattern.name));
+    }
+    f.raw("comtrade", r.comtrade, {.doc = "waveform files around trips"});
+}
+
+void describe_process(Fields& f, Process& p) {
+    f.reference("program", p.program, {.doc = "what is started", .required = true});
+    f.reference("host", p.host, {.doc = "where it runs", .required = true});
+    f.reference("qos", p.qos, {.doc = "role: qos/<role>.xml"});
+    f.text("run_on", p.run_on, {.doc = "native, qemu-user, qemu-system or ssh:HOST"});
+    std::int64_t cpu = -1;
+    f.integer("cpu", cpu, {.doc = "processor it is bound to", .min = 0, .max = 1023});
+    if (cpu >= 0) {
+        p.cpu = cpu;
+    }
+    f.text("interface", p.interface, {.doc = "a real network interface instead of the scenario's links"});
+    std::vector<Ref> capture;
+    f.references("capture", capture, {.doc = "links whose frames are recorded"});
+    std::string label;
+    f.text("label", label, {.doc = "display text"});
+}
+
+/// The whole file, by the programs that it names.
+void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& diagnostics) {
+    std::int64_t version = 1;
+    f.integer("gridspace", version, {.doc = "version of this format", .required = true, .min = 1, .max = 1});
+    f.text("name", s.name, {.doc = "name of the scenario", .required = true});
+    f.text("description", s.description, {.doc = "what it shows"});
+    f.integer("seed", s.seed, {.doc = "of everything random in the run"});
+    f.object("simulation", {.doc = "what is simulated", .required = true}, [&](Fields& g) { describe(g, s.simulation); });
+    f.object("clock", {.doc = "the simulation clock", .required = true}, [&](Fields& g) { describe_clock(g, s.clock); });
+    f.map("hosts", {.doc = "machines of the scenario: one network namespace each", .required = true}, [&](Ref const& name, Fields& h) {
+        Host host;
+        host.name = name;
+        h.references("links", host.links, {.doc = "switches it is plugged into"});
+        s.hosts.push_back(std::move(host));
+    });
+    f.map("links", {.doc = "Ethernet switches"}, [&](Ref const& name, Fields& l) {
+        Link link;
+        link.name = name;
+        std::string kind = "switch";
+        l.text("kind", kind, {.doc = "switch"});
+        if (kind != "switch") {
+            l.error("kind", fmt::format("link '{}' is a '{}'", name.name, kind), "expected switch");
+        }
+        l.text("ipv4", link.ipv4, {.doc = "addresses on it, for example 10.10.0.0/24; none: no IP"});
+        l.number("delay_us", link.delay_us, {.doc = "delay of every frame", .min = 0});
+        s.links.push_back(std::move(link));
+    });
+    Node defaults;
+    f.raw("defaults", defaults, {.doc = "settings by program; a process may override them"});
+    f.map("processes", {.doc = "what is started", .required = true}, [&](Ref const& name, Fields& p) {
+        Process process;
+        process.name = name;
+        process.node = *root.find("processes")->find(name.name);
+        describe_process(p, process);
+        if (Program const* program = find_program(process.program.name)) {
+            process.settings = program->read(p);
+            if (process.qos.empty()) {
+                process.qos = {std::string{program->default_role}, name.where};
+            }
+        } else if (!process.program.empty()) {
+            auto const near = nearest_spelling(process.program.name, program_names());
+            p.error("program", fmt::format("process '{}': there is no program '{}'", name.name, process.program.name),
+                    near ? fmt::format("did you mean '{}'?", *near) : fmt::format("there are: {}", join(program_names(), ", ")));
+            Node rest;
+            for (Node::Entry const& entry : process.node.entries) {
+                p.raw(entry.key, rest); // its own keys cannot be judged
+            }
+        }
+        s.processes.push_back(std::move(process));
+    });
+    describe_events(f, s.events);
+    f.object("record", {.doc = "what is recorded"}, [&](Fields& r) { describe_record(r, s.record); });
+    std::vector<Ref> notes;
+    f.references("notes", notes, {.doc = "assumptions taken, shown in the report"});
+    f.raw("streams", s.streams, {.doc = "SMV and GOOSE streams"});
+    f.raw("attacks", s.attacks, {.doc = "attacks"});
+    f.raw("expect", s.expect, {.doc = "what must hold for the run to pass"});
+    (void)diagnostics;
+}
+
+/// `defaults:` by program, laid under each process.
+void apply_defaults(Node& root, Diagnostics& diagnostics) {
+    Node const* defaults = root.find("defaults");
+    Node* processes = root.find("processes");
+    if (defaults == nullptr || processes == nullptr || !defaults->is_map()) {
+        return;
+    }
+    for (Node::Entry const& entry : defaults->entries) {
+        if (find_program(entry.key) == nullptr) {
+            auto const near = nearest_spelling(entry.key, program_names());
+            diagnostics.error(entry.where, fmt::format("defaults for the program '{}', which does not exist", entry.key),
+                              near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(entry.key.size()));
+        }
+    }
+    for (Node::Entry& process : processes->entries) {
+        Node const* program = process.value.find("program");
+        Node const* base = program == nullptr ? nullptr : defaults->find(program->text);
+        if (base != nullptr && base->is_map()) {
+            Node merged = *base;
+            merged.where = process.value.where;
+            config::merge(merged, process.value);
+            process.value = std::move(merged);
+        }
+    }
+}
+
+/// "10s", "8h", "1.5min" or a plain number of seconds.
+std::optional<Rational> parse_duration(std::string_view text) {
+    Rational factor{1};
+    for (auto const& [suffix, seconds] : {std::pair{"min", Rational{60}}, {"ms", Rational{1, 1000}}, {"h", Rational{3600}}, {"s", Rational{1}}}) {
+        if (text.ends_with(suffix)) {
+            text.remove_suffix(std::string_view{suffix}.size());
+            factor = seconds;
+            break;
+        }
+    }
+    auto const value = Rational::parse(trim(text));
+    return value && *value > Rational{0} ? std::optional{*value * factor} : std::nullopt;
+}
+
+/// Command-line options become overrides of the tree, so that scenario.resolved.yaml says what was run.
+void apply_options(Node& root, LoadOptions const& options, Diagnostics& diagnostics) {
+    int number = 0;
+    for (std::string const& assignment : options.set) {
+        config::apply_set(root, assignment, ++number, diagnostics);
+    }
+    auto const option = [&](std::string const& name, std::string const& path, std::string const& value) {
+        Diagnostics own;
+        config::apply_set(root, path + "=" + value, 0, own);
+        if (!own.ok()) {
+            diagnostics.error({config::make_source(name, value), 0, 0}, fmt::format("{} {} is not understood", name, value));
+        }
+    };
+    if (options.speed) {
+        option("--speed", "clock.speed", *options.speed == 0 ? "max" : shortest(*options.speed));
+    }
+    if (options.seed) {
+        option("--seed", "seed", std::to_string(*options.seed));
+    }
+    if (options.until) {
+        if (auto const until = parse_duration(*options.until)) {
+            option("--until", "simulation.duration_h", "~");
+            option("--until", "simulation.duration_s", until->to_string());
+        } else {
+            diagnostics.error({config::make_source("--until", *options.until), 0, 0},
+                              fmt::format("'{}' is not a duration", *options.until), "for example 10s, 5min or 2h");
+        }
+    }
+}
+
+} // namespace
+
+Process const* Scenario::find_process(std::string_view process) const {
+    auto const it = std::find_if(processes.begin(), processes.end(), [&](Process const& p) { return p.name.name == process; });
+    return it == processes.end() ? nullptr : &*it;
+}
+
+Process const* Scenario::simulator() const {
+    auto const it = std::find_if(processes.begin(), processes.end(), [](Process const& p) { return p.program.name == "gridspace-sim"; });
+    return it == processes.end() ? nullptr : &*it;
+}
+
+Rational Scenario::tick_s() const {
+    if (clock.tick_s) {
+        return *clock.tick_s;
+    }
+    if (clock.tick_samples) {
+        if (Node const* rate = simulation.sampling.find("rate_hz")) {
+            if (auto const hz = Rational::parse(rate->text); hz && *hz > Rational{0}) {
+                return Rational{*clock.tick_samples} / *hz;
+            }
+        }
+    }
+    return simulation.step_s;
+}
+
+Rational Scenario::quantum_s() const { return common_divisor(simulation.step_s, tick_s()); }
+
+std::vector<sim::Event> process_events(Scenario const& scenario) {
+    std::vector<sim::Event> out;
+    for (sim::Event const& event : scenario.events) {
+        if (!event.kill.empty() || !event.pause.empty() || !event.resume.empty() || !event.restart.empty()) {
+            out.push_back(event);
+        }
+    }
+    std::stable_sort(out.begin(), out.end(), [](auto const& a, auto const& b) { return *a.at_s < *b.at_s; });
+    return out;
+}
+
+std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadOptions const& options, Diagnostics& diagnostics) {
+    auto root = config::load_extended(file, diagnostics);
+    if (!root) {
+        return nullptr;
+    }
+    apply_options(*root, options, diagnostics);
+    if (Node* streams = root->find("streams")) {
+        config::resolve_likes(*streams, diagnostics);
+    }
+    apply_defaults(*root, diagnostics);
+    auto scenario = std::make_unique<Scenario>();
+    scenario->file = file;
+    config::read_fields(*root, "", diagnostics, [&](Fields& f) { describe_scenario(f, *scenario, *root, diagnostics); });
+    scenario->resolved = std::move(*root);
+    scenario->resolved.erase("defaults"); // they are in the processes now
+    if (!scenario->simulation.network.empty()) {
+        scenario->network = sim::load_simulated_network(scenario->simulation, diagnostics);
+    }
+    check_scenario(*scenario, diagnostics);
+    return diagnostics.ok() ? std::move(scenario) : nullptr;
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder/export/csv_export.hpp"
+
+#include "common/text.hpp"
+#include "recorder/idl/cdr_visitor.hpp"
+#include "recorder/mcap/mcap_reader.hpp"
+#include "recorder/signals/signal_store.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <map>
+#include <set>
+
+namespace gridspace {
+namespace {
+
+/// "evs[0].soc_percent" -> "evs_0_soc_percent"
+std::string column_name(std::string_view path) {
+    std::string out;
+    for (char const c : path) {
+        if (c == '[' || c == '.') {
+            out += '_';
+        } else if (c != ']') {
+            out += c;
+        }
+    }
+    return out;
+}
+
+std::string cell(idl::Type const& type, idl::Value const& value) {
+    if (type.kind == idl::Kind::enumeration) {
+        auto const number = std::get<std::int64_t>(value);
+        for (auto const& [name, n] : type.values) {
+            if (n == number) {
+                return name;
+            }
+        }
+    }
+    std::string text = idl::to_text(value);
+    if (text.find_first_of(",\"\n") != std::string::npos) {
+        std::string quoted = "\"";
+        for (char const c : text) {
+            quoted += c == '"' ? "\"\"" : std::string{c};
+        }
+        return quoted + "\"";
+    }
+    return text;
+}
+
+/// A topic's table; columns are found in a first pass, because sequences have different lengths.
+struct Table {
+    idl::Model model;
+    std::size_t type{0};
+    std::vector<std::string> columns;
+    std::map<std::string, std::size_t, std::less<>> places;
+    std::ofstream stream;
+};
+
+struct Columns final : idl::Visitor {
+    std::vector<std::string> seen;
+    void leaf(std::string_view path, idl::Type const&, idl::Value const&) override { seen.emplace_back(path); }
+};
+
+struct Cells final : idl::Visitor {
+    Table const* table{nullptr};
+    std::vector<std::string> row;
+    void leaf(std::string_view path, idl::Type const& type, idl::Value const& value) override {
+        if (auto const it = table->places.find(path); it != table->places.end()) {
+            row[it->second] = cell(type, value);
+        }
+    }
+};
+
+bool is_signal_topic(std::string const& topic) { return topic == "signals" || topic == "signal_catalog"; }
+
+Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::path const& folder, std::vector<std::filesystem::path>& files) {
+    auto const store = read_signals(mcap, [](std::string const&) { return true; });
+    if (!store) {
+        return std::unexpected{store.error()};
+    }
+    // Signals with the same instants belong together: one table each.
+    std::map<std::vector<std::int64_t>, std::vector<std::string>> groups;
+    for (auto const& [name, series] : *store) {
+        groups[series.times_ns].push_back(name);
+    }
+    int number = 0;
+    for (auto const& [times, names] : groups) {
+        std::string const suffix = groups.size() == 1 ? "" : fmt::format("_{}", ++number);
+        files.push_back(folder / fmt::format("signals{}.csv", suffix));
+        std::ofstream stream{files.back()};
+        stream << "time_s," << join(names, ",") << "\n";
+        for (std::size_t i = 0; i < times.size(); ++i) {
+            stream << shortest(static_cast<double>(times[i]) / 1e9);
+            for (std::string const& name : names) {
+                stream << ',' << shortest(store->at(name).values[i]);
+            }
+            stream << '\n';
+        }
+        if (!stream) {
+            return fail(ExitCode::environment, fmt::format("cannot write '{}'", files.back().string()));
+        }
+    }
+    return {};
+}
+
+} // namespace
+
+Result<std::vector<std::filesystem::path>> export_csv(std::filesystem::path const& mcap, std::int64_t epoch_ns, std::filesystem::path const& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    std::map<std::string, Table> tables;
+    std::string problem;
+    auto const find_columns = [&](mcap::Message const& m) {
+        if (is_signal_topic(m.channel.topic)) {
+            return true;
+        }
+        auto [it, fresh] = tables.try_emplace(m.channel.topic);
+        Table& table = it->second;
+        if (fresh) {
+            auto model = idl::parse(m.schema.data);
+            auto const type = model ? model->find(m.schema.name) : std::nullopt;
+            if (!type) {
+                problem = fmt::format("the type of topic '{}' cannot be read", m.channel.topic);
+                return false;
+            }
+            table.model = std::move(*model);
+            table.type = *type;
+        }
+        Columns columns;
+        if (auto ok = visit(table.model, table.type, m.data, columns); !ok) {
+            problem = ok.error().message;
+            return false;
+        }
+        for (std::string& path : columns.seen) {
+            if (table.places.try_emplace(path, table.columns.size()).second) {
+                table.columns.push_back(std::move(path));
+            }
+        }
+        return true;
+    };
+    auto outcome = mcap::read_messages(mcap, find_columns);
+    if (!outcome || !problem.empty()) {
+        return outcome ? fail(ExitCode::usage, problem) : std::unexpected{outcome.error()};
+    }
+    std::vector<std::filesystem::path> files;
+    for (auto& [topic, table] : tables) {
+        files.push_back(folder / (topic + ".csv"));
+        table.stream.open(files.back());
+        table.stream << "time_s,process";
+        for (std::string const& column : table.columns) {
+            table.stream << ',' << column_name(column);
+        }
+        table.stream << '\n';
+    }
+    outcome = mcap::read_messages(mcap, [&](mcap::Message const& m) {
+        if (is_signal_topic(m.channel.topic)) {
+            return true;
+        }
+        Table& table = tables.at(m.channel.topic);
+        Cells cells;
+        cells.table = &table;
+        cells.row.resize(table.columns.size());
+        (void)visit(table.model, table.type, m.data, cells);
+        auto const process = m.channel.metadata.find("process");
+        double const t = static_cast<double>(static_cast<std::int64_t>(m.time_ns) - epoch_ns) / 1e9;
+        table.stream << shortest(t) << ',' << (process == m.channel.metadata.end() ? "" : process->second);
+        for (std::string const& text : cells.row) {
+            table.stream << ',' << text;
+        }
+        table.stream << '\n';
+        return true;
+    });
+    for (auto& [topic, table] : tables) {
+        if (!table.stream.flush()) {
+            return fail(ExitCode::environment, fmt::format("cannot write the table of '{}' into '{}'", topic, folder.string()));
+        }
+    }
+    if (auto ok = write_signals(mcap, folder, files); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    return files;
+}
+
+} // namespace gridspace
