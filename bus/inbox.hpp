@@ -57,7 +57,7 @@ concept HasTimeStamp = requires(T const& t) {
 };
 } // namespace detail
 
-/// The reading end of a topic. A sample becomes visible in the tick that contains its time, in an order that does not
+/// The reading end of a topic, shared with the receiving thread. A sample becomes visible in the tick that contains its time, in an order that does not
 /// depend on the network.
 template <class T>
 class Reader final : public Inbox {
@@ -66,8 +66,8 @@ class Reader final : public Inbox {
     [[nodiscard]] std::span<Received<T> const> take() {
         std::lock_guard const lock{mutex_};
         due_.clear();
-        auto const later = std::stable_partition(waiting_.begin(), waiting_.end(),
-                                                 [&](Received<T> const& r) { return r.origin.time <= until_; });
+        auto const later = std::partition(waiting_.begin(), waiting_.end(),
+                                          [&](Received<T> const& r) { return r.origin.time <= until_; });
         due_.insert(due_.end(), std::make_move_iterator(waiting_.begin()), std::make_move_iterator(later));
         waiting_.erase(waiting_.begin(), later);
         std::sort(due_.begin(), due_.end(), [](auto const& a, auto const& b) { return a.origin < b.origin; });

@@ -284,39 +284,39 @@ Result<std::unique_ptr<RawWriter>> Node::open_writer(std::string const& topic, C
     return raw;
 }
 
-Result<void> Node::open_reader(std::string const& topic, Codec const& codec, Inbox& inbox) {
+Result<void> Node::open_reader(std::string const& topic, Codec const& codec, std::shared_ptr<Inbox> inbox) {
     auto slot = std::make_unique<Core::ReaderSlot>();
     slot->topic = topic;
     slot->codec = codec;
-    slot->inbox = &inbox;
+    slot->inbox = std::move(inbox);
     if (!core_->lockstep()) {
-        inbox.release({INT64_MAX});
+        inbox->release({INT64_MAX});
     }
     core_->catalogued_types.emplace_back(codec.type_name);
     core_->readers.push_back(std::move(slot));
     return {};
 }
 
-Result<std::unique_ptr<CdrReader>> Node::cdr_reader(std::string const& topic, Codec const& codec) {
-    auto reader = std::make_unique<CdrReader>();
-    if (auto opened = open_reader(topic, codec, *reader); !opened) {
+Result<std::shared_ptr<CdrReader>> Node::cdr_reader(std::string const& topic, Codec const& codec) {
+    auto reader = std::make_shared<CdrReader>();
+    if (auto opened = open_reader(topic, codec, reader); !opened) {
         return std::unexpected{opened.error()};
     }
     return reader;
 }
 
-std::unique_ptr<CdrReader> Node::tap_clock() {
-    auto tap = std::make_unique<CdrReader>();
-    core_->clock_tap = tap.get();
-    core_->taps.push_back(tap.get());
+std::shared_ptr<CdrReader> Node::tap_clock() {
+    auto tap = std::make_shared<CdrReader>();
+    core_->clock_tap = tap;
+    core_->taps.push_back(tap);
     tap->release({lockstep() ? INT64_MIN : INT64_MAX});
     return tap;
 }
 
-std::unique_ptr<CdrReader> Node::tap_acknowledgements() {
-    auto tap = std::make_unique<CdrReader>();
-    core_->ack_tap = tap.get();
-    core_->taps.push_back(tap.get());
+std::shared_ptr<CdrReader> Node::tap_acknowledgements() {
+    auto tap = std::make_shared<CdrReader>();
+    core_->ack_tap = tap;
+    core_->taps.push_back(tap);
     return tap;
 }
 

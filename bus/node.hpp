@@ -53,13 +53,13 @@ class Node {
     template <class T>
     [[nodiscard]] Result<std::unique_ptr<Writer<T>>> writer(std::string const& topic);
     template <class T>
-    [[nodiscard]] Result<std::unique_ptr<Reader<T>>> reader(std::string const& topic);
+    [[nodiscard]] Result<std::shared_ptr<Reader<T>>> reader(std::string const& topic);
     /// Samples of any type as CDR.
-    [[nodiscard]] Result<std::unique_ptr<CdrReader>> cdr_reader(std::string const& topic, Codec const& codec);
+    [[nodiscard]] Result<std::shared_ptr<CdrReader>> cdr_reader(std::string const& topic, Codec const& codec);
 
     /// The clock's own samples as CDR, for a recorder: everything that belongs to the granted tick is in it.
-    [[nodiscard]] std::unique_ptr<CdrReader> tap_clock();
-    [[nodiscard]] std::unique_ptr<CdrReader> tap_acknowledgements();
+    [[nodiscard]] std::shared_ptr<CdrReader> tap_clock();
+    [[nodiscard]] std::shared_ptr<CdrReader> tap_acknowledgements();
     [[nodiscard]] std::string process_name(Origin const& origin) const;
 
     /// Waits, at most start_timeout_s, until all expected peers are matched and says READY.
@@ -98,7 +98,7 @@ class Node {
     explicit Node(std::unique_ptr<Core> core);
     [[nodiscard]] Result<std::unique_ptr<RawWriter>> open_writer(std::string const& topic, Codec const& codec,
                                                                  std::size_t& slot);
-    [[nodiscard]] Result<void> open_reader(std::string const& topic, Codec const& codec, Inbox& inbox);
+    [[nodiscard]] Result<void> open_reader(std::string const& topic, Codec const& codec, std::shared_ptr<Inbox> inbox);
 
     std::unique_ptr<Core> core_;
 };
@@ -139,9 +139,9 @@ Result<std::unique_ptr<Writer<T>>> Node::writer(std::string const& topic) {
 }
 
 template <class T>
-Result<std::unique_ptr<Reader<T>>> Node::reader(std::string const& topic) {
-    auto reader = std::make_unique<Reader<T>>();
-    if (auto opened = open_reader(topic, codec_of<T>(), *reader); !opened) {
+Result<std::shared_ptr<Reader<T>>> Node::reader(std::string const& topic) {
+    auto reader = std::make_shared<Reader<T>>();
+    if (auto opened = open_reader(topic, codec_of<T>(), reader); !opened) {
         return std::unexpected{opened.error()};
     }
     return reader;

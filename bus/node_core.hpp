@@ -34,7 +34,7 @@ struct Node::Core {
     struct ReaderSlot {
         std::string topic;
         Codec codec;
-        Inbox* inbox{nullptr};
+        std::shared_ptr<Inbox> inbox;
         std::size_t book_reader{0};
         std::unique_ptr<RawReader> raw;
         Participant const* network{nullptr};
@@ -58,9 +58,9 @@ struct Node::Core {
 
     mutable std::mutex mutex;
     std::condition_variable changed;
-    CdrReader* clock_tap{nullptr}; ///< a recorder's copy of the clock
-    CdrReader* ack_tap{nullptr};   ///< and of the acknowledgements
-    std::vector<Inbox*> taps;
+    std::shared_ptr<CdrReader> clock_tap; ///< a recorder's copy of the clock
+    std::shared_ptr<CdrReader> ack_tap;   ///< and of the acknowledgements
+    std::vector<std::shared_ptr<Inbox>> taps;
     std::unique_ptr<lockstep::LedgerBook> book;
     std::unique_ptr<lockstep::TickGate> gate;
     bool joining{true}; ///< until READY; a late joiner takes ledgers as baselines meanwhile

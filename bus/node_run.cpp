@@ -267,7 +267,7 @@ Result<std::optional<Tick>> Node::next() {
         for (auto& reader : core.readers) {
             reader->inbox->release(tick.time);
         }
-        for (Inbox* tap : core.taps) {
+        for (auto const& tap : core.taps) {
             tap->release(tick.time);
         }
         log::set_time(core.base.seconds(tick.time));
@@ -391,7 +391,7 @@ void CountedWriter::count(bool accepted) {
 std::vector<Received<CdrSample>> CdrReader::take() {
     std::lock_guard const lock{mutex_};
     auto const later =
-        std::stable_partition(waiting_.begin(), waiting_.end(), [&](auto const& r) { return r.origin.time <= until_; });
+        std::partition(waiting_.begin(), waiting_.end(), [&](auto const& r) { return r.origin.time <= until_; });
     std::vector<Received<CdrSample>> due{std::make_move_iterator(waiting_.begin()), std::make_move_iterator(later)};
     waiting_.erase(waiting_.begin(), later);
     std::sort(due.begin(), due.end(), [](auto const& a, auto const& b) { return a.origin < b.origin; });

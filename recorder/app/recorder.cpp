@@ -25,7 +25,7 @@ struct Tap {
     std::string topic;
     std::string type;
     std::string idl;
-    std::unique_ptr<bus::CdrReader> reader;
+    std::shared_ptr<bus::CdrReader> reader;
     idl::Model model;
     std::size_t model_type{0};
     bool has_stamp{false};        ///< the type has a member time_ns
@@ -84,7 +84,7 @@ class RecorderShell {
 
   private:
     Result<void> open_taps() {
-        auto const add = [&](RecorderConfig::Topic const& topic, std::unique_ptr<bus::CdrReader> reader) -> Result<void> {
+        auto const add = [&](RecorderConfig::Topic const& topic, std::shared_ptr<bus::CdrReader> reader) -> Result<void> {
             Tap tap;
             tap.topic = topic.name;
             tap.type = topic.type;

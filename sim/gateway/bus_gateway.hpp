@@ -41,7 +41,7 @@ class BusGateway {
     bus::Node* node_{nullptr};
     Engine* engine_{nullptr};
     std::unique_ptr<bus::Writer<BusMeasurement>> measurements_;
-    std::unique_ptr<bus::Reader<ChargingDecision>> decisions_; ///< only where there are EVs
+    std::shared_ptr<bus::Reader<ChargingDecision>> decisions_; ///< only where there are EVs
     std::unique_ptr<BusMeasurement> sample_;
     std::size_t v_{0}, angle_{0}, frequency_{0}, p_{0}, q_{0}; ///< signals
     std::vector<EvPort> evs_;
