@@ -12,13 +12,16 @@ function(gridspace_library name)
   target_link_libraries(gridspace_${name} PUBLIC ${arg_PUBLIC} PRIVATE gridspace_flags ${arg_PRIVATE})
 endfunction()
 
-# gridspace_program(NAME SOURCES ... [PRIVATE deps ...]): an installed executable; all programs land in build/bin.
+# gridspace_program(NAME SOURCES ... [PRIVATE deps ...]): an installed executable; all programs land in build/bin, and the target
+# `programs` builds them and nothing else.
+add_custom_target(programs)
 function(gridspace_program name)
   cmake_parse_arguments(arg "" "" "SOURCES;PRIVATE" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE gridspace_flags ${arg_PRIVATE})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+  add_dependencies(programs ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 

@@ -1,0 +1,8 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+# What an installed Gridspace needs beside its programs (those install themselves, GridspaceTargets.cmake). The programs find
+# qos/ relative to themselves, so that a prefix can be moved.
+
+install(DIRECTORY qos idl configs DESTINATION "${CMAKE_INSTALL_DATADIR}/gridspace"
+        FILES_MATCHING PATTERN "*.xml" PATTERN "*.idl" PATTERN "*.yaml" PATTERN "*.json" PATTERN "*.m" PATTERN "*.csv" PATTERN "*.md")
+install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/gridspace")

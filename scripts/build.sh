@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=bash
+#
+# shellcheck disable=SC2154 # root
+# Configures and builds. Sourced by ./gridspace and scripts/test.sh, which set `root`; everything goes to stderr.
+
+# ninja takes one job more than there are processors, and the heaviest file needs about 1 GB: fewer jobs where memory is short.
+build_jobs() {
+  local processors memory_gb
+  processors=$(nproc)
+  memory_gb=$(awk '/MemAvailable/ {print int($2 / 1048576)}' /proc/meminfo)
+  echo $((memory_gb < processors ? (memory_gb > 0 ? memory_gb : 1) : processors))
+}
+
+# configure PRESET [cmake options]: only where something would change.
+configure() {
+  local preset=$1
+  shift
+  local stamp="$root/build/$preset/.configured" wanted="$*"
+  if [ -f "$stamp" ] && [ -f "$root/build/$preset/build.ninja" ] && [ "$(cat "$stamp")" = "$wanted" ]; then return 0; fi
+  local log="$root/build/configure-$preset.log"
+  mkdir -p "$root/build"
+  if ! (cd "$root" && cmake --preset "$preset" "$@") >"$log" 2>&1; then
+    tail -n 30 "$log" >&2
+    say "cmake could not configure the preset $preset (above: the end of $log)"
+    return 3
+  fi
+  echo "$wanted" >"$stamp"
+}
+
+# build PRESET TARGET...: ninja's own progress line on a terminal, its tail when it fails.
+build() {
+  local preset=$1
+  shift
+  local log="$root/build/build-$preset.log"
+  if [ -t 2 ]; then
+    cmake --build "$root/build/$preset" -j "$(build_jobs)" --target "$@" >&2 && return 0
+  else
+    cmake --build "$root/build/$preset" -j "$(build_jobs)" --target "$@" >"$log" 2>&1 && return 0
+    grep -E -A 12 'error:|FAILED' "$log" | head -n 80 >&2 || tail -n 40 "$log" >&2
+  fi
+  say "the build of $* ($preset) failed${log:+; the whole output: $log}"
+  return 3
+}
+
+# Whether any source is newer than the last complete build of the programs.
+programs_are_current() {
+  local stamp="$root/build/release/.programs_built"
+  [ -x "$root/build/release/bin/gridspace" ] && [ -f "$stamp" ] || return 1
+  [ -z "$(find "$root" -path "$root/build" -prune -o -path "$root/.git" -prune -o -path "$root/runs" -prune -o -path "*/node_modules" -prune -o \
+    -path "$root/tests" -prune -o -path "$root/docs" -prune -o -path "$root/configs" -prune -o \
+    \( -name '*.cpp' -o -name '*.hpp' -o -name '*.idl' -o -name '*.in' -o -name '*.cmake' -o -name 'CMake*' -o -name '*.ts' -o -name '*.tsx' -o -name '*.css' -o -name '*.html' -o -name '*.js' \) \
+    -newer "$stamp" -print -quit)" ]
+}
+
+# The programs of the release preset, installed packages and all. Quick when there is nothing to do.
+ensure_programs() {
+  programs_are_current && return 0
+  if [ ! -w "$root" ] || { [ -e "$root/build" ] && [ ! -w "$root/build" ]; }; then
+    [ -x "$root/build/release/bin/gridspace" ] && return 0 # somebody else's tree: use what they built
+    say "$root is not writable for you and holds no build"
+    return 3
+  fi
+  ensure_packages build || return
+  mkdir -p "$root/build"
+  (
+    flock 9
+    programs_are_current && exit 0
+    first=$([ -x "$root/build/release/bin/gridspace" ] || echo yes)
+    [ -z "$first" ] || say "building the release preset: once, about 5 to 10 minutes on two cores"
+    began=$(mktemp "$root/build/.began.XXXX")
+    if [ ! -f "$root/build/release/.configured" ]; then
+      configure release -DGRIDSPACE_TESTS=OFF || exit
+    fi
+    build release programs || exit
+    mv "$began" "$root/build/release/.programs_built"
+    [ -z "$first" ] || say "built: $root/build/release/bin"
+  ) 9>"$root/build/.lock"
+}
