@@ -14,7 +14,7 @@ declare -A group_purpose=(
   [arm64]="cross-compiling for ARM64 and running it in emulation"
 )
 declare -A group_packages=(
-  [build]="c++|g++ make cmake ninja-build ccache mold git ca-certificates pkg-config libfastrtps-dev libfastcdr-dev fastddsgen default-jre-headless libssl-dev
+  [build]="c++|g++ make cmake ninja-build ccache mold git ca-certificates pkg-config libfastrtps-dev libfastcdr-dev fastddsgen java|default-jre-headless libssl-dev
            libasio-dev libtinyxml2-dev libeigen3-dev libsundials-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libboost-dev libzstd-dev
            liblz4-dev zlib1g-dev ip|iproute2 procps util-linux"
   [dashboard]="node|nodejs npm|npm"
