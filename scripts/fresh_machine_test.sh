@@ -19,7 +19,7 @@ clean_up() {
 }
 trap clean_up EXIT
 
-mirror=$(sed -nE 's/^(deb|URIs:) +(\[[^]]*\] )?(http[^ ]+).*/\3/p' /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | head -n 1)
+mirror=$(sed -nE 's/^(deb|URIs:) +(\[[^]]*\] )?(http[^ ]+).*/\3/p' /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | head -n 1 || true)
 mmdebstrap --variant=minbase --include=git,ca-certificates bookworm "$tree" \
   "deb ${mirror:-http://deb.debian.org/debian} bookworm main" "deb ${mirror:-http://deb.debian.org/debian} bookworm-updates main" \
   "deb http://deb.debian.org/debian-security bookworm-security main"
