@@ -121,6 +121,7 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
                       base);
     }
     take_ledger(process, received.incarnation(), received.ledger());
+    take_wire_ledger(process, received);
     gate->on_ack(process, received.tick());
     if (on_ack) {
         on_ack(received);

@@ -9,6 +9,7 @@
 #include "common/result.hpp"
 #include "common/time.hpp"
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -18,6 +19,8 @@
 namespace gridspace::bus {
 
 class ClockServer;
+class WireReader;
+class WireWriter;
 
 /// A moment in which a process may work: everything up to `time` that it reads has arrived.
 struct Tick {
@@ -67,7 +70,8 @@ class Node {
 
     /// Lockstep: the next tick that awaits this process, with all its input. Real time: whenever the clock has advanced
     /// or input has arrived. Nothing when the run is over (the tick before was final) or a stop was asked for.
-    [[nodiscard]] Result<std::optional<Tick>> next();
+    /// `deadline` (real time only): a tick of what there is, when nothing has happened until then.
+    [[nodiscard]] Result<std::optional<Tick>> next(std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt);
     /// The work of the tick is done; everything that it makes visible has been written.
     [[nodiscard]] Result<void> done(Tick const& tick, std::uint64_t next_tick_needed);
 
@@ -83,10 +87,13 @@ class Node {
     /// The instant at which output to an input of `input` takes effect: a latency later in lockstep, now in real time.
     [[nodiscard]] SimTime effect_time(SimTime input, SimSpan latency) const;
     [[nodiscard]] SimTime latest_time() const; ///< of the newest clock sample
+    /// Real time: CLOCK_REALTIME of the simulator at simulated time 0; 0 until a clock sample has come, and in lockstep.
+    [[nodiscard]] std::int64_t start_unix_ns() const;
 
     struct Counters {
         std::uint64_t foreign_samples{0}; ///< from processes that are not of the run: dropped in lockstep
         std::uint64_t refused_writes{0};  ///< DDS did not take a sample (real time; in lockstep that ends the run)
+        std::uint64_t foreign_frames{0};  ///< raw frames that no process of the run has announced: dropped in lockstep
         std::uint64_t lost_samples{0};    ///< gaps in a writer's sequence (real time; in lockstep that ends the run)
     };
     [[nodiscard]] Counters counters() const;
@@ -95,6 +102,9 @@ class Node {
 
   private:
     friend class ClockServer;
+    friend class WireReader;
+    friend class WireWriter;
+    [[nodiscard]] Core& core() { return *core_; }
     explicit Node(std::unique_ptr<Core> core);
     [[nodiscard]] Result<std::unique_ptr<RawWriter>> open_writer(std::string const& topic, Codec const& codec,
                                                                  std::size_t& slot);

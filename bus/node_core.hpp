@@ -4,7 +4,9 @@
 
 #include "bus/lockstep/ledger_book.hpp"
 #include "bus/lockstep/tick_gate.hpp"
+#include "bus/lockstep/wire_book.hpp"
 #include "bus/node.hpp"
+#include "bus/wire_impl.hpp"
 
 #include <atomic>
 #include <clock.h>
@@ -48,6 +50,9 @@ struct Node::Core {
     };
     std::vector<std::unique_ptr<ReaderSlot>> readers; ///< opened in start(), when the book knows all topics
 
+    std::vector<WireLedgerEntry> wire_writers;                    ///< what goes into the next acknowledgement
+    std::vector<std::shared_ptr<WireReader::Impl>> wire_readers; ///< their order numbers the book's channels
+
     std::unique_ptr<RawWriter> status_writer;
     std::unique_ptr<RawWriter> ack_writer;
     std::unique_ptr<RawWriter> catalog_writer;
@@ -62,6 +67,8 @@ struct Node::Core {
     std::shared_ptr<CdrReader> ack_tap;   ///< and of the acknowledgements
     std::vector<std::shared_ptr<Inbox>> taps;
     std::unique_ptr<lockstep::LedgerBook> book;
+    std::unique_ptr<lockstep::WireBook> wire_book;
+    std::vector<lockstep::WireBook::Record> wire_records; ///< reused
     std::unique_ptr<lockstep::TickGate> gate;
     bool joining{true}; ///< until READY; a late joiner takes ledgers as baselines meanwhile
     bool stop_requested{false};
@@ -82,6 +89,7 @@ struct Node::Core {
 
     std::atomic<std::uint64_t> foreign_samples{0};
     std::atomic<std::uint64_t> refused_writes{0};
+    std::atomic<std::uint64_t> foreign_frames{0};
     std::atomic<std::uint64_t> lost_samples{0};
 
     [[nodiscard]] bool is_simulator() const { return config.process == config.clock.simulator; }
@@ -98,6 +106,8 @@ struct Node::Core {
     /// Takes a ledger (of an acknowledgement or a clock) into the book.
     template <class Ledger>
     void take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger);
+    void take_wire_ledger(std::size_t process, ClockAck const& received);
+    void release_wires(SimTime until);
     /// Writes the counts of all topics into a ledger sequence, without allocating once it has grown.
     void fill_ledger(std::vector<LedgerEntry>& ledger) const;
 

@@ -142,8 +142,18 @@ Result<void> Node::start() {
         topics.push_back(reader->topic);
     }
     core.book = std::make_unique<lockstep::LedgerBook>(processes, topics);
+    std::vector<lockstep::WireBook::Channel> channels;
+    for (auto const& reader : core.wire_readers) {
+        reader->channel = channels.size();
+        channels.push_back({reader->link, reader->ethertype});
+    }
+    {
+        std::lock_guard const lock{core.mutex}; // frames arrive already
+        core.wire_book = std::make_unique<lockstep::WireBook>(processes.size(), channels);
+    }
     core.gate = std::make_unique<lockstep::TickGate>(
-        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream}, *core.book);
+        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream}, *core.book,
+        core.wire_book.get());
     core.ack.member(config.process.c_str());
     core.ack.incarnation(static_cast<std::uint32_t>(config.incarnation));
 
@@ -231,7 +241,7 @@ Result<void> Node::start() {
     }
 }
 
-Result<std::optional<Tick>> Node::next() {
+Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::time_point> deadline) {
     Core& core = *core_;
     std::unique_lock lock{core.mutex};
     if (core.lockstep()) {
@@ -270,14 +280,20 @@ Result<std::optional<Tick>> Node::next() {
         for (auto const& tap : core.taps) {
             tap->release(tick.time);
         }
+        core.release_wires(tick.time);
         log::set_time(core.base.seconds(tick.time));
         cork(); // until the acknowledgement
         return tick;
     }
-    core.changed.wait(lock, [&] {
+    auto const anything_new = [&] {
         return core.error || core.stop_requested || core.final_done || core.clock_generation != core.clock_taken ||
                core.input_generation != core.input_taken;
-    });
+    };
+    if (deadline) {
+        core.changed.wait_until(lock, *deadline, anything_new);
+    } else {
+        core.changed.wait(lock, anything_new);
+    }
     if (core.error) {
         return std::unexpected{*core.error};
     }
@@ -309,6 +325,10 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
     core.ack.tick(tick.number);
     core.ack.next_tick_needed(std::max(next_tick_needed, tick.number + 1));
     core.fill_ledger(core.ack.ledger());
+    core.ack.wires() = core.wire_writers;
+    for (WireLedgerEntry& entry : core.wire_writers) {
+        entry.frames().clear();
+    }
     bool const accepted = core.ack_writer->write(&core.ack, core.source_ns(tick.time));
     uncork();
     if (!accepted) {
@@ -351,12 +371,17 @@ SimTime Node::latest_time() const {
     return core_->latest_time;
 }
 
+std::int64_t Node::start_unix_ns() const {
+    std::lock_guard const lock{core_->mutex};
+    return core_->clock_seen ? core_->clock.start_unix_ns() : 0;
+}
+
 SimTime Node::effect_time(SimTime input, SimSpan latency) const {
     return lockstep() ? input + latency : latest_time();
 }
 
 Node::Counters Node::counters() const {
-    return {core_->foreign_samples.load(), core_->refused_writes.load(), core_->lost_samples.load()};
+    return {core_->foreign_samples.load(), core_->refused_writes.load(), core_->foreign_frames.load(), core_->lost_samples.load()};
 }
 
 CountedWriter::CountedWriter(Node::Core& core, std::unique_ptr<RawWriter> raw, std::size_t slot)

@@ -7,7 +7,8 @@
 
 namespace gridspace::lockstep {
 
-TickGate::TickGate(Config config, LedgerBook& book) : book_{book}, simulator_{book.process_index(config.simulator)} {
+TickGate::TickGate(Config config, LedgerBook& book, WireBook const* wires)
+    : book_{book}, wires_{wires}, simulator_{book.process_index(config.simulator)} {
     std::sort(config.members.begin(), config.members.end());
     auto const member_index = [&](std::string const& name) -> std::optional<std::size_t> {
         auto const it = std::lower_bound(config.members.begin(), config.members.end(), name);
@@ -51,7 +52,8 @@ std::optional<TickGate::Grant> TickGate::granted() const {
         return std::nullopt;
     }
     for (Upstream const& upstream : upstream_) {
-        if (upstream.acked < upstream.awaited || !book_.complete(upstream.process)) {
+        if (upstream.acked < upstream.awaited || !book_.complete(upstream.process) ||
+            (wires_ != nullptr && !wires_->complete(upstream.process))) {
             return std::nullopt;
         }
     }
@@ -75,6 +77,9 @@ std::string TickGate::awaiting() const {
         }
         if (!book_.complete(upstream.process)) {
             add(book_.missing(upstream.process));
+        }
+        if (wires_ != nullptr && !wires_->complete(upstream.process)) {
+            add(fmt::format("{} from {}", wires_->missing(upstream.process), book_.process_name(upstream.process)));
         }
     }
     return out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bus/lockstep/ledger_book.hpp"
+#include "bus/lockstep/wire_book.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -23,7 +24,8 @@ class TickGate {
         std::vector<std::string> members;  ///< all lockstep members; their sorted order numbers the awaited bits
         std::vector<std::string> upstream; ///< members whose output this one reads
     };
-    TickGate(Config config, LedgerBook& book);
+    /// `wires`: the raw frames that this process receives; none: nullptr.
+    TickGate(Config config, LedgerBook& book, WireBook const* wires = nullptr);
 
     /// Clock k: who is awaited in it, and whether it is the last. Ticks that do not await this member are only noted.
     void on_clock(std::uint64_t tick, std::span<std::uint8_t const> awaited, bool final);
@@ -56,6 +58,7 @@ class TickGate {
     };
 
     LedgerBook& book_;
+    WireBook const* wires_;
     std::size_t simulator_;
     std::optional<std::size_t> self_member_;
     std::vector<Upstream> upstream_;

@@ -7,6 +7,7 @@
 #include <catalog.h>
 #include <clock.h>
 #include <ev_charging.h>
+#include <protection.h>
 #include <signals.h>
 
 namespace gridspace::bus {
@@ -15,6 +16,7 @@ Codec const* find_codec(std::string_view type_name) {
     static std::array const kAll{
         &codec_of<SimClock>(),       &codec_of<ClockAck>(),        &codec_of<MemberStatus>(),
         &codec_of<BusMeasurement>(), &codec_of<ChargingRequest>(), &codec_of<ChargingDecision>(),
+        &codec_of<LineCurrents>(),   &codec_of<TripCommand>(),     &codec_of<BreakerStatus>(),
         &codec_of<SignalCatalog>(),  &codec_of<SignalFrame>(),     &codec_of<TypeCatalogEntry>(),
     };
     for (Codec const* codec : kAll) {

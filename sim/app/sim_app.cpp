@@ -3,13 +3,14 @@
 #include "sim/app/sim_app.hpp"
 
 #include "bus/clock_server.hpp"
-#include "bus/signal_publisher.hpp"
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 #include "common/pacer.hpp"
 #include "common/text.hpp"
 #include "sim/app/engine_factory.hpp"
+#include "sim/app/signal_output.hpp"
 #include "sim/gateway/bus_gateway.hpp"
+#include "sim/gateway/line_gateway.hpp"
 #include "sim/runtime/simulation.hpp"
 
 #include <algorithm>
@@ -53,9 +54,14 @@ class SimApp {
 
   private:
     Result<void> prepare() {
-        // Per bus: what every bus measures; line gateways come with the waveform solver.
-        config::Node const& gateways = config_.simulation.gateways;
-        if (gateways.is_scalar() && gateways.text == "per_bus") {
+        config::Diagnostics diagnostics; // the scenario was checked; a hand-written file may still be wrong
+        GatewaysConfig const gateways = read_gateways(config_.simulation.gateways, diagnostics);
+        SamplingConfig const sampling = read_sampling(config_.simulation.sampling, diagnostics);
+        check_gateways(gateways, network_, diagnostics);
+        if (!diagnostics.ok()) {
+            return fail(ExitCode::usage, diagnostics.render());
+        }
+        if (gateways.per_bus) {
             for (Bus const& bus : network_.buses) {
                 auto gateway = BusGateway::create(node_, simulation_.engine(), network_, bus.name.name);
                 if (!gateway) {
@@ -64,18 +70,14 @@ class SimApp {
                 gateways_.push_back(std::move(*gateway));
             }
         }
-        std::vector<bus::SignalColumn> columns;
-        std::vector<SignalDef> const& all = simulation_.engine().signals();
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            bool const wanted = std::any_of(config_.signals.begin(), config_.signals.end(),
-                                            [&](std::string const& pattern) { return matches_glob(pattern, all[i].name); });
-            if (wanted) {
-                columns.push_back({all[i].name, all[i].unit});
-                published_.push_back(i);
+        for (LineGatewayConfig const& line : gateways.lines) {
+            auto gateway = LineGateway::create(node_, simulation_.engine(), line, sampling);
+            if (!gateway) {
+                return std::unexpected{gateway.error()};
             }
+            line_gateways_.push_back(std::move(*gateway));
         }
-        row_.resize(published_.size());
-        auto signals = bus::SignalPublisher::create(node_, "electrical", 1 / config_.simulation.step_s.to_double(), columns);
+        auto signals = SignalOutput::create(node_, simulation_.engine(), config_);
         if (!signals) {
             return std::unexpected{signals.error()};
         }
@@ -91,10 +93,10 @@ class SimApp {
         for (auto const& gateway : gateways_) {
             gateway->publish(t);
         }
-        for (std::size_t i = 0; i < published_.size(); ++i) {
-            row_[i] = simulation_.engine().value(published_[i]);
+        for (auto const& gateway : line_gateways_) {
+            gateway->observe(t);
         }
-        signals_->row(t, row_);
+        signals_->observe(t);
     }
 
     Result<void> simulate() {
@@ -109,6 +111,9 @@ class SimApp {
                 for (auto const& gateway : gateways_) {
                     gateway->take_commands(simulation_, end);
                 }
+                for (auto const& gateway : line_gateways_) {
+                    gateway->take_commands(simulation_);
+                }
             }
             // Lockstep or not, tick k is not published before its time at the wanted pace.
             auto const advanced = k == 0 ? simulation_.start(observer) : simulation_.run_until(end, observer);
@@ -116,6 +121,9 @@ class SimApp {
                 return advanced;
             }
             pacer_.wait(node_.time_base().seconds(end), stop_);
+            for (auto const& gateway : line_gateways_) {
+                gateway->flush();
+            }
             bool const final = end == duration_;
             if (final) {
                 signals_->flush();
@@ -175,9 +183,8 @@ class SimApp {
     SimTime duration_;
     bus::TickGrid grid_;
     std::vector<std::unique_ptr<BusGateway>> gateways_;
-    std::vector<std::size_t> published_;
-    std::vector<double> row_;
-    std::unique_ptr<bus::SignalPublisher> signals_;
+    std::vector<std::unique_ptr<LineGateway>> line_gateways_;
+    std::unique_ptr<SignalOutput> signals_;
     std::atomic<bool> stop_{false};
     std::size_t next_hold_{0};
 };

@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/wire.hpp"
+
+#include "bus/node_core.hpp"
+#include "bus/wire_impl.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::bus {
+
+void WireReader::Impl::due(std::size_t slot, SimTime time) {
+    slots[slot]->time = time;
+    waiting.push_back(slot);
+}
+
+WireReader::WireReader(Node& node, std::string link, std::uint16_t ethertype) : impl_{std::make_shared<Impl>(node.core())} {
+    impl_->link = std::move(link);
+    impl_->ethertype = ethertype;
+    node.core().wire_readers.push_back(impl_);
+}
+
+WireReader::~WireReader() = default;
+
+void WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port) {
+    Impl& r = *impl_;
+    Node::Core& core = r.core;
+    std::lock_guard const lock{core.mutex};
+    if (core.wire_book == nullptr || (core.joining && core.config.incarnation > 0)) {
+        return; // before the start, or meant for an earlier incarnation
+    }
+    if (r.free.empty()) {
+        r.slots.push_back(std::make_unique<WireFrame>());
+        r.free.push_back(r.slots.size() - 1);
+    }
+    std::size_t const slot = r.free.back();
+    r.free.pop_back();
+    WireFrame& stored = *r.slots[slot];
+    stored.octets.assign(frame.begin(), frame.end());
+    stored.kernel_ns = kernel_ns;
+    stored.port = port;
+    if (!core.lockstep()) {
+        r.due(slot, core.latest_time);
+        ++core.input_generation;
+        core.changed.notify_all();
+        return;
+    }
+    auto const arrival = core.wire_book->arrived(r.channel, lockstep::frame_identity(frame), slot);
+    if (arrival.evicted != lockstep::WireBook::kUnknown) {
+        r.free.push_back(arrival.evicted);
+        ++core.foreign_frames;
+    }
+    if (arrival.matched) {
+        r.due(slot, core.base.from_nanoseconds(arrival.send_time_ns));
+        if (core.gate->granted().has_value()) {
+            core.changed.notify_all();
+        }
+    }
+}
+
+std::span<WireFrame const* const> WireReader::take() {
+    Impl& r = *impl_;
+    std::lock_guard const lock{r.core.mutex};
+    for (std::size_t const slot : r.taken) {
+        r.free.push_back(slot);
+    }
+    r.taken.clear();
+    r.out.clear();
+    auto const later =
+        std::partition(r.waiting.begin(), r.waiting.end(), [&](std::size_t slot) { return r.slots[slot]->time <= r.until; });
+    r.taken.insert(r.taken.end(), r.waiting.begin(), later);
+    r.waiting.erase(r.waiting.begin(), later);
+    for (std::size_t const slot : r.taken) {
+        r.out.push_back(r.slots[slot].get());
+    }
+    if (r.core.lockstep()) {
+        std::sort(r.out.begin(), r.out.end(), [](WireFrame const* a, WireFrame const* b) {
+            return a->time != b->time ? a->time < b->time : a->octets < b->octets;
+        });
+    }
+    return r.out;
+}
+
+WireWriter::WireWriter(Node& node, std::string link, std::uint16_t ethertype) : node_{node} {
+    auto& writers = node.core().wire_writers;
+    slot_ = writers.size();
+    WireLedgerEntry entry;
+    entry.link(link.c_str());
+    entry.ethertype(ethertype);
+    entry.frames().reserve(MAX_FRAMES_PER_TICK);
+    writers.push_back(std::move(entry));
+}
+
+void WireWriter::sent(std::span<std::byte const> frame, SimTime at) {
+    Node::Core& core = node_.core();
+    WireLedgerEntry& entry = core.wire_writers[slot_];
+    entry.sent(entry.sent() + 1);
+    if (!core.lockstep()) {
+        return;
+    }
+    if (entry.frames().size() >= MAX_FRAMES_PER_TICK) {
+        core.fail({ExitCode::stall, fmt::format("more than {} frames on '{}' in one tick", MAX_FRAMES_PER_TICK, entry.link().c_str()),
+                   "a shorter tick (clock.tick_samples), or fewer frames"});
+        return;
+    }
+    FrameRecord record;
+    record.send_time_ns(core.base.nanoseconds(at));
+    record.identity(lockstep::frame_identity(frame));
+    entry.frames().push_back(record);
+}
+
+void Node::Core::take_wire_ledger(std::size_t process, ClockAck const& received) {
+    if (wire_readers.empty() || (joining && config.incarnation > 0)) {
+        return;
+    }
+    for (WireLedgerEntry const& entry : received.wires()) {
+        std::size_t const channel = wire_book->channel_index(entry.link().c_str(), entry.ethertype());
+        if (channel == lockstep::WireBook::kUnknown) {
+            continue;
+        }
+        wire_records.clear();
+        for (FrameRecord const& record : entry.frames()) {
+            wire_records.push_back({record.send_time_ns(), record.identity()});
+        }
+        WireReader::Impl& reader = *wire_readers[channel];
+        wire_book->announced(process, received.incarnation(), channel, wire_records, [&](lockstep::WireBook::Match const& match) {
+            reader.due(match.slot, base.from_nanoseconds(match.send_time_ns));
+        });
+    }
+}
+
+void Node::Core::release_wires(SimTime until) {
+    for (auto const& reader : wire_readers) {
+        reader->until = until;
+    }
+}
+
+} // namespace gridspace::bus

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/app/signal_output.hpp"
+
+#include "common/text.hpp"
+#include "sim/gateway/gateway_config.hpp"
+
+#include <algorithm>
+
+namespace gridspace::sim {
+
+bool is_switching_signal(std::string_view name) { return name.starts_with("breaker."); }
+
+Rational signal_rate_hz(SimulationConfig const& simulation) {
+    Rational const steps = Rational{1} / simulation.step_s;
+    if (simulation.solver == SolverKind::phasor) {
+        return steps;
+    }
+    config::Diagnostics ignored; // reported where the sampling is used
+    Rational const rate = read_sampling(simulation.sampling, ignored).rate_hz;
+    return (steps / rate).is_whole() ? rate : steps;
+}
+
+Result<std::unique_ptr<SignalOutput>> SignalOutput::create(bus::Node& node, Engine const& engine, SimConfig const& config) {
+    auto output = std::unique_ptr<SignalOutput>{new SignalOutput};
+    SignalOutput& out = *output;
+    out.engine_ = &engine;
+    Rational const rate = signal_rate_hz(config.simulation);
+    out.period_ = node.time_base().nearest(Rational{1} / rate);
+    std::vector<bus::SignalColumn> sampled, switching;
+    std::vector<SignalDef> const& all = engine.signals();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (std::none_of(config.signals.begin(), config.signals.end(),
+                         [&](std::string const& pattern) { return matches_glob(pattern, all[i].name); })) {
+            continue;
+        }
+        bool const jumps = is_switching_signal(all[i].name);
+        (jumps ? switching : sampled).push_back({all[i].name, all[i].unit});
+        (jumps ? out.switching_ : out.sampled_).signals.push_back(i);
+    }
+    auto const open = [&](Group& group, char const* name, double rate_hz, std::vector<bus::SignalColumn> columns) -> Result<void> {
+        group.row.resize(group.signals.size());
+        auto publisher = bus::SignalPublisher::create(node, name, rate_hz, std::move(columns));
+        if (!publisher) {
+            return std::unexpected{publisher.error()};
+        }
+        group.publisher = std::move(*publisher);
+        return {};
+    };
+    if (auto ok = open(out.sampled_, "electrical", rate.to_double(), std::move(sampled)); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    if (!out.switching_.signals.empty()) {
+        if (auto ok = open(out.switching_, "switching", 0, std::move(switching)); !ok) {
+            return std::unexpected{ok.error()};
+        }
+    }
+    return output;
+}
+
+SignalOutput::~SignalOutput() = default;
+
+void SignalOutput::Group::read(Engine const& engine) {
+    for (std::size_t i = 0; i < signals.size(); ++i) {
+        row[i] = engine.value(signals[i]);
+    }
+}
+
+void SignalOutput::announce(SimTime now) {
+    for (Group* group : {&sampled_, &switching_}) {
+        if (group->publisher != nullptr) {
+            group->publisher->announce(now);
+        }
+    }
+}
+
+void SignalOutput::observe(SimTime t) {
+    if (t.quanta % period_.quanta == 0) {
+        sampled_.read(*engine_);
+        sampled_.publisher->row(t, sampled_.row);
+    }
+    if (switching_.publisher != nullptr) {
+        switching_.read(*engine_);
+        if (switching_.row != last_switching_) {
+            switching_.publisher->row(t, switching_.row);
+            last_switching_ = switching_.row;
+        }
+    }
+}
+
+void SignalOutput::flush() {
+    for (Group* group : {&sampled_, &switching_}) {
+        if (group->publisher != nullptr) {
+            group->publisher->flush();
+        }
+    }
+}
+
+} // namespace gridspace::sim

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/signal_publisher.hpp"
+#include "sim/app/sim_config.hpp"
+#include "sim/engine/engine.hpp"
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace gridspace::sim {
+
+/// A signal that jumps: published when it changes, at the step in which it does; everything else is published at a rate.
+[[nodiscard]] bool is_switching_signal(std::string_view name);
+
+/// How often the other signals are published: every step of the phasor solver; at the rate of the sampled values with waveforms.
+[[nodiscard]] Rational signal_rate_hz(SimulationConfig const& simulation);
+
+/// The engine's signals on the topics `signal_catalog` and `signals`.
+class SignalOutput {
+  public:
+    [[nodiscard]] static Result<std::unique_ptr<SignalOutput>> create(bus::Node& node, Engine const& engine, SimConfig const& config);
+    ~SignalOutput();
+
+    void announce(SimTime now);
+    /// At every step.
+    void observe(SimTime t);
+    void flush();
+
+  private:
+    SignalOutput() = default;
+    struct Group {
+        std::vector<std::size_t> signals;
+        std::vector<double> row;
+        std::unique_ptr<bus::SignalPublisher> publisher;
+        void read(Engine const& engine);
+    };
+
+    Engine const* engine_{nullptr};
+    SimSpan period_;
+    Group sampled_, switching_; ///< a group without signals has no publisher
+    std::vector<double> last_switching_;
+};
+
+} // namespace gridspace::sim

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/node.hpp"
+#include "sim/gateway/gateway_config.hpp"
+#include "sim/runtime/simulation.hpp"
+
+#include <array>
+#include <memory>
+#include <vector>
+
+struct LineCurrents;
+struct TripCommand;
+
+namespace gridspace::sim {
+
+/// The simulator's DDS gateway of one line: sampled currents of its transformers out, trip commands for its breakers in.
+class LineGateway {
+  public:
+    [[nodiscard]] static Result<std::unique_ptr<LineGateway>> create(bus::Node& node, Engine& engine, LineGatewayConfig const& config,
+                                                                     SamplingConfig const& sampling);
+    ~LineGateway();
+
+    /// Takes a sample if `t` is a sampling instant; a message is sent when it is full.
+    void observe(SimTime t);
+    /// The tick ends: what has been gathered is sent, so that nobody waits for a sample of a tick that is over.
+    void flush();
+    /// Passes trip commands on to the simulation, which now goes on from `now`.
+    void take_commands(Simulation& simulation);
+
+  private:
+    LineGateway() = default;
+    struct Transformer {
+        std::array<std::size_t, 3> phases{}; ///< signals
+        std::unique_ptr<LineCurrents> message;
+        std::unique_ptr<bus::Writer<LineCurrents>> writer;
+    };
+    struct Trip {
+        std::vector<std::string> breakers;
+        std::shared_ptr<bus::Reader<TripCommand>> commands;
+    };
+    void send(Transformer& transformer);
+
+    bus::Node* node_{nullptr};
+    Engine* engine_{nullptr};
+    SimSpan sample_span_;
+    std::size_t samples_per_message_{1};
+    SimTime last_sample_;
+    std::vector<Transformer> transformers_;
+    std::vector<Trip> trips_;
+};
+
+} // namespace gridspace::sim
