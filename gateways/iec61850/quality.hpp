@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace gridspace::iec61850 {
+
+/// Quality of IEC 61850-7-3, bit n of the standard as 1 << n: so it is in a sampled value, and reversed in a GOOSE bit
+/// string.
+namespace quality {
+inline constexpr std::uint32_t kGood = 0, kInvalid = 0x2, kReserved = 0x1, kQuestionable = 0x3, kValidity = 0x3;
+inline constexpr std::uint32_t kOverflow = 1U << 2, kOutOfRange = 1U << 3, kBadReference = 1U << 4,
+                               kOscillatory = 1U << 5, kFailure = 1U << 6, kOldData = 1U << 7, kInconsistent = 1U << 8,
+                               kInaccurate = 1U << 9, kSubstituted = 1U << 10, kTest = 1U << 11,
+                               kOperatorBlocked = 1U << 12;
+inline constexpr std::uint32_t kDerived = 1U << 13; ///< 9-2LE only
+inline constexpr unsigned kBits = 13;
+
+/// Only validity "good" is good: older and newer documents disagree about the two bits of "invalid".
+[[nodiscard]] constexpr bool is_good(std::uint32_t q) noexcept {
+    return (q & kValidity) == kGood;
+}
+} // namespace quality
+
+/// Double-point position (Dbpos).
+enum class Position : std::uint8_t { intermediate = 0, open = 1, closed = 2, bad = 3 };
+
+} // namespace gridspace::iec61850

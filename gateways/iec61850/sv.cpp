@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/iec61850/sv.hpp"
+
+#include "gateways/iec61850/ber.hpp"
+
+namespace gridspace::iec61850 {
+namespace {
+
+constexpr std::uint32_t kSavPdu = 0x60, kNoAsdu = 0x80, kSecurity = 0x81, kSeqAsdu = 0xA2, kAsdu = 0x30;
+constexpr std::uint32_t kFirstField = 0x80, kLastField = 0x89;
+constexpr std::uint16_t kMandatory =
+    Asdu::sv_id_field | Asdu::smp_cnt_field | Asdu::conf_rev_field | Asdu::smp_synch_field | Asdu::sample_field;
+
+Reason read_field(std::uint32_t tag, Octets value, Asdu& out) noexcept {
+    switch (tag) {
+    case 0x80:
+        out.sv_id = text_of(value);
+        return Reason::none;
+    case 0x81:
+        out.dat_set = text_of(value);
+        return Reason::none;
+    case 0x82:
+        return read_unsigned(value, out.smp_cnt);
+    case 0x83:
+        return read_unsigned(value, out.conf_rev);
+    case 0x84:
+        if (value.size() != 8) {
+            return Reason::bad_value;
+        }
+        out.refr_tm = UtcTime::from_bits(load_be<std::uint64_t>(value.data()));
+        return Reason::none;
+    case 0x85:
+        return read_unsigned(value, out.smp_synch);
+    case 0x86:
+        return read_unsigned(value, out.smp_rate);
+    case 0x87:
+        out.sample = value;
+        return Reason::none;
+    case 0x88:
+        return read_unsigned(value, out.smp_mod);
+    default:
+        if (value.size() != 8) {
+            return Reason::bad_value;
+        }
+        out.gm_identity = load_be<std::uint64_t>(value.data());
+        return Reason::none;
+    }
+}
+
+Decoded<void> read_asdu(Tlv const& asdu, Asdu& out) noexcept {
+    out = Asdu{};
+    out.offset = asdu.offset;
+    BerCursor cursor{asdu};
+    Tlv field;
+    while (!cursor.at_end()) {
+        if (Reason const reason = cursor.next(field); reason != Reason::none) [[unlikely]] {
+            return std::unexpected{field.error(reason)};
+        }
+        if (field.tag < kFirstField || field.tag > kLastField) [[unlikely]] {
+            continue; // of a later edition
+        }
+        auto const bit = static_cast<std::uint16_t>(1U << (field.tag - kFirstField));
+        if ((out.fields & bit) != 0) [[unlikely]] {
+            return std::unexpected{field.error(Reason::duplicate_field)};
+        }
+        out.fields |= bit;
+        if (Reason const reason = read_field(field.tag, field.value, out); reason != Reason::none) [[unlikely]] {
+            return std::unexpected{field.error(reason)};
+        }
+    }
+    if ((out.fields & kMandatory) != kMandatory) [[unlikely]] {
+        auto const missing = static_cast<unsigned>(kMandatory & ~out.fields);
+        return undecodable(Reason::missing_field, asdu.offset,
+                           kFirstField + static_cast<unsigned>(std::countr_zero(missing)));
+    }
+    return {};
+}
+
+Decoded<void> read_sequence(Tlv const& sequence, SvFrame& out) noexcept {
+    BerCursor cursor{sequence};
+    Tlv asdu;
+    while (!cursor.at_end()) {
+        if (Reason const reason = cursor.next(asdu); reason != Reason::none) {
+            return std::unexpected{asdu.error(reason)};
+        }
+        if (asdu.tag != kAsdu) {
+            return std::unexpected{asdu.error(Reason::bad_tag)};
+        }
+        if (out.count == kMaxAsdus) {
+            return std::unexpected{asdu.error(Reason::too_many)};
+        }
+        if (auto ok = read_asdu(asdu, out.asdus[out.count]); !ok) {
+            return ok;
+        }
+        ++out.count;
+    }
+    return {};
+}
+
+} // namespace
+
+Decoded<void> decode_sv(Octets frame, SvFrame& out) noexcept {
+    out.count = 0;
+    out.secured = false;
+    if (auto ok = decode_header(frame, out.header); !ok) {
+        return ok;
+    }
+    if (out.header.ethertype != kSvEthertype) {
+        return undecodable(Reason::other_ethertype, out.header.apdu_offset - kHeaderOctets - 2);
+    }
+    Tlv pdu, part, sequence;
+    BerCursor whole{out.header.apdu, out.header.apdu_offset};
+    if (Reason const reason = whole.next(pdu); reason != Reason::none) {
+        return std::unexpected{pdu.error(reason)};
+    }
+    if (pdu.tag != kSavPdu) {
+        return std::unexpected{pdu.error(Reason::bad_tag)};
+    }
+    std::uint16_t declared = 0;
+    bool counted = false, found = false;
+    BerCursor cursor{pdu};
+    while (!cursor.at_end()) {
+        if (Reason const reason = cursor.next(part); reason != Reason::none) {
+            return std::unexpected{part.error(reason)};
+        }
+        if (part.tag == kNoAsdu) {
+            if (counted) {
+                return std::unexpected{part.error(Reason::duplicate_field)};
+            }
+            counted = true;
+            if (Reason const reason = read_unsigned(part.value, declared); reason != Reason::none) {
+                return std::unexpected{part.error(reason)};
+            }
+        } else if (part.tag == kSeqAsdu) {
+            if (found) {
+                return std::unexpected{part.error(Reason::duplicate_field)};
+            }
+            found = true;
+            sequence = part;
+        } else if (part.tag == kSecurity) {
+            out.secured = true;
+        }
+    }
+    if (!counted || !found) {
+        return undecodable(Reason::missing_field, pdu.offset, counted ? kSeqAsdu : kNoAsdu);
+    }
+    if (auto ok = read_sequence(sequence, out); !ok) {
+        out.count = 0;
+        return ok;
+    }
+    if (out.count == 0 || out.count != declared) {
+        out.count = 0;
+        return undecodable(Reason::count_mismatch, sequence.offset, kNoAsdu);
+    }
+    return {};
+}
+
+} // namespace gridspace::iec61850

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gateways/iec61850/data_set.hpp"
+
+#include <optional>
+
+namespace gridspace::iec61850 {
+
+/// Octets of a type in the `sample` of an ASDU (IEC 61850-9-2, table 14): big-endian, without tag or length.
+[[nodiscard]] std::size_t sv_octets(BasicType type) noexcept;
+
+/// Reads / writes one basic value of a sample; `at` must be sv_octets() long. Strings are padded with zeros when
+/// written and read up to the first zero (visible) or whole (octets).
+[[nodiscard]] Value read_sv_value(BasicType type, Octets at) noexcept;
+void write_sv_value(Value const& value, std::span<std::uint8_t> at) noexcept;
+
+/// Where the values of a data set stand in a sample.
+class SvLayout {
+  public:
+    struct Slot {
+        Leaf leaf;
+        std::size_t offset{0}, octets{0};
+    };
+
+    explicit SvLayout(DataSet const& data_set);
+
+    [[nodiscard]] std::size_t sample_octets() const noexcept { return octets_; }
+    [[nodiscard]] std::vector<Slot> const& slots() const noexcept { return slots_; }
+    [[nodiscard]] std::optional<std::size_t> index_of(std::string_view name) const noexcept;
+
+    /// `sample` must have sample_octets(): check it once per frame.
+    [[nodiscard]] Value read(std::size_t slot, Octets sample) const noexcept {
+        return read_sv_value(slots_[slot].leaf.type, sample.subspan(slots_[slot].offset, slots_[slot].octets));
+    }
+    void write(std::size_t slot, Value const& value, std::span<std::uint8_t> sample) const noexcept {
+        write_sv_value(value, sample.subspan(slots_[slot].offset, slots_[slot].octets));
+    }
+
+  private:
+    std::vector<Slot> slots_;
+    std::size_t octets_{0};
+};
+
+} // namespace gridspace::iec61850
