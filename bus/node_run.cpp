@@ -40,9 +40,11 @@ void check_matches(std::string_view kind, std::string const& topic, std::map<std
         auto const [it, added] = newest.try_emplace(process, incarnation);
         if (endpoints < count) {
             lacking.insert(process);
-            if (missing.size() < 160) {
-                missing += fmt::format("{}{} of {} {}(s) of '{}' in {}", missing.empty() ? "" : ", ", count - endpoints,
-                                       count, kind, topic, process);
+            std::string const lack =
+                fmt::format("{} of {} {}(s) of '{}' in {}", count - endpoints, count, kind, topic, process);
+            if (missing.size() < 160 &&
+                missing.find(lack) == std::string::npos) { // several writers may lack the same reader
+                missing += (missing.empty() ? "" : ", ") + lack;
             }
         } else if (!added) {
             if (it->second != incarnation) {

@@ -118,8 +118,12 @@ bool is_identifier(std::string_view text) {
 }
 
 std::string shortest(double value) {
-    char buffer[32];
-    auto const [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
+    char buffer[40];
+    // Without an exponent where people would not write one: 1000000, not 1e+06.
+    double const size = value < 0 ? -value : value;
+    bool const plain = size == 0 || (size >= 1e-5 && size < 1e15);
+    auto const [end, error] = plain ? std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed)
+                                    : std::to_chars(buffer, buffer + sizeof buffer, value);
     return error == std::errc{} ? std::string{buffer, end} : "?";
 }
 

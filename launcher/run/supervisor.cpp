@@ -11,6 +11,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
@@ -96,7 +97,8 @@ class Supervisor {
             return true;
         }
         if (!simulator_done_) {
-            return false;
+            watch_simulator(now);
+            return failure_.has_value();
         }
         bool const members_done = std::none_of(watched_.begin(), watched_.end(), [](Watched const& w) { return w.running && !w.plan.is_observer; });
         if (!members_done && now > *simulator_done_ + seconds{10}) {
@@ -107,6 +109,33 @@ class Supervisor {
             }
         }
         return members_done || failure_.has_value();
+    }
+
+    /// The simulator names everybody who stalls but itself. A living one always uses some processor time, if only for
+    /// its leases, however long its step or its wait for the next tick is; a stopped or frozen one uses none.
+    void watch_simulator(Clock::time_point now) {
+        auto const sim =
+            std::find_if(watched_.begin(), watched_.end(), [](Watched const& w) { return w.plan.is_simulator; });
+        if (sim == watched_.end() || !sim->running || plan_.member_timeout_s <= 0) {
+            return;
+        }
+        clockid_t clock{};
+        timespec used{};
+        if (::clock_getcpuclockid(sim->child.pid, &clock) != 0 || ::clock_gettime(clock, &used) != 0) {
+            return;
+        }
+        auto const total = seconds{used.tv_sec} + std::chrono::nanoseconds{used.tv_nsec};
+        if (total != simulator_cpu_) {
+            simulator_cpu_ = total;
+            simulator_alive_ = now;
+        }
+        double const patience_s = std::max(2 * plan_.member_timeout_s, 3.0); // its leases are renewed every second
+        if (std::chrono::duration<double>(now - simulator_alive_).count() > patience_s) {
+            fail_with({ExitCode::stall,
+                       fmt::format("the simulator '{}' stands still: it has used no processor time for {} s",
+                                   sim->plan.name, shortest(patience_s)),
+                       "has somebody stopped it (SIGSTOP, a debugger)?"});
+        }
     }
 
     void step() {
@@ -341,6 +370,8 @@ class Supervisor {
     std::vector<Watched> watched_;
     std::optional<Error> failure_;
     std::optional<Clock::time_point> simulator_done_;
+    std::chrono::nanoseconds simulator_cpu_{-1};
+    Clock::time_point simulator_alive_;
     std::optional<std::pair<Clock::time_point, std::string>> suspect_;
 };
 

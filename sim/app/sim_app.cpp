@@ -45,6 +45,9 @@ class SimApp {
         Result<void> const result = simulate();
         run_.on_stop({});
         if (!result) {
+            if (!stop_) { // the cause reaches the launcher before its consequences do
+                run_.status.failed(result.error());
+            }
             clock_.abort();
         }
         log::info("{} ticks, {} overruns, worst {:.3f} ms late", clock_.ticks(), pacer_.overruns(),

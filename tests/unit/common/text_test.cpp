@@ -38,5 +38,13 @@ TEST(Shortest, ReadsBackTheSameNumber) {
     EXPECT_EQ(shortest(1e-9), "1e-09");
 }
 
+TEST(Shortest, WritesNoExponentWherePeopleWouldNot) {
+    EXPECT_EQ(shortest(1'000'000), "1000000");
+    EXPECT_EQ(shortest(-200'000), "-200000");
+    EXPECT_EQ(shortest(0.00012), "0.00012");
+    EXPECT_EQ(shortest(0), "0");
+    EXPECT_EQ(shortest(1e22), "1e+22");
+}
+
 } // namespace
 } // namespace gridspace

@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Every kind of failure has its exit code, and says what to do."""
+import os
+import shutil
+import subprocess
+import unittest
+import xml.etree.ElementTree
+
+from harness import (BASE, BIN, CASE_1, CHILD_DIED, ENVIRONMENT, EXPECTATION, OK, SOURCE, STALL, USAGE, ScenarioTest,
+                     gridspace)
+
+SHORT = [*BASE, "--until", "600s", "--set", "expect=~"]
+
+
+class ExitCodes(ScenarioTest):
+    def test_0_when_everything_holds(self):
+        run = self.run_to_end("run", SHORT)
+        self.assertEqual(run.manifest()["exit"], OK)
+
+    def test_1_when_an_expectation_fails_and_the_table_says_which(self):
+        junit = self.folder / "junit.xml"
+        run = self.run_to_end("run", [*SHORT, "--set", "expect={too_high: {min_of: bus.*.v_pu, above: 2}, fine: {max_of: bus.*.v_pu, below: 2}}",
+                                      "--junit", junit], code=EXPECTATION)
+        results = {e["name"]: e["pass"] for e in run.summary()["expectations"]}
+        self.assertEqual(results, {"too_high": False, "fine": True})
+        self.assertEqual(run.summary()["exit"], EXPECTATION)
+        suite = xml.etree.ElementTree.parse(junit).getroot()
+        self.assertEqual(suite.get("failures"), "1")
+        code, out, _ = gridspace("report", run.folder)
+        self.assertEqual(code, EXPECTATION)
+        self.assertRegex(out, r"too_high .*FAIL")
+        self.assertRegex(out, r"fine .*pass")
+
+    def test_2_for_a_mistake_on_the_command_line(self):
+        for arguments in (["run"], ["run", "--nonsense", CASE_1], ["nonsense"], [], ["run", CASE_1, "--speed", "fast"],
+                          ["run", CASE_1, "--until", "later"], ["run", CASE_1, "--set", "nonsense"], ["completion", "tcsh"]):
+            code, out, err = gridspace(*arguments)
+            self.assertEqual(code, USAGE, f"{arguments}: {out}{err}")
+            self.assertTrue(out + err, arguments)
+
+    def test_2_for_a_scenario_that_does_not_exist(self):
+        code, _, err = gridspace("run", self.folder / "none.yaml")
+        self.assertEqual(code, USAGE)
+        self.assertIn("none.yaml", err)
+
+    def test_2_for_a_run_folder_that_is_not_one(self):
+        for verb in (["report"], ["export"]):
+            code, _, err = gridspace(*verb, self.folder)
+            self.assertEqual(code, USAGE, err)
+            self.assertIn(str(self.folder), err)
+
+    def test_2_when_the_folder_of_out_is_in_use(self):
+        (self.folder / "mine").write_text("keep me")
+        code, _, err = gridspace("run", CASE_1, *SHORT, "--out", self.folder)
+        self.assertEqual(code, USAGE, err)
+        self.assertEqual((self.folder / "mine").read_text(), "keep me")
+
+    def test_3_when_a_program_is_missing(self):
+        self.copy_programs()
+        (self.folder / "bin/gridspace-mcca").unlink()
+        code, _, err = gridspace_of(self.folder / "bin", "run", CASE_1, *SHORT, "--out", self.folder / "run")
+        self.assertEqual(code, ENVIRONMENT, err)
+        self.assertIn("mcca", err)
+
+    @unittest.skipIf(os.geteuid() != 0, "a switch of user needs root")
+    def test_3_when_the_run_folder_cannot_be_written(self):
+        sealed = self.folder / "sealed"
+        sealed.mkdir(mode=0o555)
+        code, _, err = gridspace("run", CASE_1, *SHORT, "--out", sealed / "run", user=65534, group=65534)
+        self.assertEqual(code, ENVIRONMENT, err)
+        self.assertIn("sealed", err)
+
+    def test_4_when_an_exec_process_ends_early(self):
+        run = self.run_to_end("run", [*SHORT, "--speed", "60", "--set",
+                                      "processes.own={program: exec, host: board1, command: [/bin/sh, -c, 'echo my last words; exit 7']}"],
+                              code=CHILD_DIED)
+        self.assertIn("'own'", run.summary()["cause"])
+        self.assertIn("exit code 7", run.summary()["cause"])
+        self.assertIn("my last words", run.stderr())
+
+    def test_3_when_an_exec_process_does_not_exist(self):
+        run = self.run_to_end("run", [*SHORT, "--set", "processes.own={program: exec, host: board1, command: [/no/such/program]}"],
+                              code=ENVIRONMENT)
+        self.assertIn("own", run.stderr())
+        self.assertIn("/no/such/program", run.stderr())
+
+    def test_5_when_a_member_never_appears(self):
+        run = self.run_to_end("run", [*SHORT, "--set", "clock.start_timeout_s=4", "--set",
+                                      "processes.own={program: exec, host: board1, member: true, command: [sleep, '1000'], "
+                                      "writes: {x: {type: ChargingRequest}}}"], code=STALL)
+        self.assertIn("own", run.summary()["cause"])
+
+    @unittest.skipIf(os.geteuid() != 0, "a switch of user needs root")
+    def test_an_ordinary_user_runs_in_namespaces_of_its_own(self):
+        self.folder.chmod(0o777)
+        run = self.run_to_end("run", SHORT, prefix=["setpriv", "--reuid", "65534", "--regid", "65534", "--clear-groups"])
+        reference = self.run_to_end("root", SHORT)
+        self.assert_identical(reference, run)
+        self.assertIn("namespaces", run.manifest()["isolation"])
+        self.assertFalse(run.manifest()["host"]["root"])
+
+    def copy_programs(self):
+        shutil.copytree(BIN, self.folder / "bin")
+        shutil.copytree(SOURCE / "qos", self.folder / "qos")
+
+
+def gridspace_of(folder, *arguments):
+    environment = dict(os.environ, GRIDSPACE_QOS_DIR=str(SOURCE / "qos"))
+    done = subprocess.run([folder / "gridspace", *map(str, arguments)], capture_output=True, text=True, env=environment, timeout=90)
+    return done.returncode, done.stdout, done.stderr
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

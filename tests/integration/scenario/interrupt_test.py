@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C is clean at every moment: exit code 130, a folder that can be read, nothing left behind."""
+import os
+import signal
+import time
+import unittest
+
+from harness import BASE, HANG_S, INTERRUPTED, OK, PACED, ScenarioTest
+
+
+class Interrupt(ScenarioTest):
+    def interrupt(self, run, signal_number=signal.SIGINT):
+        os.kill(run.pid, signal_number)
+        code = run.finish()
+        self.assertEqual(run.left_over(), {}, run.stderr())
+        self.assertEqual(code, INTERRUPTED, run.stderr())
+        return run
+
+    def test_while_running_the_recording_is_closed_and_the_report_written(self):
+        run = self.start("run", PACED)
+        run.wait_for_time(6000)
+        self.interrupt(run)
+        self.assertEqual(run.manifest()["exit"], INTERRUPTED)
+        self.assertEqual(run.summary()["exit"], INTERRUPTED)
+        self.assertGreater(run.summary()["simulated_s"], 5000)
+        self.assert_recording_readable(run, at_least_s=5000)
+        self.assertTrue((run.folder / "report/index.html").exists())
+
+    def test_sigterm_is_as_good_as_ctrl_c(self):
+        run = self.start("run", PACED)
+        run.wait_for_time(3000)
+        self.interrupt(run, signal.SIGTERM)
+
+    def test_as_soon_as_the_run_folder_is_announced(self):
+        run = self.start("run", PACED)
+        run.wait_for(lambda line: "run folder" in str(line.get("note")), "the run folder")
+        self.interrupt(run)
+
+    def test_as_soon_as_everybody_is_ready(self):
+        run = self.start("run", PACED)
+        run.wait_for(lambda line: "ready" in str(line.get("note")), "readiness")
+        self.interrupt(run)
+
+    def test_without_namespaces(self):
+        run = self.start("run", [*PACED, "--no-namespaces"])
+        run.wait_for_time(3000)
+        self.interrupt(run)
+
+    def test_twice_stops_at_once(self):
+        run = self.start("run", PACED)
+        run.wait_for_time(3000)
+        os.kill(run.pid, signal.SIGINT)
+        os.kill(run.pid, signal.SIGINT)
+        self.assertEqual(run.finish(), INTERRUPTED)
+        self.assertEqual(run.left_over(), {})
+
+    def test_a_paced_run_that_waits_for_its_next_tick_stops_at_once(self):
+        run = self.start("run", [*BASE, "--set", "clock.speed=1", "--set", "clock.tick_s=60",
+                                 "--set", "processes.mcca.latency_us=60000000"])
+        run.wait_for(lambda line: "ready" in str(line.get("note")), "readiness")
+        asked = time.monotonic()
+        self.interrupt(run)
+        self.assertLess(time.monotonic() - asked, 20, "not only at the next tick, a minute later")
+
+    def test_at_many_moments_of_starting_up_and_shutting_down(self):
+        """The moment is swept, not waited for: whatever state is met, the end is clean."""
+        short = [*BASE, "--until", "1800s", "--set", "expect=~"]
+        codes = []
+        for step in range(24):
+            run = self.start(f"run{step}", short)
+            try:
+                run.process.wait(0.05 * step)  # up to 1.2 s: the whole life of so short a run
+            except Exception:
+                os.kill(run.pid, signal.SIGINT)
+            code = run.finish(HANG_S)
+            self.assertEqual(run.left_over(), {}, f"{0.05 * step} s: {run.stderr()}")
+            # Before main() has blocked it, the signal has its own way; after the last tick the run is simply over.
+            self.assertIn(code, [INTERRUPTED, OK, -signal.SIGINT], f"{0.05 * step} s: {run.stderr()}")
+            codes.append(code)
+        self.assertIn(INTERRUPTED, codes)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
