@@ -17,7 +17,7 @@ namespace {
 using config::Diagnostics;
 using config::Node;
 
-/// Members that write a topic which `member` reads, the simulator apart.
+/// Members that write a topic which `member` reads, or that send frames where it listens; the simulator apart.
 std::vector<std::string> sources_of(Dataflow const& flow, Scenario const& scenario, std::string const& member,
                                     bool triggering_only) {
     std::set<std::string> out;
@@ -35,6 +35,18 @@ std::vector<std::string> sources_of(Dataflow const& flow, Scenario const& scenar
                 if (writer.process != member && process->settings->is_member()) {
                     out.insert(writer.process);
                 }
+            }
+        }
+    }
+    Process const* process = scenario.find_process(member);
+    for (WireUse const& received : process->settings->receives(scenario, *process)) {
+        for (Process const& sender : scenario.processes) {
+            std::vector<WireUse> const sent = sender.settings->sends(scenario, sender);
+            bool const heard = std::any_of(sent.begin(), sent.end(), [&](WireUse const& use) {
+                return use.link == received.link && use.ethertype == received.ethertype;
+            });
+            if (heard && &sender != process && sender.settings->is_member()) {
+                out.insert(sender.name.name);
             }
         }
     }

@@ -23,6 +23,13 @@ struct TopicUse {
     bool triggers{false};      ///< reading side: a sample makes the process work in the same tick
 };
 
+/// Raw frames that a process sends or receives.
+struct WireUse {
+    std::string link;
+    std::uint16_t ethertype{0};
+    std::string stream; ///< its name in the scenario; empty: every frame of the ethertype
+};
+
 /// A signal that a process publishes.
 struct SignalUse {
     std::string name;
@@ -39,6 +46,9 @@ class ProcessSettings {
     virtual void check(Scenario const& /*scenario*/, Process const& /*process*/, config::Diagnostics& /*diagnostics*/) {}
     [[nodiscard]] virtual std::vector<TopicUse> writes(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<TopicUse> reads(Scenario const&, Process const&) const { return {}; }
+    /// In lockstep a frame makes its receivers work in the same tick.
+    [[nodiscard]] virtual std::vector<WireUse> sends(Scenario const&, Process const&) const { return {}; }
+    [[nodiscard]] virtual std::vector<WireUse> receives(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<SignalUse> signals(Scenario const&, Process const&) const { return {}; }
     /// Takes part in the barrier in lockstep.
     [[nodiscard]] virtual bool is_member() const { return true; }

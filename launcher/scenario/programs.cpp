@@ -19,7 +19,7 @@ using config::Diagnostics;
 using config::Fields;
 using config::Node;
 
-constexpr std::array<std::string_view, 9> kCommonKeys{"program", "host",      "qos",   "run_on", "cpu",
+constexpr std::array<std::string_view, 10> kCommonKeys{"program", "host", "qos", "run_on", "cpu", "link",
                                                       "interface", "capture", "label", "comment"};
 
 /// A name must be among `names`, or it is an error with the nearest spelling.

@@ -41,6 +41,8 @@ struct Process {
     std::string run_on{"native"};
     std::optional<std::int64_t> cpu;
     std::string interface;
+    Ref link;                         ///< on which it exchanges raw frames, where the host is plugged into several
+    std::vector<Ref> capture;         ///< links whose frames are recorded
     config::Node node;                ///< everything that was written about it, defaults included
     std::unique_ptr<ProcessSettings> settings;
 };

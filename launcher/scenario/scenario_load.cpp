@@ -81,8 +81,8 @@ void describe_process(Fields& f, Process& p) {
         p.cpu = cpu;
     }
     f.text("interface", p.interface, {.doc = "a real network interface instead of the scenario's links"});
-    std::vector<Ref> capture;
-    f.references("capture", capture, {.doc = "links whose frames are recorded"});
+    f.reference("link", p.link, {.doc = "the link on which it exchanges raw frames; needed where the host is plugged into several without IP"});
+    f.references("capture", p.capture, {.doc = "links whose frames are recorded"});
     std::string label;
     f.text("label", label, {.doc = "display text"});
 }

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/streams/stream.hpp"
+
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::streams {
+namespace {
+
+using config::Fields;
+using config::Node;
+using iec61850::DataNode;
+
+/// A member of a data set: `Ia: float32`, `id: {type: visible_string, length: 20}`, or a map of members (a structure).
+std::optional<DataNode> read_member(std::string const& name, Node const& node, std::string& problem) {
+    if (node.is_scalar()) {
+        if (auto const type = iec61850::parse_type(node.text)) {
+            return DataNode::leaf(name, *type);
+        }
+        auto const near = nearest_spelling(node.text, iec61850::type_names());
+        problem = fmt::format("'{}' is not a type{}", node.text, near ? fmt::format("; did you mean '{}'?", *near) : "");
+        return std::nullopt;
+    }
+    if (!node.is_map() || node.entries.empty()) {
+        problem = fmt::format("'{}' is {}", name, config::describe(node));
+        return std::nullopt;
+    }
+    if (Node const* type = node.find("type"); type != nullptr && type->is_scalar()) {
+        auto leaf = read_member(name, *type, problem);
+        if (Node const* length = node.find("length"); leaf && length != nullptr) {
+            auto const value = config::number_of(*length);
+            if (!value || *value < 1 || *value > 255) {
+                problem = fmt::format("the length of '{}' is '{}'", name, length->text);
+                return std::nullopt;
+            }
+            leaf->length = static_cast<std::uint16_t>(*value);
+        }
+        return leaf;
+    }
+    DataNode structure{name, DataNode::Kind::structure, iec61850::BasicType::boolean, 0, {}};
+    for (Node::Entry const& entry : node.entries) {
+        auto member = read_member(entry.key, entry.value, problem);
+        if (!member) {
+            return std::nullopt;
+        }
+        structure.members.push_back(std::move(*member));
+    }
+    return structure;
+}
+
+void describe_data_set(Fields& f, Stream& stream) {
+    Node node;
+    f.raw("data_set", node, {.doc = "members and their types in the order of the wire, or 9-2LE", .required = true});
+    if (node.is_null()) {
+        return;
+    }
+    if (node.is_scalar()) {
+        if (stream.kind == Kind::smv && node.text == "9-2LE") {
+            stream.data_set = iec61850::data_set_92le();
+        } else {
+            f.error("data_set", fmt::format("the data set is '{}'", node.text), "expected a map from names to types, or 9-2LE for sampled values");
+        }
+        return;
+    }
+    if (!node.is_map() || node.entries.empty()) {
+        f.error("data_set", fmt::format("the data set is {}", config::describe(node)), "expected a map from names to types");
+        return;
+    }
+    for (Node::Entry const& entry : node.entries) {
+        std::string problem;
+        if (auto member = read_member(entry.key, entry.value, problem)) {
+            stream.data_set.members.push_back(std::move(*member));
+        } else {
+            f.error("data_set", fmt::format("member '{}': {}", entry.key, problem),
+                    fmt::format("types: {}", join(iec61850::type_names(), ", ")));
+        }
+    }
+}
+
+void describe_address(Fields& f, Stream& stream) {
+    std::string mac;
+    f.text("mac", mac, {.doc = "destination address", .required = true});
+    if (auto const parsed = iec61850::Mac::parse(mac)) {
+        stream.address.destination = *parsed;
+        if (!parsed->is_group()) {
+            f.error("mac", fmt::format("'{}' is the address of one station", mac), "streams are sent to a group: the first octet is odd");
+        }
+    } else if (!mac.empty()) {
+        f.error("mac", fmt::format("'{}' is not an Ethernet address", mac), "for example \"01:0C:CD:04:00:21\", in quotes");
+    }
+    std::int64_t app_id = stream.kind == Kind::smv ? 0x4000 : 0x0001, vlan_id = 0, vlan_priority = 4;
+    bool tagged = true;
+    f.integer("app_id", app_id, {.doc = "APPID", .min = 0, .max = 0xFFFF});
+    f.flag("vlan", tagged, {.doc = "frames carry a 802.1Q tag"});
+    f.integer("vlan_id", vlan_id, {.doc = "VLAN; 0: only a priority", .min = 0, .max = 4094});
+    f.integer("vlan_priority", vlan_priority, {.doc = "priority of the tag", .min = 0, .max = 7});
+    stream.address.app_id = static_cast<std::uint16_t>(app_id);
+    if (tagged) {
+        stream.address.vlan = iec61850::VlanTag{static_cast<std::uint16_t>(vlan_id), static_cast<std::uint8_t>(vlan_priority)};
+    }
+    f.flag("simulated", stream.address.simulated, {.doc = "S bit: a test set sends this, not the device"});
+}
+
+void describe_sampled_values(Fields& f, Stream& s) {
+    f.text("sv_id", s.sv_id, {.doc = "svID", .required = true});
+    f.fraction("rate_hz", s.rate_hz, {.doc = "samples per second", .above = 0});
+    f.integer("samples_per_frame", s.samples_per_frame, {.doc = "consecutive samples (ASDUs) in a frame", .min = 1, .max = 16});
+    f.choice<std::uint8_t>("synch", s.smp_synch, {{"none", iec61850::kNotSynchronised}, {"local", iec61850::kLocalClock}, {"global", iec61850::kGlobalClock}},
+                           {.doc = "smpSynch: the clock behind the sample counter"});
+    f.flag("send_refr_tm", s.send_refr_tm, {.doc = "the frame carries the time of its sample"});
+    f.flag("send_smp_rate", s.send_smp_rate, {.doc = "the frame carries smpRate and smpMod"});
+    if (!s.rate_hz.is_whole() || s.rate_hz > Rational{65536}) {
+        f.error("rate_hz", fmt::format("{} samples a second", s.rate_hz.to_string()), "smpCnt counts whole samples in a second, at most 65536");
+    }
+}
+
+void describe_goose(Fields& f, Stream& s) {
+    using Form = iec61850::IntegerForm;
+    GooseTiming& t = s.timing;
+    f.text("control_block", s.control_block, {.doc = "gocbRef: LD/LLN0$GO$name", .required = true});
+    f.text("go_id", s.go_id, {.doc = "goID; not sent when not given"});
+    f.number("min_time_ms", t.min_time_ms, {.doc = "from a change to the first repetition", .above = 0});
+    f.number("growth", t.growth, {.doc = "each interval is so much longer than the one before", .min = 1});
+    f.number("max_time_ms", t.max_time_ms, {.doc = "interval in steady state", .above = 0});
+    f.number("live_factor", t.live_factor, {.doc = "timeAllowedToLive, in intervals until the next message", .min = 1});
+    f.number("live_min_ms", t.live_min_ms, {.doc = "timeAllowedToLive is at least this", .min = 0});
+    f.choice<Form>("integers", s.integers, {{"minimal", Form::minimal}, {"fixed", Form::fixed}}, {.doc = "length of integers (8-1 Ed.2, annex A)"});
+    if (t.max_time_ms < t.min_time_ms) {
+        f.error("max_time_ms", fmt::format("it is shorter than min_time_ms ({} ms)", shortest(t.min_time_ms)));
+    }
+}
+
+} // namespace
+
+Result<iec61850::SvTemplate> Stream::sv_template(iec61850::Mac source) const {
+    iec61850::Address from = address;
+    from.source = source;
+    iec61850::AsduDescription asdu;
+    asdu.sv_id = sv_id;
+    asdu.dat_set = data_set_name;
+    asdu.conf_rev = conf_rev;
+    asdu.smp_synch = smp_synch;
+    asdu.refr_tm = send_refr_tm;
+    if (send_smp_rate) {
+        asdu.smp_rate = static_cast<std::uint16_t>(rate_hz.num());
+        asdu.smp_mod = iec61850::SampleMode::per_second;
+    }
+    asdu.sample_octets = iec61850::SvLayout{data_set}.sample_octets();
+    return iec61850::SvTemplate::create(from, std::vector<iec61850::AsduDescription>(static_cast<std::size_t>(samples_per_frame), asdu));
+}
+
+Result<iec61850::GooseTemplate> Stream::goose_template(iec61850::Mac source) const {
+    iec61850::Address from = address;
+    from.source = source;
+    return iec61850::GooseTemplate::create(from, {control_block, data_set_name, go_id, conf_rev, data_set, integers});
+}
+
+void describe(Fields& f, Stream& stream) {
+    f.choice<Kind>("kind", stream.kind, {{"smv", Kind::smv}, {"goose", Kind::goose}}, {.doc = "sampled values, or GOOSE", .required = true});
+    describe_address(f, stream);
+    std::int64_t conf_rev = 1;
+    f.integer("conf_rev", conf_rev, {.doc = "confRev", .min = 0, .max = 4294967295.0});
+    stream.conf_rev = static_cast<std::uint32_t>(conf_rev);
+    f.text("data_set_name", stream.data_set_name, {.doc = "datSet, LD/LLN0$name; sampled values leave it out when not given"});
+    if (stream.kind == Kind::smv) {
+        describe_sampled_values(f, stream);
+    } else {
+        describe_goose(f, stream);
+        if (stream.data_set_name.empty()) { // mandatory in GOOSE
+            std::size_t const at = stream.control_block.find("$GO$");
+            stream.data_set_name = at == std::string::npos ? stream.control_block : stream.control_block.substr(0, at) + "$" + stream.name.name;
+        }
+    }
+    describe_data_set(f, stream);
+}
+
+std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagnostics) {
+    std::vector<Stream> out;
+    if (streams.is_null()) {
+        return out;
+    }
+    Node root = Node::map(streams.where);
+    root.set("streams", streams);
+    config::read_fields(root, "", diagnostics, [&](Fields& f) {
+        f.map("streams", {.doc = "SMV and GOOSE streams"}, [&](Ref const& name, Fields& s) {
+            Stream stream;
+            stream.name = name;
+            int const errors = diagnostics.errors();
+            describe(s, stream);
+            if (diagnostics.errors() > errors) {
+                return;
+            }
+            std::optional<Error> problem;
+            if (stream.kind == Kind::smv) {
+                auto const made = stream.sv_template({});
+                problem = made ? std::nullopt : std::optional{made.error()};
+            } else {
+                auto const made = stream.goose_template({});
+                problem = made ? std::nullopt : std::optional{made.error()};
+            }
+            if (problem) {
+                s.error("", fmt::format("stream '{}': {}", name.name, problem->message), problem->remedy);
+            }
+            for (Stream const& other : out) {
+                bool const same = other.kind == stream.kind && (stream.kind == Kind::smv ? other.sv_id == stream.sv_id
+                                                                                        : other.control_block == stream.control_block);
+                if (same && other.address.destination == stream.address.destination && other.address.app_id == stream.address.app_id) {
+                    s.error("", fmt::format("streams '{}' and '{}' cannot be told apart on the wire", other.name.name, name.name),
+                            "another mac, app_id, sv_id or control_block");
+                }
+            }
+            out.push_back(std::move(stream));
+        });
+    });
+    return out;
+}
+
+Stream const* find_stream(std::vector<Stream> const& streams, std::string_view name) {
+    auto const it = std::find_if(streams.begin(), streams.end(), [&](Stream const& s) { return s.name.name == name; });
+    return it == streams.end() ? nullptr : &*it;
+}
+
+} // namespace gridspace::streams

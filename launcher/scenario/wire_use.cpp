@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/wire_use.hpp"
+
+#include "common/text.hpp"
+#include "launcher/run/addresses.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+std::vector<std::string> links_of(Scenario const& scenario, Process const& process, bool without_ip) {
+    std::vector<std::string> out;
+    for (Host const& host : scenario.hosts) {
+        if (host.name != process.host) {
+            continue;
+        }
+        for (Ref const& ref : host.links) {
+            auto const link = std::find_if(scenario.links.begin(), scenario.links.end(), [&](Link const& l) { return l.name == ref; });
+            if (link != scenario.links.end() && (!without_ip || link->ipv4.empty())) {
+                out.push_back(ref.name);
+            }
+        }
+    }
+    return out;
+}
+
+} // namespace
+
+std::string raw_link(Scenario const& scenario, Process const& process) {
+    if (!process.link.empty()) {
+        return process.link.name;
+    }
+    for (bool const without_ip : {true, false}) {
+        if (auto const links = links_of(scenario, process, without_ip); links.size() == 1) {
+            return links.front();
+        }
+    }
+    return {};
+}
+
+void check_raw_link(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+    std::string const link = raw_link(scenario, process);
+    auto const all = links_of(scenario, process, false);
+    if (!link.empty() && std::find(all.begin(), all.end(), link) != all.end()) {
+        return;
+    }
+    Ref const at = process.link.empty() ? process.name : process.link;
+    diagnostics.error(at.where,
+                      link.empty() ? fmt::format("process '{}' exchanges raw frames, and it is not clear on which link", process.name.name)
+                                   : fmt::format("process '{}' exchanges raw frames on '{}', and host '{}' is not plugged into it", process.name.name,
+                                                 link, process.host.name),
+                      all.empty() ? fmt::format("host '{}' is plugged into no link", process.host.name)
+                                  : fmt::format("`link:` one of {}", join(all, ", ")),
+                      static_cast<int>(at.name.size()));
+}
+
+config::Node wire_settings(Scenario const& scenario, Process const& process) {
+    config::Node node = config::Node::map();
+    std::string const link = raw_link(scenario, process);
+    node.set("link", config::Node::quoted_text(link));
+    if (!process.interface.empty()) {
+        node.set("interface", config::Node::quoted_text(process.interface));
+        return node;
+    }
+    for (Port const& port : plan_ports(scenario)) {
+        if (port.host == process.host.name && port.link == link) {
+            node.set("interface", config::Node::quoted_text(port.interface));
+        }
+    }
+    return node;
+}
+
+bool has_raw_frames(Scenario const& scenario) {
+    return std::any_of(scenario.processes.begin(), scenario.processes.end(), [&](Process const& process) {
+        return process.settings != nullptr &&
+               (!process.settings->sends(scenario, process).empty() || !process.settings->receives(scenario, process).empty());
+    });
+}
+
+} // namespace gridspace::launcher

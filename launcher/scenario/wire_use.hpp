@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "launcher/scenario/program.hpp"
+#include "launcher/scenario/scenario.hpp"
+
+#include <string>
+
+namespace gridspace::launcher {
+
+/// The link on which a process exchanges raw frames: its `link`, or the only one of its host that carries no IP, or the only
+/// one at all. Empty when that is not clear (check_raw_link says so).
+[[nodiscard]] std::string raw_link(Scenario const& scenario, Process const& process);
+void check_raw_link(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics);
+
+/// `wire:` of the settings of a process with raw frames: link, interface and MAC address of its port.
+[[nodiscard]] config::Node wire_settings(Scenario const& scenario, Process const& process);
+
+/// Does any process exchange raw frames? Then the run needs network namespaces, or real interfaces.
+[[nodiscard]] bool has_raw_frames(Scenario const& scenario);
+
+} // namespace gridspace::launcher
