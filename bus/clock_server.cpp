@@ -249,7 +249,9 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
         // Everything that was sent up to this tick is here; its effect may lie in the future.
         reader->inbox->release({INT64_MAX});
     }
-    cork(); // until the next clock
+    if (!final) {
+        cork(); // until the next clock
+    }
     return {};
 }
 
@@ -288,6 +290,7 @@ void ClockServer::rejoin(std::string const& process) {
 
 void ClockServer::abort() {
     State& s = *state_;
+    uncork(); // the run may end between two ticks
     if (s.clock_writer != nullptr) {
         s.clock.state(CLOCK_ABORTED);
         s.clock_writer->write(&s.clock, std::nullopt);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/node.hpp"
 
+#include "bus/cork.hpp"
 #include "bus/node_core.hpp"
 #include "bus/topics.hpp"
 #include "common/log.hpp"
@@ -263,6 +264,7 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
 Node::Node(std::unique_ptr<Core> core) : core_{std::move(core)} {}
 
 Node::~Node() {
+    uncork(); // the farewell must not stay behind: others would wait for the lease to run out
     // Endpoints first: their listeners use the core. A graceful end tells the others that this process is gone.
     core_->clock_reader.reset();
     core_->ack_reader.reset();
