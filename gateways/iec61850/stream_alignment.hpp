@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gateways/iec61850/sv.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+
+namespace gridspace::iec61850 {
+
+/// Two clocks count the same instants when both are global, or both local and the same (an identity of 5 to 254 names
+/// one).
+[[nodiscard]] constexpr bool same_clock(std::uint8_t a, std::uint8_t b) noexcept {
+    return a == b && (a == kLocalClock || a == kGlobalClock || a >= 5);
+}
+
+/// What two streams say about one instant. A member that is empty was lost or came too late.
+template <class T>
+struct AlignedPair {
+    std::int64_t index{
+        0}; ///< congruent to smpCnt; negative just before the second in which the first stream was heard first
+    std::optional<T> first, second;
+    std::uint8_t first_synch{0}, second_synch{0}; ///< of the newest sample when the member is empty
+    [[nodiscard]] bool coherent() const noexcept { return same_clock(first_synch, second_synch); }
+};
+
+/// Puts the samples of two streams side by side by their counters, never by their arrival. A pair comes out when both
+/// are there; or one alone when its partner's stream is already past it, or `timeout_ns` after it came. Pairs come out
+/// in order, each index once. Samples that come later than that are counted and dropped. Allocates nothing.
+template <class T, std::size_t kCapacity = 256>
+class StreamAlignment {
+    static_assert((kCapacity & (kCapacity - 1)) == 0);
+
+  public:
+    struct Counters {
+        std::uint64_t pairs{0}, first_missing{0}, second_missing{0}, too_late{0}, restarts{0};
+    };
+
+    StreamAlignment(std::int64_t timeout_ns, std::uint32_t wrap) : timeout_ns_{timeout_ns}, wrap_{wrap} {}
+
+    /// Sample `smp_cnt` of stream 0 or 1. `restarted`: the first of the stream, or behind a jump of its counter.
+    void push(std::size_t stream, std::uint16_t smp_cnt, std::uint8_t synch, T const& value, std::int64_t now_ns,
+              bool restarted = false) noexcept {
+        End& end = ends_[stream];
+        std::int64_t const near = !end.started && ends_[1 - stream].started ? ends_[1 - stream].newest
+                                  : end.started                             ? end.newest + (restarted ? 0 : 1)
+                                                                            : std::int64_t{smp_cnt};
+        std::int64_t index =
+            congruent(smp_cnt, restarted && ends_[1 - stream].started ? ends_[1 - stream].newest : near);
+        if (!next_) {
+            next_ = index;
+        }
+        end.synch = synch;
+        if (restarted && end.started) {
+            ++counters_.restarts;
+        }
+        if (index < *next_) {
+            if (!emitted_ && *next_ - index < static_cast<std::int64_t>(kCapacity / 2)) {
+                next_ = index; // the very first pairs: the other stream was heard first, but is ahead
+            } else {
+                ++counters_.too_late;
+                end.started = true;
+                end.newest = std::max(end.newest, index);
+                return;
+            }
+        }
+        if (index - *next_ >= static_cast<std::int64_t>(kCapacity)) { // far ahead of what is kept: begin anew there
+            clear();
+            next_ = index;
+            ++counters_.restarts;
+        }
+        Slot& slot = slots_[static_cast<std::size_t>(index) & (kCapacity - 1)];
+        if (slot.index != index) {
+            slot = {};
+            slot.index = index;
+            slot.arrived_ns = now_ns;
+        }
+        slot.values[stream] = value;
+        slot.synch[stream] = synch;
+        end.newest = end.started ? std::max(end.newest, index) : index;
+        end.started = true;
+    }
+
+    /// The next pair that can be given out, or nothing yet.
+    [[nodiscard]] std::optional<AlignedPair<T>> pop(std::int64_t now_ns) noexcept {
+        if (!next_) {
+            return std::nullopt;
+        }
+        Slot& slot = slots_[static_cast<std::size_t>(*next_) & (kCapacity - 1)];
+        bool const here = slot.index == *next_;
+        bool const both = here && slot.values[0] && slot.values[1];
+        if (!both && !past(here ? &slot : nullptr, now_ns)) {
+            return std::nullopt;
+        }
+        AlignedPair<T> pair{*next_, {}, {}, ends_[0].synch, ends_[1].synch};
+        if (here) {
+            pair.first = slot.values[0];
+            pair.second = slot.values[1];
+            pair.first_synch = slot.values[0] ? slot.synch[0] : ends_[0].synch;
+            pair.second_synch = slot.values[1] ? slot.synch[1] : ends_[1].synch;
+            slot.index = kNone;
+        }
+        counters_.first_missing += pair.first ? 0 : 1;
+        counters_.second_missing += pair.second ? 0 : 1;
+        ++counters_.pairs;
+        ++*next_;
+        emitted_ = true;
+        return pair;
+    }
+
+    /// When pop() would give something without another sample; nothing when it would not.
+    [[nodiscard]] std::optional<std::int64_t> deadline() const noexcept {
+        if (!next_) {
+            return std::nullopt;
+        }
+        for (std::int64_t i = *next_; i <= std::max(ends_[0].newest, ends_[1].newest); ++i) {
+            Slot const& slot = slots_[static_cast<std::size_t>(i) & (kCapacity - 1)];
+            if (slot.index == i) {
+                return slot.arrived_ns + timeout_ns_;
+            }
+        }
+        return std::nullopt;
+    }
+
+    [[nodiscard]] Counters const& counters() const noexcept { return counters_; }
+
+  private:
+    static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::min();
+    struct Slot {
+        std::int64_t index{kNone};
+        std::int64_t arrived_ns{0};
+        std::array<std::optional<T>, 2> values;
+        std::array<std::uint8_t, 2> synch{};
+    };
+    struct End {
+        bool started{false};
+        std::int64_t newest{0};
+        std::uint8_t synch{0};
+    };
+
+    [[nodiscard]] std::int64_t congruent(std::int64_t value, std::int64_t near) const noexcept {
+        std::int64_t const wrap = wrap_;
+        std::int64_t difference = (value - near) % wrap;
+        difference += difference < 0 ? wrap : 0;
+        return near + difference - (2 * difference > wrap ? wrap : 0);
+    }
+
+    /// Nothing more will come for the next index: both streams are past it, or what is behind it has waited long
+    /// enough.
+    [[nodiscard]] bool past(Slot const* slot, std::int64_t now_ns) const noexcept {
+        bool const first_done = (slot != nullptr && slot->values[0]) || (ends_[0].started && ends_[0].newest > *next_);
+        bool const second_done = (slot != nullptr && slot->values[1]) || (ends_[1].started && ends_[1].newest > *next_);
+        if (first_done && second_done) {
+            return true;
+        }
+        auto const at = deadline();
+        return at && now_ns >= *at;
+    }
+
+    void clear() noexcept {
+        for (Slot& slot : slots_) {
+            slot.index = kNone;
+        }
+    }
+
+    std::int64_t timeout_ns_;
+    std::uint32_t wrap_;
+    std::array<Slot, kCapacity> slots_{};
+    std::array<End, 2> ends_{};
+    std::optional<std::int64_t> next_;
+    bool emitted_{false};
+    Counters counters_;
+};
+
+/// Bridges single lost samples by the last one; more in a row are invalid until `recover` good samples have come.
+class SampleHold {
+  public:
+    SampleHold(std::uint32_t max_held, std::uint32_t recover) noexcept : max_held_{max_held}, recover_{recover} {}
+
+    enum class State : std::uint8_t { good, held, invalid };
+    /// One sample of the stream is there and usable, or not.
+    State step(bool usable) noexcept {
+        if (usable) {
+            missing_ = 0;
+            good_ = good_ < recover_ ? good_ + 1 : good_;
+            if (invalid_ && good_ >= recover_) {
+                invalid_ = false;
+            }
+            return invalid_ ? State::invalid : State::good;
+        }
+        good_ = 0;
+        missing_ = missing_ <= max_held_ ? missing_ + 1 : missing_;
+        invalid_ = invalid_ || missing_ > max_held_;
+        return invalid_ ? State::invalid : State::held;
+    }
+
+  private:
+    std::uint32_t max_held_, recover_;
+    std::uint32_t missing_{0}, good_{0};
+    bool invalid_{true}; ///< nothing good has come yet
+};
+
+} // namespace gridspace::iec61850

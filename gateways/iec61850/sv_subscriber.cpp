@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/iec61850/sv_subscriber.hpp"
+
+#include <cmath>
+
+namespace gridspace::iec61850 {
+namespace {
+
+constexpr std::uint32_t kWholeCounter = 65536;
+constexpr std::uint32_t kRunToLearn = 16; ///< a peer that restarts at 0 in every frame must not teach us a wrap
+
+constexpr std::array<std::string_view, kSvEvents> kNames{"first",
+                                                         "in_order",
+                                                         "lost",
+                                                         "restart",
+                                                         "duplicate",
+                                                         "late",
+                                                         "identity_mismatch",
+                                                         "conf_rev_mismatch",
+                                                         "size_mismatch",
+                                                         "simulation_refused"};
+
+/// The number congruent to `value` modulo `wrap` that is nearest to `near`.
+std::int64_t nearest_congruent(std::int64_t value, std::int64_t wrap, std::int64_t near) noexcept {
+    std::int64_t difference = (value - near) % wrap;
+    if (difference < 0) {
+        difference += wrap;
+    }
+    return near + difference - (2 * difference > wrap ? wrap : 0);
+}
+
+} // namespace
+
+std::string_view event_name(SvEvent event) noexcept {
+    return kNames[static_cast<std::size_t>(event)];
+}
+
+SvSubscriber::SvSubscriber(SvSubscription subscription)
+    : subscription_{std::move(subscription)}, wrap_{subscription_.wrap == 0 ? kWholeCounter : subscription_.wrap},
+      wrap_known_{subscription_.wrap != 0} {}
+
+SvArrival SvSubscriber::count(SvArrival arrival) noexcept {
+    ++counters_.events[static_cast<std::size_t>(arrival.event)];
+    return arrival;
+}
+
+SvArrival SvSubscriber::receive(FrameHeader const& header, Asdu const& asdu, std::int64_t now_ns) noexcept {
+    SvSubscription const& s = subscription_;
+    auto const refused = [&](SvEvent event) { return count({event, false, 0, index_}); };
+    if ((s.destination && header.destination != *s.destination) || (s.source && header.source != *s.source) ||
+        (s.app_id && header.app_id != *s.app_id)) {
+        return refused(SvEvent::identity_mismatch);
+    }
+    if (header.simulated() != s.simulation) {
+        return refused(SvEvent::simulation_refused);
+    }
+    if (asdu.conf_rev != s.conf_rev) {
+        return refused(SvEvent::conf_rev_mismatch);
+    }
+    if (s.sample_octets != 0 && asdu.sample.size() != s.sample_octets) {
+        return refused(SvEvent::size_mismatch);
+    }
+    smp_synch_ = asdu.smp_synch;
+    return receive(asdu.smp_cnt, now_ns);
+}
+
+std::int64_t SvSubscriber::index_of(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept {
+    // Where time puts it, when enough of it has passed that the counter alone is ambiguous.
+    double const periods = static_cast<double>(now_ns - last_ns_) * 1e-9 * subscription_.rate_hz;
+    std::int64_t const near = periods > wrap_ / 2.0 ? index_ + std::llround(periods) : index_ + 1;
+    return nearest_congruent(smp_cnt, wrap_, near);
+}
+
+void SvSubscriber::learn_wrap(std::uint16_t smp_cnt) noexcept {
+    if (!wrap_known_ && smp_cnt == 0 && last_cnt_ != 0 && run_ >= kRunToLearn) {
+        wrap_ = std::uint32_t{last_cnt_} + 1;
+        wrap_known_ = true;
+        index_ = last_cnt_;
+        arrivals_.clear(); // its indices were counted with another wrap
+    }
+}
+
+SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noexcept {
+    SvArrival arrival;
+    if (wrap_known_ && smp_cnt >= wrap_) {
+        wrap_known_ = false; // it was learned wrongly, or the stream is not what was configured
+        wrap_ = kWholeCounter;
+    }
+    learn_wrap(smp_cnt);
+    if (!started_) {
+        started_ = true;
+        arrival = {SvEvent::first, true, 0, smp_cnt};
+    } else {
+        std::int64_t const index = index_of(smp_cnt, now_ns);
+        std::int64_t const step = index - index_;
+        if (step == 1) {
+            arrival = {SvEvent::in_order, true, 0, index};
+        } else if (step == 0) {
+            return count({SvEvent::duplicate, false, 0, index});
+        } else if (step < 0 && -step <= std::int64_t{subscription_.late_window}) {
+            return count({SvEvent::late, false, 0, index});
+        } else if (step > 0 && step - 1 <= std::int64_t{subscription_.max_gap}) {
+            arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - 1), index};
+        } else { // indices never go back
+            arrival = {SvEvent::restart, true, 0,
+                       step > 0 ? index : index + std::int64_t{wrap_} * ((-step) / wrap_ + 1)};
+        }
+    }
+    run_ = arrival.event == SvEvent::in_order ? run_ + 1 : 0;
+    if (arrival.event == SvEvent::restart) {
+        arrivals_.clear();
+    }
+    silent_ = false;
+    index_ = arrival.index;
+    last_cnt_ = smp_cnt;
+    last_ns_ = now_ns;
+    ++counters_.samples;
+    counters_.lost += arrival.lost;
+    arrivals_.add(index_, now_ns);
+    arrival.accepted = true;
+    return count(arrival);
+}
+
+std::optional<std::int64_t> SvSubscriber::deadline() const noexcept {
+    if (!alive()) {
+        return std::nullopt;
+    }
+    return last_ns_ + static_cast<std::int64_t>(std::ceil(subscription_.silence_periods * 1e9 / subscription_.rate_hz));
+}
+
+bool SvSubscriber::expire(std::int64_t now_ns) noexcept {
+    auto const at = deadline();
+    if (!at || now_ns < *at) {
+        return false;
+    }
+    silent_ = true;
+    ++counters_.silences;
+    return true;
+}
+
+} // namespace gridspace::iec61850

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gateways/iec61850/arrival_statistics.hpp"
+#include "gateways/iec61850/sv.hpp"
+
+#include <optional>
+#include <string>
+
+namespace gridspace::iec61850 {
+
+/// What a subscriber expects of one svID, and how it judges its counter.
+struct SvSubscription {
+    std::string sv_id;
+    std::optional<Mac> destination, source;
+    std::optional<std::uint16_t> app_id;
+    std::uint32_t conf_rev{1};
+    std::size_t sample_octets{0};  ///< 0: not checked
+    bool simulation{false};        ///< take simulated frames instead of real ones
+    double rate_hz{4800};          ///< for silence, and for gaps longer than half of a wrap
+    std::uint32_t wrap{4800};      ///< 0: not known, learned when smpCnt comes back to 0
+    std::uint32_t late_window{16}; ///< a counter at most so far behind is a late sample, farther: a restart
+    std::uint32_t max_gap{4800};   ///< more samples than this missing: a restart of the stream, not a loss
+    double silence_periods{8};     ///< no sample for so long: the stream is lost
+};
+
+enum class SvEvent : std::uint8_t {
+    first,
+    in_order,
+    lost,    ///< taken; `lost` samples are missing before it
+    restart, ///< taken; the counter jumped
+    duplicate,
+    late, ///< not taken
+    identity_mismatch,
+    conf_rev_mismatch,
+    size_mismatch,
+    simulation_refused, // not taken
+};
+inline constexpr std::size_t kSvEvents = 10;
+[[nodiscard]] std::string_view event_name(SvEvent event) noexcept;
+
+struct SvArrival {
+    SvEvent event{SvEvent::first};
+    bool accepted{false};
+    std::uint32_t lost{0};
+    /// Counts samples without wrapping; congruent to smpCnt modulo the wrap. A late sample has the index of its place.
+    std::int64_t index{0};
+};
+
+/// Supervision of one SV stream by its counter and its arrival times (nanoseconds on any one axis). Allocates nothing.
+class SvSubscriber {
+  public:
+    struct Counters {
+        std::array<std::uint64_t, kSvEvents> events{};
+        std::uint64_t samples{0}, lost{0}, silences{0};
+        [[nodiscard]] std::uint64_t of(SvEvent event) const noexcept { return events[static_cast<std::size_t>(event)]; }
+    };
+
+    explicit SvSubscriber(SvSubscription subscription);
+
+    [[nodiscard]] bool is_mine(Asdu const& asdu) const noexcept { return asdu.sv_id == subscription_.sv_id; }
+    /// An ASDU of this svID.
+    SvArrival receive(FrameHeader const& header, Asdu const& asdu, std::int64_t now_ns) noexcept;
+    /// The counter alone.
+    SvArrival receive(std::uint16_t smp_cnt, std::int64_t now_ns) noexcept;
+
+    /// When the stream counts as silent unless something comes; nothing before the first sample and while it is silent.
+    [[nodiscard]] std::optional<std::int64_t> deadline() const noexcept;
+    /// Call it when the deadline has come: true when the stream fell silent just now.
+    bool expire(std::int64_t now_ns) noexcept;
+    [[nodiscard]] bool alive() const noexcept { return started_ && !silent_; }
+
+    [[nodiscard]] std::uint32_t wrap() const noexcept { return wrap_; } ///< 65536 until it is known
+    [[nodiscard]] bool wrap_known() const noexcept { return wrap_known_; }
+    [[nodiscard]] std::uint8_t smp_synch() const noexcept { return smp_synch_; }
+    [[nodiscard]] std::int64_t last_index() const noexcept { return index_; }
+    [[nodiscard]] Counters const& counters() const noexcept { return counters_; }
+    [[nodiscard]] ArrivalStatistics const& arrivals() const noexcept { return arrivals_; }
+    [[nodiscard]] SvSubscription const& subscription() const noexcept { return subscription_; }
+
+  private:
+    [[nodiscard]] std::int64_t index_of(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept;
+    void learn_wrap(std::uint16_t smp_cnt) noexcept;
+    SvArrival count(SvArrival arrival) noexcept;
+
+    SvSubscription subscription_;
+    std::uint32_t wrap_;
+    bool wrap_known_;
+    bool started_{false}, silent_{false};
+    std::uint32_t run_{0}; ///< consecutive samples in order
+    std::uint16_t last_cnt_{0};
+    std::uint8_t smp_synch_{0};
+    std::int64_t index_{0}, last_ns_{0};
+    Counters counters_;
+    ArrivalStatistics arrivals_;
+};
+
+} // namespace gridspace::iec61850

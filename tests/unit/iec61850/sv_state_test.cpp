@@ -1,0 +1,287 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "hex.hpp"
+
+#include "gateways/iec61850/stream_alignment.hpp"
+#include "gateways/iec61850/sv_publisher.hpp"
+#include "gateways/iec61850/sv_subscriber.hpp"
+
+#include <gmock/gmock.h>
+
+namespace gridspace::iec61850 {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr std::int64_t kPeriod = 208'333;
+
+SvSubscription subscription(std::uint32_t wrap = 4800) {
+    SvSubscription out;
+    out.sv_id = "MU";
+    out.wrap = wrap;
+    return out;
+}
+
+TEST(SampleGrid, NeverAddsUpRoundedPeriods) {
+    SampleGrid const sut{Rational{4800}};
+    EXPECT_EQ(sut.nanoseconds(0), 0);
+    EXPECT_EQ(sut.nanoseconds(1), 208'333);
+    EXPECT_EQ(sut.nanoseconds(2), 416'667);
+    EXPECT_EQ(sut.nanoseconds(3), 625'000);
+    EXPECT_EQ(sut.nanoseconds(4800LL * 86'400 * 365), 86'400LL * 365 * 1'000'000'000);
+    EXPECT_EQ(sut.nanoseconds(-1), -208'333);
+}
+
+TEST(SvPublisher, GivesAFrameOutWithItsLastSampleAndWrapsOnTheSecond) {
+    SvPublisher sut{*SvTemplate::create(sv_address(), std::vector(2, asdu("MU", 4))), 4800};
+    (void)sut.sample(4798);
+    EXPECT_TRUE(sut.commit().empty());
+    (void)sut.sample(4799);
+    SvFrame frame;
+    ASSERT_TRUE(decode_sv(sut.commit(), frame));
+    EXPECT_EQ(frame.asdus[0].smp_cnt, 4798);
+    EXPECT_EQ(frame.asdus[1].smp_cnt, 4799);
+    (void)sut.sample(4800);
+    (void)sut.sample(4801);
+    ASSERT_TRUE(decode_sv(sut.commit(), frame));
+    EXPECT_EQ(frame.asdus[0].smp_cnt, 0);
+    EXPECT_EQ(sut.sent(), 2U);
+}
+
+TEST(SendSchedule, OwesEverySampleOnceHoweverLateItWakes) {
+    SendSchedule sut{Rational{4800}, 1, 1'000'000};
+    EXPECT_EQ(sut.owed(999'999, 16), 0U);
+    EXPECT_EQ(sut.owed(1'000'000, 16), 1U);
+    sut.sent(1);
+    EXPECT_EQ(sut.late_wakeups(), 0U);
+    std::int64_t frames = 1;
+    std::int64_t const now = 1'000'000 + 100 * kPeriod;
+    while (std::size_t const owed = sut.owed(now, 16)) {
+        frames += static_cast<std::int64_t>(owed);
+        sut.sent(owed);
+    }
+    EXPECT_EQ(frames, 100);
+    EXPECT_EQ(sut.next_frame(), 100);
+    EXPECT_GT(sut.late_wakeups(), 0U);
+    EXPECT_NEAR(static_cast<double>(sut.worst_late_ns()), 99.0 * kPeriod, 100);
+}
+
+TEST(SendSchedule, SendsAFrameOfTwoSamplesAtTheTimeOfItsSecond) {
+    SendSchedule const sut{Rational{4800}, 2, 0};
+    EXPECT_EQ(sut.due_ns(), 208'333);
+}
+
+TEST(SvSubscriber, FollowsTheCounterOverTheWrap) {
+    SvSubscriber sut{subscription()};
+    EXPECT_EQ(sut.receive(4798, 0).event, SvEvent::first);
+    EXPECT_EQ(sut.receive(4799, kPeriod).event, SvEvent::in_order);
+    auto const wrapped = sut.receive(0, 2 * kPeriod);
+    EXPECT_EQ(wrapped.event, SvEvent::in_order);
+    EXPECT_EQ(wrapped.index, 4800);
+}
+
+TEST(SvSubscriber, TellsLossFromDuplicateFromLateFromRestart) {
+    SvSubscription s = subscription();
+    s.max_gap = 100;
+    SvSubscriber sut{s};
+    sut.receive(1000, 0);
+    auto const lost = sut.receive(1004, 4 * kPeriod);
+    EXPECT_EQ(lost.event, SvEvent::lost);
+    EXPECT_EQ(lost.lost, 3U);
+    EXPECT_EQ(sut.receive(1004, 4 * kPeriod).event, SvEvent::duplicate);
+    auto const late = sut.receive(1002, 5 * kPeriod);
+    EXPECT_EQ(late.event, SvEvent::late);
+    EXPECT_FALSE(late.accepted);
+    EXPECT_EQ(late.index, 1002);
+    auto const restart = sut.receive(3000, 6 * kPeriod);
+    EXPECT_EQ(restart.event, SvEvent::restart);
+    EXPECT_EQ(restart.index, 3000);
+    auto const back = sut.receive(0, 7 * kPeriod);
+    EXPECT_EQ(back.event, SvEvent::restart);
+    EXPECT_EQ(back.index % 4800, 0);
+    EXPECT_GT(back.index, restart.index) << "indices never go back";
+    EXPECT_EQ(sut.counters().lost, 3U);
+    EXPECT_EQ(sut.counters().of(SvEvent::duplicate), 1U);
+}
+
+TEST(SvSubscriber, LosesNoSecondInALongGap) {
+    SvSubscription s = subscription();
+    s.max_gap = 100'000;
+    SvSubscriber sut{s};
+    sut.receive(100, 0);
+    auto const after = sut.receive(110, 3'000'000'000LL + 10 * kPeriod);
+    EXPECT_EQ(after.index, 100 + 3 * 4800 + 10);
+    EXPECT_EQ(after.lost, 3U * 4800 + 9);
+}
+
+TEST(SvSubscriber, LearnsTheWrapOfAnUnknownStream) {
+    SvSubscriber sut{subscription(0)};
+    EXPECT_EQ(sut.wrap(), 65536U);
+    for (int i = 3900; i < 4000; ++i) {
+        sut.receive(static_cast<std::uint16_t>(i), i * kPeriod);
+    }
+    EXPECT_EQ(sut.receive(0, 4000 * kPeriod).event, SvEvent::in_order);
+    EXPECT_EQ(sut.wrap(), 4000U);
+    EXPECT_EQ(sut.counters().lost, 0U);
+}
+
+TEST(SvSubscriber, DoesNotLearnFromAPeerThatStartsAnewInEveryFrame) {
+    SvSubscriber sut{subscription(0)};
+    for (int i = 0; i < 200; ++i) {
+        sut.receive(static_cast<std::uint16_t>(i % 16), i * kPeriod);
+    }
+    EXPECT_FALSE(sut.wrap_known());
+}
+
+TEST(SvSubscriber, NoticesSilence) {
+    SvSubscriber sut{subscription()};
+    EXPECT_FALSE(sut.deadline());
+    sut.receive(0, 0);
+    ASSERT_TRUE(sut.deadline());
+    EXPECT_NEAR(static_cast<double>(*sut.deadline()), 8 * 208'333.3, 1);
+    EXPECT_FALSE(sut.expire(1'000'000));
+    EXPECT_TRUE(sut.expire(2'000'000));
+    EXPECT_FALSE(sut.expire(3'000'000));
+    EXPECT_FALSE(sut.alive());
+    EXPECT_EQ(sut.receive(20, 20 * kPeriod).event, SvEvent::lost);
+    EXPECT_TRUE(sut.alive());
+}
+
+TEST(SvSubscriber, ChecksTheFrameAroundTheSample) {
+    auto stream = SvTemplate::create(sv_address(), {asdu("MU", 12)});
+    SvFrame frame;
+    ASSERT_TRUE(decode_sv(stream->frame(), frame));
+    SvSubscription s = subscription();
+    s.sample_octets = 12;
+    s.app_id = 0x4000;
+    SvSubscriber sut{s};
+    EXPECT_TRUE(sut.receive(frame.header, frame.asdus[0], 0).accepted);
+    auto const event = [&](auto change) {
+        SvFrame other = frame;
+        other.asdus[0].smp_cnt = 1;
+        change(other);
+        return sut.receive(other.header, other.asdus[0], kPeriod).event;
+    };
+    EXPECT_EQ(event([](SvFrame& f) { f.header.app_id = 0x4001; }), SvEvent::identity_mismatch);
+    EXPECT_EQ(event([](SvFrame& f) { f.asdus[0].conf_rev = 2; }), SvEvent::conf_rev_mismatch);
+    EXPECT_EQ(event([](SvFrame& f) { f.asdus[0].sample = f.asdus[0].sample.first(8); }), SvEvent::size_mismatch);
+    EXPECT_EQ(event([](SvFrame& f) { f.header.reserved1 = 0x8000; }), SvEvent::simulation_refused);
+    EXPECT_EQ(event([](SvFrame&) {}), SvEvent::in_order);
+}
+
+TEST(ArrivalStatistics, GivesTheRateAsASlope) {
+    ArrivalStatistics sut;
+    SampleGrid const grid{Rational{4800}};
+    for (std::int64_t i = 0; i <= 4800; ++i) {
+        sut.add(i, grid.nanoseconds(i) + (i % 2) * 50'000);
+    }
+    EXPECT_NEAR(sut.rate_hz(), 4800, 1e-6);
+    EXPECT_NEAR(static_cast<double>(sut.longest_ns()), 258'333, 1);
+    EXPECT_NEAR(static_cast<double>(sut.shortest_ns()), 158'333, 1);
+}
+
+using Alignment = StreamAlignment<int>;
+constexpr std::int64_t kTimeout = 3'150'000;
+
+std::vector<std::pair<std::int64_t, std::pair<int, int>>> drain(Alignment& sut, std::int64_t now) {
+    std::vector<std::pair<std::int64_t, std::pair<int, int>>> out;
+    while (auto const pair = sut.pop(now)) {
+        out.emplace_back(pair->index, std::pair{pair->first.value_or(-1), pair->second.value_or(-1)});
+    }
+    return out;
+}
+
+auto entry(std::int64_t index, int a, int b) {
+    return std::pair{index, std::pair{a, b}};
+}
+
+TEST(StreamAlignment, PairsByCounterHoweverTheStreamsAreDelayed) {
+    Alignment sut{kTimeout, 4800};
+    for (int i = 10; i < 15; ++i) {
+        sut.push(0, static_cast<std::uint16_t>(i), 2, i, i * kPeriod);
+    }
+    EXPECT_TRUE(drain(sut, 15 * kPeriod).empty());
+    for (int i = 10; i < 13; ++i) {
+        sut.push(1, static_cast<std::uint16_t>(i), 2, 100 + i, 15 * kPeriod);
+    }
+    EXPECT_THAT(drain(sut, 15 * kPeriod), ElementsAre(entry(10, 10, 110), entry(11, 11, 111), entry(12, 12, 112)));
+}
+
+TEST(StreamAlignment, GivesALostSampleAsAHoleAsSoonAsItIsCertain) {
+    Alignment sut{kTimeout, 4800};
+    sut.push(0, 0, 2, 1, 0);
+    sut.push(1, 0, 2, 2, 0);
+    sut.push(0, 1, 2, 3, kPeriod);
+    EXPECT_THAT(drain(sut, kPeriod), ElementsAre(entry(0, 1, 2)));
+    sut.push(1, 2, 2, 4, 2 * kPeriod); // stream 1 has no sample 1
+    EXPECT_THAT(drain(sut, 2 * kPeriod), ElementsAre(entry(1, 3, -1)));
+    sut.push(0, 2, 2, 5, 2 * kPeriod);
+    EXPECT_THAT(drain(sut, 2 * kPeriod), ElementsAre(entry(2, 5, 4)));
+    EXPECT_EQ(sut.counters().second_missing, 1U);
+}
+
+TEST(StreamAlignment, DoesNotWaitForAPartnerLongerThanItsTimeout) {
+    Alignment sut{kTimeout, 4800};
+    sut.push(0, 0, 2, 7, 1'000);
+    EXPECT_EQ(sut.deadline(), 1'000 + kTimeout);
+    EXPECT_TRUE(drain(sut, kTimeout).empty());
+    EXPECT_THAT(drain(sut, kTimeout + 1'000), ElementsAre(entry(0, 7, -1)));
+    sut.push(1, 0, 2, 8, kTimeout + 2'000);
+    EXPECT_TRUE(drain(sut, kTimeout + 2'000).empty());
+    EXPECT_EQ(sut.counters().too_late, 1U);
+}
+
+TEST(StreamAlignment, JoinsStreamsOnBothSidesOfTheWrap) {
+    Alignment sut{kTimeout, 4800};
+    sut.push(0, 0, 2, 1, 0); // already in the new second
+    sut.push(1, 4799, 2, 2, 0);
+    sut.push(1, 0, 2, 3, kPeriod);
+    auto const pairs = drain(sut, kPeriod);
+    ASSERT_EQ(pairs.size(), 2U);
+    EXPECT_EQ(pairs[0].second, (std::pair{-1, 2}));
+    EXPECT_EQ(pairs[1].second, (std::pair{1, 3}));
+}
+
+TEST(StreamAlignment, SaysWhetherTheClocksAreTheSame) {
+    EXPECT_TRUE(same_clock(2, 2));
+    EXPECT_TRUE(same_clock(1, 1));
+    EXPECT_TRUE(same_clock(17, 17));
+    EXPECT_FALSE(same_clock(0, 0));
+    EXPECT_FALSE(same_clock(1, 2));
+    EXPECT_FALSE(same_clock(17, 18));
+    EXPECT_FALSE(same_clock(3, 3)) << "reserved";
+    Alignment sut{kTimeout, 4800};
+    sut.push(0, 0, 2, 1, 0);
+    sut.push(1, 0, 0, 1, 0);
+    EXPECT_FALSE(sut.pop(0)->coherent());
+}
+
+TEST(StreamAlignment, BeginsAnewAfterAJumpOfBothStreams) {
+    Alignment sut{kTimeout, 4800};
+    for (std::size_t stream : {0U, 1U}) {
+        sut.push(stream, 0, 2, 1, 0);
+    }
+    EXPECT_EQ(drain(sut, 0).size(), 1U);
+    for (std::size_t stream : {0U, 1U}) {
+        sut.push(stream, 2000, 2, 5, kPeriod, true);
+    }
+    EXPECT_THAT(drain(sut, kPeriod), ElementsAre(entry(2000, 5, 5)));
+}
+
+TEST(SampleHold, BridgesOneSampleAndNotTwo) {
+    using State = SampleHold::State;
+    SampleHold sut{1, 3};
+    EXPECT_EQ(sut.step(true), State::invalid) << "nothing is known about the stream yet";
+    sut.step(true);
+    EXPECT_EQ(sut.step(true), State::good);
+    EXPECT_EQ(sut.step(false), State::held);
+    EXPECT_EQ(sut.step(true), State::good);
+    EXPECT_EQ(sut.step(false), State::held);
+    EXPECT_EQ(sut.step(false), State::invalid);
+    EXPECT_EQ(sut.step(true), State::invalid);
+    EXPECT_EQ(sut.step(true), State::invalid);
+    EXPECT_EQ(sut.step(true), State::good);
+}
+
+} // namespace
+} // namespace gridspace::iec61850
