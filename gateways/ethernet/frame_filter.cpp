@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/ethernet/frame_filter.hpp"
+
+#include <algorithm>
+#include <linux/filter.h>
+
+namespace gridspace::ethernet {
+namespace {
+
+constexpr std::size_t kLongestList = 60; // a conditional jump reaches 255 instructions; a destination takes four
+
+bool is_vlan(std::uint16_t ethertype) {
+    return ethertype == 0x8100 || ethertype == 0x88A8;
+}
+
+template <class T>
+bool in(std::vector<T> const& list, T const& value) {
+    return list.empty() || std::find(list.begin(), list.end(), value) != list.end();
+}
+
+sock_filter load(std::uint16_t mode, std::uint32_t at) {
+    return {static_cast<std::uint16_t>(BPF_LD | mode), 0, 0, at};
+}
+sock_filter equal(std::uint32_t value, std::size_t if_true, std::size_t if_false) {
+    return {BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint8_t>(if_true), static_cast<std::uint8_t>(if_false), value};
+}
+sock_filter give(std::uint32_t octets) {
+    return {BPF_RET | BPF_K, 0, 0, octets};
+}
+
+/// The loaded half word must be one of `values`, else the frame is dropped.
+void one_of(std::vector<sock_filter>& out, std::vector<std::uint16_t> const& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        out.push_back(equal(values[i], values.size() - i, 0)); // over the rest of the list and over the drop
+    }
+    out.push_back(give(0));
+}
+
+} // namespace
+
+bool FrameFilter::kernel_decides() const noexcept {
+    return ethertypes.size() <= kLongestList && app_ids.size() <= kLongestList && destinations.size() <= kLongestList;
+}
+
+bool FrameFilter::matches(Octets frame) const noexcept {
+    if (frame.size() < 14) {
+        return empty();
+    }
+    std::size_t at = 12;
+    for (int tags = 0;
+         tags < 2 && frame.size() >= at + 6 && is_vlan(iec61850::load_be<std::uint16_t>(frame.data() + at)); ++tags) {
+        at += 4;
+    }
+    if (!in(ethertypes, iec61850::load_be<std::uint16_t>(frame.data() + at))) {
+        return false;
+    }
+    if (!app_ids.empty() &&
+        (frame.size() < at + 4 || !in(app_ids, iec61850::load_be<std::uint16_t>(frame.data() + at + 2)))) {
+        return false;
+    }
+    Mac destination;
+    std::copy_n(frame.begin(), 6, destination.octets.begin());
+    return in(destinations, destination);
+}
+
+std::vector<sock_filter> FrameFilter::program() const {
+    std::vector<sock_filter> out;
+    // X: octets of VLAN tags that are still in the frame. The kernel has taken the outer one off and put it into
+    // auxiliary data.
+    out.push_back({BPF_LDX | BPF_IMM, 0, 0, 0});
+    out.push_back(load(BPF_H | BPF_ABS, 12));
+    out.push_back(equal(0x8100, 1, 0));
+    out.push_back(equal(0x88A8, 0, 1));
+    out.push_back({BPF_LDX | BPF_IMM, 0, 0, 4});
+    if (!ethertypes.empty() && ethertypes.size() <= kLongestList) {
+        out.push_back(load(BPF_H | BPF_IND, 12));
+        one_of(out, ethertypes);
+    }
+    if (!app_ids.empty() && app_ids.size() <= kLongestList) {
+        out.push_back(load(BPF_H | BPF_IND, 14));
+        one_of(out, app_ids);
+    }
+    if (!destinations.empty() && destinations.size() <= kLongestList) {
+        for (std::size_t i = 0; i < destinations.size(); ++i) {
+            std::uint8_t const* const mac = destinations[i].octets.data();
+            out.push_back(load(BPF_W | BPF_ABS, 2));
+            out.push_back(equal(iec61850::load_be<std::uint32_t>(mac + 2), 0, 2));
+            out.push_back(load(BPF_H | BPF_ABS, 0));
+            out.push_back(equal(iec61850::load_be<std::uint16_t>(mac), (destinations.size() - 1 - i) * 4 + 1, 0));
+        }
+        out.push_back(give(0));
+    }
+    out.push_back(give(0x40000));
+    return out;
+}
+
+} // namespace gridspace::ethernet

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/ethernet/interface.hpp"
+
+#include "common/text.hpp"
+#include "common/unique_fd.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fmt/format.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+namespace gridspace::ethernet {
+namespace {
+
+/// A name that fits struct ifreq: longer ones cannot exist, and copying them blindly has been a vulnerability
+/// elsewhere.
+bool fits(std::string const& name) {
+    return !name.empty() && name.size() < IFNAMSIZ && name.find('\0') == std::string::npos;
+}
+
+bool query(std::string const& name, unsigned long request, ifreq& out) {
+    UniqueFd const socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+    out = {};
+    std::memcpy(out.ifr_name, name.c_str(), name.size() + 1);
+    return socket && ::ioctl(socket.get(), request, &out) == 0;
+}
+
+} // namespace
+
+std::string_view state_name(LinkState state) noexcept {
+    constexpr std::string_view kNames[] = {"up", "down", "missing", "renamed"};
+    return kNames[static_cast<std::size_t>(state)];
+}
+
+LinkState link_state(std::string const& interface, unsigned index) {
+    ifreq request{};
+    if (fits(interface) && query(interface, SIOCGIFFLAGS, request)) {
+        auto const flags = static_cast<unsigned>(request.ifr_flags);
+        return (flags & (IFF_UP | IFF_RUNNING)) == (IFF_UP | IFF_RUNNING) ? LinkState::up : LinkState::down;
+    }
+    char name[IFNAMSIZ];
+    return index != 0 && ::if_indextoname(index, name) != nullptr ? LinkState::renamed : LinkState::missing;
+}
+
+Result<unsigned> interface_index(std::string const& interface) {
+    unsigned const index = fits(interface) ? ::if_nametoindex(interface.c_str()) : 0;
+    if (index == 0) {
+        return fail(ExitCode::environment, fmt::format("there is no network interface '{}'", interface.substr(0, 64)),
+                    fmt::format("there are: {}", join(interfaces(), ", ")));
+    }
+    return index;
+}
+
+Result<iec61850::Mac> interface_mac(std::string const& interface) {
+    auto const index = interface_index(interface);
+    if (!index) {
+        return std::unexpected{index.error()};
+    }
+    ifreq request{};
+    if (!query(interface, SIOCGIFHWADDR, request)) {
+        return fail(ExitCode::environment,
+                    fmt::format("interface '{}' does not tell its address: {}", interface, std::strerror(errno)));
+    }
+    iec61850::Mac mac;
+    std::copy_n(reinterpret_cast<std::uint8_t const*>(request.ifr_hwaddr.sa_data), 6, mac.octets.begin());
+    return mac;
+}
+
+std::vector<std::string> interfaces() {
+    std::vector<std::string> out;
+    if (auto* const list = ::if_nameindex()) {
+        for (auto const* entry = list; entry->if_index != 0; ++entry) {
+            out.emplace_back(entry->if_name);
+        }
+        ::if_freenameindex(list);
+    }
+    return out;
+}
+
+} // namespace gridspace::ethernet

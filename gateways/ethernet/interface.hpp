@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "gateways/iec61850/frame.hpp"
+
+#include <string>
+#include <vector>
+
+namespace gridspace::ethernet {
+
+enum class LinkState : std::uint8_t {
+    up,      ///< carrier
+    down,    ///< switched off or without carrier
+    missing, ///< no such interface
+    renamed, ///< it is there under another name
+};
+[[nodiscard]] std::string_view state_name(LinkState state) noexcept;
+
+/// Looks at an interface by its name. `index`: what it was when it was opened (0: never).
+[[nodiscard]] LinkState link_state(std::string const& interface, unsigned index = 0);
+
+/// The kernel's index of an interface. The error names it and lists those that there are.
+[[nodiscard]] Result<unsigned> interface_index(std::string const& interface);
+[[nodiscard]] Result<iec61850::Mac> interface_mac(std::string const& interface);
+[[nodiscard]] std::vector<std::string> interfaces();
+
+} // namespace gridspace::ethernet

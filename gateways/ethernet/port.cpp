@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/ethernet/port.hpp"
+
+#include "gateways/ethernet/packet_socket.hpp"
+
+#include <array>
+#include <cerrno>
+#include <ctime>
+#include <poll.h>
+#include <sys/socket.h>
+
+namespace gridspace::ethernet {
+
+struct Port::Impl {
+    PortOptions options;
+    PacketSocket socket;
+    std::unique_ptr<Receiver> receiver;
+    PortCounters counters;
+    Mac mac;
+
+    static constexpr std::size_t kBatch = 64;
+    std::array<mmsghdr, kBatch> messages{};
+    std::array<iovec, kBatch> parts{};
+
+    Result<void> connect() {
+        disconnect();
+        auto made = make_socket(options);
+        if (!made) {
+            return std::unexpected{made.error()};
+        }
+        std::unique_ptr<Receiver> way;
+        if (options.receive) {
+            way = options.ring ? make_ring(made->fd.get(), options.ring_frames) : nullptr;
+            way = way ? std::move(way) : make_batch_receiver(made->fd.get());
+        }
+        auto const own = interface_mac(options.interface);
+        if (auto bound = bind_socket(*made, options); !bound) {
+            return bound;
+        }
+        mac = own ? *own : Mac{};
+        socket = std::move(*made);
+        receiver = std::move(way);
+        return {};
+    }
+
+    void disconnect() {
+        if (socket.fd) {
+            counters.dropped += take_drops(socket.fd.get());
+        }
+        receiver.reset();
+        socket = {};
+    }
+
+    /// What the kernel could not decide.
+    [[nodiscard]] bool wanted(ReceivedFrame const& frame) const {
+        return (socket.ignores_outgoing || options.include_outgoing || !frame.outgoing) &&
+               (socket.kernel_filters || options.filter.matches(frame.octets));
+    }
+};
+
+Port::Port(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
+Port::Port(Port&&) noexcept = default;
+Port& Port::operator=(Port&&) noexcept = default;
+Port::~Port() = default;
+
+Result<Port> Port::open(PortOptions options) {
+    auto impl = std::make_unique<Impl>();
+    impl->options = std::move(options);
+    if (auto ok = impl->connect(); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    return Port{std::move(impl)};
+}
+
+int Port::fd() const noexcept {
+    return impl_->socket.fd.get();
+}
+Mac const& Port::mac() const noexcept {
+    return impl_->mac;
+}
+std::string const& Port::interface() const noexcept {
+    return impl_->options.interface;
+}
+bool Port::uses_ring() const noexcept {
+    return impl_->receiver && impl_->receiver->is_ring();
+}
+
+PortCounters const& Port::counters() noexcept {
+    if (impl_->socket.fd) {
+        impl_->counters.dropped += take_drops(fd());
+    }
+    return impl_->counters;
+}
+
+std::size_t Port::receive(std::span<ReceivedFrame> out) noexcept {
+    if (!impl_->receiver) {
+        return 0;
+    }
+    std::size_t const count = impl_->receiver->receive(out);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (impl_->wanted(out[i])) {
+            impl_->counters.truncated += out[i].truncated ? 1 : 0;
+            out[kept++] = out[i];
+        } else {
+            ++impl_->counters.filtered;
+        }
+    }
+    impl_->counters.received += kept;
+    return kept;
+}
+
+bool Port::wait(std::int64_t timeout_ns) const noexcept {
+    timespec const timeout{timeout_ns / 1'000'000'000, timeout_ns % 1'000'000'000};
+    pollfd entry{fd(), POLLIN, 0}; // an fd of -1 is ignored: the time is waited
+    int const ready = ::ppoll(&entry, 1, &timeout, nullptr);
+    if (ready > 0 && (entry.revents & POLLERR) != 0) { // "network is down", told once
+        int error = 0;
+        socklen_t size = sizeof error;
+        ::getsockopt(fd(), SOL_SOCKET, SO_ERROR, &error, &size);
+    }
+    return ready > 0 && (entry.revents & POLLIN) != 0;
+}
+
+std::size_t Port::send(std::span<Octets const> frames) noexcept {
+    Impl& impl = *impl_;
+    std::size_t taken = 0, at = 0;
+    while (at < frames.size() && impl.socket.fd) {
+        std::size_t const batch = std::min(frames.size() - at, Impl::kBatch);
+        for (std::size_t i = 0; i < batch; ++i) {
+            // sendmmsg does not write to what it sends
+            impl.parts[i] = {const_cast<std::uint8_t*>(frames[at + i].data()), frames[at + i].size()};
+            impl.messages[i].msg_hdr = {};
+            impl.messages[i].msg_hdr.msg_iov = &impl.parts[i];
+            impl.messages[i].msg_hdr.msg_iovlen = 1;
+        }
+        int sent = ::sendmmsg(fd(), impl.messages.data(), static_cast<unsigned>(batch), MSG_DONTWAIT);
+        if (sent < 0 && errno == ENOSYS) {
+            sent = ::sendmsg(fd(), &impl.messages[0].msg_hdr, MSG_DONTWAIT) < 0 ? -1 : 1;
+        }
+        if (sent < 0 && errno == EINTR) {
+            continue;
+        }
+        // A frame that fails is left out: the next one is newer, and a sampled value that is late is worth nothing.
+        taken += sent > 0 ? static_cast<std::size_t>(sent) : 0;
+        at += sent > 0 ? static_cast<std::size_t>(sent) : 1;
+    }
+    impl.counters.sent += taken;
+    impl.counters.send_failed += frames.size() - taken;
+    return taken;
+}
+
+LinkState Port::maintain() {
+    Impl& impl = *impl_;
+    LinkState state = link_state(impl.options.interface, impl.socket.index);
+    if (state == LinkState::missing || state == LinkState::renamed) {
+        impl.disconnect(); // what is called something else now is somebody else's
+        return state;
+    }
+    auto const index = interface_index(impl.options.interface);
+    if (index && *index != impl.socket.index) { // it is back, or it is another one of the same name
+        if (!impl.connect()) {
+            return LinkState::missing;
+        }
+        ++impl.counters.reconnects;
+    }
+    return state;
+}
+
+} // namespace gridspace::ethernet
