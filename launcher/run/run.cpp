@@ -7,6 +7,7 @@
 #include "launcher/run/listening.hpp"
 #include "launcher/run/namespaces.hpp"
 #include "launcher/run/supervisor.hpp"
+#include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -177,13 +178,16 @@ class Follower {
     Clock::time_point clock_started_, last_progress_;
 };
 
-bool needs_frames(Scenario const& scenario) { return !scenario.streams.is_null(); }
 
 } // namespace
 
 Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options) {
     InterruptWatch const interrupts;
     auto const begin = Clock::now();
+    if (!options.namespaces && has_raw_frames(scenario)) {
+        return fail(ExitCode::usage, "this scenario exchanges raw frames, and those need hosts with interfaces of their own",
+                    "run it without --no-namespaces");
+    }
     auto folder = make_run_folder(scenario.name, options.parent, options.out);
     if (!folder) {
         return std::unexpected{folder.error()};
@@ -234,7 +238,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         }
         supervisor = start_in_namespaces(body);
     }
-    if (!supervisor && (!options.namespaces || !needs_frames(scenario))) {
+    if (!supervisor && (!options.namespaces || !has_raw_frames(scenario))) {
         if (options.namespaces) {
             progress.note(fmt::format("note: {}; running on the loopback interface instead", describe(supervisor.error())));
         }

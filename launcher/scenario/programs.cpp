@@ -6,6 +6,8 @@
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/wire_programs.hpp"
+#include "sim/gateway/gateway_config.hpp"
 #include "sim/phasor/phasor_engine.hpp"
 
 #include <algorithm>
@@ -60,7 +62,16 @@ class SimSettings final : public ProcessSettings {
         if (per_bus(s) && s.network) {
             out.push_back({"bus_measurements", "BusMeasurement", static_cast<std::int64_t>(s.network->buses.size())});
         }
-        return with_signals(std::move(out));
+        for (sim::LineGatewayConfig const& gateway : gateways(s).lines) {
+            for (auto const& publish : gateway.publish) {
+                out.push_back({publish.topic.name, "LineCurrents"});
+            }
+        }
+        out = with_signals(std::move(out));
+        if (has_switching_signals(s)) { // a group of its own (sim/app/signal_output.hpp)
+            out[out.size() - 1].endpoints = out[out.size() - 2].endpoints = 2;
+        }
+        return out;
     }
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const&) const override {
         std::vector<TopicUse> out;
@@ -70,6 +81,11 @@ class SimSettings final : public ProcessSettings {
             });
             if (with_evs > 0) {
                 out.push_back({"decisions", "ChargingDecision", with_evs});
+            }
+        }
+        for (sim::LineGatewayConfig const& gateway : gateways(s).lines) {
+            for (auto const& subscribe : gateway.subscribe) {
+                out.push_back({subscribe.topic.name, "TripCommand"});
             }
         }
         return out;
@@ -85,8 +101,28 @@ class SimSettings final : public ProcessSettings {
     }
     [[nodiscard]] Node settings(Scenario const& s, Process const&) const override { return simulator_settings(s); }
 
+    void check(Scenario const& s, Process const&, Diagnostics& diagnostics) override {
+        sim::GatewaysConfig const all = sim::read_gateways(s.simulation.gateways, diagnostics);
+        if (s.network) {
+            check_gateways(all, *s.network, diagnostics);
+        }
+        (void)sim::read_sampling(s.simulation.sampling, diagnostics);
+    }
+
   private:
-    static bool per_bus(Scenario const& s) { return s.simulation.gateways.is_scalar() && s.simulation.gateways.text == "per_bus"; }
+    static sim::GatewaysConfig gateways(Scenario const& s) {
+        Diagnostics ignored; // reported by check()
+        return sim::read_gateways(s.simulation.gateways, ignored);
+    }
+    static bool per_bus(Scenario const& s) { return gateways(s).per_bus; }
+    static bool has_switching_signals(Scenario const& s) {
+        return s.simulation.solver == sim::SolverKind::emt && s.network && !s.network->breakers.empty() &&
+               std::any_of(s.network->breakers.begin(), s.network->breakers.end(), [&](sim::Breaker const& breaker) {
+                   return std::any_of(s.record.signals.begin(), s.record.signals.end(), [&](std::string const& pattern) {
+                       return matches_glob(pattern, "breaker." + breaker.name.name + ".position");
+                   });
+               });
+    }
 };
 
 class EvSettings final : public ProcessSettings {
@@ -273,6 +309,9 @@ class ExecSettings final : public ProcessSettings {
 constexpr std::array kPrograms{
     Program{"gridspace-sim", "simulator", "simulator", SimSettings::read},
     Program{"gridspace-ev", "EV agent", "ev_agent", EvSettings::read},
+    Program{"gridspace-mu", "merging unit", "merging_unit", read_merging_unit},
+    Program{"gridspace-relay", "line differential relay", "relay", read_relay},
+    Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
     Program{"gridspace-mcca", "microgrid control agent", "mcca", MccaSettings::read},
     Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
     Program{"gridspace-monitor", "monitor and dashboard", "monitor", MonitorSettings::read},

@@ -4,6 +4,7 @@
 
 #include "bus/node_config.hpp"
 #include "common/config/fields.hpp"
+#include "gateways/streams/stream.hpp"
 #include "launcher/scenario/program.hpp"
 #include "sim/app/sim_config.hpp"
 #include "sim/events/event.hpp"
@@ -75,7 +76,8 @@ struct Scenario {
     std::vector<Process> processes;
     std::vector<sim::Event> events;
     RecordSettings record;
-    config::Node streams, attacks, expect;
+    std::vector<streams::Stream> streams;
+    config::Node attacks, expect;
     config::Node resolved;            ///< the whole tree after merging
     std::optional<sim::Network> network;
 

@@ -141,10 +141,11 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
     f.object("record", {.doc = "what is recorded"}, [&](Fields& r) { describe_record(r, s.record); });
     std::vector<Ref> notes;
     f.references("notes", notes, {.doc = "assumptions taken, shown in the report"});
-    f.raw("streams", s.streams, {.doc = "SMV and GOOSE streams"});
+    Node streams;
+    f.raw("streams", streams, {.doc = "SMV and GOOSE streams"});
+    s.streams = streams::read_streams(streams, diagnostics);
     f.raw("attacks", s.attacks, {.doc = "attacks"});
     f.raw("expect", s.expect, {.doc = "what must hold for the run to pass"});
-    (void)diagnostics;
 }
 
 /// `defaults:` by program, laid under each process.

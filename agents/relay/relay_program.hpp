@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "agents/relay/relay_config.hpp"
+
+#include <array>
+#include <string>
+
+namespace gridspace::relay {
+
+using config::Ref;
+
+/// gridspace-relay: two streams of sampled currents in, a trip by GOOSE out.
+struct RelayConfig {
+    Ref from_stream, to_stream; ///< of the two ends of the line
+    std::array<std::string, 3> channels{"Ia", "Ib", "Ic"};
+    Ref trip;                   ///< GOOSE stream
+    std::string trip_field{"status"};
+    enum class TripOutput { enabled, blocked } trip_output{TripOutput::enabled};
+    RelayLogicConfig logic;
+    double partner_timeout_ms{20}; ///< how long the sample of one end waits for the other
+    Rational latency_us{900};      ///< lockstep: from a frame to the message
+    double frequency_hz{60};       ///< of the network; the launcher takes it from there
+    Positive from_positive{Positive::from_to}, to_positive{Positive::from_to}; ///< of the CTs; the launcher takes them from the network
+};
+void describe(config::Fields& f, RelayConfig& config);
+
+} // namespace gridspace::relay

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/port/wire_config.hpp"
+
+#include "common/config/merge.hpp"
+#include "common/text.hpp"
+
+#include <fmt/format.h>
+
+namespace gridspace::gateways {
+
+void describe_wire(config::Fields& f, WireConfig& wire) {
+    f.object("wire", {.doc = "its port", .required = true}, [&](config::Fields& w) {
+        w.text("link", wire.link, {.doc = "name of the link"});
+        w.text("interface", wire.interface, {.doc = "network interface", .required = true});
+    });
+    config::Node node;
+    f.raw("streams", node, {.doc = "the streams that it sends or receives", .required = true});
+    config::Diagnostics diagnostics;
+    if (node.is_map()) {
+        config::resolve_likes(node, diagnostics);
+    }
+    wire.streams = streams::read_streams(node, diagnostics);
+    if (!diagnostics.ok()) {
+        f.error("streams", diagnostics.render());
+    }
+}
+
+streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, config::Ref const& ref, streams::Kind kind, config::Diagnostics& diagnostics) {
+    streams::Stream const* stream = streams::find_stream(declared, ref.name);
+    std::string const wanted = kind == streams::Kind::smv ? "smv" : "goose";
+    if (stream == nullptr) {
+        std::vector<std::string> names;
+        for (streams::Stream const& s : declared) {
+            if (s.kind == kind) {
+                names.push_back(s.name.name);
+            }
+        }
+        auto const near = nearest_spelling(ref.name, names);
+        diagnostics.error(ref.where, fmt::format("there is no stream '{}'", ref.name),
+                          near            ? fmt::format("did you mean '{}'?", *near)
+                          : names.empty() ? fmt::format("`streams:` declares none of kind {}", wanted)
+                                          : fmt::format("there are: {}", join(names, ", ")),
+                          static_cast<int>(ref.name.size()));
+        return nullptr;
+    }
+    if (stream->kind != kind) {
+        diagnostics.error(ref.where, fmt::format("stream '{}' is not of kind {}", ref.name, wanted), "", static_cast<int>(ref.name.size()));
+        return nullptr;
+    }
+    return stream;
+}
+
+} // namespace gridspace::gateways

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gateways/streams/stream.hpp"
+
+#include <string>
+#include <vector>
+
+namespace gridspace::gateways {
+
+/// Where a process is on the wire, and the streams that it knows. Written by `gridspace run`; by hand for a device of its own.
+struct WireConfig {
+    std::string link;      ///< name of the link in the scenario; free without one
+    std::string interface; ///< network interface
+    std::vector<streams::Stream> streams;
+};
+/// Keys `wire: {link, interface}` and `streams:`.
+void describe_wire(config::Fields& f, WireConfig& wire);
+
+/// Finds the stream that `ref` names, of this kind; otherwise an error at `ref`.
+[[nodiscard]] streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, config::Ref const& ref, streams::Kind kind,
+                                               config::Diagnostics& diagnostics);
+
+} // namespace gridspace::gateways

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/wire_programs.hpp"
+
+#include "agents/relay/relay_program.hpp"
+#include "common/text.hpp"
+#include "gateways/breaker/breaker_config.hpp"
+#include "gateways/mu/mu_config.hpp"
+#include "gateways/port/wire_config.hpp"
+#include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/wire_use.hpp"
+#include "sim/gateway/gateway_config.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Diagnostics;
+using config::Fields;
+using config::Node;
+using streams::Kind;
+using streams::Stream;
+
+constexpr std::int64_t kSignalTopics = 1;
+
+void add_signals(std::vector<TopicUse>& topics) {
+    topics.push_back({"signals", "SignalFrame", kSignalTopics});
+    topics.push_back({"signal_catalog", "SignalCatalog", kSignalTopics});
+}
+
+/// The scenario's stream of this name and kind, with an error at `ref` when there is none.
+Stream const* must_be_stream(Scenario const& s, Ref const& ref, Kind kind, Diagnostics& diagnostics) {
+    return gateways::stream_of(s.streams, ref, kind, diagnostics);
+}
+
+/// The members of the data set must exist, and be numbers or a Boolean.
+void must_have_member(Stream const* stream, std::string const& member, Ref const& at, bool boolean, Diagnostics& diagnostics) {
+    if (stream == nullptr) {
+        return;
+    }
+    std::vector<std::string> names;
+    for (iec61850::Leaf const& leaf : iec61850::leaves_of(stream->data_set)) {
+        bool const suits = boolean ? leaf.type == iec61850::BasicType::boolean : iec61850::is_number(leaf.type);
+        if (leaf.name == member && suits) {
+            return;
+        }
+        if (leaf.name == member) {
+            diagnostics.error(at.where, fmt::format("member '{}' of stream '{}' is of type {}", member, stream->name.name, iec61850::type_name(leaf.type)),
+                              boolean ? "expected boolean" : "expected a number", static_cast<int>(at.name.size()));
+            return;
+        }
+        names.push_back(leaf.name);
+    }
+    auto const near = nearest_spelling(member, names);
+    diagnostics.error(at.where, fmt::format("stream '{}' has no member '{}'", stream->name.name, member),
+                      near ? fmt::format("did you mean '{}'?", *near) : fmt::format("there are: {}", join(names, ", ")),
+                      static_cast<int>(at.name.size()));
+}
+
+WireUse use_of(Scenario const& s, Process const& process, Ref const& stream) {
+    Stream const* found = streams::find_stream(s.streams, stream.name);
+    return {raw_link(s, process), found == nullptr ? std::uint16_t{0} : found->ethertype(), stream.name};
+}
+
+/// Own keys, the port, and the declarations of the streams that the process uses.
+Node wire_process_settings(Scenario const& s, Process const& process, std::initializer_list<std::string> used) {
+    Node node = own_settings(process);
+    node.set("wire", wire_settings(s, process));
+    Node declared = Node::map();
+    Node const* all = s.resolved.find("streams");
+    for (std::string const& name : used) {
+        if (Node const* stream = all == nullptr ? nullptr : all->find(name)) {
+            declared.set(name, *stream);
+        }
+    }
+    node.set("streams", std::move(declared));
+    return node;
+}
+
+class MergingUnitSettings final : public ProcessSettings {
+  public:
+    explicit MergingUnitSettings(Fields& f) { describe(f, config_); }
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        check_raw_link(s, process, diagnostics);
+        Stream const* stream = must_be_stream(s, config_.to, Kind::smv, diagnostics);
+        for (std::string const& member : config_.channels) {
+            must_have_member(stream, member, config_.to, false, diagnostics);
+        }
+        auto const sampled = sim::read_sampling(s.simulation.sampling, diagnostics).rate_hz;
+        if (stream != nullptr && stream->rate_hz != sampled) {
+            diagnostics.error(config_.to.where,
+                              fmt::format("process '{}' sends '{}' at {} Hz, and the simulator samples at {} Hz", process.name.name,
+                                          config_.to.name, stream->rate_hz.to_string(), sampled.to_string()),
+                              "make rate_hz of the stream and of simulation.sampling the same", static_cast<int>(config_.to.name.size()));
+        }
+    }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
+        std::vector<TopicUse> out;
+        add_signals(out);
+        return out;
+    }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
+        return {{config_.from.name, "LineCurrents", 1, true}};
+    }
+    [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
+        return {use_of(s, process, config_.to)};
+    }
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+        std::string const prefix = "publisher." + process.name.name + ".";
+        return {{prefix + "sent", "", 1}, {prefix + "late", "", 1}, {prefix + "underruns", "", 1}};
+    }
+    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
+        return wire_process_settings(s, process, {config_.to.name});
+    }
+    [[nodiscard]] gateways::MuConfig const& config() const { return config_; }
+
+  private:
+    gateways::MuConfig config_;
+};
+
+class BreakerSettings final : public ProcessSettings {
+  public:
+    explicit BreakerSettings(Fields& f) { describe(f, config_); }
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        check_raw_link(s, process, diagnostics);
+        must_have_member(must_be_stream(s, config_.stream(), Kind::goose, diagnostics), config_.field(), config_.from, true, diagnostics);
+    }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
+        std::vector<TopicUse> out{{config_.to.name, "TripCommand"}};
+        add_signals(out);
+        return out;
+    }
+    [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
+        return {use_of(s, process, config_.stream())};
+    }
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+        std::string const prefix = "breaker_ied." + process.name.name + ".";
+        return {{prefix + "command", "", 0}, {prefix + "stream_alive", "", 0}};
+    }
+    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
+        return wire_process_settings(s, process, {config_.stream().name});
+    }
+
+  private:
+    gateways::BreakerConfig config_;
+};
+
+class RelaySettings final : public ProcessSettings {
+  public:
+    explicit RelaySettings(Fields& f) { describe(f, config_); }
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        check_raw_link(s, process, diagnostics);
+        Stream const* from = must_be_stream(s, config_.from_stream, Kind::smv, diagnostics);
+        Stream const* to = must_be_stream(s, config_.to_stream, Kind::smv, diagnostics);
+        for (std::string const& member : config_.channels) {
+            must_have_member(from, member, config_.from_stream, false, diagnostics);
+            must_have_member(to, member, config_.to_stream, false, diagnostics);
+        }
+        must_have_member(must_be_stream(s, config_.trip, Kind::goose, diagnostics), config_.trip_field, config_.trip, true, diagnostics);
+        if (from != nullptr && to != nullptr && from->rate_hz != to->rate_hz) {
+            diagnostics.error(config_.to_stream.where, fmt::format("streams '{}' and '{}' have different rates", from->name.name, to->name.name),
+                              "a differential relay compares samples of one instant");
+        }
+        if (s.network && process.node.find("frequency_hz") == nullptr) {
+            config_.frequency_hz = s.network->frequency_hz;
+        }
+        if (from != nullptr) {
+            if (auto const params = relay::make_params(config_.logic, from->rate_hz, frequency()); !params) {
+                diagnostics.error(process.name.where, params.error().message, params.error().remedy, static_cast<int>(process.name.name.size()));
+            }
+        }
+        if (process.node.find("positive") == nullptr) {
+            config_.from_positive = polarity(s, config_.from_stream).value_or(config_.from_positive);
+            config_.to_positive = polarity(s, config_.to_stream).value_or(config_.to_positive);
+        }
+    }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
+        std::vector<TopicUse> out;
+        add_signals(out);
+        return out;
+    }
+    [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
+        return {use_of(s, process, config_.trip)};
+    }
+    [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
+        return {use_of(s, process, config_.from_stream), use_of(s, process, config_.to_stream)};
+    }
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+        std::string const prefix = "relay." + process.name.name + ".";
+        std::vector<SignalUse> out;
+        for (char const* name : {"pickup", "trip", "blocked"}) {
+            out.push_back({prefix + name, "", 0});
+        }
+        for (Ref const* stream : {&config_.from_stream, &config_.to_stream}) {
+            for (char const* name : {"received", "lost", "duplicate", "late", "invalid"}) {
+                out.push_back({"stream." + stream->name + "." + name, "", 1});
+            }
+        }
+        return out;
+    }
+    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
+        Node node = wire_process_settings(s, process, {config_.from_stream.name, config_.to_stream.name, config_.trip.name});
+        node.set("frequency_hz", Node::scalar(shortest(config_.frequency_hz)));
+        Node positive = Node::map();
+        auto const word = [](relay::Positive p) { return p == relay::Positive::from_to ? "from_to" : "into_line"; };
+        positive.set("from", Node::scalar(word(config_.from_positive)));
+        positive.set("to", Node::scalar(word(config_.to_positive)));
+        node.set("positive", std::move(positive));
+        return node;
+    }
+
+  private:
+    [[nodiscard]] Rational frequency() const {
+        return Rational::parse(shortest(config_.frequency_hz)).value_or(Rational{60});
+    }
+
+    /// Which way the transformer behind a stream counts: stream <- merging unit <- topic <- transformer. Nothing when the
+    /// stream comes from somebody else's device.
+    static std::optional<relay::Positive> polarity(Scenario const& s, Ref const& stream) {
+        Diagnostics ignored; // reported elsewhere
+        auto const gateways = sim::read_gateways(s.simulation.gateways, ignored);
+        for (Process const& process : s.processes) {
+            auto const* unit = dynamic_cast<MergingUnitSettings const*>(process.settings.get());
+            if (unit == nullptr || unit->config().to != stream || !s.network) {
+                continue;
+            }
+            for (sim::LineGatewayConfig const& gateway : gateways.lines) {
+                for (auto const& publish : gateway.publish) {
+                    if (publish.topic != unit->config().from) {
+                        continue;
+                    }
+                    if (sim::Ct const* ct = sim::find(s.network->cts, publish.transformer.name)) {
+                        return ct->positive == sim::CtPolarity::from_to ? relay::Positive::from_to : relay::Positive::into_line;
+                    }
+                }
+            }
+        }
+        return std::nullopt;
+    }
+
+    relay::RelayConfig config_;
+};
+
+} // namespace
+
+std::unique_ptr<ProcessSettings> read_merging_unit(Fields& f) { return std::make_unique<MergingUnitSettings>(f); }
+std::unique_ptr<ProcessSettings> read_breaker(Fields& f) { return std::make_unique<BreakerSettings>(f); }
+std::unique_ptr<ProcessSettings> read_relay(Fields& f) { return std::make_unique<RelaySettings>(f); }
+
+} // namespace gridspace::launcher

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "launcher/scenario/program.hpp"
+
+#include <memory>
+
+namespace gridspace::launcher {
+
+// Programs that exchange raw frames: what the launcher has to know about them.
+[[nodiscard]] std::unique_ptr<ProcessSettings> read_merging_unit(config::Fields& f);
+[[nodiscard]] std::unique_ptr<ProcessSettings> read_breaker(config::Fields& f);
+[[nodiscard]] std::unique_ptr<ProcessSettings> read_relay(config::Fields& f);
+
+} // namespace gridspace::launcher
