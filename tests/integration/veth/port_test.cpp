@@ -1,0 +1,346 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/ethernet/port.hpp"
+#include "veth.hpp"
+
+#include <chrono>
+#include <ctime>
+#include <gmock/gmock.h>
+#include <linux/capability.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gridspace::ethernet {
+namespace {
+
+using Buffer = std::vector<std::uint8_t>;
+
+constexpr std::uint16_t kSv = 0x88BA, kGoose = 0x88B8;
+
+/// A frame of 64 octets with a number in it.
+Buffer frame(std::uint32_t number, std::uint16_t ethertype = kSv, std::uint16_t app_id = 0x4000, std::size_t tags = 0) {
+    Buffer out{0x01, 0x0C, 0xCD, 0x04, 0x00, 0x21, 0x02, 0, 0, 0, 0, 1};
+    auto const half = [&](std::uint16_t v) {
+        out.push_back(static_cast<std::uint8_t>(v >> 8U));
+        out.push_back(static_cast<std::uint8_t>(v));
+    };
+    for (std::size_t i = 0; i < tags; ++i) {
+        half(0x8100);
+        half(static_cast<std::uint16_t>(0x8000 + 5 + i));
+    }
+    half(ethertype);
+    half(app_id);
+    out.resize(64);
+    iec61850::store_be(out.data() + 60, number);
+    return out;
+}
+
+std::uint32_t number_of(Octets octets) {
+    return iec61850::load_be<std::uint32_t>(octets.data() + 60);
+}
+
+PortOptions options(std::string interface, bool ring = true) {
+    PortOptions out;
+    out.interface = std::move(interface);
+    out.ring = ring;
+    out.filter.ethertypes = {kSv};
+    return out;
+}
+
+/// Everything that arrives until `count` frames have, or nothing more comes.
+std::vector<Buffer> receive(Port& port, std::size_t count, std::vector<std::int64_t>* stamps = nullptr) {
+    std::vector<Buffer> out;
+    std::vector<ReceivedFrame> batch(32);
+    while (out.size() < count) {
+        std::size_t const n = port.receive(batch);
+        for (std::size_t i = 0; i < n; ++i) {
+            out.emplace_back(batch[i].octets.begin(), batch[i].octets.end());
+            if (stamps != nullptr) {
+                stamps->push_back(batch[i].stamp_ns);
+            }
+        }
+        if (n == 0 && !port.wait(2'000'000'000)) {
+            break;
+        }
+    }
+    return out;
+}
+
+/// Nothing is on its way: what was sent on a cable is in the other end's queue when send() returns.
+std::size_t waiting(Port& port) {
+    std::vector<ReceivedFrame> batch(64);
+    std::size_t sum = 0, n = 0;
+    while ((n = port.receive(batch)) > 0) {
+        sum += n;
+    }
+    return sum;
+}
+
+std::int64_t now_ns() {
+    timespec t{};
+    ::clock_gettime(CLOCK_REALTIME, &t);
+    return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
+}
+
+/// Both ways of receiving.
+class PortTest : public Veth, public testing::WithParamInterface<bool> {
+  protected:
+    static Port open(PortOptions o) {
+        o.ring = GetParam();
+        auto port = Port::open(std::move(o));
+        EXPECT_TRUE(port) << describe(port.error());
+        EXPECT_TRUE(!o.receive || port->uses_ring() == GetParam());
+        return std::move(*port);
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Way, PortTest, testing::Values(true, false),
+                         [](auto const& p) { return p.param ? "ring" : "recvmmsg"; });
+
+TEST_P(PortTest, LosesNotOneFrameAtTheStart) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    for (int round = 0; round < 20; ++round) {
+        Port sut = open(options("right"));
+        for (std::uint32_t i = 0; i < 50; ++i) {
+            ASSERT_TRUE(sender.send(frame(i)));
+        }
+        auto const frames = receive(sut, 50);
+        ASSERT_EQ(frames.size(), 50U);
+        for (std::uint32_t i = 0; i < 50; ++i) {
+            EXPECT_EQ(number_of(frames[i]), i);
+        }
+        EXPECT_EQ(sut.counters().dropped, 0U);
+    }
+}
+
+TEST_P(PortTest, GivesFramesAsTheyWereOnTheWireTagsIncluded) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    Port sut = open(options("right"));
+    for (std::size_t tags = 0; tags < 3; ++tags) {
+        Buffer const sent = frame(7, kSv, 0x4000, tags);
+        ASSERT_TRUE(sender.send(sent));
+        auto const frames = receive(sut, 1);
+        ASSERT_EQ(frames.size(), 1U) << tags << " tags";
+        EXPECT_EQ(frames[0], sent) << tags << " tags";
+    }
+}
+
+TEST_P(PortTest, DropsInTheKernelWhatIsNotAskedForAlsoBehindATag) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    PortOptions o = options("right");
+    o.filter.ethertypes = {kSv, kGoose};
+    o.filter.app_ids = {0x4001, 0x4002};
+    o.filter.destinations = {*Mac::parse("01:0C:CD:01:00:01"), *Mac::parse("01:0C:CD:04:00:21"),
+                             *Mac::parse("01:0C:CD:04:00:22")};
+    Port sut = open(o);
+    for (std::size_t tags = 0; tags < 3; ++tags) {
+        sender.send(frame(0, 0x0800, 0x4001, tags));
+        sender.send(frame(1, kSv, 0x4000, tags));
+        sender.send(frame(2, kSv, 0x4001, tags));
+        sender.send(frame(3, kGoose, 0x4002, tags));
+        sender.send(frame(4, 0x88B9, 0x4002, tags));
+        Buffer other = frame(5, kSv, 0x4001, tags);
+        other[5] = 0x23;
+        sender.send(other);
+        Buffer another = frame(6, kSv, 0x4001, tags);
+        another[1] = 0x0D;
+        sender.send(another);
+        auto const frames = receive(sut, 2);
+        ASSERT_EQ(frames.size(), 2U) << tags << " tags";
+        EXPECT_EQ(number_of(frames[0]), 2U);
+        EXPECT_EQ(number_of(frames[1]), 3U);
+        EXPECT_EQ(waiting(sut), 0U);
+    }
+    EXPECT_EQ(sut.counters().filtered, 0U) << "the kernel decided";
+}
+
+TEST_P(PortTest, DoesNotHearItselfAndHearsTheLoopbackOnce) {
+    Port left = open(options("left"));
+    ASSERT_TRUE(left.send(frame(1)));
+    EXPECT_EQ(waiting(left), 0U);
+    Port loop = open(options("lo"));
+    ASSERT_TRUE(loop.send(frame(2)));
+    EXPECT_EQ(receive(loop, 1).size(), 1U);
+    EXPECT_EQ(waiting(loop), 0U);
+    PortOptions o = options("left");
+    o.include_outgoing = true;
+    Port recorder = open(o);
+    ASSERT_TRUE(left.send(frame(3)));
+    EXPECT_EQ(waiting(recorder), 1U) << "unless it is asked to";
+}
+
+TEST_P(PortTest, StampsFramesWhenTheKernelReceivesThem) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    Port sut = open(options("right"));
+    std::int64_t const before = now_ns();
+    for (std::uint32_t i = 0; i < 10; ++i) {
+        sender.send(frame(i));
+    }
+    std::vector<std::int64_t> stamps;
+    ASSERT_EQ(receive(sut, 10, &stamps).size(), 10U);
+    std::int64_t const after = now_ns();
+    EXPECT_TRUE(std::is_sorted(stamps.begin(), stamps.end()));
+    EXPECT_GE(stamps.front(), before);
+    EXPECT_LE(stamps.back(), after);
+}
+
+TEST_P(PortTest, CountsWhatItCouldNotFetchInTime) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    PortOptions o = options("right");
+    o.ring_frames = 256;
+    o.receive_buffer = 64U << 10U;
+    Port sut = open(o);
+    std::vector<Buffer> const frames(1000, frame(1));
+    std::vector<Octets> const views(frames.begin(), frames.end());
+    ASSERT_EQ(sender.send(views), 1000U);
+    std::size_t const fetched = waiting(sut);
+    EXPECT_LT(fetched, 1000U);
+    EXPECT_EQ(fetched + sut.counters().dropped, 1000U);
+    EXPECT_EQ(sut.counters().received, fetched);
+    EXPECT_EQ(sut.counters().dropped + fetched, 1000U) << "asking twice changes nothing";
+}
+
+TEST_P(PortTest, IsNotDisturbedByAStormOfForeignFrames) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    PortOptions o = options("right");
+    o.filter.app_ids = {0x4001};
+    Port sut = open(o);
+    constexpr std::size_t kForeign = 100'000, kEvery = 100;
+    std::vector<Buffer> storm(kEvery, frame(0, kSv, 0x5555));
+    std::vector<Octets> batch;
+    std::uint32_t ours = 0, expected = 0;
+    std::vector<ReceivedFrame> received(64);
+    Buffer own;
+    for (std::size_t sent = 0; sent < kForeign; sent += kEvery) {
+        batch.assign(storm.begin(), storm.end());
+        own = frame(ours++, kSv, 0x4001);
+        batch.push_back(own);
+        ASSERT_EQ(sender.send(batch), kEvery + 1);
+        for (std::size_t n = sut.receive(received), i = 0; i < n; ++i) {
+            EXPECT_EQ(number_of(received[i].octets), expected++);
+        }
+    }
+    for (Buffer const& rest : receive(sut, ours - expected)) {
+        EXPECT_EQ(number_of(rest), expected++);
+    }
+    EXPECT_EQ(expected, kForeign / kEvery);
+    EXPECT_EQ(sut.counters().dropped, 0U);
+}
+
+TEST_P(PortTest, SurvivesALinkThatGoesDownAndComesBack) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    Port sut = open(options("right"));
+    EXPECT_EQ(sut.maintain(), LinkState::up);
+    ip("link set left down");
+    EXPECT_EQ(sut.maintain(), LinkState::down);
+    EXPECT_FALSE(sender.send(frame(1)));
+    EXPECT_EQ(sender.counters().send_failed, 1U);
+    EXPECT_EQ(waiting(sut), 0U);
+    ip("link set right down");
+    EXPECT_FALSE(sut.wait(1));
+    EXPECT_EQ(waiting(sut), 0U);
+    ip("link set right up");
+    ip("link set left up");
+    for (int i = 0; i < 1000 && (sut.maintain() != LinkState::up || sender.maintain() != LinkState::up); ++i) {
+        ::usleep(1000); // the kernel announces carrier a moment later
+    }
+    ASSERT_EQ(sut.maintain(), LinkState::up);
+    ASSERT_TRUE(sender.send(frame(2)));
+    auto const frames = receive(sut, 1);
+    ASSERT_EQ(frames.size(), 1U);
+    EXPECT_EQ(number_of(frames[0]), 2U);
+}
+
+TEST_P(PortTest, ComesBackWithAnInterfaceThatWasRemoved) {
+    Port sut = open(options("right"));
+    ip("link del left");
+    EXPECT_EQ(sut.maintain(), LinkState::missing);
+    EXPECT_EQ(sut.fd(), -1);
+    EXPECT_EQ(waiting(sut), 0U);
+    EXPECT_FALSE(sut.wait(1));
+    EXPECT_FALSE(sut.send(frame(1)));
+    EXPECT_EQ(sut.maintain(), LinkState::missing);
+    SetUp();
+    EXPECT_NE(sut.maintain(), LinkState::missing);
+    EXPECT_EQ(sut.counters().reconnects, 1U);
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    ASSERT_TRUE(sender.send(frame(2)));
+    EXPECT_EQ(receive(sut, 1).size(), 1U);
+}
+
+TEST_P(PortTest, LetsGoOfAnInterfaceThatIsCalledSomethingElseNow) {
+    Port sut = open(options("right"));
+    ip("link set right down");
+    ip("link set right name renamed");
+    EXPECT_EQ(sut.maintain(), LinkState::renamed);
+    EXPECT_EQ(sut.fd(), -1);
+    ip("link set renamed name right");
+    ip("link set right up");
+    EXPECT_NE(sut.maintain(), LinkState::missing);
+    EXPECT_GE(sut.fd(), 0);
+}
+
+using PortErrors = Veth;
+
+TEST_F(PortErrors, NamesAnInterfaceThatDoesNotExist) {
+    for (std::size_t const length : {0U, 3U, 15U, 16U, 17U, 4096U}) {
+        auto const port = Port::open(options(std::string(length, 'x')));
+        ASSERT_FALSE(port) << length;
+        EXPECT_EQ(port.error().code, ExitCode::environment);
+        EXPECT_THAT(port.error().message, testing::HasSubstr("there is no network interface"));
+        EXPECT_THAT(port.error().remedy, testing::HasSubstr("left"));
+    }
+}
+
+TEST_F(PortErrors, NamesTheCapabilityAndTheCommandThatGrantsIt) {
+    int result[2];
+    ASSERT_EQ(::pipe(result), 0);
+    pid_t const pid = ::fork();
+    if (pid == 0) { // the parent keeps its capabilities
+        __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+        __user_cap_data_struct none[2]{};
+        ::syscall(SYS_capset, &header, none);
+        auto const port = Port::open(options("left"));
+        std::string const text = port ? "opened" : describe(port.error());
+        [[maybe_unused]] auto const written = ::write(result[1], text.data(), text.size());
+        ::_exit(0);
+    }
+    ::close(result[1]);
+    char text[1024]{};
+    [[maybe_unused]] auto const size = ::read(result[0], text, sizeof text - 1);
+    ::waitpid(pid, nullptr, 0);
+    ::close(result[0]);
+    EXPECT_THAT(text, testing::AllOf(testing::HasSubstr("CAP_NET_RAW"), testing::HasSubstr("setcap cap_net_raw+ep /")));
+}
+
+TEST_F(PortErrors, DecidesTheSameInUserSpaceAsInTheKernel) {
+    FrameFilter sut;
+    sut.ethertypes = {kSv};
+    sut.app_ids = {0x4001};
+    for (std::size_t tags = 0; tags < 3; ++tags) {
+        EXPECT_TRUE(sut.matches(frame(0, kSv, 0x4001, tags)));
+        EXPECT_FALSE(sut.matches(frame(0, kSv, 0x4002, tags)));
+        EXPECT_FALSE(sut.matches(frame(0, kGoose, 0x4001, tags)));
+    }
+    for (std::size_t size = 0; size < 64; ++size) {
+        Buffer cut = frame(0, kSv, 0x4001, 1);
+        cut.resize(size);
+        EXPECT_EQ(sut.matches(cut), size >= 20) << size;
+    }
+    sut.destinations.assign(100, *Mac::parse("01:0C:CD:04:00:22"));
+    EXPECT_FALSE(sut.kernel_decides()) << "too many for the jumps of its language";
+    EXPECT_FALSE(sut.matches(frame(0, kSv, 0x4001)));
+    sut.destinations.push_back(*Mac::parse("01:0C:CD:04:00:21"));
+    EXPECT_TRUE(sut.matches(frame(0, kSv, 0x4001)));
+    Port sender = *Port::open({.interface = "left", .filter = {}, .receive = false});
+    PortOptions o = options("right");
+    o.filter = sut;
+    Port port = *Port::open(o);
+    sender.send(frame(1, kSv, 0x4001));
+    sender.send(frame(2, kSv, 0x4002));
+    EXPECT_EQ(receive(port, 1).size(), 1U);
+    EXPECT_EQ(waiting(port), 0U);
+}
+
+} // namespace
+} // namespace gridspace::ethernet

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "veth.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <grp.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+namespace gridspace::ethernet {
+namespace {
+
+bool write_file(char const* path, std::string const& text) {
+    std::ofstream file{path};
+    file << text << std::flush;
+    return file.good();
+}
+
+/// An empty text, or why there is no namespace.
+std::string enter_namespaces() {
+    if (char const* const uid = std::getenv("GRIDSPACE_TEST_UID"); uid != nullptr && ::geteuid() == 0) {
+        auto const id = static_cast<unsigned>(std::atoi(uid));
+        if (::setgroups(0, nullptr) != 0 || ::setresgid(id, id, id) != 0 || ::setresuid(id, id, id) != 0) {
+            return std::string{"cannot become another user: "} + std::strerror(errno);
+        }
+        ::prctl(PR_SET_DUMPABLE, 1); // or its own files under /proc stay root's
+    }
+    unsigned const uid = ::geteuid(), gid = ::getegid();
+    int const flags = CLONE_NEWNET | (uid == 0 ? 0 : CLONE_NEWUSER);
+    if (::unshare(flags) != 0) {
+        return std::string{"cannot make a network namespace: "} + std::strerror(errno);
+    }
+    bool mapped = true;
+    if (uid != 0) {
+        mapped = write_file("/proc/self/setgroups", "deny") &&
+                 write_file("/proc/self/uid_map", "0 " + std::to_string(uid) + " 1") &&
+                 write_file("/proc/self/gid_map", "0 " + std::to_string(gid) + " 1");
+    }
+    return mapped ? "" : "cannot map the user of the namespace";
+}
+
+} // namespace
+
+std::string Veth::why_not_;
+
+void ip(std::string const& arguments) {
+    ASSERT_EQ(std::system(("PATH=/usr/sbin:/sbin:$PATH ip " + arguments + " 2>&1").c_str()), 0) << "ip " << arguments;
+}
+
+void Veth::SetUpTestSuite() {
+    static bool const once = [] {
+        why_not_ = enter_namespaces();
+        return true;
+    }();
+    (void)once;
+}
+
+void Veth::SetUp() {
+    if (!why_not_.empty()) {
+        GTEST_SKIP() << why_not_;
+    }
+    write_file("/proc/sys/net/ipv6/conf/default/disable_ipv6", "1"); // no frames that nobody asked for
+    ip("link set lo up");
+    ip("link add left type veth peer name right");
+    ip("link set left up");
+    ip("link set right up");
+}
+
+void Veth::TearDown() {
+    if (why_not_.empty()) {
+        std::system(
+            "PATH=/usr/sbin:/sbin:$PATH; for i in left right renamed; do ip link del $i 2>/dev/null; done; true");
+    }
+}
+
+} // namespace gridspace::ethernet
