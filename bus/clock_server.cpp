@@ -126,6 +126,22 @@ struct ClockServer::State {
         return out;
     }
 
+    /// The clock sample that tells a new incarnation of `process` where to count from. Under the mutex.
+    void hold(std::string const& process) {
+        clock.tick(next_tick - 1);
+        clock.time_ns(core.base.nanoseconds(core.latest_time));
+        clock.quanta(core.latest_time.quanta);
+        clock.state(CLOCK_HELD);
+        clock.awaited().assign((plan.size() + 7) / 8, 0);
+        for (MemberPlan const& member : plan) {
+            if (member.name != process && !dropped.contains(member.name)) {
+                std::size_t const i = barrier.member_index(member.name);
+                clock.awaited()[i / 8] = static_cast<std::uint8_t>(clock.awaited()[i / 8] | (1U << (i % 8)));
+            }
+        }
+        core.fill_ledger(clock.ledger());
+    }
+
     /// Waits under the deadline of the start for everybody to be READY.
     Result<void> await_ready(std::string const& what) {
         Deadline const deadline{core.config.clock.start_timeout_s};
@@ -260,14 +276,18 @@ Result<void> ClockServer::await_restarted(std::string const& process, std::uint3
     {
         std::lock_guard const lock{s.core.mutex};
         s.incarnations[process] = incarnation;
+        s.core.absent.erase(process);
+        s.dropped.erase(process); // it is waited for from now on
+        s.hold(process);
     }
+    s.clock_writer->write(&s.clock, std::optional{s.core.source_ns(s.core.latest_time)});
+    uncork();
     if (auto ok = s.await_ready(fmt::format("restart of {}", process)); !ok) {
         return ok;
     }
     std::lock_guard const lock{s.core.mutex};
     if (std::size_t const member = s.barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
         s.barrier.rejoin(member);
-        s.dropped.erase(process);
     }
     return {};
 }
@@ -277,6 +297,7 @@ void ClockServer::drop(std::string const& process) {
     if (std::size_t const member = state_->barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
         state_->barrier.drop(member);
         state_->dropped.insert(process);
+        state_->core.absent.insert(process);
     }
 }
 
@@ -285,6 +306,7 @@ void ClockServer::rejoin(std::string const& process) {
     if (std::size_t const member = state_->barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
         state_->barrier.rejoin(member);
         state_->dropped.erase(process);
+        state_->core.absent.erase(process);
     }
 }
 

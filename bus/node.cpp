@@ -71,7 +71,7 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
         return;
     }
     clock_seen = true;
-    if (clock_tap != nullptr) {
+    if (clock_tap != nullptr && clock.state() != CLOCK_HELD) {
         Origin origin{{clock.quanta()}, 0, header.writer, header.sequence};
         std::size_t const simulator = book->process_index(config.clock.simulator);
         origin.process = static_cast<std::uint32_t>(simulator == lockstep::LedgerBook::kUnknown ? book->process_count()
@@ -93,6 +93,10 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
         if (simulator != lockstep::LedgerBook::kUnknown) {
             take_ledger(simulator, 0, clock.ledger());
         }
+        if (clock.state() == CLOCK_HELD) {
+            on_held_clock();
+            return;
+        }
         if (!joining) {
             gate->on_clock(clock.tick(), clock.awaited(), clock.state() == CLOCK_FINAL);
             pending_since = std::chrono::steady_clock::now();
@@ -102,6 +106,38 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
         }
     }
     changed.notify_all();
+}
+
+void Node::Core::on_held_clock() {
+    if (joining) {
+        if (is_late_joiner() && config.joins_at_s && SimTime{} + base.nearest(*config.joins_at_s) <= latest_time) {
+            held = Held{clock.tick(), {clock.awaited().begin(), clock.awaited().end()}};
+        }
+    } else {
+        std::vector<std::string> const& members = config.clock.members; // in the order of names
+        auto const self = std::find(members.begin(), members.end(), config.process);
+        restate_ledger = self != members.end() &&
+                         lockstep::bit_of(clock.awaited(), static_cast<std::size_t>(self - members.begin()));
+    }
+    changed.notify_all();
+}
+
+std::string Node::Core::missing_ledgers() const {
+    if (!held) {
+        return "the clock of the tick after which it joins";
+    }
+    std::string out;
+    for (std::string const& name : config.clock.upstream) {
+        std::vector<std::string> const& members = config.clock.members;
+        auto const member = std::find(members.begin(), members.end(), name);
+        bool const restates = member != members.end() &&
+                              lockstep::bit_of(held->awaited, static_cast<std::size_t>(member - members.begin()));
+        auto const newest = ledgers_of.find(name);
+        if (restates && (newest == ledgers_of.end() || newest->second < held->tick)) {
+            out += (out.empty() ? "the ledger of " : ", ") + name;
+        }
+    }
+    return out;
 }
 
 void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
@@ -115,7 +151,8 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
         ++foreign_samples;
         return;
     }
-    if (ack_tap != nullptr) {
+    bool const is_restated = received.next_tick_needed() == 0;
+    if (ack_tap != nullptr && !is_restated) {
         ack_tap->push(cdr,
                       {base.from_nanoseconds(header.source_ns - epoch_ns), static_cast<std::uint32_t>(process),
                        header.writer, header.sequence},
@@ -123,6 +160,13 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
     }
     take_ledger(process, received.incarnation(), received.ledger());
     take_wire_ledger(process, received);
+    if (joining && is_late_joiner()) {
+        ledgers_of[received.member().c_str()] = received.tick();
+        changed.notify_all();
+    }
+    if (is_restated) {
+        return;
+    }
     gate->on_ack(process, received.tick());
     if (on_ack) {
         on_ack(received);
@@ -197,6 +241,7 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
     core->config = std::move(config);
     NodeConfig const& c = core->config;
     core->base = TimeBase{c.clock.quantum_s};
+    core->absent.insert(c.absent.begin(), c.absent.end());
     core->tick_span = core->base.nearest(c.clock.tick_s);
     core->epoch_ns = c.clock.epoch_unix_s * 1'000'000'000;
 

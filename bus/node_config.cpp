@@ -87,6 +87,8 @@ void describe(Fields& f, ClockConfig& clock) {
 
 void describe(Fields& f, NodeConfig& node) {
     f.integer("incarnation", node.incarnation, {.doc = "counts the restarts of this process", .min = 0});
+    f.fraction("joins_at_s", node.joins_at_s, {.doc = "simulated time at which a restarted process joins", .min = 0});
+    names(f, "absent", node.absent, "expected peers that are gone when this process joins");
     f.file("qos", node.qos, {.doc = "Fast DDS XML profiles of the role"});
     f.object("management", {.doc = "network of clock, acknowledgements, recording and health"},
              [&](Fields& n) { network(n, node.management); });

@@ -46,6 +46,8 @@ struct NodeConfig {
     std::string process;
     std::string program;
     std::int64_t incarnation{0};
+    std::optional<Rational> joins_at_s;         ///< simulated time at which a restarted incarnation joins
+    std::vector<std::string> absent;            ///< expected peers that are gone when this incarnation joins
     std::filesystem::path qos;                  ///< XML profiles of the role
     NetworkConfig management;                   ///< clock, acknowledgements, recording, health
     std::optional<NetworkConfig> data;          ///< the studied network; without it everything is on management

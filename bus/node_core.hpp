@@ -11,7 +11,9 @@
 #include <atomic>
 #include <clock.h>
 #include <condition_variable>
+#include <map>
 #include <mutex>
+#include <set>
 
 namespace gridspace::bus {
 
@@ -71,6 +73,14 @@ struct Node::Core {
     std::vector<lockstep::WireBook::Record> wire_records; ///< reused
     std::unique_ptr<lockstep::TickGate> gate;
     bool joining{true}; ///< until READY; a late joiner takes ledgers as baselines meanwhile
+    struct Held {       ///< the tick after which this incarnation joins
+        std::uint64_t tick;
+        std::vector<std::uint8_t> awaited; ///< members whose ledgers are to come
+    };
+    std::optional<Held> held;
+    std::map<std::string, std::uint64_t> ledgers_of; ///< while joining: newest acknowledged tick by process
+    bool restate_ledger{false};                      ///< a held clock asks for it
+    std::set<std::string> absent;                    ///< expected peers that the run goes on without
     bool stop_requested{false};
     bool final_done{false};
     std::optional<Error> error;
@@ -101,6 +111,7 @@ struct Node::Core {
     void fail_locked(Error why);
 
     void on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header);
+    void on_held_clock(); ///< under the mutex
     void on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header);
     void on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header);
     /// Takes a ledger (of an acknowledgement or a clock) into the book.
@@ -110,6 +121,12 @@ struct Node::Core {
     void release_wires(SimTime until);
     /// Writes the counts of all topics into a ledger sequence, without allocating once it has grown.
     void fill_ledger(std::vector<LedgerEntry>& ledger) const;
+
+    [[nodiscard]] bool is_late_joiner() const { return config.incarnation > 0 && lockstep() && !is_simulator(); }
+    /// What a late joiner still needs to know before it can count: "the ledger of ev1". Under the mutex.
+    [[nodiscard]] std::string missing_ledgers() const;
+    /// Writes the acknowledgement of a tick with the present ledger. Only the process's own thread calls it.
+    [[nodiscard]] bool acknowledge(std::uint64_t tick, std::uint64_t next_tick_needed, SimTime time);
 
     /// Peers with which everything expected is matched, and the text of what is still missing.
     [[nodiscard]] std::vector<Peer> matched_peers(std::string& missing) const;

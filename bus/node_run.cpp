@@ -26,8 +26,11 @@ void expect(ExpectedPeers& peers, char const* topic, std::string const& process)
 /// For each expected process: are so many endpoints of its newest incarnation matched?
 void check_matches(std::string_view kind, std::string const& topic, std::map<std::string, std::int64_t> const& expected,
                    std::vector<Peer> const& matched, std::map<std::string, std::uint32_t>& newest,
-                   std::set<std::string>& lacking, std::string& missing) {
+                   std::set<std::string>& lacking, std::set<std::string> const& absent, std::string& missing) {
     for (auto const& [process, count] : expected) {
+        if (absent.contains(process)) {
+            continue;
+        }
         std::uint32_t incarnation = 0;
         std::int64_t endpoints = 0;
         for (Peer const& peer : matched) {
@@ -63,7 +66,7 @@ std::vector<Peer> Node::Core::matched_peers(std::string& missing) const {
     auto const look = [&](std::string_view kind, ExpectedPeers const& expected, std::string const& topic,
                           std::vector<Peer> const& matched) {
         if (auto const it = expected.find(topic); it != expected.end()) {
-            check_matches(kind, topic, it->second, matched, newest, lacking, missing);
+            check_matches(kind, topic, it->second, matched, newest, lacking, absent, missing);
         }
     };
     for (auto const& reader : readers) {
@@ -100,6 +103,10 @@ std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
     }
     std::string missing;
     std::vector<Peer> const matched = matched_peers(missing);
+    if (missing.empty() && is_late_joiner()) {
+        std::lock_guard const lock{mutex};
+        missing = joining ? missing_ledgers() : "";
+    }
     MemberState const state = missing.empty() ? MEMBER_READY : state_when_incomplete;
     if (state == MEMBER_READY) {
         std::lock_guard const lock{mutex};
@@ -260,6 +267,14 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
                 core.refresh_status(MEMBER_READY);
                 lock.lock();
             }
+            if (core.restate_ledger) {
+                core.restate_ledger = false;
+                std::uint64_t const tick = core.clock.tick();
+                SimTime const time = core.latest_time;
+                lock.unlock();
+                (void)core.acknowledge(tick, 0, time);
+                lock.lock();
+            }
             std::chrono::duration<double> const waited = std::chrono::steady_clock::now() - core.pending_since;
             if (patience_s > 0 && core.gate->has_pending() && waited.count() > patience_s && !may_return()) {
                 core.fail_locked({ExitCode::stall,
@@ -309,6 +324,17 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
     return tick;
 }
 
+bool Node::Core::acknowledge(std::uint64_t tick, std::uint64_t next_tick_needed, SimTime time) {
+    ack.tick(tick);
+    ack.next_tick_needed(next_tick_needed);
+    fill_ledger(ack.ledger());
+    ack.wires() = wire_writers;
+    for (WireLedgerEntry& entry : wire_writers) {
+        entry.frames().clear();
+    }
+    return ack_writer->write(&ack, source_ns(time));
+}
+
 Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
     Core& core = *core_;
     {
@@ -324,14 +350,7 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
         }
         core.gate->done();
     }
-    core.ack.tick(tick.number);
-    core.ack.next_tick_needed(std::max(next_tick_needed, tick.number + 1));
-    core.fill_ledger(core.ack.ledger());
-    core.ack.wires() = core.wire_writers;
-    for (WireLedgerEntry& entry : core.wire_writers) {
-        entry.frames().clear();
-    }
-    bool const accepted = core.ack_writer->write(&core.ack, core.source_ns(tick.time));
+    bool const accepted = core.acknowledge(tick.number, std::max(next_tick_needed, tick.number + 1), tick.time);
     uncork();
     if (!accepted) {
         return fail(ExitCode::stall, fmt::format("DDS refused the acknowledgement of tick {}", tick.number));
@@ -379,7 +398,8 @@ std::int64_t Node::start_unix_ns() const {
 }
 
 SimTime Node::effect_time(SimTime input, SimSpan latency) const {
-    return lockstep() ? input + latency : latest_time();
+    // Who was paused finds inputs of ticks that are over; what it does about them, it does now.
+    return lockstep() ? std::max(input, latest_time() - core_->tick_span) + latency : latest_time();
 }
 
 Node::Counters Node::counters() const {

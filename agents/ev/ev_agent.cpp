@@ -45,6 +45,7 @@ class EvShell {
         TimeBase const& base = node_.time_base();
         SimSpan const period = base.nearest(config_.period_s), latency = base.ceil(config_.latency_us / Rational{1'000'000});
         bus::TickGrid const grid{node_.config().clock};
+        SimSpan const tick_span = base.nearest(node_.config().clock.tick_s);
         SimTime due; // the first request is at simulated time 0
         bool announced = false;
         while (true) {
@@ -62,6 +63,10 @@ class EvShell {
                 while (due + period <= (*tick)->time) {
                     due = due + period;
                 }
+            }
+            // Nor does one that was paused: what it would have asked is of no use now.
+            while (node_.lockstep() && due + tick_span <= (*tick)->time) {
+                due = due + period;
             }
             for (auto const& received : (*measurements)->take()) {
                 if (received.origin.time > due && due <= (*tick)->time) {

@@ -107,6 +107,7 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     plan.links = scenario.links;
     plan.ports = plan_ports(scenario);
     plan.duration_s = scenario.simulation.duration().to_double();
+    plan.lockstep = scenario.clock.mode == bus::ClockMode::lockstep;
     plan.start_timeout_s = scenario.clock.start_timeout_s;
     plan.member_timeout_s = scenario.clock.member_timeout_s;
     for (Host const& host : scenario.hosts) {

@@ -45,6 +45,7 @@ struct RunPlan {
     std::vector<PlannedProcess> processes; ///< the simulator last: everybody else is there when it starts to wait
     std::vector<std::vector<PlannedStroke>> holds; ///< by index of the simulator's hold
     double duration_s{0};
+    bool lockstep{true};
     double start_timeout_s{30}, member_timeout_s{10};
 };
 

@@ -282,7 +282,10 @@ class Supervisor {
                     answer += "drop " + stroke.process + "\n";
                     break;
                 case Kind::pause:
-                    ::kill(-w->child.pid, SIGSTOP);
+                    // In lockstep it gets no ticks. A stopped process would lose samples, depending on the machine.
+                    if (!plan_.lockstep) {
+                        ::kill(-w->child.pid, SIGSTOP);
+                    }
                     answer += "drop " + stroke.process + "\n";
                     text = "paused";
                     break;
@@ -294,7 +297,7 @@ class Supervisor {
                 case Kind::restart:
                     w->expected_to_die = true;
                     kill_and_reap(*w);
-                    if (!restart(*w)) {
+                    if (!restart(*w, stroke.at_s)) {
                         return;
                     }
                     answer += fmt::format("restarted {} {}\n", stroke.process, w->incarnation);
@@ -315,9 +318,18 @@ class Supervisor {
         }
     }
 
-    bool restart(Watched& w) {
+    bool restart(Watched& w, double at_s) {
         ++w.incarnation;
-        w.plan.config.find("bus")->set("incarnation", config::Node::scalar(std::to_string(w.incarnation)));
+        config::Node& bus = *w.plan.config.find("bus");
+        bus.set("incarnation", config::Node::scalar(std::to_string(w.incarnation)));
+        bus.set("joins_at_s", config::Node::scalar(shortest(at_s)));
+        config::Node absent = config::Node::sequence();
+        for (Watched const& other : watched_) {
+            if (!other.running && &other != &w) {
+                absent.items.push_back(config::Node::scalar(other.plan.name));
+            }
+        }
+        bus.set("absent", std::move(absent));
         std::ofstream{w.plan.config_file} << to_yaml(w.plan.config);
         if (auto ok = start(w); !ok) {
             fail_with(ok.error());

@@ -51,6 +51,14 @@ void check_references(Scenario const& s, Diagnostics& diagnostics) {
     for (sim::Event const& event : s.events) {
         for (Ref const* process : {&event.kill, &event.pause, &event.resume, &event.restart}) {
             must_exist(*process, processes, fmt::format("event '{}' acts on the process", event.name.name), diagnostics);
+            Process const* target = process->empty() ? nullptr : s.find_process(process->name);
+            std::string const program = target == nullptr ? "" : target->program.name;
+            if (program == "gridspace-sim" || program == "gridspace-recorder") {
+                diagnostics.error(process->where,
+                                  fmt::format("event '{}' acts on '{}', the {} of the run", event.name.name,
+                                              process->name, program == "gridspace-sim" ? "simulator" : "recorder"),
+                                  "a run cannot go on without it", static_cast<int>(process->name.size()));
+            }
         }
     }
     if (s.network) {

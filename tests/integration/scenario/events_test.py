@@ -68,10 +68,21 @@ class ProcessEvents(ScenarioTest):
             times = [float(row[next(iter(row))]) for row in csv.DictReader(table)]
         self.assertGreater(max(times), 3000)
 
-    def test_the_simulator_cannot_be_killed_by_the_timeline(self):
-        run = self.start("run", HOUR, self.scenario("  end: {at_s: 1000, kill: sim}\n"))
-        self.assertEqual(run.finish(), USAGE)
-        self.assertIn("simulator", run.stderr())
+    def test_the_simulator_and_the_recorder_cannot_be_killed_by_the_timeline(self):
+        for process in ("sim", "recorder"):
+            run = self.start(process, HOUR, self.scenario(f"  end: {{at_s: 1000, kill: {process}}}\n"))
+            self.assertEqual(run.finish(), USAGE)
+            self.assertRegex(run.stderr(), rf"scenario.yaml:4:\d+: error: event 'end' acts on '{process}'")
+
+    def test_restarts_next_to_each_other_and_again_and_again(self):
+        run = self.run_twice("  gone: {at_s: 300, kill: ev3}\n"
+                             "  one: {at_s: 1000, restart: ev4}\n  two: {at_s: 1000, restart: mcca}\n  three: {at_s: 1000, restart: ev1}\n"
+                             "  more: {at_s: 1003, restart: mcca}\n  again: {at_s: 1500, restart: mcca}\n  back: {at_s: 2000, restart: ev3}\n")
+        requests = self.requests(run)
+        for ev in ("EV1", "EV2", "EV3", "EV4"):
+            self.assertGreater(max(requests[ev]), 3000, ev)
+        with (run.folder / "csv/decisions.csv").open() as table:
+            self.assertGreater(max(float(row[next(iter(row))]) for row in csv.DictReader(table)), 3000)
 
 
 if __name__ == "__main__":
