@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "agents/relay/current_inputs.hpp"
+
+#include "gateways/iec61850/quality.hpp"
+#include "gateways/port/subscriptions.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::relay {
+namespace {
+
+Synch synch_of(std::uint8_t smp_synch) {
+    return smp_synch == iec61850::kNotSynchronised ? Synch::none : smp_synch == iec61850::kGlobalClock ? Synch::global : Synch::local;
+}
+
+Result<CurrentInputs::End> make_end(streams::Stream const& stream, std::array<std::string, 3> const& channels) {
+    CurrentInputs::End end{iec61850::SvSubscriber{gateways::sv_subscription(stream)}, iec61850::SvLayout{stream.data_set}};
+    auto const& slots = end.layout.slots();
+    for (std::size_t phase = 0; phase < 3; ++phase) {
+        auto const slot = end.layout.index_of(channels[phase]);
+        if (!slot || !iec61850::is_number(slots[*slot].leaf.type)) {
+            return fail(ExitCode::usage, fmt::format("stream '{}' has no number '{}'", stream.name.name, channels[phase]));
+        }
+        end.current[phase] = *slot;
+        end.scale = iec61850::is_integer(slots[*slot].leaf.type) ? 1e-3 : 1.0;
+        if (*slot + 1 < slots.size() && slots[*slot + 1].leaf.type == iec61850::BasicType::quality) {
+            end.quality[phase] = *slot + 1;
+        }
+    }
+    return end;
+}
+
+} // namespace
+
+Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams::Stream const& to,
+                                            std::array<std::string, 3> const& channels, std::int64_t partner_timeout_ns) {
+    std::vector<End> ends;
+    for (streams::Stream const* stream : {&from, &to}) {
+        auto end = make_end(*stream, channels);
+        if (!end) {
+            return std::unexpected{end.error()};
+        }
+        ends.push_back(std::move(*end));
+    }
+    return CurrentInputs{std::move(ends), partner_timeout_ns, static_cast<std::uint32_t>(from.rate_hz.num())};
+}
+
+EndSample CurrentInputs::read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu) {
+    EndSample sample;
+    sample.present = true;
+    sample.synch = synch_of(asdu.smp_synch);
+    sample.simulated = frame.header.simulated();
+    for (std::size_t phase = 0; phase < 3; ++phase) {
+        sample.i_a[phase] = end.layout.read(end.current[phase], asdu.sample).number() * end.scale;
+        if (end.quality[phase]) {
+            auto const q = static_cast<std::uint32_t>(end.layout.read(*end.quality[phase], asdu.sample).bits);
+            bool const questionable = (q & iec61850::quality::kValidity) == iec61850::quality::kQuestionable;
+            if (!iec61850::quality::is_good(q)) {
+                sample.validity = std::max(sample.validity, questionable ? Validity::questionable : Validity::invalid);
+            }
+            sample.test = sample.test || (q & iec61850::quality::kTest) != 0;
+        }
+    }
+    return sample;
+}
+
+void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair) {
+    if (auto const read_frame = iec61850::decode_sv(octets, decoded_); !read_frame) {
+        damaged_.count(read_frame.error().reason);
+        return;
+    }
+    for (iec61850::Asdu const& asdu : decoded_.view()) {
+        for (std::size_t i = 0; i < ends_.size(); ++i) {
+            End& end = ends_[i];
+            if (!end.subscriber.is_mine(asdu)) {
+                continue;
+            }
+            iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, now_ns);
+            if (arrival.accepted) {
+                bool const restarted = arrival.event == iec61850::SvEvent::first || arrival.event == iec61850::SvEvent::restart;
+                alignment_.push(i, asdu.smp_cnt, asdu.smp_synch, read(end, decoded_, asdu), now_ns, restarted);
+                give_out(now_ns, on_pair);
+            }
+        }
+    }
+}
+
+void CurrentInputs::give_out(std::int64_t now_ns, OnPair const& on_pair) {
+    while (auto const pair = alignment_.pop(now_ns)) {
+        LineSample sample;
+        sample.index = pair->index;
+        sample.from = pair->first.value_or(EndSample{});
+        sample.to = pair->second.value_or(EndSample{});
+        on_pair(sample);
+    }
+}
+
+std::optional<std::int64_t> CurrentInputs::deadline() const {
+    std::optional<std::int64_t> out = alignment_.deadline();
+    for (End const& end : ends_) {
+        if (auto const silence = end.subscriber.deadline()) {
+            out = out ? std::min(*out, *silence) : *silence;
+        }
+    }
+    return out;
+}
+
+void CurrentInputs::elapse(std::int64_t now_ns, OnPair const& on_pair) {
+    for (End& end : ends_) {
+        if (auto const silence = end.subscriber.deadline(); silence && *silence <= now_ns) {
+            end.subscriber.expire(now_ns);
+        }
+    }
+    give_out(now_ns, on_pair);
+}
+
+} // namespace gridspace::relay

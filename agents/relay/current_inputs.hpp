@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "agents/relay/line_sample.hpp"
+#include "common/result.hpp"
+#include "gateways/iec61850/stream_alignment.hpp"
+#include "gateways/iec61850/sv_layout.hpp"
+#include "gateways/iec61850/sv_subscriber.hpp"
+#include "gateways/streams/stream.hpp"
+
+#include <array>
+#include <functional>
+#include <optional>
+
+namespace gridspace::relay {
+
+/// Two streams of sampled values in, time-aligned pairs out. Pure: frames and times are given to it.
+class CurrentInputs {
+  public:
+    /// `channels`: members of the data sets that hold the phase currents. An integer counts milliamperes (9-2LE); a member
+    /// of type quality right behind a current is its quality.
+    [[nodiscard]] static Result<CurrentInputs> create(streams::Stream const& from, streams::Stream const& to,
+                                                      std::array<std::string, 3> const& channels, std::int64_t partner_timeout_ns);
+
+    using OnPair = std::function<void(LineSample const&)>;
+    /// A frame of sampled values. Pairs that are complete now are given out.
+    void frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair);
+    /// When time alone gives something out, or a stream falls silent.
+    [[nodiscard]] std::optional<std::int64_t> deadline() const;
+    void elapse(std::int64_t now_ns, OnPair const& on_pair);
+
+    struct End {
+        iec61850::SvSubscriber subscriber;
+        iec61850::SvLayout layout;
+        std::array<std::size_t, 3> current{};
+        std::array<std::optional<std::size_t>, 3> quality{};
+        double scale{1};
+    };
+    [[nodiscard]] End const& end(std::size_t i) const { return ends_[i]; }
+    [[nodiscard]] iec61850::DecodeCounters const& damaged() const { return damaged_; }
+
+  private:
+    CurrentInputs(std::vector<End> ends, std::int64_t timeout_ns, std::uint32_t wrap)
+        : ends_{std::move(ends)}, alignment_{timeout_ns, wrap} {}
+    [[nodiscard]] static EndSample read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu);
+    void give_out(std::int64_t now_ns, OnPair const& on_pair);
+
+    std::vector<End> ends_; ///< from, to
+    iec61850::StreamAlignment<EndSample> alignment_;
+    iec61850::SvFrame decoded_;
+    iec61850::DecodeCounters damaged_;
+};
+
+} // namespace gridspace::relay

@@ -1,0 +1,274 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// gridspace-relay: line differential protection; two streams of sampled values in, a trip by GOOSE out.
+#include "agents/relay/current_inputs.hpp"
+#include "agents/relay/relay_program.hpp"
+#include "agents/relay/trip_publisher.hpp"
+#include "bus/daemon.hpp"
+#include "bus/tick_grid.hpp"
+#include "common/log.hpp"
+#include "common/text.hpp"
+
+#include <array>
+#include <fmt/format.h>
+
+namespace gridspace::relay {
+namespace {
+
+using gateways::WireClock;
+using gateways::WirePort;
+
+struct Settings {
+    RelayConfig relay;
+    gateways::WireConfig wire;
+};
+
+class RelayAgent {
+  public:
+    RelayAgent(Settings const& settings, DaemonRun& run, bus::Node& node)
+        : settings_{settings}, run_{run}, node_{node}, clock_{node}, grid_{node.config().clock},
+          latency_ns_{clock_.of(SimTime{} + node.time_base().ceil(settings.relay.latency_us / Rational{1'000'000}))} {}
+
+    Result<void> run() {
+        if (auto ok = prepare(); !ok) {
+            return ok;
+        }
+        if (auto ok = node_.start(); !ok) {
+            return ok;
+        }
+        while (true) {
+            auto const next = next_work();
+            auto tick = node_.lockstep() ? node_.next() : node_.next(next ? std::optional{WireClock::wall(*next)} : std::nullopt);
+            if (!tick) {
+                return std::unexpected{tick.error()};
+            }
+            if (!*tick) {
+                return {};
+            }
+            begin((*tick)->time);
+            if (node_.lockstep()) {
+                lockstep_tick((*tick)->time);
+            } else {
+                realtime_round();
+            }
+            report((*tick)->time, (*tick)->final);
+            port_->maintain();
+            std::uint64_t needed = (*tick)->number + 1;
+            if (auto const work = next_work()) {
+                needed = grid_.tick_of(clock_.at_or_after(*work));
+            }
+            if (auto ok = node_.done(**tick, needed); !ok) {
+                return ok;
+            }
+        }
+    }
+
+  private:
+    Result<void> prepare() {
+        RelayConfig const& config = settings_.relay;
+        config::Diagnostics diagnostics;
+        auto const find = [&](config::Ref const& name, streams::Kind kind) { return gateways::stream_of(settings_.wire.streams, name, kind, diagnostics); };
+        streams::Stream const* from = find(config.from_stream, streams::Kind::smv);
+        streams::Stream const* to = find(config.to_stream, streams::Kind::smv);
+        streams::Stream const* trip = find(config.trip, streams::Kind::goose);
+        if (from == nullptr || to == nullptr || trip == nullptr) {
+            return fail(ExitCode::usage, diagnostics.render());
+        }
+        auto params = make_params(config.logic, from->rate_hz, Rational::parse(shortest(config.frequency_hz)).value_or(Rational{60}));
+        if (!params) {
+            return std::unexpected{params.error()};
+        }
+        params->from_positive = config.from_positive;
+        params->to_positive = config.to_positive;
+        relay_ = std::make_unique<LineRelay>(*params);
+        auto inputs = CurrentInputs::create(*from, *to, config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6));
+        if (!inputs) {
+            return std::unexpected{inputs.error()};
+        }
+        inputs_ = std::make_unique<CurrentInputs>(std::move(*inputs));
+        auto port = WirePort::open(node_, settings_.wire, {{trip->ethertype()}, {from->ethertype()}});
+        if (!port) {
+            return std::unexpected{port.error()};
+        }
+        port_ = std::move(*port);
+        auto publisher = TripPublisher::create(node_, *port_, *trip, config.trip_field);
+        if (!publisher) {
+            return std::unexpected{publisher.error()};
+        }
+        trip_ = std::move(*publisher);
+        return open_signals();
+    }
+
+    Result<void> open_signals() {
+        std::string const prefix = "relay." + node_.config().process + ".";
+        auto state = bus::SignalPublisher::create(node_, "relay", 0, {{prefix + "pickup", ""}, {prefix + "trip", ""}, {prefix + "blocked", ""}});
+        if (!state) {
+            return std::unexpected{state.error()};
+        }
+        state_signals_ = std::move(*state);
+        std::vector<bus::SignalColumn> columns;
+        for (config::Ref const* stream : {&settings_.relay.from_stream, &settings_.relay.to_stream}) {
+            for (char const* name : {"received", "lost", "duplicate", "late", "invalid"}) {
+                columns.push_back({"stream." + stream->name + "." + name, ""});
+            }
+        }
+        auto counters = bus::SignalPublisher::create(node_, "streams", 1, std::move(columns));
+        if (!counters) {
+            return std::unexpected{counters.error()};
+        }
+        counter_signals_ = std::move(*counters);
+        return {};
+    }
+
+    void begin(SimTime now) {
+        if (started_) {
+            return;
+        }
+        started_ = true;
+        state_signals_->announce(now);
+        counter_signals_->announce(now);
+        trip_->announce(now);
+        now_ns_ = node_.lockstep() ? clock_.of(now) : clock_.now();
+        trip_->start(now_ns_);
+        publish_state();
+    }
+
+    [[nodiscard]] std::optional<std::int64_t> next_work() const {
+        auto out = trip_->due();
+        if (auto const deadline = inputs_->deadline()) {
+            out = out ? std::min(*out, *deadline) : *deadline;
+        }
+        return out;
+    }
+
+    /// Does everything that time alone asks for, up to and including `until_ns`, in its order.
+    void elapse(std::int64_t until_ns) {
+        while (true) {
+            auto const deadline = inputs_->deadline();
+            auto const due = trip_->due();
+            bool const input_first = deadline && (!due || *deadline < *due);
+            auto const at = input_first ? deadline : due;
+            if (!at || *at > until_ns) {
+                return;
+            }
+            now_ns_ = std::max(now_ns_, node_.lockstep() ? clock_.of(clock_.at_or_after(*at)) : *at);
+            if (now_ns_ > until_ns) {
+                return; // rounded up to the time grid, behind the end of the tick
+            }
+            if (input_first) {
+                inputs_->elapse(now_ns_, on_pair_);
+            } else {
+                trip_->work(now_ns_);
+            }
+        }
+    }
+
+    void lockstep_tick(SimTime end) {
+        for (bus::WireFrame const* frame : port_->take(iec61850::kSvEthertype)) {
+            std::int64_t const at = clock_.of(frame->time);
+            elapse(at - 1); // at equal times the frame comes first
+            now_ns_ = std::max(now_ns_, at);
+            inputs_->frame(WirePort::octets(*frame), now_ns_, on_pair_);
+        }
+        elapse(clock_.of(end));
+    }
+
+    void realtime_round() {
+        for (bus::WireFrame const* frame : port_->take(iec61850::kSvEthertype)) {
+            now_ns_ = clock_.now();
+            inputs_->frame(WirePort::octets(*frame), now_ns_, on_pair_);
+        }
+        elapse(clock_.now());
+    }
+
+    void pair(LineSample const& sample) {
+        RelayOutput const& out = relay_->step(sample);
+        if (out.pickup != pickup_ || out.trip != tripped_ || (out.blocked != 0) != blocked_) {
+            bool const changed = out.trip != tripped_;
+            pickup_ = out.pickup;
+            tripped_ = out.trip;
+            blocked_ = out.blocked != 0;
+            publish_state();
+            if (changed && settings_.relay.trip_output == RelayConfig::TripOutput::enabled) {
+                trip_->set(tripped_, node_.lockstep() ? now_ns_ + latency_ns_ : now_ns_);
+            }
+        }
+    }
+
+    [[nodiscard]] SimTime now() const { return node_.lockstep() ? clock_.at_or_after(now_ns_) : node_.latest_time(); }
+
+    void publish_state() {
+        std::array<double, 3> const row{pickup_ ? 1.0 : 0.0, tripped_ ? 1.0 : 0.0, blocked_ ? 1.0 : 0.0};
+        state_signals_->row(now(), row);
+        relay_->events().drain([&](RelayEvent const& event) {
+            std::string text = fmt::format("sample {}", event.index);
+            if (event.phases != 0) {
+                text += fmt::format(", phases {}, {:.1f} {:.1f} {:.1f} A", phase_names(event.phases), event.differential_a[0],
+                                    event.differential_a[1], event.differential_a[2]);
+            }
+            if (event.reasons != 0) {
+                text += ": " + block_names(event.reasons);
+            }
+            log::info("{}: {}", name_of(event.kind), text);
+            run_.status.event(node_.time_base().seconds(now()), node_.config().process, name_of(event.kind), text);
+        });
+    }
+
+    /// Counters once per simulated second.
+    void report(SimTime time, bool final) {
+        auto const second = static_cast<std::int64_t>(node_.time_base().seconds(time));
+        if (second == reported_ && !final) {
+            return;
+        }
+        reported_ = second;
+        std::array<double, 10> row{};
+        for (std::size_t i = 0; i < 2; ++i) {
+            using iec61850::SvEvent;
+            auto const& c = inputs_->end(i).subscriber.counters();
+            double* out = row.data() + 5 * i;
+            out[0] = static_cast<double>(c.samples);
+            out[1] = static_cast<double>(c.lost);
+            out[2] = static_cast<double>(c.of(SvEvent::duplicate));
+            out[3] = static_cast<double>(c.of(SvEvent::late));
+            out[4] = static_cast<double>(c.of(SvEvent::identity_mismatch) + c.of(SvEvent::conf_rev_mismatch) + c.of(SvEvent::size_mismatch) +
+                                         c.of(SvEvent::simulation_refused) + inputs_->damaged().total());
+        }
+        counter_signals_->row(time, row);
+        counter_signals_->flush();
+    }
+
+    Settings const& settings_;
+    DaemonRun& run_;
+    bus::Node& node_;
+    WireClock clock_;
+    bus::TickGrid grid_;
+    std::int64_t latency_ns_;
+    std::unique_ptr<LineRelay> relay_;
+    std::unique_ptr<CurrentInputs> inputs_;
+    std::unique_ptr<WirePort> port_;
+    std::unique_ptr<TripPublisher> trip_;
+    std::unique_ptr<bus::SignalPublisher> state_signals_, counter_signals_;
+    CurrentInputs::OnPair on_pair_{[this](LineSample const& sample) { pair(sample); }};
+    std::int64_t now_ns_{0};
+    std::int64_t reported_{-1};
+    bool started_{false}, pickup_{false}, tripped_{false}, blocked_{false};
+};
+
+} // namespace
+} // namespace gridspace::relay
+
+int main(int argc, char** argv) {
+    using namespace gridspace;
+    relay::Settings settings;
+    Daemon const daemon{"gridspace-relay", "line differential relay: sampled values in, trip by GOOSE out",
+                        [&](config::Fields& f) {
+                            describe(f, settings.relay);
+                            gateways::describe_wire(f, settings.wire);
+                        },
+                        {},
+                        [&](DaemonRun& run) {
+                            return run_on_bus(run, [&](bus::Node& node) -> Result<void> { return relay::RelayAgent{settings, run, node}.run(); });
+                        }};
+    return run_daemon(daemon, argc, argv);
+}

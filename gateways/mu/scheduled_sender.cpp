@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/mu/scheduled_sender.hpp"
+
+#include <cerrno>
+#include <chrono>
+#include <ctime>
+
+namespace gridspace::gateways {
+namespace {
+
+std::int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
+
+void sleep_until(std::int64_t ns) {
+    timespec const until{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+    }
+}
+
+} // namespace
+
+ScheduledSender::ScheduledSender(Params params, std::function<void(Sample const&)> send)
+    : params_{params}, send_{std::move(send)}, ring_(kCapacity) {
+    thread_ = std::thread{[this] { loop(); }};
+}
+
+ScheduledSender::~ScheduledSender() {
+    stop_ = true;
+    thread_.join();
+}
+
+void ScheduledSender::push(Sample const& sample) {
+    std::uint64_t const at = written_.load(std::memory_order_relaxed);
+    if (at - read_.load(std::memory_order_acquire) >= kCapacity) {
+        ++overflows_;
+        return;
+    }
+    ring_[at % kCapacity] = sample;
+    written_.store(at + 1, std::memory_order_release);
+}
+
+bool ScheduledSender::pop(Sample& out) {
+    std::uint64_t const at = read_.load(std::memory_order_relaxed);
+    if (at == written_.load(std::memory_order_acquire)) {
+        return false;
+    }
+    out = ring_[at % kCapacity];
+    read_.store(at + 1, std::memory_order_release);
+    return true;
+}
+
+ScheduledSender::Counters ScheduledSender::counters() const { return {late_.load(), underruns_.load(), overflows_.load()}; }
+
+void ScheduledSender::loop() {
+    constexpr std::int64_t kIdleNs = 500'000; // before the first sample
+    Sample sample;
+    while (!stop_ && written_.load(std::memory_order_acquire) == 0) {
+        sleep_until(now_ns() + kIdleNs);
+    }
+    double const period_ns = 1e9 / params_.rate_hz;
+    std::int64_t const start = now_ns() + static_cast<std::int64_t>(params_.buffer_s * 1e9);
+    auto const due = [&](std::uint64_t k) { return start + static_cast<std::int64_t>(static_cast<double>(k) * period_ns + 0.5); };
+    std::uint64_t sent = 0;
+    bool starving = false;
+    for (std::uint64_t slot = 0; !stop_; ++slot) {
+        sleep_until(due(slot));
+        std::int64_t const now = now_ns();
+        while (due(slot + 1) <= now) { // slept through whole periods: their samples are owed
+            ++slot;
+        }
+        std::uint64_t const owed = slot + 1 - sent;
+        late_ += owed > 1 ? 1 : 0;
+        for (std::uint64_t n = std::min<std::uint64_t>(owed, 2); n > 0; --n) {
+            if (!pop(sample)) {
+                underruns_ += starving ? 0 : 1;
+                starving = true;
+                break;
+            }
+            starving = false;
+            send_(sample);
+            ++sent;
+        }
+    }
+}
+
+} // namespace gridspace::gateways

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <thread>
+#include <vector>
+
+namespace gridspace::gateways {
+
+/// Sends samples at their exact rate, like a device with a clock of its own: the first one `buffer_s` after it came, each
+/// further one a period later, by absolute deadlines. A sample that is not here when it is due is waited for (an underrun);
+/// what is owed then is caught up at no more than twice the rate. The counter of a sample never skips or repeats.
+class ScheduledSender {
+  public:
+    struct Params {
+        double rate_hz{4800};
+        double buffer_s{0.0015};
+    };
+    struct Sample {
+        std::int64_t index{0};
+        std::array<float, 3> i_a{};
+    };
+    struct Counters {
+        std::uint64_t late{0};      ///< wake-ups that found more than one sample due
+        std::uint64_t underruns{0}; ///< a due sample was not here yet
+        std::uint64_t overflows{0}; ///< samples refused because the buffer was full
+    };
+
+    /// `send` is called on the sender's thread.
+    ScheduledSender(Params params, std::function<void(Sample const&)> send);
+    ~ScheduledSender();
+    ScheduledSender(ScheduledSender const&) = delete;
+    ScheduledSender& operator=(ScheduledSender const&) = delete;
+
+    /// From one other thread. Neither waits nor allocates.
+    void push(Sample const& sample);
+    [[nodiscard]] Counters counters() const;
+
+  private:
+    void loop();
+    bool pop(Sample& out);
+    static constexpr std::size_t kCapacity = 4096; // a power of two; 0.85 s at 4800 Hz
+
+    Params params_;
+    std::function<void(Sample const&)> send_;
+    std::vector<Sample> ring_;
+    std::atomic<std::uint64_t> written_{0}, read_{0};
+    std::atomic<std::uint64_t> late_{0}, underruns_{0}, overflows_{0};
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+} // namespace gridspace::gateways

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/node.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <ctime>
+
+namespace gridspace::gateways {
+
+/// The time that the state machines of a daemon live in: nanoseconds of simulated time in lockstep, of the monotonic clock in
+/// real time. What they stamp with is UTC: the scenario's epoch and simulated time, or the clock of the machine.
+class WireClock {
+  public:
+    explicit WireClock(bus::Node const& node) : node_{node} {}
+
+    [[nodiscard]] std::int64_t of(SimTime t) const { return node_.time_base().nanoseconds(t); } ///< lockstep
+    [[nodiscard]] std::int64_t now() const {                                                    ///< real time
+        return std::chrono::steady_clock::now().time_since_epoch().count();
+    }
+    [[nodiscard]] std::int64_t utc_ns(std::int64_t now_ns) const {
+        if (node_.lockstep()) {
+            return node_.config().clock.epoch_unix_s * 1'000'000'000 + now_ns;
+        }
+        timespec t{};
+        clock_gettime(CLOCK_REALTIME, &t);
+        return t.tv_sec * 1'000'000'000LL + t.tv_nsec;
+    }
+    /// The first instant of simulated time that is not before `ns`.
+    [[nodiscard]] SimTime at_or_after(std::int64_t ns) const {
+        SimTime const t = node_.time_base().from_nanoseconds(ns);
+        return of(t) < ns ? SimTime{t.quanta + 1} : t;
+    }
+    [[nodiscard]] static std::chrono::steady_clock::time_point wall(std::int64_t ns) {
+        return std::chrono::steady_clock::time_point{std::chrono::nanoseconds{ns}};
+    }
+
+  private:
+    bus::Node const& node_;
+};
+
+} // namespace gridspace::gateways

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/port/wire_port.hpp"
+
+#include "common/log.hpp"
+
+#include <array>
+#include <fmt/format.h>
+
+namespace gridspace::gateways {
+
+Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig const& config, Ethertypes const& ethertypes) {
+    ethernet::PortOptions options;
+    options.interface = config.interface;
+    options.receive = false;
+    auto sender = ethernet::Port::open(options);
+    if (!sender) {
+        return std::unexpected{sender.error()};
+    }
+    auto port = std::unique_ptr<WirePort>{new WirePort{node, std::move(*sender)}};
+    for (std::uint16_t const ethertype : ethertypes.send) {
+        port->writers_[ethertype] = std::make_unique<bus::WireWriter>(node, config.link, ethertype);
+    }
+    if (!ethertypes.receive.empty()) {
+        options.receive = true;
+        // In lockstep by ethertype only: the ledger counts every frame of it. In real time too, where a relay has to see what
+        // is forged beside its streams.
+        options.filter.ethertypes = ethertypes.receive;
+        auto receiver = ethernet::Port::open(options);
+        if (!receiver) {
+            return std::unexpected{receiver.error()};
+        }
+        port->receiver_ = std::make_unique<ethernet::Port>(std::move(*receiver));
+        for (std::uint16_t const ethertype : ethertypes.receive) {
+            port->readers_[ethertype] = std::make_unique<bus::WireReader>(node, config.link, ethertype);
+        }
+        port->thread_ = std::thread{[raw = port.get()] { raw->receive_loop(); }};
+    }
+    return port;
+}
+
+WirePort::~WirePort() {
+    stop_ = true;
+    if (thread_.joinable()) {
+        thread_.join();
+    }
+}
+
+void WirePort::receive_loop() {
+    constexpr std::int64_t kLookAfterNs = 100'000'000;
+    std::array<ethernet::ReceivedFrame, 64> batch;
+    auto maintained = std::chrono::steady_clock::now();
+    while (!stop_) {
+        receiver_->wait(kLookAfterNs);
+        for (std::size_t n = 0; (n = receiver_->receive(batch)) > 0;) {
+            for (std::size_t i = 0; i < n; ++i) {
+                auto const reader = readers_.find(iec61850::ethertype_of(batch[i].octets));
+                if (reader != readers_.end()) {
+                    reader->second->push(std::as_bytes(batch[i].octets), batch[i].stamp_ns);
+                }
+            }
+        }
+        if (auto const now = std::chrono::steady_clock::now(); now - maintained > std::chrono::milliseconds{200}) {
+            maintained = now;
+            receiver_->maintain();
+        }
+    }
+}
+
+void WirePort::send(std::span<std::uint8_t const> frame, SimTime at) {
+    if (auto const writer = writers_.find(iec61850::ethertype_of(frame)); writer != writers_.end()) {
+        writer->second->sent(std::as_bytes(frame), at);
+    }
+    if (!sender_.send(frame) && node_.lockstep()) {
+        node_.fail_with({ExitCode::environment, fmt::format("the kernel did not take a frame on '{}'", sender_.interface()),
+                         "is the link up?"});
+    }
+}
+
+void WirePort::maintain() {
+    if (auto const now = std::chrono::steady_clock::now(); now - maintained_ > std::chrono::milliseconds{200}) {
+        maintained_ = now;
+        sender_.maintain();
+    }
+}
+
+} // namespace gridspace::gateways

@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/wire.hpp"
+#include "gateways/ethernet/port.hpp"
+#include "gateways/port/wire_config.hpp"
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <thread>
+
+namespace gridspace::gateways {
+
+/// A process's place on a link: the socket, and the simulation clock behind it. In lockstep a frame carries its simulated send
+/// time in the ledger and is seen in the tick that contains it; in real time it is seen when it arrives.
+class WirePort {
+  public:
+    struct Ethertypes {
+        std::vector<std::uint16_t> send, receive;
+    };
+    /// Opens the interface. Before Node::start; must not outlive the node.
+    [[nodiscard]] static Result<std::unique_ptr<WirePort>> open(bus::Node& node, WireConfig const& config, Ethertypes const& ethertypes);
+    ~WirePort();
+    WirePort(WirePort const&) = delete;
+    WirePort& operator=(WirePort const&) = delete;
+
+    [[nodiscard]] iec61850::Mac const& mac() const { return sender_.mac(); }
+
+    /// Hands a frame to the kernel. `at`: its simulated send time, in lockstep.
+    void send(std::span<std::uint8_t const> frame, SimTime at);
+
+    /// Frames that are due, valid until the next call for the same ethertype.
+    [[nodiscard]] std::span<bus::WireFrame const* const> take(std::uint16_t ethertype) { return readers_.at(ethertype)->take(); }
+
+    /// Looks after the link; cheap, call it in every round.
+    void maintain();
+    [[nodiscard]] ethernet::PortCounters sent_counters() { return sender_.counters(); }
+
+    /// What `gateways/iec61850` decodes.
+    [[nodiscard]] static iec61850::Octets octets(bus::WireFrame const& frame) {
+        return {reinterpret_cast<std::uint8_t const*>(frame.octets.data()), frame.octets.size()};
+    }
+
+  private:
+    WirePort(bus::Node& node, ethernet::Port sender) : node_{node}, sender_{std::move(sender)} {}
+    void receive_loop();
+
+    bus::Node& node_;
+    ethernet::Port sender_;
+    std::unique_ptr<ethernet::Port> receiver_;
+    std::map<std::uint16_t, std::unique_ptr<bus::WireWriter>> writers_;
+    std::map<std::uint16_t, std::unique_ptr<bus::WireReader>> readers_;
+    std::atomic<bool> stop_{false};
+    std::chrono::steady_clock::time_point maintained_;
+    std::thread thread_;
+};
+
+} // namespace gridspace::gateways
