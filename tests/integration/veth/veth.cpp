@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "veth.hpp"
 
+#include "gateways/ethernet/port.hpp"
+
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -51,6 +53,25 @@ void ip(std::string const& arguments) {
     ASSERT_EQ(std::system(("PATH=/usr/sbin:/sbin:$PATH ip " + arguments + " 2>&1").c_str()), 0) << "ip " << arguments;
 }
 
+void wait_until_frames_pass(std::string const& from, std::string const& to) {
+    constexpr std::uint16_t kExperimental = 0x88B5; // no test looks at it
+    PortOptions out{.interface = from, .filter = {}, .receive = false}, in{.interface = to, .filter = {}};
+    in.filter.ethertypes = {kExperimental};
+    auto sender = Port::open(out), receiver = Port::open(in);
+    ASSERT_TRUE(sender && receiver);
+    std::vector<std::uint8_t> probe(60);
+    iec61850::store_be(probe.data() + 12, kExperimental);
+    ReceivedFrame received;
+    for (int tries = 0; tries < 5000; ++tries) { // a cable that has just come up may swallow what it says it has taken
+        sender->send(probe);
+        receiver->wait(1'000'000);
+        if (receiver->receive(std::span{&received, 1}) == 1) {
+            return;
+        }
+    }
+    FAIL() << "no frame passes from " << from << " to " << to;
+}
+
 void Veth::SetUpTestSuite() {
     static bool const once = [] {
         why_not_ = enter_namespaces();
@@ -68,11 +89,13 @@ void Veth::SetUp() {
     ip("link add left type veth peer name right");
     ip("link set left up");
     ip("link set right up");
+    wait_until_frames_pass("left", "right");
+    wait_until_frames_pass("right", "left");
 }
 
 void Veth::TearDown() {
     if (why_not_.empty()) {
-        std::system(
+        [[maybe_unused]] int const ignored = std::system(
             "PATH=/usr/sbin:/sbin:$PATH; for i in left right renamed; do ip link del $i 2>/dev/null; done; true");
     }
 }
