@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Keeps the house in order: who may include what (CONTRIBUTING.md, "The house"), licence headers, shell scripts.
+
+  lint.py              checks the tree; exit code 1 and one line per mistake
+  lint.py --self-test  checks the checks: each rule must find the mistake that it is for, in a tree made up for it
+"""
+import argparse
+import fnmatch
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+# Layers, lowest first. The first pattern that fits a file's path decides; a file sees its own layer and lower ones.
+LAYERS = [
+    ("common", 0, ["common/*"]),
+    ("pure core", 1, ["bus/lockstep/*", "sim/network/*", "sim/components/*", "sim/powerflow/*", "sim/phasor/*", "sim/emt/*",
+                      "sim/events/*", "sim/engine/*", "sim/runtime/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
+                      "recorder/mcap/*", "recorder/idl/*", "recorder/compare/*", "recorder/export/*", "recorder/signals/*",
+                      "recorder/pcapng/*", "recorder/comtrade/*", "agents/*_logic.?pp", "agents/relay/*element*", "agents/relay/line_relay.?pp"]),
+    ("bus and wire", 2, ["bus/*", "gateways/ethernet/*", "idl/*"]),
+    ("shell", 3, ["sim/*", "agents/*", "gateways/*", "recorder/*"]),
+    ("monitor and launcher", 4, ["monitor/*", "launcher/*"]),
+]
+
+# Headers that only some folders may see: (pattern of the header, where it is allowed, why)
+ONLY_IN = [
+    (r"fast(dds|rtps|cdr)/.*", ["bus/*", "bench/lockstep/*", "monitor/graph/*", "tests/*"], "Fast DDS stays behind bus/"),
+    (r"(ida|nvector|sunmatrix|sunlinsol|sundials|cvode|kinsol)/.*", ["sim/phasor/*"], "SUNDIALS stays in sim/phasor"),
+    (r"yaml-cpp/.*", ["common/config/yaml.cpp"], "YAML is read in common/config/yaml.cpp"),
+    (r"boost/.*", ["monitor/web/*.cpp"], "Boost stays in monitor/web"),
+    (r"linux/if_packet\.h|netpacket/.*", ["gateways/ethernet/*"], "packet sockets stay in gateways/ethernet"),
+    (r"CLI/.*|nlohmann/json\.hpp", ["*.cpp"], "heavy headers stay in .cpp files"),
+    (r"Eigen/.*", ["sim/*", "ids/*", "tests/*", "bench/*"], "linear algebra belongs to the physics and the detector"),
+]
+
+# What a pure core does not know. `sim/emt` and `sim/phasor` are pure as well: engines are functions of state and input.
+IMPURE_HEADERS = r"thread|mutex|shared_mutex|condition_variable|future|semaphore|atomic|chrono|ctime|time\.h|unistd\.h|poll\.h|sys/.*|net/.*|netinet/.*|arpa/.*|linux/.*|pthread\.h|signal\.h|csignal"
+IMPURE_WORDS = r"\b(system_clock|steady_clock|high_resolution_clock|random_device|gettimeofday|clock_gettime|getenv|std::rand|srand)\b"
+PURE_BUT = {  # a reason for each exception
+    "ids/training/*": "training is an offline job that uses all processors; its result does not depend on how many",
+}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
+SOURCES = (".cpp", ".hpp", ".h", ".cc")
+
+
+def fits(path, patterns):
+    return any(fnmatch.fnmatch(path, p) for p in patterns)
+
+
+def layer_of(path):
+    return next(((name, level) for name, level, patterns in LAYERS if fits(path, patterns)), (None, None))
+
+
+def project_files(root):
+    try:
+        listed = subprocess.run(["git", "-C", root, "ls-files", "--cached", "--others", "--exclude-standard"], capture_output=True,
+                                text=True, check=True).stdout.splitlines()
+    except (OSError, subprocess.CalledProcessError):
+        listed = [str(p.relative_to(root)) for p in pathlib.Path(root).rglob("*") if p.is_file()]
+    return sorted(f for f in listed if (pathlib.Path(root) / f).is_file())
+
+
+def line_of(text, offset):
+    return text.count("\n", 0, offset) + 1
+
+
+def check_includes(root, path, text):
+    name, level = layer_of(path)
+    for match in INCLUDE.finditer(text):
+        kind, header = match.groups()
+        where = f"{path}:{line_of(text, match.start())}"
+        for pattern, allowed, why in ONLY_IN:
+            if re.fullmatch(pattern, header) and not fits(path, allowed):
+                yield f"{where}: includes <{header}>: {why}"
+        if level is None:
+            continue
+        if kind == '"':
+            other, other_level = layer_of(header)
+            if other_level is not None and other_level > level:
+                yield f"{where}: the {name} includes {header} of the {other}: lower layers never know upper ones"
+            physics, cyber = "sim/", ("agents/", "gateways/", "ids/")
+            if path.startswith(cyber) and header.startswith(physics) or path.startswith(physics) and header.startswith(cyber):
+                yield f"{where}: includes {header}: agents and gateways meet the simulator only in idl/"
+            if header.startswith(("recorder/", "monitor/")) and not path.startswith(("recorder/", "monitor/", "launcher/")):
+                yield f"{where}: includes {header}: nothing depends on the recorder or the monitor"
+        if level == 1 and not fits(path, PURE_BUT):
+            if kind == "<" and re.fullmatch(IMPURE_HEADERS, header):
+                yield f"{where}: a pure core includes <{header}>: no sockets, threads or wall clock"
+    if level == 1 and not fits(path, PURE_BUT):
+        for match in re.finditer(IMPURE_WORDS, COMMENT.sub(lambda m: re.sub(r"[^\n]", " ", m.group()), text)):
+            yield f"{path}:{line_of(text, match.start())}: a pure core uses {match.group()}: results depend on state and input alone"
+
+
+def check_conventions(path, text):
+    head = text.split("\n", 4)[:4]
+    if not any("SPDX-License-Identifier: Apache-2.0" in line for line in head):
+        yield f"{path}:1: no SPDX licence identifier in the first lines"
+    if path.endswith(".hpp") and "#pragma once" not in text:
+        yield f"{path}:1: a header without #pragma once"
+    if path.endswith(SOURCES):
+        for match in re.finditer(r"^\s*using namespace std\s*;", text, re.M):
+            yield f"{path}:{line_of(text, match.start())}: using namespace std"
+
+
+def check_shell(root, scripts):
+    if not shutil.which("shellcheck"):
+        return
+    done = subprocess.run(["shellcheck", "-x", *scripts], cwd=root, capture_output=True, text=True)
+    if done.returncode:
+        yield from done.stdout.splitlines()
+
+
+def lint(root):
+    mistakes, scripts = [], []
+    for path in project_files(root):
+        is_source = path.endswith(SOURCES)
+        is_script = path.endswith((".sh", ".py")) or path in ("gridspace", ".ci/run")
+        if not is_source and not is_script:
+            continue
+        text = (pathlib.Path(root) / path).read_text(errors="replace")
+        mistakes += check_conventions(path, text)
+        if is_source:
+            mistakes += check_includes(root, path, text)
+        elif not path.endswith(".py"):
+            scripts.append(path)
+    if scripts:
+        mistakes += check_shell(root, scripts)
+    return mistakes
+
+
+HEAD = "// SPDX-License-Identifier: Apache-2.0\n"
+SELF_TESTS = [  # (file, text, a word of the expected message; None: nothing is wrong)
+    ("common/a.cpp", '#include "sim/network/network.hpp"', "lower layers"),
+    ("sim/network/a.cpp", '#include "bus/node.hpp"', "lower layers"),
+    ("sim/phasor/a.cpp", '#include "bus/lockstep/barrier.hpp"', None),
+    ("bus/a.cpp", '#include "agents/ev/ev_agent.hpp"', "lower layers"),
+    ("recorder/app/a.cpp", '#include "launcher/run/run.hpp"', "lower layers"),
+    ("agents/ev/ev_logic.cpp", '#include "bus/node.hpp"', "lower layers"),
+    ("agents/ev/ev_agent.cpp", '#include "bus/node.hpp"', None),
+    ("agents/ev/ev_agent.cpp", '#include "sim/network/network.hpp"', "only in idl/"),
+    ("sim/app/a.cpp", '#include "gateways/ethernet/socket.hpp"', "only in idl/"),
+    ("sim/app/a.cpp", '#include "recorder/mcap/mcap_writer.hpp"', "recorder or the monitor"),
+    ("launcher/run/a.cpp", '#include "recorder/mcap/mcap_reader.hpp"', None),
+    ("launcher/run/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>", "Fast DDS"),
+    ("bus/a.cpp", "#include <fastdds/dds/domain/DomainParticipant.hpp>", None),
+    ("sim/emt/a.cpp", "#include <ida/ida.h>", "SUNDIALS"),
+    ("launcher/cli/a.cpp", "#include <boost/beast.hpp>", "Boost"),
+    ("launcher/run/a.cpp", "#include <linux/if_packet.h>", "packet sockets"),
+    ("launcher/cli/a.hpp", "#pragma once\n#include <CLI/CLI.hpp>", "heavy headers"),
+    ("launcher/cli/a.cpp", "#include <nlohmann/json.hpp>", None),
+    ("sim/app/a.cpp", "#include <yaml-cpp/yaml.h>", "YAML"),
+    ("sim/network/a.cpp", "#include <thread>", "pure core"),
+    ("gateways/iec61850/a.cpp", "#include <sys/socket.h>", "pure core"),
+    ("ids/a.cpp", "auto t = std::chrono::steady_clock::now();", "state and input"),
+    ("ids/a.cpp", "// not by steady_clock", None),
+    ("launcher/a.hpp", "int x;", "#pragma once"),
+]
+
+
+def self_test():
+    wrong = 0
+    for path, text, expected in SELF_TESTS:
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / path
+            file.parent.mkdir(parents=True)
+            file.write_text(HEAD + text + "\n")
+            found = lint(folder)
+        if (expected is None and found) or (expected is not None and not any(expected in m for m in found)):
+            print(f"self-test: {path} with {text!r}: expected {expected}, found {found}")
+            wrong += 1
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "a.py").write_text("x = 1\n")
+        if not any("SPDX" in m for m in lint(folder)):
+            print("self-test: a missing licence is not found")
+            wrong += 1
+    print(f"{len(SELF_TESTS) + 1} checks of the checks, {wrong} failed")
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--self-test", action="store_true")
+    parser.add_argument("--root", default=ROOT, type=pathlib.Path)
+    arguments = parser.parse_args()
+    if arguments.self_test:
+        return 1 if self_test() else 0
+    mistakes = lint(arguments.root)
+    for mistake in mistakes:
+        print(mistake)
+    print(f"lint: {len(mistakes)} mistakes" if mistakes else "lint: clean")
+    return 1 if mistakes else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
