@@ -50,6 +50,16 @@ void unflatten(std::vector<double> const& parameters, Model& m) {
     }
 }
 
+/// Twice Huber's loss, which is the square for small errors; and the weight that makes a square of it.
+double loss_of(double e, double limit) {
+    double const magnitude = std::fabs(e);
+    return magnitude <= limit ? e * e : 2 * limit * magnitude - limit * limit;
+}
+double weight_of(double e, double limit) {
+    double const magnitude = std::fabs(e);
+    return magnitude <= limit ? 1 : limit / magnitude;
+}
+
 /// Activations of the hidden layer and the outputs for one window.
 void run(Shape const& s, std::vector<double> const& q, double const* x, double* hidden, double* out) {
     for (std::size_t h = 0; h < s.hidden; ++h) {
@@ -68,16 +78,16 @@ void run(Shape const& s, std::vector<double> const& q, double const* x, double* 
     }
 }
 
-double sum_of_squares(Shape const& s, std::vector<double> const& q, Windows const& data, int threads) {
+double total_loss(Shape const& s, std::vector<double> const& q, Windows const& data, TrainParams const& params) {
     std::size_t const chunks = (data.count() + kChunk - 1) / kChunk;
     std::vector<double> parts(chunks);
-    for_each_chunk(chunks, threads, [&](std::size_t c) {
+    for_each_chunk(chunks, params.threads, [&](std::size_t c) {
         std::vector<double> hidden(s.hidden), out(s.outputs);
         for (std::size_t k = c * kChunk; k < std::min((c + 1) * kChunk, data.count()); ++k) {
             run(s, q, &data.x[k * s.inputs], hidden.data(), out.data());
             for (std::size_t o = 0; o < s.outputs; ++o) {
                 double const e = out[o] - data.y[k * s.outputs + o];
-                parts[c] += e * e;
+                parts[c] += loss_of(e, params.error_limit);
             }
         }
     });
@@ -88,13 +98,13 @@ struct GaussNewton {
     std::vector<double> a, g; ///< J' J (lower triangle) and J' e
 };
 
-GaussNewton linearise(Shape const& s, std::vector<double> const& q, Windows const& data, int threads) {
+GaussNewton linearise(Shape const& s, std::vector<double> const& q, Windows const& data, TrainParams const& params) {
     std::size_t const n = s.count(), chunks = (data.count() + kChunk - 1) / kChunk;
     // One accumulator per group of chunks: as many as chunks would not fit into memory, one per thread would not
     // repeat.
     std::size_t const groups = std::min<std::size_t>(chunks, 8);
     std::vector<GaussNewton> parts(groups);
-    for_each_chunk(groups, threads, [&](std::size_t group) {
+    for_each_chunk(groups, params.threads, [&](std::size_t group) {
         GaussNewton part{std::vector<double>(n * n), std::vector<double>(n)};
         std::vector<double> hidden(s.hidden), out(s.outputs), row(n);
         for (std::size_t k = group * data.count() / groups; k < (group + 1) * data.count() / groups; ++k) {
@@ -112,8 +122,9 @@ GaussNewton linearise(Shape const& s, std::vector<double> const& q, Windows cons
                 }
                 row[s.b2() + o] = 1;
                 double const e = out[o] - data.y[k * s.outputs + o];
+                double const weight = weight_of(e, params.error_limit);
                 for (std::size_t i = 0; i < n; ++i) {
-                    double const r = row[i];
+                    double const r = weight * row[i];
                     if (r == 0) {
                         continue;
                     }
@@ -178,8 +189,9 @@ Result<void> back_propagate(Model& model, Windows const& data, TrainParams const
                 run(s, q, x, hidden.data(), out.data());
                 std::fill(back.begin(), back.end(), 0.0);
                 for (std::size_t o = 0; o < s.outputs; ++o) {
-                    double const e = out[o] - data.y[order[b] * s.outputs + o];
-                    squares += e * e;
+                    double e = out[o] - data.y[order[b] * s.outputs + o];
+                    squares += loss_of(e, params.error_limit);
+                    e *= weight_of(e, params.error_limit);
                     gradient[s.b2() + o] += e;
                     for (std::size_t h = 0; h < s.hidden; ++h) {
                         gradient[s.w2() + o * s.hidden + h] += e * hidden[h];
@@ -216,9 +228,9 @@ Result<void> levenberg_marquardt(Model& model, Windows const& data, TrainParams 
     Shape const s = shape_of(model);
     std::size_t const n = s.count();
     std::vector<double> q = flatten(model);
-    double damping = 1e-2, loss = sum_of_squares(s, q, data, params.threads);
+    double damping = 1e-2, loss = total_loss(s, q, data, params);
     for (int iteration = 1; iteration <= params.epochs; ++iteration) {
-        GaussNewton const gn = linearise(s, q, data, params.threads);
+        GaussNewton const gn = linearise(s, q, data, params);
         bool improved = false;
         for (int attempt = 0; attempt < 10 && !improved; ++attempt) {
             std::vector<double> a = gn.a, step = gn.g;
@@ -230,7 +242,7 @@ Result<void> levenberg_marquardt(Model& model, Windows const& data, TrainParams 
             for (std::size_t i = 0; solved && i < n; ++i) {
                 candidate[i] -= step[i];
             }
-            double const next = solved ? sum_of_squares(s, candidate, data, params.threads) : loss;
+            double const next = solved ? total_loss(s, candidate, data, params) : loss;
             if (solved && next < loss) {
                 improved = true;
                 q = candidate;

@@ -23,12 +23,14 @@ struct TrainParams {
     int epochs{60}; ///< back-propagation: passes; Levenberg-Marquardt and Huber: iterations
     double rate{0.02}, momentum{0.9};
     int batch{32};
-    double huber{1.345}; ///< in robust standard deviations
-    double ridge{1e-9};  ///< of the mean square of the inputs
-    int threads{2};      ///< changes the time, never a bit of the result
+    double huber{1.345};      ///< linear: errors beyond so many robust standard deviations count linearly
+    double error_limit{0.02}; ///< networks: errors beyond this, in scaled units, count linearly, not squared; a fault
+                              ///< inside a window would otherwise outweigh thousands of ordinary samples
+    double ridge{1e-9}; ///< of the mean square of the inputs
+    int threads{2};     ///< changes the time, never a bit of the result
 };
 
-/// Called after each epoch or iteration: its number from 1, the root mean square error in scaled units. False: stop
+/// Called after each epoch or iteration: its number from 1, the root of the mean loss in scaled units. False: stop
 /// there.
 using Progress = std::function<bool(int epoch, int of, double rms)>;
 

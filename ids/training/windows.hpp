@@ -26,7 +26,7 @@ struct WindowParams {
     double scale_a{1};
     std::size_t count{120'000}; ///< windows drawn; all of them when there are fewer
     double event_share{0.25};   ///< of those, at most this share from the cycle after an event: they are few, and noise
-                              ///< is not what they teach
+                                ///< is not what they teach
 };
 
 /// Draws windows from recordings, from both ends and all phases, with the same probability each. Windows with a value
