@@ -129,8 +129,12 @@ struct Governor {
     double integral_ki{0};
 };
 
-/// Synchronous machine constants, p.u. on the machine's own rating: one field winding and one damper per axis.
+/// `full`: one field winding and one damper per axis. `classical`: constant voltage behind xd1.
+enum class MachineModel { full, classical };
+
+/// Synchronous machine constants, p.u. on the machine's own rating.
 struct MachineType : Element {
+    MachineModel model{MachineModel::full};
     struct Constants {
         double xd{0}, xq{0}, xd1{0}, xd2{0}, xq2{0}, xl{0}, x0{0}, ra{0};
     } pu;

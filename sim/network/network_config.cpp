@@ -4,6 +4,7 @@
 
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
+#include "common/text.hpp"
 #include "sim/network/matpower.hpp"
 #include "sim/network/network_check.hpp"
 #include "sim/network/profile_csv.hpp"
@@ -200,20 +201,35 @@ void governor(Fields& f, Governor& g) {
 }
 
 void machine_type(Fields& f, MachineType& t) {
+    f.choice<MachineModel>("model", t.model, {{"full", MachineModel::full}, {"classical", MachineModel::classical}},
+                           {.doc = "rotor circuits, or constant voltage behind xd1"});
+    bool const full = t.model == MachineModel::full;
     f.object("constants_pu", {.doc = "reactances and resistance on the machine's rating", .required = true}, [&](Fields& c) {
-        c.number("xd", t.pu.xd, positive("synchronous, d", true));
-        c.number("xq", t.pu.xq, positive("synchronous, q", true));
+        c.number("xd", t.pu.xd, positive("synchronous, d", full));
+        c.number("xq", t.pu.xq, positive("synchronous, q", full));
         c.number("xd1", t.pu.xd1, positive("transient, d", true));
-        c.number("xd2", t.pu.xd2, positive("subtransient, d", true));
-        c.number("xq2", t.pu.xq2, positive("subtransient, q", true));
-        c.number("xl", t.pu.xl, positive("leakage", true));
-        c.number("x0", t.pu.x0, not_negative("zero sequence"));
+        c.number("xd2", t.pu.xd2, positive("subtransient, d", full));
+        c.number("xq2", t.pu.xq2, positive("subtransient, q", full));
+        c.number("xl", t.pu.xl, positive("leakage", full));
+        c.number("x0", t.pu.x0, not_negative("zero sequence; 0: star point not earthed"));
         c.number("ra", t.pu.ra, not_negative("armature resistance"));
+        auto const order = [&](std::string_view small_key, double small, std::string_view large_key, double large) {
+            if (full && small > 0 && large > 0 && small >= large) {
+                c.error(small_key, fmt::format("{} = {} of '{}' is not below {} = {}", small_key, shortest(small), t.name.name,
+                                               large_key, shortest(large)),
+                        "xl < xd2 <= xd1 <= xd and xl < xq2 <= xq");
+            }
+        };
+        order("xl", t.pu.xl, "xd2", t.pu.xd2);
+        order("xl", t.pu.xl, "xq2", t.pu.xq2);
+        order("xd2", t.pu.xd2, "xd1", t.pu.xd1 * (1 + 1e-12));
+        order("xd1", t.pu.xd1, "xd", t.pu.xd * (1 + 1e-12));
+        order("xq2", t.pu.xq2, "xq", t.pu.xq * (1 + 1e-12));
     });
-    f.object("times_s", {.doc = "open-circuit time constants", .required = true}, [&](Fields& c) {
-        c.number("td01", t.td01_s, positive("transient, d", true));
-        c.number("td02", t.td02_s, positive("subtransient, d", true));
-        c.number("tq02", t.tq02_s, positive("subtransient, q", true));
+    f.object("times_s", {.doc = "open-circuit time constants", .required = full}, [&](Fields& c) {
+        c.number("td01", t.td01_s, positive("transient, d", full));
+        c.number("td02", t.td02_s, positive("subtransient, d", full));
+        c.number("tq02", t.tq02_s, positive("subtransient, q", full));
     });
     f.number("inertia_h_s", t.inertia_h_s, positive("inertia constant", true));
     f.number("damping_pu", t.damping_pu, not_negative("damping torque per p.u. speed"));

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/emt/phase_matrix.hpp"
+#include "sim/machines/machine_data.hpp"
+
+#include <array>
+#include <string>
+#include <vector>
+
+/// A three-phase circuit in SI units: what the waveform solver simulates. Plain data; nodes come in triples (phases a,
+/// b, c), named by the index of their first node. The first triple is earth.
+namespace gridspace::sim::emt {
+
+constexpr int kEarth = 0;
+
+/// Coupled series resistance and inductance between two triples.
+struct RlBranch {
+    int from{kEarth}, to{kEarth};
+    PhaseMatrix r, l;
+};
+
+struct CapacitorBranch {
+    int from{kEarth}, to{kEarth};
+    PhaseMatrix c;
+};
+
+/// One resistance and inductance driven by a weighted sum of node voltages: v = sum w_k v_k = r i + l di/dt, and w_k i
+/// flows out of node k. A transformer limb is one: its weights hold turns ratio and connection.
+struct Winding {
+    std::array<int, 4> nodes{}; ///< single nodes
+    std::array<double, 4> weights{};
+    double r{0}, l{0};
+};
+
+/// Inductance of an iron core with two slopes: l up to the flux linkage `knee`, l_air beyond; weights as for a winding.
+struct SaturableCore {
+    std::array<int, 4> nodes{};
+    std::array<double, 4> weights{};
+    double l{0}, l_air{0}, knee{0};
+};
+
+/// Lossless travel with the resistance lumped in quarters at the ends and a half in the middle, per mode
+/// [Dommel, IEEE Trans. PAS-88, 1969].
+struct BergeronLine {
+    int from{kEarth}, to{kEarth};
+    double z1{0}, z0{0};     ///< surge impedances, ohm
+    double tau1{0}, tau0{0}; ///< travel times, s
+    double r1{0}, r0{0};     ///< total resistances, ohm
+};
+
+/// Resistances from some phases of a triple to a common point, which may be earth. Each phase ends at its own current
+/// zero.
+struct FaultBranch {
+    int node{kEarth};
+    double r_ohm{0};
+    std::array<bool, 3> phases{};
+    bool earthed{true};
+    std::string name;
+};
+
+/// A current through a switch is a sum of element currents.
+struct CurrentTerm {
+    enum class Kind {
+        rl,
+        capacitor,
+        winding,
+        core,
+        bergeron_from,
+        bergeron_to,
+        fault,
+        machine,
+        injection
+    } kind{Kind::rl};
+    int index{0};
+    double sign{1};
+};
+
+/// Three poles between two triples; ideal: closed is one node, open is nothing.
+struct Switch {
+    int outer{kEarth}, inner{kEarth};
+    std::array<bool, 3> closed{true, true, true};
+    std::vector<CurrentTerm> terms; ///< whose sum flows from outer to inner
+    std::string name;
+};
+
+/// Ideal voltage source to earth: v_k = amplitude cos(phase - k 120 deg), with harmonics.
+struct VoltageSource {
+    int node{kEarth};
+    double amplitude_v{0}, angle_rad{0}, frequency_hz{60};
+    struct Harmonic {
+        int order{1};
+        double amplitude{0}, angle_rad{0}; ///< of the fundamental's amplitude
+    };
+    std::vector<Harmonic> harmonics;
+    std::string name;
+};
+
+struct MachinePort {
+    int node{kEarth};
+    machines::MachineData data;
+    double v_base{0}, i_base{0}; ///< peak phase values
+    std::string name;
+};
+
+/// Currents into a triple that somebody computes from what it measured in the step before.
+struct Injection {
+    int node{kEarth};
+};
+
+struct Circuit {
+    double frequency_hz{60};
+    std::vector<std::string> triples{"earth"}; ///< names for messages
+    std::vector<RlBranch> rl;
+    std::vector<CapacitorBranch> capacitors;
+    std::vector<Winding> windings;
+    std::vector<SaturableCore> cores;
+    std::vector<BergeronLine> bergeron;
+    std::vector<FaultBranch> faults;
+    std::vector<Switch> switches;
+    std::vector<VoltageSource> sources;
+    std::vector<MachinePort> machines;
+    std::vector<Injection> injections;
+
+    /// A new triple; returns its first node.
+    int add_triple(std::string name) {
+        triples.push_back(std::move(name));
+        return static_cast<int>(triples.size() - 1) * 3;
+    }
+    [[nodiscard]] int nodes() const { return static_cast<int>(triples.size()) * 3; }
+    [[nodiscard]] std::string node_name(int node) const {
+        return triples[static_cast<std::size_t>(node / 3)] + " phase " + "abc"[node % 3];
+    }
+};
+
+} // namespace gridspace::sim::emt

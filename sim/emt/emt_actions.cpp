@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/emt_engine_impl.hpp"
+
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+/// Changes while a simulation runs. They take effect at the present instant: the next step starts with them.
+namespace gridspace::sim::emt {
+namespace {
+
+/// Faults nearer to each other than this share of a line are at one place.
+constexpr double kSamePlace = 1e-9;
+
+FaultBranch branch_of(ApplyFault const& a, int node) {
+    FaultBranch f;
+    f.node = node;
+    f.r_ohm = a.resistance_ohm;
+    f.name = a.name;
+    switch (a.type) {
+    case FaultType::three_phase_ground:
+    case FaultType::three_phase:
+        f.phases = {true, true, true};
+        break;
+    case FaultType::phase_ground:
+        f.phases = {true, false, false};
+        break;
+    case FaultType::phase_phase:
+    case FaultType::phase_phase_ground:
+        f.phases = {false, true, true};
+        break;
+    }
+    f.earthed = a.type != FaultType::three_phase && a.type != FaultType::phase_phase;
+    return f;
+}
+
+} // namespace
+
+Result<void> EmtEngine::apply(Action const& action) {
+    return std::visit([this](auto const& a) { return act(a); }, action);
+}
+
+Result<void> EmtEngine::act(SetChargingCurrent const& a) {
+    return fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
+}
+
+Result<void> EmtEngine::act(SwitchBreaker const& a) {
+    std::size_t const i = index_of(network_.breakers, a.breaker);
+    if (i == network_.breakers.size()) {
+        return fail(ExitCode::usage, fmt::format("there is no breaker '{}'", a.breaker));
+    }
+    auto const index = static_cast<std::size_t>(parts_.breaker_switch[i]);
+    if (a.close) {
+        solver_.close_switch(index);
+    } else {
+        BreakerType const& type = *find(network_.breaker_types, network_.breakers[i].type.name);
+        solver_.open_switch(index, type.mechanism_ms * 1e-3, type.opens == BreakerType::Opens::at_once);
+    }
+    return {};
+}
+
+Result<int> EmtEngine::fault_place(ApplyFault const& a) {
+    if (!a.bus.empty()) {
+        std::size_t const bus = index_of(network_.buses, a.bus);
+        if (bus == network_.buses.size()) {
+            return fail(ExitCode::usage, fmt::format("there is no bus '{}'", a.bus));
+        }
+        return parts_.bus_node[bus];
+    }
+    std::size_t const index = index_of(network_.lines, a.line);
+    if (index == network_.lines.size()) {
+        return fail(ExitCode::usage, fmt::format("there is no line '{}'", a.line));
+    }
+    if (!(a.position_percent >= 0 && a.position_percent <= 100)) {
+        return fail(ExitCode::usage,
+                    fmt::format("a fault at {} % of line '{}' is not on it", shortest(a.position_percent), a.line));
+    }
+    NetworkCircuit::LineParts& line = parts_.lines[index];
+    double const place = a.position_percent / 100;
+    if (place <= kSamePlace) {
+        return line.from_node;
+    }
+    if (place >= 1 - kSamePlace) {
+        return line.to_node;
+    }
+    for (std::size_t s = 0; s < line.sections.size(); ++s) {
+        auto& section = line.sections[s];
+        Circuit const& c = solver_.circuit();
+        if (std::abs(place - section.end) <= kSamePlace) {
+            return c.rl[static_cast<std::size_t>(section.rl)].to;
+        }
+        if (place > section.start && place < section.end) {
+            double const share = (place - section.start) / (section.end - section.start);
+            int const second = solver_.split_rl(section.rl, share,
+                                                fmt::format("line '{}' at {} %", a.line, shortest(a.position_percent)));
+            int const middle = solver_.circuit().rl[static_cast<std::size_t>(second)].from;
+            if (s + 1 == line.sections.size()) {
+                // The current at the far end is now that of the second part.
+                for (CurrentTerm& term : solver_.circuit().switches[static_cast<std::size_t>(line.to_switch)].terms) {
+                    if (term.kind == CurrentTerm::Kind::rl && term.index == section.rl) {
+                        term.index = second;
+                    }
+                }
+            }
+            NetworkCircuit::LineParts::Section const rest{second, place, section.end};
+            section.end = place;
+            line.sections.insert(line.sections.begin() + static_cast<std::ptrdiff_t>(s) + 1, rest);
+            return middle;
+        }
+    }
+    return fail(ExitCode::usage, fmt::format("line '{}' has no place at {} %", a.line, shortest(a.position_percent)));
+}
+
+Result<void> EmtEngine::act(ApplyFault const& a) {
+    auto const node = fault_place(a);
+    if (!node) {
+        return std::unexpected{node.error()};
+    }
+    Circuit& c = solver_.circuit();
+    FaultBranch const branch = branch_of(a, *node);
+    auto const [it, fresh] = faults_.try_emplace(a.name, c.faults.size());
+    std::size_t const index = it->second;
+    if (fresh) {
+        c.faults.push_back(branch);
+        // A fault at the very end of a line is beyond its breaker and CT.
+        for (NetworkCircuit::LineParts const& line : parts_.lines) {
+            for (auto const& [end, breaker] :
+                 {std::pair{line.from_node, line.from_switch}, std::pair{line.to_node, line.to_switch}}) {
+                if (end == *node) {
+                    c.switches[static_cast<std::size_t>(breaker)].terms.push_back(
+                        {CurrentTerm::Kind::fault, static_cast<int>(index), 1});
+                }
+            }
+        }
+    } else if (c.faults[index].node != *node) {
+        return fail(ExitCode::usage, fmt::format("fault '{}' is already somewhere else", a.name),
+                    "give it another name");
+    } else {
+        c.faults[index] = branch;
+    }
+    solver_.rebuild();
+    solver_.apply_fault(index);
+    return {};
+}
+
+Result<void> EmtEngine::act(ClearFault const& a) {
+    auto const it = faults_.find(a.name);
+    if (it == faults_.end()) {
+        return fail(ExitCode::usage, fmt::format("there is no fault '{}' to clear", a.name));
+    }
+    solver_.clear_fault(it->second);
+    return {};
+}
+
+Result<void> EmtEngine::act(Disconnect const& a) {
+    auto const it = parts_.terminals.find(a.element);
+    if (it == parts_.terminals.end()) {
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be disconnected: there is no such element", a.element),
+                    "a line, transformer, source, generator, machine, load or shunt can");
+    }
+    for (int const breaker : it->second) {
+        solver_.open_switch(static_cast<std::size_t>(breaker));
+    }
+    return {};
+}
+
+Result<void> EmtEngine::set_load(std::size_t index, std::string const& parameter, SetParameter const& a) {
+    Load& load = network_.loads[index];
+    if (parameter == "p_kw") {
+        load.p_kw = a.value;
+    } else if (parameter == "q_kvar") {
+        load.q_kvar = a.value;
+    } else if (parameter == "power_factor" && a.value > 0 && a.value <= 1) {
+        load.power_factor = a.value;
+        load.q_kvar.reset();
+    } else {
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be set to {}", a.path, shortest(a.value)),
+                    "p_kw, q_kvar, and power_factor (above 0, at most 1) can");
+    }
+    std::size_t const bus = index_of(network_.buses, load.bus.name);
+    StarElements const e =
+        star_elements(load.p_kw, load_q_kvar(load), network_.buses[bus].voltage_v, network_.frequency_hz);
+    NetworkCircuit::LoadParts& parts = parts_.loads[index];
+    Circuit& c = solver_.circuit();
+    auto& terms = c.switches[static_cast<std::size_t>(parts.breaker)].terms;
+    auto const all = [](double x) { return PhaseMatrix::sequence(x, x); };
+    c.rl[static_cast<std::size_t>(parts.resistance)].r = all(e.r_ohm);
+    if (parts.inductance >= 0) {
+        c.rl[static_cast<std::size_t>(parts.inductance)].l = all(e.l_h);
+    } else if (load_q_kvar(load) > 0) {
+        parts.inductance = static_cast<int>(c.rl.size());
+        c.rl.push_back({parts.node, kEarth, {}, all(e.l_h)});
+        terms.push_back({CurrentTerm::Kind::rl, parts.inductance, 1});
+    }
+    if (parts.capacitance >= 0) {
+        c.capacitors[static_cast<std::size_t>(parts.capacitance)].c = all(e.c_f);
+    } else if (e.c_f > 0) {
+        parts.capacitance = static_cast<int>(c.capacitors.size());
+        c.capacitors.push_back({parts.node, kEarth, all(e.c_f)});
+        terms.push_back({CurrentTerm::Kind::capacitor, parts.capacitance, 1});
+    }
+    solver_.rebuild();
+    return {};
+}
+
+Result<void> EmtEngine::act(SetParameter const& a) {
+    std::vector<std::string> const path = split(a.path, '.');
+    if (path.size() == 3 && std::isfinite(a.value)) {
+        if (std::size_t const i = index_of(network_.loads, path[1]); path[0] == "loads" && i < network_.loads.size()) {
+            return set_load(i, path[2], a);
+        }
+        if (std::size_t const i = index_of(network_.sources, path[1]);
+            path[0] == "sources" && i < network_.sources.size()) {
+            auto const source = static_cast<std::size_t>(parts_.sources[i].source);
+            if (path[2] == "frequency_hz" && a.value > 0) {
+                solver_.set_source_frequency(source, a.value);
+                return {};
+            }
+            if (path[2] == "voltage_pu" && a.value >= 0) {
+                std::size_t const bus = index_of(network_.buses, network_.sources[i].bus.name);
+                solver_.set_source_amplitude(source, a.value * parts_.bus_peak_v[bus]);
+                return {};
+            }
+        }
+        if (std::size_t const i = index_of(network_.machines, path[1]);
+            path[0] == "machines" && i < network_.machines.size()) {
+            EmtMachine& m = solver_.machines()[i];
+            if (path[2] == "p_kw") {
+                m.setpoints().p_ref += (a.value - network_.machines[i].p_kw) / network_.machines[i].rating_kva;
+                network_.machines[i].p_kw = a.value;
+                return {};
+            }
+            if (path[2] == "voltage_setpoint_pu" && a.value > 0) {
+                m.setpoints().v_ref += a.value - network_.machines[i].voltage_setpoint_pu;
+                network_.machines[i].voltage_setpoint_pu = a.value;
+                return {};
+            }
+        }
+    }
+    return fail(
+        ExitCode::usage,
+        fmt::format("'{}' cannot be set to {} while a waveform simulation runs", a.path, shortest(a.value)),
+        "loads.<name>.p_kw, .q_kvar, .power_factor, sources.<name>.voltage_pu, .frequency_hz, machines.<name>.p_kw and "
+        ".voltage_setpoint_pu can");
+}
+
+} // namespace gridspace::sim::emt

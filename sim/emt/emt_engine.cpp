@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/emt_engine_impl.hpp"
+
+#include "common/text.hpp"
+#include "sim/powerflow/power_flow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace gridspace::sim::emt {
+
+EmtEngine::EmtEngine(Network network, NetworkCircuit parts, EmtOptions options)
+    : network_{std::move(network)}, parts_{std::move(parts)}, options_{options},
+      solver_{parts_.circuit, options_.time_base.seconds(options_.step)} {
+    plls_.assign(network_.buses.size(), Pll{network_.frequency_hz});
+    define_signals();
+}
+
+Result<void> EmtEngine::initialise() {
+    PowerFlowOptions options;
+    options.start_hour_of_day = options_.start_hour_of_day;
+    auto const flow = solve_power_flow(network_, SwitchState{network_}, options);
+    if (!flow) {
+        return std::unexpected{flow.error()};
+    }
+    std::vector<Solver::MachineStart> starts;
+    for (std::size_t m = 0; m < network_.machines.size(); ++m) {
+        std::size_t const bus = index_of(network_.buses, network_.machines[m].bus.name);
+        std::complex<double> const v = flow->buses[bus].v * parts_.bus_peak_v[bus];
+        std::complex<double> const s{flow->machines[m].p_kw * 1e3, flow->machines[m].q_kvar * 1e3};
+        starts.push_back({v, v == 0.0 ? 0.0 : std::conj(s * 2.0 / (3.0 * v))});
+    }
+    if (auto ok = solver_.start(starts); !ok) {
+        return ok;
+    }
+    if (auto const floating = solver_.floating_nodes(); !floating.empty()) {
+        return fail(ExitCode::usage,
+                    fmt::format("nothing connects {} to earth: its voltage is undefined", floating.front()),
+                    "earth a star point, or add a load, a shunt or line capacitance there");
+    }
+    for (EmtMachine const& m : solver_.machines()) {
+        auto const& avr = m.data().avr;
+        double const efd = m.state()[machines::kEfd];
+        if (avr && (efd > avr->efd_max_pu || efd < avr->efd_min_pu)) {
+            auto const i = static_cast<std::size_t>(&m - solver_.machines().data());
+            return fail(
+                ExitCode::usage,
+                fmt::format(
+                    "machine '{}' needs a field voltage of {:.3f} p.u. at the start, outside its limits {} to {}",
+                    network_.machines[i].name.name, efd, shortest(avr->efd_min_pu), shortest(avr->efd_max_pu)),
+                "ask it for less reactive power (voltage_setpoint_pu), or widen efd_min_pu and efd_max_pu");
+        }
+    }
+    now_ = {};
+    start_plls();
+    return {};
+}
+
+void EmtEngine::start_plls() {
+    for (std::size_t i = 0; i < plls_.size(); ++i) {
+        Space const v = bus_voltage(i);
+        plls_[i].start(v.alpha, v.beta);
+    }
+}
+
+Result<void> EmtEngine::advance(SimTime until) {
+    while (now_ < until) {
+        // The usual step keeps its exact bits: its factors are there.
+        SimSpan const span = std::min(until - now_, options_.step);
+        SimTime const next = now_ + span;
+        if (auto ok = step(options_.time_base.seconds(next), options_.time_base.seconds(span)); !ok) {
+            return ok;
+        }
+        now_ = next;
+    }
+    return {};
+}
+
+Result<void> EmtEngine::step(double t_end, double h) {
+    if (auto ok = solver_.advance(t_end, h); !ok) {
+        return ok;
+    }
+    for (std::size_t i = 0; i < plls_.size(); ++i) {
+        Space const v = bus_voltage(i);
+        plls_[i].step(v.alpha, v.beta, h);
+    }
+    return {};
+}
+
+Space EmtEngine::bus_voltage(std::size_t bus) const {
+    int const node = parts_.bus_node[bus];
+    return to_space(solver_.node_voltage(node), solver_.node_voltage(node + 1), solver_.node_voltage(node + 2));
+}
+
+Space EmtEngine::switch_space(std::size_t index) const {
+    return to_space(solver_.switch_current(index, 0), solver_.switch_current(index, 1),
+                    solver_.switch_current(index, 2));
+}
+
+std::complex<double> EmtEngine::switch_power(std::size_t bus, std::size_t index) const {
+    Space const v = bus_voltage(bus), i = switch_space(index);
+    return {1.5e-3 * (v.alpha * i.alpha + v.beta * i.beta + 2 * v.zero * i.zero),
+            1.5e-3 * (v.beta * i.alpha - v.alpha * i.beta)};
+}
+
+double EmtEngine::ct_current(CtReading const& ct, int phase) const {
+    double const amperes = ct.factor * solver_.switch_current(ct.switch_index, phase);
+    return ct.quantum_a > 0 ? std::round(amperes / ct.quantum_a) * ct.quantum_a : amperes;
+}
+
+Result<std::unique_ptr<Engine>> make_emt_engine(Network network, EmtOptions options) {
+    auto parts = make_circuit(network);
+    if (!parts) {
+        return std::unexpected{parts.error()};
+    }
+    if (options.step.quanta <= 0) {
+        return fail(ExitCode::usage, "the waveform solver needs a step longer than 0");
+    }
+    return std::make_unique<EmtEngine>(std::move(network), std::move(*parts), options);
+}
+
+} // namespace gridspace::sim::emt

@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/ldlt.hpp"
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+
+namespace gridspace::sim::emt {
+namespace {
+
+/// Least pivot, of the diagonal entry as it was, that counts as one.
+constexpr double kVanishing = 1e-11;
+
+template <class S>
+std::vector<int> minimum_degree(int n, std::vector<Entry<S>> const& entries) {
+    std::vector<int> order(static_cast<std::size_t>(n));
+    for (int i = 0; i < n; ++i) {
+        order[static_cast<std::size_t>(i)] = i;
+    }
+    if (n <= 12) {
+        return order;
+    }
+    std::vector<Eigen::Triplet<double>> pattern;
+    for (int i = 0; i < n; ++i) {
+        pattern.emplace_back(i, i, 1.0);
+    }
+    for (auto const& e : entries) {
+        pattern.emplace_back(e.row, e.column, 1.0);
+        pattern.emplace_back(e.column, e.row, 1.0);
+    }
+    Eigen::SparseMatrix<double> a(n, n);
+    a.setFromTriplets(pattern.begin(), pattern.end());
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> p;
+    Eigen::AMDOrdering<int>{}(a, p);
+    for (int i = 0; i < n; ++i) {
+        order[static_cast<std::size_t>(i)] = p.indices()[i];
+    }
+    return order;
+}
+
+} // namespace
+
+template <class S>
+std::vector<int> Ldlt<S>::factor(int n, std::vector<Entry<S>> const& entries) {
+    n_ = n;
+    auto const size = static_cast<std::size_t>(n);
+    order_ = minimum_degree(n, entries);
+    std::vector<int> position(size);
+    for (int k = 0; k < n; ++k) {
+        position[static_cast<std::size_t>(order_[static_cast<std::size_t>(k)])] = k;
+    }
+    // Columns of the upper triangle in the new order, duplicates kept: they add up below.
+    std::vector<std::vector<std::pair<int, S>>> upper(size);
+    std::vector<S> diagonal(size, S{});
+    for (auto const& e : entries) {
+        int const i = position[static_cast<std::size_t>(e.row)], j = position[static_cast<std::size_t>(e.column)];
+        if (i == j) {
+            diagonal[static_cast<std::size_t>(i)] += e.value;
+        } else {
+            upper[static_cast<std::size_t>(std::max(i, j))].emplace_back(std::min(i, j), e.value);
+        }
+    }
+    // Rows of L one after the other. `parent` is the elimination tree; the pattern of row k is what the entries of
+    // column k reach on their way up the tree.
+    std::vector<int> parent(size, -1), mark(size, -1), pattern(size), path(size);
+    std::vector<std::vector<std::pair<int, S>>> columns(size);
+    std::vector<S> y(size, S{}), pivot(size, S{});
+    inverse_pivot_.assign(size, S{});
+    std::vector<int> anchored;
+    for (int k = 0; k < n; ++k) {
+        auto const uk = static_cast<std::size_t>(k);
+        mark[uk] = k;
+        int top = n;
+        for (auto const& [row, value] : upper[uk]) {
+            y[static_cast<std::size_t>(row)] += value;
+            int length = 0;
+            for (int i = row; mark[static_cast<std::size_t>(i)] != k; i = parent[static_cast<std::size_t>(i)]) {
+                if (parent[static_cast<std::size_t>(i)] < 0) {
+                    parent[static_cast<std::size_t>(i)] = k;
+                }
+                path[static_cast<std::size_t>(length++)] = i;
+                mark[static_cast<std::size_t>(i)] = k;
+            }
+            while (length > 0) {
+                pattern[static_cast<std::size_t>(--top)] = path[static_cast<std::size_t>(--length)];
+            }
+        }
+        S d = diagonal[uk];
+        for (int p = top; p < n; ++p) {
+            auto const i = static_cast<std::size_t>(pattern[static_cast<std::size_t>(p)]);
+            S const yi = y[i];
+            y[i] = S{};
+            for (auto const& [row, value] : columns[i]) {
+                y[static_cast<std::size_t>(row)] -= value * yi;
+            }
+            S const l = yi * inverse_pivot_[i];
+            d -= l * yi;
+            if (l != S{}) {
+                columns[i].emplace_back(k, l);
+            }
+        }
+        if (!(std::abs(d) > kVanishing * std::abs(diagonal[uk]))) {
+            anchored.push_back(order_[uk]);
+            d = diagonal[uk] != S{} ? diagonal[uk] : S(1);
+        }
+        pivot[uk] = d;
+        inverse_pivot_[uk] = S(1) / d;
+    }
+    start_.assign(size + 1, 0);
+    rows_.clear();
+    values_.clear();
+    for (std::size_t i = 0; i < size; ++i) {
+        for (auto const& [row, value] : columns[i]) {
+            rows_.push_back(row);
+            values_.push_back(value);
+        }
+        start_[i + 1] = static_cast<int>(rows_.size());
+    }
+    work_.assign(size, S{});
+    return anchored;
+}
+
+template <class S>
+void Ldlt<S>::solve(S* x) const {
+    S* const w = work_.data();
+    int const* const rows = rows_.data();
+    S const* const values = values_.data();
+    for (int k = 0; k < n_; ++k) {
+        w[k] = x[order_[static_cast<std::size_t>(k)]];
+    }
+    for (int k = 0; k < n_; ++k) {
+        S const wk = w[k];
+        for (int p = start_[static_cast<std::size_t>(k)]; p < start_[static_cast<std::size_t>(k) + 1]; ++p) {
+            w[rows[p]] -= values[p] * wk;
+        }
+    }
+    for (int k = n_ - 1; k >= 0; --k) {
+        S wk = w[k] * inverse_pivot_[static_cast<std::size_t>(k)];
+        for (int p = start_[static_cast<std::size_t>(k)]; p < start_[static_cast<std::size_t>(k) + 1]; ++p) {
+            wk -= values[p] * w[rows[p]];
+        }
+        w[k] = wk;
+    }
+    for (int k = 0; k < n_; ++k) {
+        x[order_[static_cast<std::size_t>(k)]] = w[k];
+    }
+}
+
+template class Ldlt<double>;
+template class Ldlt<std::complex<double>>;
+
+} // namespace gridspace::sim::emt

@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/network_circuit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace gridspace::sim::emt {
+namespace {
+
+/// An element without power conducts nothing, but can be given power later.
+constexpr double kNothing = 1e18;
+
+using Kind = CurrentTerm::Kind;
+
+PhaseMatrix same(double x) {
+    return PhaseMatrix::sequence(x, x);
+}
+
+class Builder {
+  public:
+    explicit Builder(Network const& n) : n_{n} {}
+
+    Result<NetworkCircuit> build() {
+        out_.circuit.frequency_hz = n_.frequency_hz;
+        for (Bus const& b : n_.buses) {
+            out_.bus_node.push_back(c_.add_triple(fmt::format("bus '{}'", b.name.name)));
+            out_.bus_peak_v.push_back(b.voltage_v * std::sqrt(2.0 / 3));
+        }
+        out_.breaker_switch.assign(n_.breakers.size(), -1);
+        for (Line const& l : n_.lines) {
+            if (auto ok = line(l); !ok) {
+                return std::unexpected{ok.error()};
+            }
+        }
+        for (Source const& s : n_.sources) {
+            source(s);
+        }
+        for (Generator const& g : n_.generators) {
+            if (auto ok = generator(g); !ok) {
+                return std::unexpected{ok.error()};
+            }
+        }
+        for (Machine const& m : n_.machines) {
+            machine(m);
+        }
+        for (Load const& l : n_.loads) {
+            if (auto ok = load(l); !ok) {
+                return std::unexpected{ok.error()};
+            }
+        }
+        for (Shunt const& s : n_.shunts) {
+            out_.shunts.push_back(star("shunt", s.name.name, s.bus, s.p_kw, -s.q_kvar));
+        }
+        if (!n_.transformers.empty()) {
+            return missing("transformer", n_.transformers.front().name.name);
+        }
+        if (!n_.pv.empty()) {
+            return missing("PV inverter", n_.pv.front().name.name);
+        }
+        if (!n_.evs.empty()) {
+            return missing("EV", n_.evs.front().name.name);
+        }
+        return std::move(out_);
+    }
+
+  private:
+    static std::unexpected<Error> missing(std::string_view kind, std::string const& name) {
+        return fail(ExitCode::usage, fmt::format("{} '{}': the waveform solver has no model of it yet", kind, name),
+                    "use `solver: phasor`, or take it out");
+    }
+
+    std::size_t bus_of(Ref const& bus) const { return index_of(n_.buses, bus.name); }
+
+    /// A triple behind a switch at a bus, so that the element can be taken out of service.
+    int terminal(std::string const& name, int bus_node, int& switch_index, bool closed = true) {
+        int const node = c_.add_triple(name);
+        switch_index = static_cast<int>(c_.switches.size());
+        c_.switches.push_back({bus_node, node, {closed, closed, closed}, {}, name});
+        return node;
+    }
+    void flows(int switch_index, Kind kind, std::size_t index, double sign) {
+        c_.switches[static_cast<std::size_t>(switch_index)].terms.push_back({kind, static_cast<int>(index), sign});
+    }
+    int rl(int from, int to, PhaseMatrix const& r, PhaseMatrix const& l) {
+        c_.rl.push_back({from, to, r, l});
+        return static_cast<int>(c_.rl.size()) - 1;
+    }
+    int capacitor(int from, int to, PhaseMatrix const& c) {
+        c_.capacitors.push_back({from, to, c});
+        return static_cast<int>(c_.capacitors.size()) - 1;
+    }
+
+    Result<void> line(Line const& l) {
+        LineTotals const t = line_totals(n_, l);
+        if (l.model == LineModel::bergeron) {
+            return missing("Bergeron line", l.name.name);
+        }
+        NetworkCircuit::LineParts parts;
+        auto const end = [&](LineEnd which, Ref const& bus, int& switch_index) {
+            bool closed = true;
+            for (Breaker const& b : n_.breakers) {
+                if (b.line == l.name && b.end == which) {
+                    closed = b.closed;
+                }
+            }
+            int const node =
+                terminal(fmt::format("line '{}' ({} end)", l.name.name, which == LineEnd::from ? "from" : "to"),
+                         out_.bus_node[bus_of(bus)], switch_index, closed);
+            for (std::size_t b = 0; b < n_.breakers.size(); ++b) {
+                if (n_.breakers[b].line == l.name && n_.breakers[b].end == which) {
+                    out_.breaker_switch[b] = switch_index;
+                }
+            }
+            return node;
+        };
+        parts.from_node = end(LineEnd::from, l.from, parts.from_switch);
+        parts.to_node = end(LineEnd::to, l.to, parts.to_switch);
+        int const series = rl(parts.from_node, parts.to_node, PhaseMatrix::sequence(t.r_ohm, t.r0_ohm),
+                              PhaseMatrix::sequence(t.l_h, t.l0_h));
+        parts.sections.push_back({series, 0, 1});
+        flows(parts.from_switch, Kind::rl, static_cast<std::size_t>(series), 1);
+        flows(parts.to_switch, Kind::rl, static_cast<std::size_t>(series), -1);
+        if (t.c_f > 0 || t.c0_f > 0) {
+            PhaseMatrix const half = PhaseMatrix::sequence(t.c_f / 2, t.c0_f / 2);
+            flows(parts.from_switch, Kind::capacitor,
+                  static_cast<std::size_t>(capacitor(parts.from_node, kEarth, half)), 1);
+            flows(parts.to_switch, Kind::capacitor, static_cast<std::size_t>(capacitor(parts.to_node, kEarth, half)),
+                  1);
+        }
+        out_.terminals[l.name.name] = {parts.from_switch, parts.to_switch};
+        out_.lines.push_back(std::move(parts));
+        return {};
+    }
+
+    NetworkCircuit::SourceParts ideal_source(std::string const& kind, std::string const& name, Ref const& bus,
+                                             double voltage_pu, double angle_deg, PhaseMatrix const& r,
+                                             PhaseMatrix const& l, std::vector<Source::Harmonic> const& harmonics) {
+        NetworkCircuit::SourceParts parts;
+        std::size_t const b = bus_of(bus);
+        int const node = terminal(fmt::format("{} '{}'", kind, name), out_.bus_node[b], parts.breaker);
+        int inside = node;
+        if (r.one != 0 || l.one != 0) {
+            inside = c_.add_triple(fmt::format("inside of {} '{}'", kind, name));
+            parts.impedance = rl(inside, node, r, l);
+            flows(parts.breaker, Kind::rl, static_cast<std::size_t>(parts.impedance), -1);
+        }
+        parts.source = static_cast<int>(c_.sources.size());
+        VoltageSource source{
+            inside, voltage_pu * out_.bus_peak_v[b], angle_deg * std::numbers::pi / 180, n_.frequency_hz, {}, name};
+        for (Source::Harmonic const& h : harmonics) {
+            source.harmonics.push_back(
+                {static_cast<int>(h.order), h.percent / 100, h.angle_deg * std::numbers::pi / 180});
+        }
+        c_.sources.push_back(std::move(source));
+        out_.terminals[name] = {parts.breaker};
+        return parts;
+    }
+
+    void source(Source const& s) {
+        double const l = s.l_mh * 1e-3;
+        out_.sources.push_back(ideal_source("source", s.name.name, s.bus, s.voltage_pu, s.angle_deg,
+                                            PhaseMatrix::sequence(s.r_ohm, s.r0_ohm.value_or(s.r_ohm)),
+                                            PhaseMatrix::sequence(l, s.l0_mh ? *s.l0_mh * 1e-3 : l), s.harmonics));
+    }
+
+    Result<void> generator(Generator const& g) {
+        if (g.role != GeneratorRole::slack) {
+            return missing(fmt::format("generator with role {}", g.role == GeneratorRole::pv ? "pv" : "pq"),
+                           g.name.name);
+        }
+        out_.slack_generators.push_back(
+            ideal_source("generator", g.name.name, g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {}, {}));
+        return {};
+    }
+
+    void machine(Machine const& m) {
+        std::size_t const b = bus_of(m.bus);
+        MachinePort port;
+        port.name = m.name.name;
+        port.data = machines::machine_data(n_, m);
+        port.v_base = out_.bus_peak_v[b];
+        port.i_base = 2 * m.rating_kva * 1e3 / (3 * port.v_base);
+        NetworkCircuit::MachineParts parts;
+        port.node = terminal(fmt::format("machine '{}'", m.name.name), out_.bus_node[b], parts.breaker);
+        flows(parts.breaker, Kind::machine, c_.machines.size(), -1);
+        c_.machines.push_back(std::move(port));
+        out_.terminals[m.name.name] = {parts.breaker};
+        out_.machines.push_back(parts);
+    }
+
+    NetworkCircuit::LoadParts star(std::string const& kind, std::string const& name, Ref const& bus, double p_kw,
+                                   double q_kvar) {
+        std::size_t const b = bus_of(bus);
+        NetworkCircuit::LoadParts parts;
+        parts.node = terminal(fmt::format("{} '{}'", kind, name), out_.bus_node[b], parts.breaker);
+        StarElements const e = star_elements(p_kw, q_kvar, n_.buses[b].voltage_v, n_.frequency_hz);
+        parts.resistance = rl(parts.node, kEarth, same(e.r_ohm), {});
+        flows(parts.breaker, Kind::rl, static_cast<std::size_t>(parts.resistance), 1);
+        if (e.l_h < kNothing) {
+            parts.inductance = rl(parts.node, kEarth, {}, same(e.l_h));
+            flows(parts.breaker, Kind::rl, static_cast<std::size_t>(parts.inductance), 1);
+        }
+        if (e.c_f > 0) {
+            parts.capacitance = capacitor(parts.node, kEarth, same(e.c_f));
+            flows(parts.breaker, Kind::capacitor, static_cast<std::size_t>(parts.capacitance), 1);
+        }
+        out_.terminals[name] = {parts.breaker};
+        return parts;
+    }
+
+    Result<void> load(Load const& l) {
+        if (l.model != LoadModel::constant_impedance && l.model != LoadModel::dc_resistive) {
+            return missing("load that is not a constant impedance", l.name.name);
+        }
+        out_.loads.push_back(star("load", l.name.name, l.bus, l.p_kw, load_q_kvar(l)));
+        return {};
+    }
+
+    Network const& n_;
+    NetworkCircuit out_;
+    Circuit& c_{out_.circuit};
+};
+
+} // namespace
+
+StarElements star_elements(double p_kw, double q_kvar, double voltage_v, double frequency_hz) {
+    double const w = 2 * std::numbers::pi * frequency_hz;
+    double const v2 = voltage_v * voltage_v;
+    StarElements e;
+    e.r_ohm = p_kw != 0 ? v2 / (p_kw * 1e3) : kNothing;
+    e.l_h = q_kvar > 0 ? v2 / (q_kvar * 1e3) / w : kNothing;
+    e.c_f = q_kvar < 0 ? -q_kvar * 1e3 / v2 / w : 0;
+    return e;
+}
+
+Result<NetworkCircuit> make_circuit(Network const& network) {
+    return Builder{network}.build();
+}
+
+} // namespace gridspace::sim::emt

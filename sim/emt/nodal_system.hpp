@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/emt/circuit.hpp"
+#include "sim/emt/emt_machine.hpp"
+#include "sim/emt/topology.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace gridspace::sim::emt {
+
+/// What the elements' companion models need for a step of length h. Conductances are the same for one trapezoidal step
+/// of h and for backward Euler steps of h/2: that is what makes critical damping adjustment cheap [Marti and Lin, IEEE
+/// Trans. Power Syst. 4(2), 1989].
+struct StepCoefficients {
+    double h{0};
+    std::vector<PhaseMatrix> rl_g, rl_trapezoid, rl_euler; ///< i' = g v' + (g v + trapezoid i), or + euler i
+    std::vector<PhaseMatrix> capacitor_g;
+    std::vector<double> winding_g, winding_trapezoid, winding_euler;
+    Admittances<double> admittances(Circuit const& circuit, SwitchBits const& bits,
+                                    std::vector<EmtMachine> const& machines) const;
+};
+void fill_coefficients(Circuit const& circuit, double h, StepCoefficients& out);
+
+/// The nodal matrix of one switch state and one step length, ready to be solved.
+struct NodalSystem {
+    SwitchBits bits;
+    double h{0};
+    Topology topology;
+    std::vector<Entry<double>> coupling; ///< to source nodes
+    std::vector<int> anchored;           ///< unknowns of parts without connection to earth
+    bool dense{false};
+    std::vector<double> inverse; ///< column-major
+    Ldlt<double> factors;
+    // slots of elements' nodes, in element order
+    std::vector<int> rl_from, rl_to, capacitor_from, capacitor_to, winding, core, machine, injection, bergeron_from,
+        bergeron_to;
+    std::uint64_t last_used{0};
+
+    /// x := A^-1 b over the unknowns; `b` is spoilt. Allocates nothing.
+    void solve(double* b, double* x) const;
+    /// x += A^-1 e_slot value, for a dense system only.
+    void add_column(int slot, double value, double* x) const;
+};
+[[nodiscard]] Result<std::unique_ptr<NodalSystem>> make_system(Circuit const& circuit, SwitchBits const& bits,
+                                                               StepCoefficients const& coefficients,
+                                                               std::vector<EmtMachine> const& machines);
+
+} // namespace gridspace::sim::emt

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/pll.hpp"
+
+#include <cmath>
+
+namespace gridspace::sim::emt {
+namespace {
+
+constexpr double kNatural = 6.283185307179586477 * Pll::kBandwidthHz;
+constexpr double kProportional = 2 * 0.70710678118654752 * kNatural;
+constexpr double kIntegral = kNatural * kNatural;
+/// Below this (V) there is nothing to lock on: the loop runs on.
+constexpr double kNoVoltage = 1e-6;
+
+/// Sine and cosine of a small angle by their series (|x| < 0.5: exact to rounding), without the library.
+void small_rotation(double x, double& s, double& c) {
+    double const y = x * x;
+    s = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72 * (1 - y / 110)))));
+    c = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90 * (1 - y / 132)))));
+}
+
+} // namespace
+
+void Pll::start(double alpha, double beta) {
+    double const size = std::sqrt(alpha * alpha + beta * beta);
+    w_ = w0_;
+    integral_ = 0;
+    cos_ = size > kNoVoltage ? alpha / size : 1;
+    sin_ = size > kNoVoltage ? beta / size : 0;
+}
+
+void Pll::step(double alpha, double beta, double h) {
+    double s, c;
+    double const angle = w_ * h;
+    if (std::abs(angle) < 0.5) [[likely]] {
+        small_rotation(angle, s, c);
+    } else {
+        s = std::sin(angle);
+        c = std::cos(angle);
+    }
+    double const turned = cos_ * c - sin_ * s;
+    sin_ = sin_ * c + cos_ * s;
+    cos_ = turned;
+    double const length = 1.5 - 0.5 * (cos_ * cos_ + sin_ * sin_); // back to 1, to first order
+    cos_ *= length;
+    sin_ *= length;
+    double const size = std::sqrt(alpha * alpha + beta * beta);
+    double const error = size > kNoVoltage ? (beta * cos_ - alpha * sin_) / size : 0;
+    integral_ += kIntegral * error * h;
+    w_ = w0_ + integral_ + kProportional * error;
+}
+
+} // namespace gridspace::sim::emt

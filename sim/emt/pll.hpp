@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace gridspace::sim::emt {
+
+/// Phase-locked loop in the synchronous reference frame on a bus voltage; natural frequency 10 Hz, damping 0.707.
+/// [Kaura and Blasko, IEEE Trans. Ind. Appl. 33(1), 1997]
+class Pll {
+  public:
+    static constexpr double kBandwidthHz = 10;
+    explicit Pll(double frequency_hz = 60) : w0_{6.283185307179586477 * frequency_hz}, w_{w0_} {}
+
+    /// Locked on a space vector.
+    void start(double alpha, double beta);
+    /// After h seconds, with the space vector as it is now.
+    void step(double alpha, double beta, double h);
+    [[nodiscard]] double frequency_hz() const { return w_ / 6.283185307179586477; }
+
+  private:
+    double w0_, w_, integral_{0};
+    double cos_{1}, sin_{0};
+};
+
+} // namespace gridspace::sim::emt

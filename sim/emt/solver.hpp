@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "sim/emt/nodal_system.hpp"
+
+#include <complex>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace gridspace::sim::emt {
+
+/// Fixed-step simulation of a circuit: trapezoidal rule, two backward Euler half steps after every discontinuity, poles
+/// that open at the exact zero of their current inside a step (docs/design/emt.md). A step allocates nothing; an event
+/// may.
+class Solver {
+  public:
+    /// `step_s` is the usual step; others cost a factorisation.
+    Solver(Circuit circuit, double step_s);
+
+    /// Steady state at time 0 with these terminal currents of machines (positive sequence phasors, A peak, out of the
+    /// machine) and voltages (V peak), by machine; every other element follows from the network equations.
+    struct MachineStart {
+        std::complex<double> v, i;
+    };
+    [[nodiscard]] Result<void> start(std::vector<MachineStart> const& machines);
+
+    /// Simulates from t() to `t_end`, which is `h` away.
+    [[nodiscard]] Result<void> advance(double t_end, double h);
+
+    // Switching: takes effect at t().
+    void close_switch(std::size_t index);
+    /// Poles open at their next current zero, `after_s` from now or later; or all at once then.
+    void open_switch(std::size_t index, double after_s = 0, bool at_once = false);
+    void apply_fault(std::size_t fault);
+    /// Every phase of the fault ends at its next current zero.
+    void clear_fault(std::size_t fault);
+    /// The circuit, for changes of elements and new ones; then rebuild().
+    [[nodiscard]] Circuit& circuit() { return circuit_; }
+    [[nodiscard]] Circuit const& circuit() const { return circuit_; }
+    /// After changes of the circuit. New elements start without current; indices do not change.
+    void rebuild();
+    /// Splits an RL branch in two at a share of its length, with the same current in both; returns the second part's
+    /// index.
+    [[nodiscard]] int split_rl(int branch, double share, std::string const& name);
+    void set_source_frequency(std::size_t source, double frequency_hz);
+    void set_source_amplitude(std::size_t source, double amplitude_v);
+
+    [[nodiscard]] double t() const { return t_; }
+    [[nodiscard]] double node_voltage(int node) const {
+        return state_.v[static_cast<std::size_t>(system_->topology.slot[static_cast<std::size_t>(node)])];
+    }
+    [[nodiscard]] double current(CurrentTerm const& term, int phase) const;
+    [[nodiscard]] double switch_current(std::size_t index, int phase) const;
+    [[nodiscard]] double fault_current(std::size_t index, int phase) const;
+    [[nodiscard]] bool pole_closed(std::size_t index, int phase) const {
+        return bits_.closed[index][static_cast<std::size_t>(phase)];
+    }
+    [[nodiscard]] bool opening(std::size_t index) const; ///< commanded, and not yet open
+    /// When the last pole opened; NaN before.
+    [[nodiscard]] double opened_at(std::size_t index) const { return switches_[index].opened_at; }
+    [[nodiscard]] std::vector<EmtMachine>& machines() { return state_.machines; }
+    [[nodiscard]] std::vector<EmtMachine> const& machines() const { return state_.machines; }
+    /// Injected currents, A, that hold until changed: 3 per injection.
+    [[nodiscard]] std::vector<double>& injected() { return injected_; }
+    /// Unknown nodes that nothing connects to earth, at the start.
+    [[nodiscard]] std::vector<std::string> floating_nodes() const;
+    [[nodiscard]] int unknowns() const { return system_->topology.unknowns; }
+    [[nodiscard]] bool dense() const { return system_->dense; }
+
+  private:
+    using Rule = EmtMachine::Rule;
+    /// What a trial step changes.
+    struct Dynamics {
+        std::vector<double> v; ///< by slot
+        std::vector<double> rl_v, rl_i, capacitor_v, capacitor_i, winding_v, winding_i;
+        std::vector<double> core_flux, core_v, core_i;
+        std::vector<EmtMachine> machines;
+    };
+    struct SwitchControl {
+        std::array<bool, 3> armed{};
+        double part_at{std::numeric_limits<double>::infinity()};
+        bool at_once{false};
+        double opened_at{std::numeric_limits<double>::quiet_NaN()};
+    };
+    struct Crossing {
+        double share{2};
+        bool found{false};
+    };
+
+    [[nodiscard]] Result<void> segment(double t_end, double h);
+    void substep(double t_end, double h, Rule rule, StepCoefficients const& c);
+    void histories(Rule rule, StepCoefficients const& c);
+    void currents(StepCoefficients const& c);
+    void source_voltages(double t);
+    void solve_network();
+    void resize();
+    [[nodiscard]] Result<void> use(double h);
+    void part_contacts();
+    void switched();
+    [[nodiscard]] Crossing first_crossing() const;
+    void open_crossed(double share);
+    void remember_currents(std::vector<double>& out) const;
+    [[nodiscard]] bool watching() const;
+    [[nodiscard]] Result<void> check() const;
+
+    Circuit circuit_;
+    double step_s_;
+    double t_{0};
+    bool restart_{true};  ///< a discontinuity lies at t_
+    bool modified_{true}; ///< bits_ are not those of system_
+    SwitchBits bits_;
+    std::vector<SwitchControl> switches_;
+    std::vector<std::array<bool, 3>> fault_armed_;
+    bool armed_{false}, waiting_{false};
+    Dynamics state_, saved_;
+    std::vector<double> rl_history_, capacitor_history_, winding_history_, core_history_, rhs_, correction_, injected_;
+    std::vector<double> watched_before_, watched_after_; ///< currents of armed poles at both ends of a segment
+    StepCoefficients usual_, other_;
+    StepCoefficients const* coefficients_{nullptr};
+    std::vector<std::unique_ptr<NodalSystem>> cache_; ///< of the usual step
+    std::unique_ptr<NodalSystem> odd_;                ///< of another step
+    NodalSystem* system_{nullptr};
+    std::uint64_t uses_{0};
+    std::vector<double> source_phase_, source_since_; ///< phase at, s
+    double limit_v_{0};                               ///< voltages beyond are divergence
+};
+
+} // namespace gridspace::sim::emt

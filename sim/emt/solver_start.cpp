@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/solver.hpp"
+
+#include <cmath>
+#include <numbers>
+
+/// The steady state from which a simulation starts. Reactances are taken at the frequency at which the trapezoidal rule
+/// turns nominal frequency into exact steady state, w' = 2/h tan(w h/2): nothing is left over that would have to
+/// settle.
+namespace gridspace::sim::emt {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// Positive sequence phasor of a phase.
+Complex phase_of(Complex a, int k) {
+    return a * std::polar(1.0, -k * 2 * std::numbers::pi / 3);
+}
+
+ComplexPhaseMatrix impedance_inverse(PhaseMatrix const& r, PhaseMatrix const& l, double w) {
+    return ComplexPhaseMatrix::sequence(1.0 / Complex{r.one, w * l.one}, 1.0 / Complex{r.zero(), w * l.zero()});
+}
+
+} // namespace
+
+Result<void> Solver::start(std::vector<MachineStart> const& machine_starts) {
+    t_ = 0;
+    if (auto ok = use(step_s_); !ok) {
+        return ok;
+    }
+    double const w0 = 2 * std::numbers::pi * circuit_.frequency_hz;
+    double const w = 2 / step_s_ * std::tan(w0 * step_s_ / 2);
+    double const speed = w / w0;
+    Admittances<Complex> y;
+    for (RlBranch const& b : circuit_.rl) {
+        y.rl.push_back(impedance_inverse(b.r, b.l, w));
+    }
+    for (CapacitorBranch const& b : circuit_.capacitors) {
+        y.capacitors.push_back(ComplexPhaseMatrix::sequence({0, w * b.c.one}, {0, w * b.c.zero()}));
+    }
+    for (Winding const& b : circuit_.windings) {
+        y.windings.push_back(1.0 / Complex{b.r, w * b.l});
+    }
+    for (SaturableCore const& b : circuit_.cores) {
+        y.cores.push_back(1.0 / Complex{0, w * b.l});
+    }
+    for (MachinePort const& m : circuit_.machines) {
+        double const scale = m.i_base / m.v_base;
+        Complex const zero = m.data.x0 > 0 ? 1.0 / Complex{m.data.ra, speed * m.data.x0} : Complex{};
+        y.machines.push_back(
+            ComplexPhaseMatrix::sequence(scale / Complex{m.data.ra, speed * m.data.x2()}, scale * zero));
+    }
+    Topology const& t = system_->topology;
+    auto const assembly = assemble(circuit_, t, bits_, y);
+    Ldlt<Complex> factors;
+    (void)factors.factor(t.unknowns, assembly.matrix);
+    std::vector<Complex> v(static_cast<std::size_t>(t.slots));
+    for (std::size_t s = 0; s < circuit_.sources.size(); ++s) {
+        for (int k = 0; k < 3; ++k) {
+            v[static_cast<std::size_t>(t.earth() + 1) + 3 * s + static_cast<std::size_t>(k)] =
+                phase_of(std::polar(circuit_.sources[s].amplitude_v, circuit_.sources[s].angle_rad), k);
+        }
+    }
+    std::vector<Complex> rhs(v.size());
+    for (auto const& e : assembly.coupling) {
+        rhs[static_cast<std::size_t>(e.row)] -= e.value * v[static_cast<std::size_t>(e.column)];
+    }
+    auto const slot = [&](int node) { return static_cast<std::size_t>(t.slot[static_cast<std::size_t>(node)]); };
+    for (std::size_t m = 0; m < circuit_.machines.size(); ++m) {
+        Complex const norton = machine_starts[m].i + y.machines[m].one * machine_starts[m].v;
+        for (int k = 0; k < 3; ++k) {
+            rhs[slot(circuit_.machines[m].node + k)] += phase_of(norton, k);
+        }
+    }
+    factors.solve(rhs.data());
+    std::copy(rhs.begin(), rhs.begin() + t.unknowns, v.begin());
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        state_.v[i] = v[i].real();
+    }
+    auto const set_branch = [&](int from, int to, ComplexPhaseMatrix const& admittance, double* volts,
+                                double* amperes) {
+        std::array<Complex, 3> d;
+        Complex sum{};
+        for (int k = 0; k < 3; ++k) {
+            d[static_cast<std::size_t>(k)] = v[slot(from + k)] - v[slot(to + k)];
+            sum += d[static_cast<std::size_t>(k)];
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            volts[k] = d[k].real();
+            amperes[k] = (admittance.one * d[k] + admittance.mutual * sum).real();
+        }
+    };
+    for (std::size_t b = 0; b < circuit_.rl.size(); ++b) {
+        set_branch(circuit_.rl[b].from, circuit_.rl[b].to, y.rl[b], &state_.rl_v[3 * b], &state_.rl_i[3 * b]);
+    }
+    for (std::size_t b = 0; b < circuit_.capacitors.size(); ++b) {
+        set_branch(circuit_.capacitors[b].from, circuit_.capacitors[b].to, y.capacitors[b], &state_.capacitor_v[3 * b],
+                   &state_.capacitor_i[3 * b]);
+    }
+    auto const across = [&](auto const& element) {
+        Complex sum{};
+        for (std::size_t k = 0; k < 4; ++k) {
+            sum += element.weights[k] * v[slot(element.nodes[k])];
+        }
+        return sum;
+    };
+    for (std::size_t i = 0; i < circuit_.windings.size(); ++i) {
+        Complex const volts = across(circuit_.windings[i]);
+        state_.winding_v[i] = volts.real();
+        state_.winding_i[i] = (y.windings[i] * volts).real();
+    }
+    for (std::size_t i = 0; i < circuit_.cores.size(); ++i) {
+        Complex const volts = across(circuit_.cores[i]);
+        state_.core_v[i] = volts.real();
+        state_.core_flux[i] = (volts / Complex{0, w}).real();
+        state_.core_i[i] = state_.core_flux[i] / circuit_.cores[i].l;
+    }
+    for (std::size_t m = 0; m < circuit_.machines.size(); ++m) {
+        MachinePort const& port = circuit_.machines[m];
+        Complex const norton = machine_starts[m].i + y.machines[m].one * machine_starts[m].v;
+        // The positive sequence is what phase a shows of a balanced state.
+        Complex volts{};
+        for (int k = 0; k < 3; ++k) {
+            volts += v[slot(port.node + k)] * std::polar(1.0 / 3, k * 2 * std::numbers::pi / 3);
+        }
+        Complex const amperes = norton - y.machines[m].one * volts;
+        state_.machines[m].start(volts / port.v_base, amperes / port.i_base, speed);
+    }
+    restart_ = false;
+    return {};
+}
+
+} // namespace gridspace::sim::emt
