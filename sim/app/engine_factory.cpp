@@ -3,6 +3,7 @@
 #include "sim/app/engine_factory.hpp"
 
 #include "common/config/merge.hpp"
+#include "sim/emt/emt_engine.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/phasor/phasor_engine.hpp"
 
@@ -31,9 +32,15 @@ std::optional<Network> load_simulated_network(SimulationConfig const& simulation
 
 Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, Network network, TimeBase base) {
     if (simulation.solver == SolverKind::emt) {
-        return fail(ExitCode::usage, "the waveform solver is not part of this build yet", "use `solver: phasor`");
+        return emt::make_emt_engine(std::move(network),
+                                    {base, base.nearest(simulation.step_s), start_hour_of_day(simulation)});
     }
     return phasor::make_phasor_engine(std::move(network), {base, start_hour_of_day(simulation)});
+}
+
+std::vector<SignalDef> engine_signals(SimulationConfig const& simulation, Network const& network) {
+    auto const engine = make_engine(simulation, network, TimeBase{simulation.step_s});
+    return engine ? (*engine)->signals() : std::vector<SignalDef>{};
 }
 
 } // namespace gridspace::sim

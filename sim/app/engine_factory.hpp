@@ -16,7 +16,11 @@ namespace gridspace::sim {
                                                             config::Diagnostics& diagnostics);
 
 /// The engine for a simulation.
-[[nodiscard]] Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, Network network, TimeBase base);
+[[nodiscard]] Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, Network network,
+                                                          TimeBase base);
+
+/// The signals that it will have, without solving anything; none when it cannot be made.
+[[nodiscard]] std::vector<SignalDef> engine_signals(SimulationConfig const& simulation, Network const& network);
 
 /// UTC hour of the day of simulated time 0.
 [[nodiscard]] double start_hour_of_day(SimulationConfig const& simulation);
