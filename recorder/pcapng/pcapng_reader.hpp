@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "recorder/pcapng/pcapng_writer.hpp"
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace gridspace::pcapng {
+
+struct Interface {
+    std::string name, description;
+    std::uint16_t link_type{1}; ///< 1: Ethernet
+    std::uint64_t units_per_s{1'000'000};
+};
+
+struct Frame {
+    std::uint32_t interface{0};
+    std::int64_t time_ns{0}; ///< since 1970
+    std::vector<std::uint8_t> octets;
+    std::uint32_t original_octets{0}; ///< more than octets.size() when the capture was cut
+    std::string comment;
+    Direction direction{Direction::unknown};
+};
+
+/// Reads captures frame by frame: pcapng and classic pcap (micro- and nanoseconds), either byte order. Memory is
+/// bounded by one block, at most 16 MB. A file that was cut off in the middle (a crash, a full disk) gives its whole
+/// frames and `truncated()`.
+class Reader {
+  public:
+    [[nodiscard]] static Result<Reader> open(std::filesystem::path const& file);
+
+    /// The next frame; nothing at the end. The error names the file and the offset.
+    [[nodiscard]] Result<std::optional<Frame>> next();
+    [[nodiscard]] std::vector<Interface> const& interfaces() const { return interfaces_; }
+    [[nodiscard]] bool truncated() const { return truncated_; }
+
+  private:
+    struct Close {
+        void operator()(std::FILE* f) const { std::fclose(f); }
+    };
+    Reader() = default;
+
+    template <class T>
+    [[nodiscard]] T number(std::uint8_t const* from) const;
+    /// Fills `block_` with so many octets; false at the end of the file.
+    [[nodiscard]] bool read(std::size_t octets);
+    [[nodiscard]] std::unexpected<Error> damaged(std::string const& what) const;
+    [[nodiscard]] Result<std::optional<Frame>> next_classic();
+    [[nodiscard]] Result<void> section_header(std::uint32_t length);
+    [[nodiscard]] Result<void> interface_block();
+    [[nodiscard]] Result<std::optional<Frame>> packet_block(std::uint32_t type);
+    void packet_options(Frame& frame, std::size_t at) const;
+
+    std::unique_ptr<std::FILE, Close> file_;
+    std::string name_;
+    std::uint64_t offset_{0}, left_{0}; ///< octets of the file that were not read
+    bool begun_{false};
+    bool classic_{false}, swapped_{false}, truncated_{false};
+    std::vector<Interface> interfaces_;
+    std::vector<std::uint8_t> block_;  ///< body of the current block, without its head and its trailing length
+    std::uint32_t first_interface_{0}; ///< of the current section
+};
+
+} // namespace gridspace::pcapng

@@ -1,0 +1,158 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder/pcapng/pcapng_reader.hpp"
+
+#include <bit>
+#include <cstdlib>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <random>
+
+namespace gridspace::pcapng {
+namespace {
+
+using Octets = std::vector<std::uint8_t>;
+constexpr std::int64_t kTime = 1'575'158'405'123'456'789;
+
+class Pcapng : public testing::Test {
+  protected:
+    void SetUp() override {
+        // In memory where possible: thousands of damaged files are slow on a disk.
+        std::string pattern = (std::filesystem::exists("/dev/shm") ? "/dev/shm" : testing::TempDir()) +
+                              std::string{"/gridspace-pcapng-XXXXXX"};
+        folder_ = ::mkdtemp(pattern.data());
+        file_ = folder_ / "capture.pcapng";
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    void write_example() const {
+        auto sut = Writer::create(file_, "test");
+        ASSERT_TRUE(sut);
+        auto const a = sut->add_interface("process_bus", "mu21"), b = sut->add_interface("data_bus");
+        ASSERT_TRUE(sut->write(a, kTime, Octets{1, 2, 3, 4, 5}, "t = 5.5 s", Direction::outbound));
+        ASSERT_TRUE(sut->write(b, kTime + 1, Octets(64, 7)));
+        ASSERT_TRUE(sut->statistics(a, kTime + 2, 10, 1));
+        ASSERT_TRUE(sut->close());
+    }
+    [[nodiscard]] std::vector<char> content() const {
+        std::ifstream in{file_, std::ios::binary};
+        return {std::istreambuf_iterator<char>{in}, {}};
+    }
+    void put(std::vector<char> const& content) const {
+        std::ofstream{file_, std::ios::binary}.write(content.data(), static_cast<std::streamsize>(content.size()));
+    }
+
+    std::filesystem::path folder_, file_;
+};
+
+TEST_F(Pcapng, KeepsNanosecondsInterfacesAndComments) {
+    write_example();
+    auto sut = Reader::open(file_);
+    ASSERT_TRUE(sut);
+    auto const first = sut->next();
+    ASSERT_TRUE(first && *first);
+    EXPECT_EQ((*first)->time_ns, kTime);
+    EXPECT_EQ((*first)->octets, (Octets{1, 2, 3, 4, 5}));
+    EXPECT_EQ((*first)->comment, "t = 5.5 s");
+    EXPECT_EQ((*first)->direction, Direction::outbound);
+    auto const second = sut->next();
+    ASSERT_TRUE(second && *second);
+    EXPECT_EQ((*second)->time_ns, kTime + 1);
+    EXPECT_EQ(sut->interfaces().at((*second)->interface).name, "data_bus");
+    EXPECT_EQ(sut->interfaces()[0].description, "mu21");
+    auto const end = sut->next();
+    ASSERT_TRUE(end);
+    EXPECT_FALSE(*end);
+    EXPECT_FALSE(sut->truncated());
+}
+
+TEST_F(Pcapng, GivesTheWholeFramesOfAFileThatWasCutOff) {
+    write_example();
+    auto const whole = content();
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+        put({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
+        auto sut = Reader::open(file_);
+        if (!sut) {
+            EXPECT_LT(size, 4U);
+            continue;
+        }
+        std::size_t frames = 0;
+        for (auto frame = sut->next(); frame && *frame; frame = sut->next()) {
+            ++frames;
+        }
+        EXPECT_LE(frames, 2U);
+    }
+}
+
+TEST_F(Pcapng, SurvivesDamage) {
+    write_example();
+    auto const whole = content();
+    std::mt19937 random{1};
+    for (int i = 0; i < 3000; ++i) {
+        auto damaged = whole;
+        for (int k = 0; k < 3; ++k) {
+            damaged[random() % damaged.size()] = static_cast<char>(random());
+        }
+        put(damaged);
+        auto sut = Reader::open(file_);
+        for (int n = 0; sut && n < 10; ++n) {
+            auto const frame = sut->next();
+            if (!frame || !*frame) {
+                break;
+            }
+        }
+    }
+}
+
+TEST_F(Pcapng, ReadsClassicCapturesOfEitherByteOrder) {
+    for (bool const swapped : {false, true}) {
+        for (bool const nano : {false, true}) {
+            std::vector<char> file;
+            auto const number = [&](std::uint32_t v) {
+                v = swapped ? std::byteswap(v) : v;
+                file.insert(file.end(), reinterpret_cast<char*>(&v), reinterpret_cast<char*>(&v) + 4);
+            };
+            number(nano ? 0xA1B23C4D : 0xA1B2C3D4);
+            for (std::uint32_t const v : {swapped ? 0x00020004U : 0x00040002U, 0U, 0U, 65535U, 1U, 100U, 7U, 4U, 60U}) {
+                number(v);
+            }
+            file.insert(file.end(), {1, 2, 3, 4});
+            put(file);
+            auto sut = Reader::open(file_);
+            ASSERT_TRUE(sut) << describe(sut.error());
+            auto const frame = sut->next();
+            ASSERT_TRUE(frame && *frame);
+            EXPECT_EQ((*frame)->time_ns, 100'000'000'000 + (nano ? 7 : 7000));
+            EXPECT_EQ((*frame)->octets, (Octets{1, 2, 3, 4}));
+            EXPECT_EQ((*frame)->original_octets, 60U);
+            EXPECT_FALSE(*sut->next());
+        }
+    }
+}
+
+TEST_F(Pcapng, NamesWhatIsNoCaptureAndWhatIsNotThere) {
+    EXPECT_THAT(Reader::open(folder_ / "none").error().message, testing::HasSubstr("No such file"));
+    put({'P', 'K', 3, 4, 5, 6, 7, 8});
+    EXPECT_THAT(Reader::open(file_).error().message, testing::HasSubstr("is not a capture"));
+    EXPECT_THAT(Writer::create(folder_ / "none" / "x", "t").error().message, testing::HasSubstr("cannot write"));
+}
+
+TEST_F(Pcapng, SaysWhenTheDiskIsFull) {
+    auto sut = Writer::create("/dev/full", "test");
+    ASSERT_TRUE(sut);
+    auto const interface = sut->add_interface("x");
+    ASSERT_TRUE(sut->write(interface, 0, Octets(60)));
+    auto const ok = sut->close();
+    ASSERT_FALSE(ok);
+    EXPECT_THAT(ok.error().message, testing::HasSubstr("No space left"));
+}
+
+TEST_F(Pcapng, WritesTheSameOctetsForTheSameFrames) {
+    write_example();
+    auto const once = content();
+    write_example();
+    EXPECT_EQ(content(), once);
+}
+
+} // namespace
+} // namespace gridspace::pcapng
