@@ -183,8 +183,11 @@ void StreamGuard::remember(bool flagged) {
 }
 
 double StreamGuard::sigma_percent() const {
-    return std::max({closed_.thresholds[0].sigma_percent(), closed_.thresholds[1].sigma_percent(),
-                     closed_.thresholds[2].sigma_percent()});
+    double out = 0;
+    for (Threshold const& t : closed_.thresholds) {
+        out = t.settled() ? std::max(out, t.sigma_percent()) : out;
+    }
+    return out;
 }
 
 double StreamGuard::base_a() const {

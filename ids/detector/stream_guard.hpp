@@ -74,7 +74,7 @@ class StreamGuard {
 
     [[nodiscard]] StreamVerdict const& verdict() const { return verdict_; }
     [[nodiscard]] GuardCounters const& counters() const { return counters_; }
-    [[nodiscard]] double sigma_percent() const; ///< the noisiest phase
+    [[nodiscard]] double sigma_percent() const; ///< the noisiest phase; 0 until the estimate has settled
     [[nodiscard]] double base_a() const;        ///< the largest max(nominal, running peak) of the phases
     /// More than half of the last 480 samples were flagged: the loop feeds on its own forecasts.
     [[nodiscard]] bool locked_out() const { return recent_flagged_ > kRecent / 2; }

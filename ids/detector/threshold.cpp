@@ -29,6 +29,7 @@ void Threshold::update(double accepted_a, double error_a) {
     double const base = base_a();
     if (error_a >= 0 && base > 0) {
         double const e = std::min(error_a / base, 3 * mean_error_);
+        seen_ += settled() ? 0 : 1;
         mean_error_ += (e - mean_error_) / params_.noise_samples;
         mean_error_ = std::min(std::max(mean_error_, kLowest), kHighest);
     }

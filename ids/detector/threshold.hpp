@@ -26,7 +26,8 @@ struct ThresholdParams {
 /// How far one phase may be from its forecast. Errors are relative to max(nominal, running peak).
 ///
 /// Noise: s is the exponentially weighted mean of min(e, 3 s), between 0.05 % and 0.75 %; sigma = 1.25 s, the standard
-/// deviation of a normal error with that mean magnitude. The clipping keeps events and attacks out of it.
+/// deviation of a normal error with that mean magnitude. The clipping keeps events and attacks out of it. It starts at
+/// the upper end: a detector that knows nothing about the noise yet must not cry wolf.
 class Threshold {
   public:
     explicit Threshold(ThresholdParams const& params) : params_{params}, peak_{params.peak_samples} {}
@@ -39,12 +40,14 @@ class Threshold {
     [[nodiscard]] double base_a() const { return std::max(params_.nominal_peak_a, peak_.value()); }
     [[nodiscard]] double running_peak_a() const { return peak_.value(); }
     [[nodiscard]] double sigma_percent() const { return 125 * mean_error_; }
+    [[nodiscard]] bool settled() const { return seen_ >= 4 * params_.noise_samples; } ///< the start is forgotten
 
   private:
     ThresholdParams params_;
     RunningPeak peak_;
-    double mean_error_{kInitial};
-    static constexpr double kInitial = 0.0025, kLowest = 0.0005, kHighest = 0.0075;
+    static constexpr double kLowest = 0.0005, kHighest = 0.0075;
+    double mean_error_{kHighest};
+    int seen_{0};
 };
 
 } // namespace gridspace::ids

@@ -26,8 +26,8 @@ struct TrainParams {
     double huber{1.345};      ///< linear: errors beyond so many robust standard deviations count linearly
     double error_limit{0.02}; ///< networks: errors beyond this, in scaled units, count linearly, not squared; a fault
                               ///< inside a window would otherwise outweigh thousands of ordinary samples
-    double ridge{1e-9}; ///< of the mean square of the inputs
-    int threads{2};     ///< changes the time, never a bit of the result
+    double ridge{1e-9};       ///< of the mean square of the inputs
+    int threads{2};           ///< changes the time, never a bit of the result
 };
 
 /// Called after each epoch or iteration: its number from 1, the root of the mean loss in scaled units. False: stop

@@ -6,6 +6,7 @@
 #include "common/version.hpp"
 #include "launcher/cli/completion.hpp"
 #include "launcher/cli/verbs.hpp"
+#include "launcher/ids/ids_verbs.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -47,6 +48,32 @@ void scenario_options(CLI::App* verb, ScenarioArguments& a) {
     verb->add_option("--speed", a.speed, "simulated seconds per second, or max");
     verb->add_option("--until", a.until, "end at this simulated time: 10s, 5min, 2h");
     verb->add_option("--seed", a.seed, "seed of everything random");
+}
+
+void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArguments& train, IdsEvaluateArguments& evaluate) {
+    CLI::App* ids_verb = app.add_subcommand("ids", "train and judge the forecasters of the intrusion detector");
+    ids_verb->require_subcommand(1);
+    CLI::App* t = ids_verb->add_subcommand("train", "train a forecaster");
+    t->add_option("CONFIG", train.config, "training configuration (YAML)")->required();
+    t->add_option("--out", train.output, "model file instead of the configuration's");
+    t->add_option("--seed", train.seed, "seed instead of the configuration's")->check(CLI::NonNegativeNumber);
+    t->add_flag("--json", train.json, "the result as JSON");
+    t->add_flag("--quiet", train.quiet, "no progress");
+    t->callback([&] { action = [&] { return ids_train(train); }; });
+
+    CLI::App* e = ids_verb->add_subcommand("evaluate", "judge a forecaster: false positives by situation, error, detection by attack");
+    e->add_option("MODEL", evaluate.model, "model file (JSON)")->required();
+    e->add_option("DATA", evaluate.data, "recordings (CSV, npy), or a training configuration for unseen ones of its kind")->required();
+    e->add_option("--percent", evaluate.percent, "threshold")->check(CLI::PositiveNumber);
+    e->add_option("--nominal-peak-a", evaluate.nominal_peak_a, "crest of the nominal current (default: the largest of the first two cycles)")->check(CLI::PositiveNumber);
+    e->add_option("--rate-hz", evaluate.rate_hz, "samples a second, for npy")->check(CLI::PositiveNumber);
+    e->add_option("--event-s", evaluate.event_s, "when something happens in the recordings")->check(CLI::NonNegativeNumber);
+    e->add_option("--threshold", evaluate.threshold, "what the threshold of the attack table is relative to")
+        ->check(CLI::IsMember({"instantaneous", "nominal_peak", "running_peak", "larger_peak", "adaptive"}));
+    e->add_option("--seed", evaluate.seed, "of unseen recordings and attacks")->check(CLI::NonNegativeNumber);
+    e->add_flag("!--no-attacks", evaluate.attacks, "only the false positives");
+    e->add_flag("--json", evaluate.json, "as JSON");
+    e->callback([&] { action = [&] { return ids_evaluate(evaluate); }; });
 }
 
 int main_function(int argc, char** argv) {
@@ -120,6 +147,10 @@ int main_function(int argc, char** argv) {
     export_verb->add_flag("--csv", export_arguments.csv, "CSV: one table per topic (the default)");
     export_verb->add_option("--out", export_arguments.out, "folder (default: RUN/csv)");
     export_verb->callback([&] { action = [&] { return export_run(export_arguments); }; });
+
+    IdsTrainArguments ids_train_arguments;
+    IdsEvaluateArguments ids_evaluate_arguments;
+    add_ids_verbs(app, action, ids_train_arguments, ids_evaluate_arguments);
 
     bool doctor_json = false;
     CLI::App* doctor_verb = verb("doctor", "look at what this machine allows, and what helps");
