@@ -62,6 +62,44 @@ bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Da
     return node;
 }
 
+/// "topic:process:count ..."
+std::string expected_text(bus::ExpectedPeers const& expected) {
+    std::vector<std::string> words;
+    for (auto const& [topic, peers] : expected) {
+        for (auto const& [process, count] : peers) {
+            words.push_back(fmt::format("{}:{}:{}", topic, process, count));
+        }
+    }
+    return join(words, " ");
+}
+
+/// What a program that is not ours needs to take part, in a form that every language reads without a YAML library.
+std::map<std::string, std::string> environment_of(bus::NodeConfig const& node) {
+    bus::ClockConfig const& clock = node.clock;
+    bus::NetworkConfig const& data = node.data ? *node.data : node.management;
+    auto const first = [](std::vector<std::string> const& addresses) {
+        return addresses.empty() ? std::string{} : addresses.front();
+    };
+    return {{"GRIDSPACE_PROCESS", node.process},
+            {"GRIDSPACE_INCARNATION", std::to_string(node.incarnation)},
+            {"GRIDSPACE_JOINS_AT_S", "0"}, // these two change with a restart
+            {"GRIDSPACE_ABSENT", ""},
+            {"GRIDSPACE_MANAGEMENT_DOMAIN", std::to_string(node.management.domain)},
+            {"GRIDSPACE_MANAGEMENT_ADDRESS", first(node.management.addresses)},
+            {"GRIDSPACE_DATA_DOMAIN", std::to_string(data.domain)},
+            {"GRIDSPACE_DATA_ADDRESS", first(data.addresses)},
+            {"GRIDSPACE_CLOCK_MODE", clock.mode == bus::ClockMode::lockstep ? "lockstep" : "realtime"},
+            {"GRIDSPACE_SIMULATOR", clock.simulator},
+            {"GRIDSPACE_EPOCH_UNIX_S", std::to_string(clock.epoch_unix_s)},
+            {"GRIDSPACE_QUANTUM_S", clock.quantum_s.to_string()},
+            {"GRIDSPACE_TICK_S", clock.tick_s.to_string()},
+            {"GRIDSPACE_MEMBERS", join(clock.members, " ")},
+            {"GRIDSPACE_UPSTREAM", join(clock.upstream, " ")},
+            {"GRIDSPACE_DOWNSTREAM", join(clock.downstream, " ")},
+            {"GRIDSPACE_EXPECTED_WRITERS", expected_text(node.expected_writers)},
+            {"GRIDSPACE_EXPECTED_READERS", expected_text(node.expected_readers)}};
+}
+
 PlannedProcess plan_process(Scenario const& scenario, Process const& process, Dataflow const& flow, RunPlan const& plan,
                             PlanOptions const& options) {
     PlannedProcess out;
@@ -87,13 +125,9 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
         out.command = {program_file(out.program).string(), "--config", out.config_file.string(), "--log-level", options.log_level};
     }
     bus::NodeConfig const node = node_config(scenario, process, flow, plan, options);
-    out.environment = {{"GRIDSPACE_PROCESS", out.name},
-                       {"GRIDSPACE_CONFIG", out.config_file.string()},
-                       {"GRIDSPACE_RUN_FOLDER", plan.folder.string()},
-                       {"GRIDSPACE_MANAGEMENT_DOMAIN", std::to_string(node.management.domain)},
-                       {"GRIDSPACE_MANAGEMENT_ADDRESS", node.management.addresses.empty() ? "" : node.management.addresses.front()},
-                       {"GRIDSPACE_DATA_DOMAIN", std::to_string(node.data ? node.data->domain : node.management.domain)},
-                       {"GRIDSPACE_DATA_ADDRESS", node.data && !node.data->addresses.empty() ? node.data->addresses.front() : ""}};
+    out.environment = environment_of(node);
+    out.environment["GRIDSPACE_CONFIG"] = out.config_file.string();
+    out.environment["GRIDSPACE_RUN_FOLDER"] = plan.folder.string();
     return out;
 }
 

@@ -324,12 +324,17 @@ class Supervisor {
         bus.set("incarnation", config::Node::scalar(std::to_string(w.incarnation)));
         bus.set("joins_at_s", config::Node::scalar(shortest(at_s)));
         config::Node absent = config::Node::sequence();
+        std::vector<std::string> absent_names;
         for (Watched const& other : watched_) {
             if (!other.running && &other != &w) {
                 absent.items.push_back(config::Node::scalar(other.plan.name));
+                absent_names.push_back(other.plan.name);
             }
         }
         bus.set("absent", std::move(absent));
+        w.plan.environment["GRIDSPACE_INCARNATION"] = std::to_string(w.incarnation);
+        w.plan.environment["GRIDSPACE_JOINS_AT_S"] = shortest(at_s);
+        w.plan.environment["GRIDSPACE_ABSENT"] = join(absent_names, " ");
         std::ofstream{w.plan.config_file} << to_yaml(w.plan.config);
         if (auto ok = start(w); !ok) {
             fail_with(ok.error());
