@@ -216,6 +216,10 @@ Result<void> ClockServer::start() {
     return s.await_ready("start");
 }
 
+void ClockServer::set_start(std::int64_t unix_ns) {
+    state_->clock.start_unix_ns(unix_ns);
+}
+
 Result<void> ClockServer::tick(SimTime time, bool final) {
     State& s = *state_;
     Node::Core& core = s.core;

@@ -21,6 +21,9 @@ class ClockServer {
     /// Waits, at most start_timeout_s, until the node and all members are READY.
     [[nodiscard]] Result<void> start();
 
+    /// Real time: simulated time 0 is now; members hear it with every clock sample.
+    void set_start(std::int64_t unix_ns);
+
     /// Publishes tick k = 0, 1, 2 … with the simulated time it grants. What belongs to the tick has been written
     /// before. Lockstep: returns when every awaited member has acknowledged it and everything that they sent to the
     /// simulator has arrived. Real time: returns at once.

@@ -323,6 +323,10 @@ Node::~Node() {
     }
 }
 
+std::weak_ptr<void>& Node::signal_writers() {
+    return core_->signal_writers;
+}
+
 Result<std::unique_ptr<RawWriter>> Node::open_writer(std::string const& topic, Codec const& codec, std::size_t& slot) {
     auto raw = core_->network_of(topic).create_writer(topic, codec);
     if (!raw) {

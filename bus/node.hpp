@@ -19,6 +19,7 @@
 namespace gridspace::bus {
 
 class ClockServer;
+class SignalPublisher;
 class WireReader;
 class WireWriter;
 
@@ -102,6 +103,8 @@ class Node {
 
   private:
     friend class ClockServer;
+    friend class SignalPublisher;
+    [[nodiscard]] std::weak_ptr<void>& signal_writers(); ///< of the process's SignalPublishers
     friend class WireReader;
     friend class WireWriter;
     [[nodiscard]] Core& core() { return *core_; }

@@ -52,6 +52,7 @@ struct Node::Core {
     };
     std::vector<std::unique_ptr<ReaderSlot>> readers; ///< opened in start(), when the book knows all topics
 
+    std::weak_ptr<void> signal_writers;
     std::vector<WireLedgerEntry> wire_writers;                    ///< what goes into the next acknowledgement
     std::vector<std::shared_ptr<WireReader::Impl>> wire_readers; ///< their order numbers the book's channels
 

@@ -8,24 +8,32 @@
 
 namespace gridspace::bus {
 
+struct SignalPublisher::Writers {
+    std::unique_ptr<Writer<SignalCatalog>> catalog;
+    std::unique_ptr<Writer<SignalFrame>> frames;
+};
+
 Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std::string group, double rate_hz,
                                                                  std::vector<SignalColumn> columns) {
     if (columns.size() > MAX_SIGNALS) {
         return fail(ExitCode::usage, fmt::format("{} signals in group '{}', and {} fit", columns.size(), group, MAX_SIGNALS),
                     "choose some with record.signals");
     }
-    auto catalog = node.writer<SignalCatalog>("signal_catalog");
-    if (!catalog) {
-        return std::unexpected{catalog.error()};
-    }
-    auto frames = node.writer<SignalFrame>("signals");
-    if (!frames) {
-        return std::unexpected{frames.error()};
-    }
     auto out = std::unique_ptr<SignalPublisher>{new SignalPublisher};
     out->node_ = &node;
-    out->catalog_writer_ = std::move(*catalog);
-    out->frame_writer_ = std::move(*frames);
+    out->writers_ = std::static_pointer_cast<Writers>(node.signal_writers().lock());
+    if (out->writers_ == nullptr) {
+        auto catalog = node.writer<SignalCatalog>("signal_catalog");
+        if (!catalog) {
+            return std::unexpected{catalog.error()};
+        }
+        auto frames = node.writer<SignalFrame>("signals");
+        if (!frames) {
+            return std::unexpected{frames.error()};
+        }
+        out->writers_ = std::make_shared<Writers>(std::move(*catalog), std::move(*frames));
+        node.signal_writers() = out->writers_;
+    }
     out->catalog_ = std::make_unique<SignalCatalog>();
     out->frame_ = std::make_unique<SignalFrame>();
     out->catalog_->source(node.config().process.c_str());
@@ -50,7 +58,7 @@ Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std
 
 SignalPublisher::~SignalPublisher() = default;
 
-void SignalPublisher::announce(SimTime now) { catalog_writer_->write(*catalog_, now); }
+void SignalPublisher::announce(SimTime now) { writers_->catalog->write(*catalog_, now); }
 
 void SignalPublisher::row(SimTime time, std::span<double const> values) {
     frame_->times_ns().push_back(node_->time_base().nanoseconds(time));
@@ -63,7 +71,7 @@ void SignalPublisher::row(SimTime time, std::span<double const> values) {
 
 void SignalPublisher::flush() {
     if (!frame_->times_ns().empty()) {
-        frame_writer_->write(*frame_, last_);
+        writers_->frames->write(*frame_, last_);
         frame_->times_ns().clear();
         frame_->values().clear();
     }

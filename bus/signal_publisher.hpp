@@ -37,9 +37,9 @@ class SignalPublisher {
 
   private:
     SignalPublisher() = default;
+    struct Writers; ///< shared by all groups of a process: one writer a topic, whatever it publishes
     Node* node_{nullptr};
-    std::unique_ptr<Writer<SignalCatalog>> catalog_writer_;
-    std::unique_ptr<Writer<SignalFrame>> frame_writer_;
+    std::shared_ptr<Writers> writers_;
     std::unique_ptr<SignalCatalog> catalog_;
     std::unique_ptr<SignalFrame> frame_;
     std::size_t columns_{0};

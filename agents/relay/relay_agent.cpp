@@ -112,6 +112,9 @@ class RelayAgent {
             for (char const* name : {"received", "lost", "duplicate", "late", "invalid"}) {
                 columns.push_back({"stream." + stream->name + "." + name, ""});
             }
+            if (!node_.lockstep()) { // says nothing where nobody looks at a clock
+                columns.push_back({"stream." + stream->name + ".rate_hz", "Hz"});
+            }
         }
         auto counters = bus::SignalPublisher::create(node_, "streams", 1, std::move(columns));
         if (!counters) {
@@ -222,17 +225,30 @@ class RelayAgent {
             return;
         }
         reported_ = second;
-        std::array<double, 10> row{};
+        std::array<double, 12> row{};
+        std::size_t const columns = node_.lockstep() ? 5 : 6;
+        std::int64_t const wall = clock_.now();
         for (std::size_t i = 0; i < 2; ++i) {
             using iec61850::SvEvent;
             auto const& c = inputs_->end(i).subscriber.counters();
-            double* out = row.data() + 5 * i;
+            double* out = row.data() + columns * i;
             out[0] = static_cast<double>(c.samples);
             out[1] = static_cast<double>(c.lost);
             out[2] = static_cast<double>(c.of(SvEvent::duplicate));
             out[3] = static_cast<double>(c.of(SvEvent::late));
             out[4] = static_cast<double>(c.of(SvEvent::identity_mismatch) + c.of(SvEvent::conf_rev_mismatch) + c.of(SvEvent::size_mismatch) +
                                          c.of(SvEvent::simulation_refused) + inputs_->damaged().total());
+            if (columns > 5) {
+                // Between two reports, by the wall clock; the first one has nothing to compare with.
+                double const seconds = static_cast<double>(wall - reported_wall_ns_) / 1e9;
+                out[5] = reported_wall_ns_ == 0 ? 0 : static_cast<double>(c.samples - reported_samples_[i]) / seconds;
+                reported_samples_[i] = c.samples;
+            }
+        }
+        bool const nothing_to_compare = reported_wall_ns_ == 0;
+        reported_wall_ns_ = wall;
+        if (columns > 5 && nothing_to_compare) {
+            return;
         }
         counter_signals_->row(time, row);
         counter_signals_->flush();
@@ -251,7 +267,8 @@ class RelayAgent {
     std::unique_ptr<bus::SignalPublisher> state_signals_, counter_signals_;
     CurrentInputs::OnPair on_pair_{[this](LineSample const& sample) { pair(sample); }};
     std::int64_t now_ns_{0};
-    std::int64_t reported_{-1};
+    std::int64_t reported_{-1}, reported_wall_ns_{0};
+    std::array<std::uint64_t, 2> reported_samples_{};
     bool started_{false}, pickup_{false}, tripped_{false}, blocked_{false};
 };
 

@@ -24,14 +24,16 @@ struct Moment {
 
 /// One entry of a scenario's `expect:`.
 struct Expectation {
-    enum class Verb { always, never, eventually, time_of, min_of, max_of, mean_of, median_of, p99_of, count_of, last_of };
+    enum class Verb { always, never, eventually, time_of, min_of, max_of, mean_of, median_of, p99_of, count_of, last_of, intervals_ms };
 
     Ref name;
     Verb verb{Verb::always};
+    std::string stream;              ///< of intervals_ms: "stream.TRIP2", whose rows are its messages
     std::string verb_name;
     std::optional<Expression> expression;
     std::optional<double> is, tolerance, above, below, at_least, at_most;
     std::vector<double> between;
+    std::vector<double> are;         ///< of intervals_ms: the wanted intervals, in their order
     std::string unit;                ///< of time_of
     std::optional<double> within_s;  ///< of eventually
     std::optional<Moment> from, until, since;

@@ -17,7 +17,7 @@ using config::Fields;
 using config::Node;
 using Verb = Expectation::Verb;
 
-constexpr std::array<std::pair<std::string_view, Verb>, 11> kVerbs{{{"always", Verb::always},
+constexpr std::array<std::pair<std::string_view, Verb>, 12> kVerbs{{{"always", Verb::always},
                                                                     {"never", Verb::never},
                                                                     {"eventually", Verb::eventually},
                                                                     {"time_of", Verb::time_of},
@@ -27,7 +27,8 @@ constexpr std::array<std::pair<std::string_view, Verb>, 11> kVerbs{{{"always", V
                                                                     {"median_of", Verb::median_of},
                                                                     {"p99_of", Verb::p99_of},
                                                                     {"count_of", Verb::count_of},
-                                                                    {"last_of", Verb::last_of}}};
+                                                                    {"last_of", Verb::last_of},
+                                                                    {"intervals_ms", Verb::intervals_ms}}};
 
 std::optional<Moment> parse_moment(std::string_view text) {
     Moment moment;
@@ -68,6 +69,10 @@ void describe(Fields& f, Expectation& e) {
         ++verbs;
         e.verb = verb;
         e.verb_name = name;
+        if (verb == Verb::intervals_ms) { // judged by the rows of the stream, not by a value
+            e.stream = text;
+            text += ".interval_ms";
+        }
         auto expression = Expression::parse(text);
         if (expression) {
             e.expression = std::move(*expression);
@@ -82,6 +87,7 @@ void describe(Fields& f, Expectation& e) {
     f.number("at_least", e.at_least, {.doc = "lower bound"});
     f.number("at_most", e.at_most, {.doc = "upper bound"});
     f.numbers("between", e.between, {.doc = "lower and upper bound"});
+    f.numbers("are", e.are, {.doc = "intervals_ms: the wanted intervals from the first message of a new state on"});
     f.text("unit", e.unit, {.doc = "of a time: h, min, s or ms"});
     std::optional<double> within_ms;
     f.number("within_s", e.within_s, {.doc = "how soon after `from`", .above = 0});
@@ -107,7 +113,12 @@ void describe(Fields& f, Expectation& e) {
         f.error("", fmt::format("expectation '{}' has {} verbs", e.name.name, verbs), "exactly one of: " + join(names, ", "));
         return;
     }
-    bool const numeric = e.verb != Verb::always && e.verb != Verb::never && e.verb != Verb::eventually;
+    if ((e.verb == Verb::intervals_ms) == e.are.empty()) {
+        f.error("are", fmt::format("expectation '{}': `intervals_ms` and `are` go together", e.name.name),
+                "intervals_ms: stream.TRIP2, from: relay.trip, are: [1, 2, 4], tolerance: 0.5");
+        return;
+    }
+    bool const numeric = e.verb != Verb::intervals_ms && e.verb != Verb::always && e.verb != Verb::never && e.verb != Verb::eventually;
     bool const bounded = e.is || e.above || e.below || e.at_least || e.at_most || !e.between.empty();
     if (numeric && !bounded && !e.show_only) {
         f.error("", fmt::format("expectation '{}' says nothing about the value", e.name.name),

@@ -200,6 +200,36 @@ void judge_condition(Expectation const& e, Timeline const& timeline, Expectation
     }
 }
 
+/// The intervals between the messages of a stream, from the first message of a new state at or after the window's begin.
+void judge_intervals(Expectation const& e, SignalStore const& signals, std::int64_t from, ExpectationResult& out) {
+    auto const intervals = signals.find(e.stream + ".interval_ms"), numbers = signals.find(e.stream + ".sq_num");
+    out.status = Status::failed;
+    out.unit = "ms";
+    if (intervals == signals.end() || numbers == signals.end()) {
+        out.detail = fmt::format("no messages of '{}' were recorded", e.stream);
+        return;
+    }
+    SignalSeries const& sq = numbers->second;
+    std::size_t first = 0;
+    while (first < sq.values.size() && (sq.times_ns[first] < from || sq.values[first] != 0)) {
+        ++first;
+    }
+    std::string text;
+    bool good = true;
+    for (std::size_t i = 0; i < e.are.size(); ++i) {
+        std::size_t const row = first + 1 + i;
+        if (row >= intervals->second.values.size()) {
+            out.detail = fmt::format("only {} of {} intervals: {}", i, e.are.size(), text);
+            return;
+        }
+        double const value = intervals->second.values[row];
+        text += fmt::format("{}{:.3g}", text.empty() ? "" : ", ", value);
+        good = good && std::abs(value - e.are[i]) <= e.tolerance.value_or(0);
+    }
+    out.detail = text + " ms";
+    out.status = good ? Status::passed : Status::failed;
+}
+
 } // namespace
 
 bool Expectation::Band::contains(double v) const {
@@ -271,6 +301,11 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
         if (!at) {
             return missed(fmt::format("'{}' did not happen", moment->event));
         }
+    }
+    if (e.verb == Verb::intervals_ms) {
+        judge_intervals(e, signals, nanoseconds(*from), out);
+        out.status = e.show_only ? Status::shown : out.status;
+        return out;
     }
     double end = *until;
     if (e.within_s) {

@@ -173,6 +173,9 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
         auto const writers = flow.writers.find(topic);
         for (Dataflow::Endpoint const& reader : readers) {
             Ref const name = mark_of(reader.process);
+            if (writers == flow.writers.end() && reader.use.optional) {
+                continue;
+            }
             if (writers == flow.writers.end()) {
                 diagnostics.error(name.where, fmt::format("process '{}' reads the topic '{}', which nobody writes", reader.process, topic),
                                   "is a process missing, or a topic misspelt?", static_cast<int>(name.name.size()));
@@ -186,6 +189,14 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
                                       "", static_cast<int>(name.name.size()));
                 }
             }
+        }
+    }
+    for (auto const& [topic, writers] : flow.writers) {
+        bool const commands = writers.front().use.type == "TripCommand"; // others may be there for the recording alone
+        if (commands && !flow.readers.contains(topic)) {
+            Ref const name = mark_of(writers.front().process);
+            diagnostics.error(name.where, fmt::format("process '{}' commands the topic '{}', which nobody reads", writers.front().process, topic),
+                              "is it among the `subscribe` topics of simulation.gateways?", static_cast<int>(name.name.size()));
         }
     }
     if (scenario.clock.mode != bus::ClockMode::lockstep) {

@@ -21,6 +21,7 @@ struct TopicUse {
     std::string type;
     std::int64_t endpoints{1}; ///< how many readers or writers it has on the topic
     bool triggers{false};      ///< reading side: a sample makes the process work in the same tick
+    bool optional{false};      ///< reading side: an input that may stay unused; writing side: nobody has to read it
 };
 
 /// Raw frames that a process sends or receives.
@@ -34,7 +35,8 @@ struct WireUse {
 struct SignalUse {
     std::string name;
     std::string unit;
-    double rate_hz{0}; ///< 0: when something changes
+    double rate_hz{0};      ///< 0: when something changes
+    bool wall_clock{false}; ///< of the wall clock: there is none in lockstep
 };
 
 /// What the launcher has to know about one process of a program: its settings, and what follows from them.

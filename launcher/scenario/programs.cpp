@@ -7,8 +7,8 @@
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
+#include "sim/app/engine_factory.hpp"
 #include "sim/gateway/gateway_config.hpp"
-#include "sim/phasor/phasor_engine.hpp"
 
 #include <algorithm>
 #include <array>
@@ -67,11 +67,7 @@ class SimSettings final : public ProcessSettings {
                 out.push_back({publish.topic.name, "LineCurrents"});
             }
         }
-        out = with_signals(std::move(out));
-        if (has_switching_signals(s)) { // a group of its own (sim/app/signal_output.hpp)
-            out[out.size() - 1].endpoints = out[out.size() - 2].endpoints = 2;
-        }
-        return out;
+        return with_signals(std::move(out));
     }
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const&) const override {
         std::vector<TopicUse> out;
@@ -85,16 +81,18 @@ class SimSettings final : public ProcessSettings {
         }
         for (sim::LineGatewayConfig const& gateway : gateways(s).lines) {
             for (auto const& subscribe : gateway.subscribe) {
-                out.push_back({subscribe.topic.name, "TripCommand"});
+                out.push_back({subscribe.topic.name, "TripCommand", 1, false, true}); // a line may be without a relay
             }
         }
         return out;
     }
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const&) const override {
         std::vector<SignalUse> out;
-        if (s.network && s.simulation.solver == sim::SolverKind::phasor && s.network->machines.empty()) {
-            for (sim::SignalDef& signal : sim::phasor::phasor_signals(*s.network)) {
-                out.push_back({std::move(signal.name), std::move(signal.unit), 1 / s.simulation.step_s.to_double()});
+        if (s.network) {
+            double const rate_hz = sim::signal_rate_hz(s.simulation).to_double();
+            for (sim::SignalDef& signal : sim::engine_signals(s.simulation, *s.network)) {
+                double const own_rate_hz = sim::is_switching_signal(signal.name) ? 0 : rate_hz;
+                out.push_back({std::move(signal.name), std::move(signal.unit), own_rate_hz});
             }
         }
         return out;
@@ -115,14 +113,6 @@ class SimSettings final : public ProcessSettings {
         return sim::read_gateways(s.simulation.gateways, ignored);
     }
     static bool per_bus(Scenario const& s) { return gateways(s).per_bus; }
-    static bool has_switching_signals(Scenario const& s) {
-        return s.simulation.solver == sim::SolverKind::emt && s.network && !s.network->breakers.empty() &&
-               std::any_of(s.network->breakers.begin(), s.network->breakers.end(), [&](sim::Breaker const& breaker) {
-                   return std::any_of(s.record.signals.begin(), s.record.signals.end(), [&](std::string const& pattern) {
-                       return matches_glob(pattern, "breaker." + breaker.name.name + ".position");
-                   });
-               });
-    }
 };
 
 class EvSettings final : public ProcessSettings {

@@ -23,11 +23,9 @@ using config::Node;
 using streams::Kind;
 using streams::Stream;
 
-constexpr std::int64_t kSignalTopics = 1;
-
 void add_signals(std::vector<TopicUse>& topics) {
-    topics.push_back({"signals", "SignalFrame", kSignalTopics});
-    topics.push_back({"signal_catalog", "SignalCatalog", kSignalTopics});
+    topics.push_back({"signals", "SignalFrame"});
+    topics.push_back({"signal_catalog", "SignalCatalog"});
 }
 
 /// The scenario's stream of this name and kind, with an error at `ref` when there is none.
@@ -109,7 +107,11 @@ class MergingUnitSettings final : public ProcessSettings {
     }
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
         std::string const prefix = "publisher." + process.name.name + ".";
-        return {{prefix + "sent", "", 1}, {prefix + "late", "", 1}, {prefix + "underruns", "", 1}};
+        std::vector<SignalUse> out{{prefix + "sent", "", 1}, {prefix + "late", "", 1}, {prefix + "underruns", "", 1}};
+        for (char const* name : {"publish_age_ms", "wire_delay_ms"}) {
+            out.push_back({"stream." + config_.to.name + "." + name, "ms", 0, true});
+        }
+        return out;
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
@@ -199,7 +201,15 @@ class RelaySettings final : public ProcessSettings {
             for (char const* name : {"received", "lost", "duplicate", "late", "invalid"}) {
                 out.push_back({"stream." + stream->name + "." + name, "", 1});
             }
+            out.push_back({"stream." + stream->name + ".rate_hz", "Hz", 1, true});
+            out.push_back({"stream." + stream->name + ".arrival_age_ms", "ms", 0, true});
         }
+        out.push_back({prefix + "sample_to_decision_ms", "ms", 0, true});
+        for (char const* name : {"st_num", "sq_num"}) {
+            out.push_back({"stream." + config_.trip.name + "." + name, "", 0});
+        }
+        out.push_back({"stream." + config_.trip.name + ".interval_ms", "ms", 0});
+        out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0, true});
         return out;
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }

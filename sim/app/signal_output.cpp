@@ -3,23 +3,10 @@
 #include "sim/app/signal_output.hpp"
 
 #include "common/text.hpp"
-#include "sim/gateway/gateway_config.hpp"
 
 #include <algorithm>
 
 namespace gridspace::sim {
-
-bool is_switching_signal(std::string_view name) { return name.starts_with("breaker."); }
-
-Rational signal_rate_hz(SimulationConfig const& simulation) {
-    Rational const steps = Rational{1} / simulation.step_s;
-    if (simulation.solver == SolverKind::phasor) {
-        return steps;
-    }
-    config::Diagnostics ignored; // reported where the sampling is used
-    Rational const rate = read_sampling(simulation.sampling, ignored).rate_hz;
-    return (steps / rate).is_whole() ? rate : steps;
-}
 
 Result<std::unique_ptr<SignalOutput>> SignalOutput::create(bus::Node& node, Engine const& engine, SimConfig const& config) {
     auto output = std::unique_ptr<SignalOutput>{new SignalOutput};

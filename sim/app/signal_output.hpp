@@ -7,16 +7,9 @@
 #include "sim/engine/engine.hpp"
 
 #include <memory>
-#include <string_view>
 #include <vector>
 
 namespace gridspace::sim {
-
-/// A signal that jumps: published when it changes, at the step in which it does; everything else is published at a rate.
-[[nodiscard]] bool is_switching_signal(std::string_view name);
-
-/// How often the other signals are published: every step of the phasor solver; at the rate of the sampled values with waveforms.
-[[nodiscard]] Rational signal_rate_hz(SimulationConfig const& simulation);
 
 /// The engine's signals on the topics `signal_catalog` and `signals`.
 class SignalOutput {

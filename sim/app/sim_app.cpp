@@ -14,6 +14,7 @@
 #include "sim/runtime/simulation.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <fmt/format.h>
 
 namespace gridspace::sim {
@@ -106,6 +107,9 @@ class SimApp {
         auto const observer = [this](SimTime t) { observe(t); };
         double const duration_s = node_.time_base().seconds(duration_);
         pacer_.start();
+        if (!node_.lockstep()) {
+            clock_.set_start(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+        }
         signals_->announce({});
         for (std::uint64_t k = 0;; ++k) {
             SimTime const end = std::min(grid_.end_of(k), duration_);

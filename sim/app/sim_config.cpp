@@ -3,6 +3,7 @@
 #include "sim/app/sim_config.hpp"
 
 #include "common/time.hpp"
+#include "sim/gateway/gateway_config.hpp"
 
 #include <fmt/format.h>
 
@@ -24,6 +25,18 @@ void names(config::Fields& f, std::string_view key, std::vector<std::string>& ou
 
 Rational SimulationConfig::duration() const {
     return duration_s ? *duration_s : duration_h ? *duration_h * Rational{3600} : Rational{0};
+}
+
+bool is_switching_signal(std::string_view name) { return name.starts_with("breaker."); }
+
+Rational signal_rate_hz(SimulationConfig const& simulation) {
+    Rational const steps = Rational{1} / simulation.step_s;
+    if (simulation.solver == SolverKind::phasor) {
+        return steps;
+    }
+    config::Diagnostics ignored; // reported where the sampling is used
+    Rational const rate = read_sampling(simulation.sampling, ignored).rate_hz;
+    return (steps / rate).is_whole() ? rate : steps;
 }
 
 void describe(config::Fields& f, SimulationConfig& s) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gridspace::sim {
@@ -29,6 +30,12 @@ struct SimulationConfig {
     [[nodiscard]] Rational duration() const; ///< seconds
 };
 void describe(config::Fields& f, SimulationConfig& simulation);
+
+/// A signal that jumps: published when it changes, at the step in which it does; everything else is published at a rate.
+[[nodiscard]] bool is_switching_signal(std::string_view name);
+
+/// How often the other signals are published: every step of the phasor solver; at the rate of the sampled values with waveforms.
+[[nodiscard]] Rational signal_rate_hz(SimulationConfig const& simulation);
 
 /// Settings of gridspace-sim; written by `gridspace run` from the scenario.
 struct SimConfig {
