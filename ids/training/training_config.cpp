@@ -53,7 +53,10 @@ void describe_simulated(config::Fields& f, SimulatedParams& s) {
     f.text("to_ct", s.to_ct, {.doc = "current transformer of its `to` end", .required = true});
     f.integer("runs", s.runs, {.doc = "how many; the situations in turn", .required = true, .min = 1, .max = 10'000});
     f.number("duration_s", s.duration_s, {.doc = "of each", .max = 60, .above = 0});
-    f.number("step_s", s.step_s, {.doc = "solver step; a sample is a whole number of steps", .max = 1e-3, .above = 0});
+    f.fraction("step_s", s.step_s,
+               {.doc = "solver step; a sample is a whole number of steps", .max = 1e-3, .above = 0});
+    f.number("harmonics_percent", s.harmonics_percent,
+             {.doc = "3rd, 5th and 7th at both ends: each up to this, of the nominal peak", .min = 0, .max = 50});
     range(f, "event_s", s.event_s, {.doc = "when the event happens", .min = 0});
     range(f, "fault_resistance_ohm", s.fault_resistance_ohm, {.doc = "log-uniform", .above = 0});
     range(f, "noise_percent", s.noise_percent, {.doc = "standard deviation, of the nominal peak", .min = 0, .max = 50});

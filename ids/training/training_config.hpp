@@ -19,12 +19,12 @@ struct SimulatedParams {
     std::string from_ct, to_ct, line; ///< the protected line and the instrument transformers of its ends
     std::int64_t runs{0};
     double duration_s{0.6};
-    double step_s{1.0 / 48000};
+    Rational step_s{1, 38400};
     std::array<double, 2> event_s{0.25, 0.35};
     std::array<double, 2> fault_resistance_ohm{0.01, 5}; ///< log-uniform
     std::array<double, 2> noise_percent{0, 0.5};         ///< standard deviation, of nominal_peak_a
     std::array<double, 2> load_factor{0.6, 1.4};
-    double ct_error_percent{0.3};
+    double ct_error_percent{0.3}, harmonics_percent{1};
     double nominal_peak_a{0};
 };
 

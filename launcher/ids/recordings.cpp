@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/ids/recordings.hpp"
 
+#include "launcher/ids/exploration.hpp"
+
+#include <iterator>
+
 namespace gridspace::cli {
 namespace {
 
@@ -12,12 +16,20 @@ constexpr std::uint64_t kUnseen = 1'000'000; ///< recordings that are trained on
 Result<std::vector<ids::LineWaveform>> all_recordings(ids::TrainingConfig const& config, std::uint64_t seed,
                                                       bool unseen,
                                                       std::function<void(std::size_t, std::size_t)> const& progress) {
-    static_cast<void>(progress);
-    if (config.simulated) {
-        return fail(ExitCode::usage, "data.simulated needs the electromagnetic solver, which this build does not have",
-                    "use data.synthetic or data.files");
+    auto out = ids::gather_recordings(config, seed, unseen ? kUnseen : 0);
+    if (!out || !config.simulated) {
+        return out;
     }
-    return ids::gather_recordings(config, seed, unseen ? kUnseen : 0);
+    auto const exploration = Exploration::create(*config.simulated, config.rate_hz);
+    if (!exploration) {
+        return std::unexpected{exploration.error()};
+    }
+    auto simulated = exploration->all(seed, unseen ? kUnseen : 0, config.training.threads, progress);
+    if (!simulated) {
+        return std::unexpected{simulated.error()};
+    }
+    std::move(simulated->begin(), simulated->end(), std::back_inserter(*out));
+    return out;
 }
 
 } // namespace gridspace::cli
