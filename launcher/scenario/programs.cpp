@@ -261,6 +261,11 @@ class ExecSettings final : public ProcessSettings {
         for (Ref& word : words) {
             out->command_.push_back(std::move(word.name));
         }
+        // A program with a folder in its name is relative to the naming file, as every path; others are looked up in PATH.
+        if (!words.empty() && out->command_.front().find('/') != std::string::npos && words.front().where.source != nullptr) {
+            std::filesystem::path const base = words.front().where.source->directory;
+            out->command_.front() = std::filesystem::absolute(base / out->command_.front()).lexically_normal().string();
+        }
         f.flag("member", out->member_, {.doc = "it follows the lockstep protocol"});
         f.fraction("latency_us", out->latency_us_, {.doc = "from input to output, in lockstep", .min = 0});
         auto const topics = [&](std::string_view key, std::vector<TopicUse>& uses, std::string_view doc) {
