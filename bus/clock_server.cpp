@@ -146,8 +146,14 @@ struct ClockServer::State {
     Result<void> await_ready(std::string const& what) {
         Deadline const deadline{core.config.clock.start_timeout_s};
         while (true) {
-            std::string const own_missing = core.refresh_status(MEMBER_STARTING);
+            std::string own_missing = core.refresh_status(MEMBER_STARTING);
             std::unique_lock lock{core.mutex};
+            for (Peer const& peer : core.status_matched) { // what is sent to the old incarnation is lost for the new one
+                auto const newest = incarnations.find(peer.process);
+                if (newest != incarnations.end() && peer.incarnation < newest->second) {
+                    own_missing += fmt::format("{}the restarted {}", own_missing.empty() ? "" : ", ", peer.process);
+                }
+            }
             if (core.error) {
                 return std::unexpected{*core.error};
             }

@@ -50,8 +50,9 @@ void check_matches(std::string_view kind, std::string const& topic, std::map<std
                 missing += (missing.empty() ? "" : ", ") + lack;
             }
         } else if (!added) {
-            if (it->second != incarnation) {
-                lacking.insert(process); // some endpoints still know the old incarnation only
+            if (it->second != incarnation) { // some endpoints still know the old incarnation only
+                lacking.insert(process);
+                missing += fmt::format("{}the restarted {}", missing.empty() ? "" : ", ", process);
             }
             it->second = std::max(it->second, incarnation);
         }
