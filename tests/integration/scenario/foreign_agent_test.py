@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The bus is open: an agent in C over CycloneDDS, built from our IDL only, is a full member of the lockstep clock."""
+import subprocess
+import unittest
+
+from harness import BASE, SOURCE, ScenarioTest
+
+EXAMPLE = SOURCE / "examples/agents/c_ev_agent"
+# What the grid and the controller do must not depend on who wrote the agent; its own signals are gridspace-ev's alone.
+PHYSICS = ["--signals", "bus.*,ev.*,line.*,load.*,agent.mcca.*"]
+SHORT = [*BASE, "--until", "4000s", "--set", "expect=~"]
+
+
+class ForeignAgent(ScenarioTest):
+    def build(self):
+        folder = self.folder / "agent"
+        for command in (["cmake", "-S", EXAMPLE, "-B", folder], ["cmake", "--build", folder]):
+            done = subprocess.run(command, capture_output=True, text=True, timeout=90)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return ["--set", f"processes.ev4.command=[{folder}/c_ev_agent, EV4, '24', '5']"]
+
+    def test_results_are_those_of_our_own_agent(self):
+        agent = self.build()
+        ours = self.run_to_end("ours", SHORT)
+        foreign = self.run_to_end("foreign", [*SHORT, *agent], EXAMPLE / "ev_charging_c.yaml")
+        self.assert_identical(ours, foreign, *PHYSICS)
+        # Negative control: another wish is another result.
+        other = self.run_to_end("other", [*SHORT, agent[0], agent[1].replace("'5'", "'6'")], EXAMPLE / "ev_charging_c.yaml")
+        self.assertNotEqual(self.compare(ours, other, *PHYSICS)[0], 0)
+
+    def test_it_survives_its_own_restart_and_that_of_its_reader(self):
+        events = ["--set", "events={x: {at_s: 1800, restart: ev4}, y: {at_s: 3000, restart: mcca}}"]
+        agent = self.build()
+        ours = self.run_to_end("ours", [*SHORT, *events])
+        foreign = self.run_to_end("foreign", [*SHORT, *events, *agent], EXAMPLE / "ev_charging_c.yaml")
+        self.assert_identical(ours, foreign, *PHYSICS)
+
+
+if __name__ == "__main__":
+    unittest.main()
