@@ -198,37 +198,35 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     } else {
         origin.process = static_cast<std::uint32_t>(process);
     }
-    {
-        std::lock_guard const lock{mutex};
-        if (joining && config.incarnation > 0) {
-            return; // sent before this incarnation was ready: part of the baseline
+    // Counted and stored under one lock: what the ledger calls complete must be there to be taken.
+    std::lock_guard const lock{mutex};
+    if (joining && config.incarnation > 0) {
+        return; // sent before this incarnation was ready: part of the baseline
+    }
+    origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : latest_time;
+    if (process != lockstep::LedgerBook::kUnknown) {
+        using Arrival = lockstep::LedgerBook::Arrival;
+        Arrival const arrival =
+            book->arrived(process, source.incarnation, slot.book_reader, header.writer, header.sequence);
+        if (arrival == Arrival::repeated) {
+            return;
         }
-        origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : latest_time;
-        if (process != lockstep::LedgerBook::kUnknown) {
-            using Arrival = lockstep::LedgerBook::Arrival;
-            Arrival const arrival =
-                book->arrived(process, source.incarnation, slot.book_reader, header.writer, header.sequence);
-            if (arrival == Arrival::repeated) {
+        if (arrival == Arrival::gap) {
+            ++lost_samples;
+            if (lockstep()) {
+                fail_locked({ExitCode::stall,
+                             fmt::format("a sample of '{}' from {} is lost: number {} came after a gap", slot.topic,
+                                         source.name, header.sequence),
+                             "the depth of its QoS profile is too small for this tick, or a socket buffer is"});
                 return;
-            }
-            if (arrival == Arrival::gap) {
-                ++lost_samples;
-                if (lockstep()) {
-                    fail_locked({ExitCode::stall,
-                                 fmt::format("a sample of '{}' from {} is lost: number {} came after a gap", slot.topic,
-                                             source.name, header.sequence),
-                                 "the depth of its QoS profile is too small for this tick, or a socket buffer is"});
-                    return;
-                }
             }
         }
     }
     if (!slot.inbox->push(cdr, origin, base)) {
-        fail({ExitCode::environment, fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
+        fail_locked({ExitCode::environment, fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
               "both sides must be built from the same IDL"});
         return;
     }
-    std::lock_guard const lock{mutex};
     ++input_generation;
     if (!lockstep() ||
         (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value())) {
