@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "agents/attacker/goose_attack.hpp"
+#include "agents/attacker/sample_attack.hpp"
+#include "common/config/fields.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::attacker {
+
+/// One entry of a scenario's `attacks:`.
+struct AttackConfig {
+    config::Ref name;
+    config::Ref by; ///< the attacker process
+    enum class Place {
+        between,          ///< a man in the middle of a link: frames are altered on their way
+        second_publisher, ///< frames beside those of the real publisher
+    } place{Place::second_publisher};
+    std::vector<config::Ref> between;  ///< host (or process) and link
+    config::Ref stream, topic;         ///< the target: one of the two
+    std::vector<std::string> channels; ///< members of the data set or of the type
+    Rational from_s{0}, until_s{0};
+
+    SampleAttackParams samples;             ///< attacks on values; indices are filled in by make_sample_attack
+    Rational replay_s{0};                   ///< replay: how old the samples are
+    std::optional<GooseAttackParams> goose; ///< attacks on messages
+};
+
+/// Reads the whole `attacks:` map of `parent`.
+void describe_attacks(config::Fields& parent, std::vector<AttackConfig>& attacks);
+
+/// The attack on a stream of `rate_hz` whose three phases have the names `phases`. Sample n has the time n / rate_hz.
+[[nodiscard]] Result<SampleAttack> make_sample_attack(AttackConfig const& config,
+                                                      std::vector<std::string> const& phases, double rate_hz,
+                                                      double frequency_hz, std::uint64_t seed);
+
+} // namespace gridspace::attacker

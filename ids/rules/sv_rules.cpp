@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "ids/rules/sv_rules.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace gridspace::ids {
+
+std::string sv_finding_names(std::uint32_t findings) {
+    static constexpr std::array<char const*, 9> kNames{
+        "wrong_source", "wrong_identity", "duplicate",   "out_of_order", "gap",
+        "simulated",    "unsynchronised", "bad_arrival", "bad_counter"};
+    std::string out;
+    for (std::size_t k = 0; k < kNames.size(); ++k) {
+        if ((findings & (1U << k)) != 0) {
+            out += (out.empty() ? "" : ", ") + std::string{kNames[k]};
+        }
+    }
+    return out;
+}
+
+SvRules::Verdict SvRules::judge(SvFacts const& f) {
+    Verdict out;
+    std::uint32_t const rate = params_.rate_hz;
+    if (f.smp_cnt >= rate) {
+        out.findings |= kBadCounter;
+    }
+    if (f.simulated && !params_.test_mode) {
+        out.findings |= kSimulatedFrame;
+    }
+    if (bound_) {
+        out.findings |= f.source != identity_.source ? static_cast<std::uint32_t>(kWrongSource) : 0U;
+        bool const same = f.app_id == identity_.app_id && f.vlan == identity_.vlan &&
+                          f.sv_id_hash == identity_.sv_id_hash && f.conf_rev == identity_.conf_rev;
+        out.findings |= same ? 0U : static_cast<std::uint32_t>(kWrongIdentity);
+    }
+    bool const foreign = out.findings != 0;
+    if (!foreign) {
+        bound_ = true;
+        if (identity_.smp_synch > f.smp_synch && running_) {
+            out.findings |= kUnsynchronised; // accepted: the relay blocks by itself, and has to know
+        }
+        identity_ = f;
+        if (running_) {
+            std::uint32_t const ahead = (f.smp_cnt + rate - last_) % rate;
+            // Half a second ahead cannot be told from half a second behind; frames of the last half second are old.
+            if (ahead == 0) {
+                out.findings |= kDuplicate;
+            } else if (ahead > rate / 2) {
+                out.findings |= kOutOfOrder;
+            } else if (ahead > 1) {
+                out.findings |= kGap;
+                out.missing = ahead - 1;
+            }
+        }
+        bool const rejected = (out.findings & (kDuplicate | kOutOfOrder)) != 0;
+        if (rejected) {
+            other_run_ = f.smp_cnt == other_next_ ? other_run_ + 1 : 1;
+            other_next_ = static_cast<std::uint16_t>((f.smp_cnt + 1U) % rate);
+            // The publisher was restarted when its frames go on from there and nothing else comes.
+            if (other_run_ >= params_.resynchronise_after) {
+                out.findings &= ~static_cast<std::uint32_t>(kDuplicate | kOutOfOrder);
+                out.resynchronised = true;
+            }
+        }
+        if ((out.findings & (kDuplicate | kOutOfOrder)) == 0) {
+            if (running_ && params_.check_arrival && !out.resynchronised && out.missing == 0 &&
+                late_or_early(f.arrival_ns - last_arrival_ns_)) {
+                out.findings |= kBadArrival;
+            }
+            running_ = true;
+            last_ = f.smp_cnt;
+            last_arrival_ns_ = f.arrival_ns;
+            other_run_ = 0;
+        }
+    }
+    out.accept = (out.findings &
+                  (kWrongSource | kWrongIdentity | kDuplicate | kOutOfOrder | kSimulatedFrame | kBadCounter)) == 0;
+    for (std::size_t k = 0; k < counters_.size(); ++k) {
+        counters_[k] += (out.findings >> k) & 1U;
+    }
+    return out;
+}
+
+bool SvRules::late_or_early(std::int64_t interval_ns) {
+    bool odd = false;
+    if (interval_count_ >= intervals_.size()) {
+        std::array<std::int64_t, 64> sorted = intervals_;
+        std::nth_element(sorted.begin(), sorted.begin() + 32, sorted.end());
+        std::int64_t const median = sorted[32];
+        for (std::int64_t& x : sorted) {
+            x = std::llabs(x - median);
+        }
+        std::nth_element(sorted.begin(), sorted.begin() + 32, sorted.end());
+        std::int64_t const least = 500'000'000LL / params_.rate_hz;
+        odd = std::llabs(interval_ns - median) > std::max(6 * sorted[32], least);
+    }
+    intervals_[interval_count_++ % intervals_.size()] = interval_ns;
+    return odd;
+}
+
+} // namespace gridspace::ids
