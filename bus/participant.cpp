@@ -3,6 +3,7 @@
 #include "bus/participant.hpp"
 
 #include "bus/corked_transport.hpp"
+#include "bus/discovery_impl.hpp"
 #include "bus/fastdds_type.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
@@ -151,10 +152,18 @@ Peer peer_of(rtps::ParticipantProxyData const& data) {
 
 class ParticipantListener final : public dds::DomainParticipantListener {
   public:
-    explicit ParticipantListener(Directory& directory) : directory_{directory} {}
+    ParticipantListener(Directory& directory, DiscoveryObserver* observer)
+        : directory_{directory}, observer_{observer} {}
     void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& found) override {
         using Info = rtps::ParticipantDiscoveryInfo;
         rtps::GuidPrefix_t const& prefix = found.info.m_guid.guidPrefix;
+        if (observer_ != nullptr) {
+            if (found.status == Info::REMOVED_PARTICIPANT || found.status == Info::DROPPED_PARTICIPANT) {
+                observer_->participant_gone(id_of(prefix), found.status == Info::REMOVED_PARTICIPANT);
+            } else {
+                observer_->participant_found({id_of(prefix), peer_of(found.info), addresses_of(found.info)});
+            }
+        }
         switch (found.status) {
         case Info::DISCOVERED_PARTICIPANT:
         case Info::CHANGED_QOS_PARTICIPANT:
@@ -169,8 +178,28 @@ class ParticipantListener final : public dds::DomainParticipantListener {
         }
     }
 
+    void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& found) override {
+        if (observer_ != nullptr) {
+            if (found.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
+                observer_->endpoint_gone(id_of(found.info.guid()));
+            } else {
+                observer_->endpoint_found(endpoint_of(found.info, true));
+            }
+        }
+    }
+    void on_subscriber_discovery(dds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& found) override {
+        if (observer_ != nullptr) {
+            if (found.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
+                observer_->endpoint_gone(id_of(found.info.guid()));
+            } else {
+                observer_->endpoint_found(endpoint_of(found.info, false));
+            }
+        }
+    }
+
   private:
     Directory& directory_;
+    DiscoveryObserver* observer_;
 };
 
 class Writer final : public RawWriter, private dds::DataWriterListener {
@@ -297,7 +326,8 @@ class Reader final : public RawReader, private dds::DataReaderListener {
 
 class FastDdsParticipant final : public Participant {
   public:
-    explicit FastDdsParticipant(ParticipantOptions options) : options_{std::move(options)}, listener_{directory_} {}
+    FastDdsParticipant(ParticipantOptions options, DiscoveryObserver* observer)
+        : options_{std::move(options)}, listener_{directory_, observer} {}
 
     ~FastDdsParticipant() override {
         if (participant_ == nullptr) {
@@ -435,8 +465,8 @@ class FastDdsParticipant final : public Participant {
 
 } // namespace
 
-Result<std::unique_ptr<Participant>> Participant::create(ParticipantOptions options) {
-    auto participant = std::make_unique<FastDdsParticipant>(std::move(options));
+Result<std::unique_ptr<Participant>> Participant::create(ParticipantOptions options, DiscoveryObserver* observer) {
+    auto participant = std::make_unique<FastDdsParticipant>(std::move(options), observer);
     if (auto opened = participant->open(); !opened) {
         return std::unexpected{opened.error()};
     }

@@ -71,10 +71,14 @@ class RawReader {
     [[nodiscard]] virtual std::vector<Peer> matched() const = 0; ///< one entry per matched writer
 };
 
+class DiscoveryObserver; // bus/discovery.hpp
+
 /// One membership of a DDS domain. Everything of Fast DDS stays behind this class (docs/design/bus.md).
 class Participant {
   public:
-    [[nodiscard]] static Result<std::unique_ptr<Participant>> create(ParticipantOptions options);
+    /// `observer`, when there is one, must outlive the participant.
+    [[nodiscard]] static Result<std::unique_ptr<Participant>> create(ParticipantOptions options,
+                                                                     DiscoveryObserver* observer = nullptr);
     virtual ~Participant() = default;
 
     /// QoS come from the profile named like the topic in the role's file, or from its `default` profile.

@@ -4,6 +4,7 @@
 #include "agents/mcca/mcca_config.hpp"
 #include "common/text.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/monitor_settings.hpp"
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
@@ -244,6 +245,7 @@ class MonitorSettings final : public ProcessSettings {
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = own_settings(process);
         node.set("scenario", Node::quoted_text(s.name));
+        node.set("run", monitored_run(s));
         return node;
     }
 

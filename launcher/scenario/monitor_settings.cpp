@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/monitor_settings.hpp"
+
+#include "common/text.hpp"
+#include "launcher/scenario/scenario.hpp"
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Node;
+
+Node entry(std::initializer_list<std::pair<std::string_view, std::string>> texts) {
+    Node node = Node::map();
+    for (auto const& [key, text] : texts) {
+        if (!text.empty()) {
+            node.set(key, Node::quoted_text(text));
+        }
+    }
+    return node;
+}
+
+std::string label_of(sim::Element const& element) {
+    return element.label.empty() ? element.name.name : element.label;
+}
+
+void add_network(Node& run, sim::Network const& network) {
+    Node buses = Node::sequence(), branches = Node::sequence(), breakers = Node::sequence(), devices = Node::sequence();
+    for (sim::Bus const& bus : network.buses) {
+        Node node = entry({{"name", bus.name.name}, {"label", label_of(bus)}});
+        node.set("voltage_v", Node::scalar(shortest(bus.voltage_v)));
+        if (bus.diagram_x && bus.diagram_y) {
+            node.set("x", Node::scalar(shortest(*bus.diagram_x)));
+            node.set("y", Node::scalar(shortest(*bus.diagram_y)));
+        }
+        buses.items.push_back(std::move(node));
+    }
+    auto const add_branches = [&](auto const& elements, char const* kind) {
+        for (auto const& e : elements) {
+            branches.items.push_back(entry({{"name", e.name.name},
+                                            {"label", label_of(e)},
+                                            {"from", e.from.name},
+                                            {"to", e.to.name},
+                                            {"kind", kind}}));
+        }
+    };
+    add_branches(network.lines, "line");
+    add_branches(network.transformers, "transformer");
+    for (sim::Breaker const& breaker : network.breakers) {
+        breakers.items.push_back(entry({{"name", breaker.name.name},
+                                        {"line", breaker.line.name},
+                                        {"end", breaker.end == sim::LineEnd::from ? "from" : "to"}}));
+    }
+    auto const add_devices = [&](auto const& elements, char const* kind) {
+        for (auto const& e : elements) {
+            devices.items.push_back(
+                entry({{"name", e.name.name}, {"label", label_of(e)}, {"bus", e.bus.name}, {"kind", kind}}));
+        }
+    };
+    add_devices(network.sources, "source");
+    add_devices(network.machines, "machine");
+    add_devices(network.generators, "generator");
+    add_devices(network.loads, "load");
+    add_devices(network.shunts, "shunt");
+    add_devices(network.pv, "pv");
+    add_devices(network.evs, "ev");
+    run.set("buses", std::move(buses));
+    run.set("branches", std::move(branches));
+    run.set("breakers", std::move(breakers));
+    run.set("devices", std::move(devices));
+}
+
+} // namespace
+
+Node monitored_run(Scenario const& scenario) {
+    Node run = entry({{"mode", scenario.clock.mode == bus::ClockMode::lockstep ? "lockstep" : "realtime"},
+                      {"speed", scenario.clock.speed > 0 ? shortest(scenario.clock.speed) : "max"},
+                      {"events", "../events.ndjson"}}); // beside the folder of the process files
+    run.set("duration_s", Node::scalar(shortest(scenario.simulation.duration().to_double())));
+    Node processes = Node::sequence(), wires = Node::sequence();
+    for (Process const& process : scenario.processes) {
+        processes.items.push_back(
+            entry({{"name", process.name.name}, {"program", process.program.name}, {"host", process.host.name}}));
+        auto const add = [&](std::vector<WireUse> const& uses, bool sends) {
+            for (WireUse const& use : uses) {
+                Node node = entry({{"process", process.name.name},
+                                   {"stream", use.stream.empty() ? use.link : use.stream},
+                                   {"kind", use.ethertype == iec61850::kGooseEthertype ? "goose" : "smv"},
+                                   {"link", use.link}});
+                node.set("sends", Node::scalar(sends ? "true" : "false"));
+                wires.items.push_back(std::move(node));
+            }
+        };
+        add(process.settings->sends(scenario, process), true);
+        add(process.settings->receives(scenario, process), false);
+    }
+    run.set("processes", std::move(processes));
+    run.set("wires", std::move(wires));
+    if (scenario.network) {
+        add_network(run, *scenario.network);
+    }
+    return run;
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,305 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/app/api.hpp"
+
+#include "bus/topics.hpp"
+#include "common/text.hpp"
+#include "common/version.hpp"
+#include "monitor/app/metrics.hpp"
+#include "monitor/app/sample_json.hpp"
+#include "monitor/graph/graph_text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace gridspace::monitor {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string text(Json const& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+web::Response json_response(std::string body, int status = 200) {
+    web::Response response;
+    response.status = status;
+    response.body = std::move(body);
+    return response;
+}
+
+web::Response problem(int status, std::string const& what, std::string const& remedy = {}) {
+    Json json{{"error", what}};
+    if (!remedy.empty()) {
+        json["remedy"] = remedy;
+    }
+    return json_response(text(json), status);
+}
+
+std::optional<double> number(web::Target const& target, char const* name) {
+    auto const it = target.query.find(name);
+    if (it == target.query.end()) {
+        return std::nullopt;
+    }
+    double value = NAN;
+    auto const [end, error] = std::from_chars(it->second.data(), it->second.data() + it->second.size(), value);
+    return error == std::errc{} && end == it->second.data() + it->second.size() ? value : NAN;
+}
+
+} // namespace
+
+Api::Api(LiveRun const& run, std::function<web::ServerCounters()> counters)
+    : run_{run}, counters_{std::move(counters)} {}
+
+std::string Api::health() const {
+    std::chrono::duration<double> const up = std::chrono::steady_clock::now() - run_.started;
+    return text({{"status", "ok"},
+                 {"version", version().version},
+                 {"commit", version().commit},
+                 {"uptime_s", std::floor(up.count())}});
+}
+
+std::string Api::run() const {
+    std::lock_guard const lock{run_.mutex};
+    RunClock const& clock = run_.clock;
+    graph::Snapshot const graph = run_.graph.snapshot();
+    Json processes = Json::array();
+    for (graph::Process const& process : graph.processes) {
+        Json entry{{"name", process.name},
+                   {"program", process.program},
+                   {"host", process.host},
+                   {"state", graph::name_of(process.state)},
+                   {"incarnation", process.incarnation}};
+        // A process that is idle is not awaited: its last acknowledgement may be old without any harm.
+        if (auto const it = run_.acknowledged.find(process.name); it != run_.acknowledged.end()) {
+            entry["tick"] = it->second.tick;
+        }
+        processes.push_back(std::move(entry));
+    }
+    Json out{{"scenario", run_.plan.scenario},
+             {"mode", run_.plan.mode},
+             {"speed", run_.plan.speed},
+             {"state", clock.state},
+             {"time_s", clock.time_s},
+             {"duration_s", run_.plan.duration_s},
+             {"tick", clock.tick},
+             {"factor", clock.factor},
+             {"events", run_.events_seen},
+             {"graph_revision", graph.revision},
+             {"processes", std::move(processes)}};
+    return text(out);
+}
+
+std::string Api::graph() const {
+    std::lock_guard const lock{run_.mutex};
+    return graph::to_json(run_.graph.snapshot());
+}
+
+std::string Api::network() const {
+    RunPlan const& plan = run_.plan;
+    Json buses = Json::array(), branches = Json::array(), breakers = Json::array(), devices = Json::array();
+    for (auto const& bus : plan.buses) {
+        Json entry{{"name", bus.name}, {"label", bus.label}, {"voltage_v", bus.voltage_v}};
+        if (bus.x && bus.y) {
+            entry["x"] = *bus.x;
+            entry["y"] = *bus.y;
+        }
+        buses.push_back(std::move(entry));
+    }
+    for (auto const& b : plan.branches) {
+        branches.push_back({{"name", b.name}, {"label", b.label}, {"from", b.from}, {"to", b.to}, {"kind", b.kind}});
+    }
+    for (auto const& b : plan.breakers) {
+        breakers.push_back({{"name", b.name}, {"line", b.line}, {"end", b.end}});
+    }
+    for (auto const& d : plan.devices) {
+        devices.push_back({{"name", d.name}, {"label", d.label}, {"bus", d.bus}, {"kind", d.kind}});
+    }
+    return text({{"buses", buses}, {"branches", branches}, {"breakers", breakers}, {"devices", devices}});
+}
+
+std::string Api::topics() const {
+    std::lock_guard const lock{run_.mutex};
+    Json out = Json::array();
+    for (graph::Topic const& topic : run_.graph.snapshot().topics) {
+        Json entry{{"name", topic.name},           {"network", topic.network}, {"type", topic.type},
+                   {"framework", topic.framework}, {"writers", topic.writers}, {"readers", topic.readers}};
+        auto const it = run_.topics.find({topic.network, topic.name});
+        bool const seen = it != run_.topics.end();
+        entry["samples"] = seen ? it->second.samples : 0;
+        entry["octets"] = seen ? it->second.octets : 0;
+        entry["samples_per_second"] = seen ? it->second.per_second : 0.0;
+        out.push_back(std::move(entry));
+    }
+    return text({{"topics", std::move(out)}});
+}
+
+web::Response Api::topic(std::string const& rest) const {
+    bool const last = rest.ends_with("/last");
+    std::string const name = last ? rest.substr(0, rest.size() - 5) : rest;
+    TopicState state;
+    std::string idl;
+    {
+        std::lock_guard const lock{run_.mutex};
+        auto const it =
+            std::find_if(run_.topics.begin(), run_.topics.end(), [&](auto const& t) { return t.first.second == name; });
+        if (it == run_.topics.end()) {
+            return problem(404, "no sample of topic '" + name + "' has been seen", "GET /api/v1/topics lists them");
+        }
+        state = it->second;
+        auto const text_of_type = run_.idl.find(state.type);
+        idl = text_of_type != run_.idl.end() ? text_of_type->second : std::string{bus::idl_of_type(state.type)};
+    }
+    Json out{{"name", state.topic}, {"network", state.network}, {"type", state.type}, {"samples", state.samples}};
+    if (!last) {
+        out["octets"] = state.octets;
+        out["samples_per_second"] = state.per_second;
+        out["idl"] = idl;
+        return json_response(text(out));
+    }
+    // The newest sample of each key, as far as the last few samples know.
+    Json samples = Json::array();
+    std::vector<std::string> keys;
+    for (auto it = state.newest.rbegin(); it != state.newest.rend(); ++it) {
+        Json sample = sample_to_json(idl, state.type, it->cdr);
+        std::string const key =
+            sample.value("key", std::string{}) + '\n' + (sample.contains("error") ? it->process : "");
+        if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+            keys.push_back(key);
+            Json entry{{"process", it->process}, {"number", it->number}, {"octets", it->cdr.size()}};
+            entry.update(sample);
+            samples.push_back(std::move(entry));
+        }
+    }
+    std::sort(samples.begin(), samples.end(),
+              [](Json const& a, Json const& b) { return a.value("key", "") < b.value("key", ""); });
+    out["last"] = std::move(samples);
+    return json_response(text(out));
+}
+
+std::string Api::signals() const {
+    std::lock_guard const lock{run_.mutex};
+    Json out = Json::array();
+    for (auto const& [key, window] : run_.signals) {
+        if (window == nullptr) {
+            continue;
+        }
+        for (std::size_t c = 0; c < window->columns().size(); ++c) {
+            Json entry{{"name", window->columns()[c].name}, {"unit", window->columns()[c].unit}, {"source", key.first}};
+            if (!window->empty()) {
+                entry["time_s"] = static_cast<double>(window->newest_ns()) * 1e-9;
+                entry["value"] = window->newest(c);
+            }
+            out.push_back(std::move(entry));
+        }
+    }
+    return text({{"signals", std::move(out)}});
+}
+
+web::Response Api::signal_query(web::Target const& target) const {
+    auto const names = target.query.find("names");
+    if (names == target.query.end() || names->second.empty()) {
+        return problem(400, "which signals?", "?names=bus.B1.v_pu,bus.B2.v_pu&t0=0&t1=3600&px=800");
+    }
+    std::optional<double> const t0 = number(target, "t0"), t1 = number(target, "t1"), px = number(target, "px");
+    for (auto const& value : {t0, t1, px}) {
+        if (value && !std::isfinite(*value)) {
+            return problem(400, "t0, t1 (seconds of simulated time) and px (columns) are numbers");
+        }
+    }
+    std::vector<std::string> const wanted = split(names->second, ',');
+    if (wanted.size() > 64) {
+        return problem(400, "at most 64 signals at once");
+    }
+    auto const ns = [](double s) { return static_cast<std::int64_t>(std::clamp(s * 1e9, -9e18, 9e18)); };
+    auto const pixels = static_cast<std::size_t>(std::clamp(px.value_or(800), 1.0, 10000.0));
+    Json series = Json::array();
+    std::lock_guard const lock{run_.mutex};
+    for (std::string const& name : wanted) {
+        auto const [window, column] = run_.find_signal(name);
+        if (window == nullptr) {
+            return problem(404, "there is no signal '" + name + "'", "GET /api/v1/signals lists them");
+        }
+        stream::Plot const plot = window->plot(column, ns(t0.value_or(-1e9)), ns(t1.value_or(9e9)), pixels);
+        series.push_back(
+            {{"name", name}, {"unit", window->columns()[column].unit}, {"t", plot.times_s}, {"v", plot.values}});
+    }
+    return json_response(text({{"series", std::move(series)}}));
+}
+
+std::string Api::events(std::uint64_t after, std::size_t most) const {
+    std::lock_guard const lock{run_.mutex};
+    Json out = Json::array();
+    for (RunEvent const& event : run_.events) {
+        if (event.number > after && out.size() < most) {
+            out.push_back({{"number", event.number},
+                           {"time_s", event.time_s},
+                           {"source", event.source},
+                           {"event", event.event},
+                           {"text", event.text}});
+        }
+    }
+    return text({{"events", std::move(out)}});
+}
+
+web::Response Api::answer(web::Request const& request) const {
+    std::string const& path = request.target.path;
+    if (request.method == "POST") {
+        web::Response refused = problem(405, "nothing here can be changed");
+        refused.allow = "GET, HEAD";
+        return refused;
+    }
+    if (path == "/api/v1/health") {
+        return json_response(health());
+    }
+    if (path == "/api/v1/run") {
+        return json_response(run());
+    }
+    if (path == "/api/v1/graph") {
+        return json_response(graph());
+    }
+    if (path == "/api/v1/graph.dot" || path == "/api/v1/graph.svg") {
+        std::unique_lock lock{run_.mutex};
+        graph::Snapshot const snapshot = run_.graph.snapshot();
+        lock.unlock();
+        bool const framework = request.target.query.contains("framework");
+        web::Response response;
+        bool const dot = path.ends_with(".dot");
+        response.content_type = dot ? "text/vnd.graphviz; charset=utf-8" : "image/svg+xml";
+        response.body = dot ? graph::to_dot(snapshot, framework) : graph::to_svg(snapshot, framework);
+        return response;
+    }
+    if (path == "/api/v1/network") {
+        return json_response(network());
+    }
+    if (path == "/api/v1/topics") {
+        return json_response(topics());
+    }
+    if (path.starts_with("/api/v1/topics/")) {
+        return topic(path.substr(15));
+    }
+    if (path == "/api/v1/signals") {
+        return json_response(signals());
+    }
+    if (path == "/api/v1/signals/query") {
+        return signal_query(request.target);
+    }
+    if (path == "/api/v1/events") {
+        double const after = number(request.target, "after").value_or(0);
+        if (!(after >= 0 && after < 1e15)) {
+            return problem(400, "`after` is the number of an event");
+        }
+        return json_response(events(static_cast<std::uint64_t>(after), 1000));
+    }
+    if (path == "/metrics") {
+        web::Response response;
+        response.content_type = "text/plain; version=0.0.4; charset=utf-8";
+        response.body = metrics_text(run_, counters_());
+        return response;
+    }
+    return problem(404, "there is nothing at " + path, "docs/reference/rest_api.md lists what there is");
+}
+
+} // namespace gridspace::monitor

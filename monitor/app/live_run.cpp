@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/app/live_run.hpp"
+
+#include "bus/codec.hpp"
+
+#include <algorithm>
+#include <catalog.h>
+#include <clock.h>
+#include <protection.h>
+#include <signals.h>
+
+namespace gridspace::monitor {
+namespace {
+
+constexpr std::size_t kKeptSamples = 64;
+constexpr std::size_t kKeptOctets = 256 * 1024; ///< per topic
+constexpr std::size_t kKeptEvents = 10'000;
+constexpr std::size_t kGroups = 256;
+constexpr std::size_t kWindowValues = 4'000'000; ///< of one group and level: 16 MB, 32 MB in the coarser ones
+
+/// How many rows a window of so many columns may keep.
+std::size_t rows_for(std::size_t columns) {
+    return std::clamp<std::size_t>(kWindowValues / std::max<std::size_t>(columns, 1), 1024, 65536);
+}
+
+} // namespace
+
+LiveRun::LiveRun(RunPlan run_plan) : plan{std::move(run_plan)} {
+    for (RunPlan::Process const& process : plan.processes) {
+        graph::Process expected;
+        expected.name = process.name;
+        expected.program = process.program;
+        expected.host = process.host;
+        graph.expect(std::move(expected));
+    }
+    for (RunPlan::Wire const& wire : plan.wires) {
+        graph.wire({wire.process, wire.stream, wire.kind, wire.link, wire.sends});
+    }
+}
+
+void LiveRun::on_sample(std::string const& network, std::string const& topic, std::string const& type,
+                        std::string process, std::span<std::byte const> cdr, std::int64_t source_ns) {
+    std::lock_guard const lock{mutex};
+    TopicState& state = topics[{network, topic}];
+    if (state.topic.empty()) {
+        state.network = network;
+        state.topic = topic;
+        state.type = type;
+    }
+    ++state.samples;
+    state.octets += cdr.size();
+    decode(topic, process, cdr);
+    RawSample sample;
+    if (state.newest.size() >= kKeptSamples || state.newest.size() * cdr.size() > kKeptOctets) {
+        sample = std::move(state.newest.front()); // its memory is used again
+        state.newest.pop_front();
+    }
+    sample.cdr.assign(cdr.begin(), cdr.end());
+    sample.process = std::move(process);
+    sample.source_ns = source_ns;
+    sample.number = state.samples;
+    state.newest.push_back(std::move(sample));
+}
+
+void LiveRun::decode(std::string const& topic, std::string const& process, std::span<std::byte const> cdr) {
+    bool good = true;
+    if (topic == "simulation_clock") {
+        SimClock sample;
+        if ((good = bus::codec_of<SimClock>().decode(cdr, &sample))) {
+            clock.seen = true;
+            clock.tick = sample.tick();
+            clock.time_s = static_cast<double>(sample.time_ns()) * 1e-9;
+            clock.state = sample.state() == CLOCK_FINAL     ? "final"
+                          : sample.state() == CLOCK_ABORTED ? "aborted"
+                                                            : "running";
+        }
+    } else if (topic == "clock_ack") {
+        ClockAck sample;
+        if ((good = bus::codec_of<ClockAck>().decode(cdr, &sample))) {
+            acknowledged[process] = {sample.tick(), sample.incarnation()};
+        }
+    } else if (topic == "type_catalog") {
+        TypeCatalogEntry sample;
+        if ((good = bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample)) && idl.size() < 4096) {
+            idl.insert_or_assign(sample.type_name().c_str(), sample.idl());
+        }
+    } else if (topic == "signal_catalog") {
+        SignalCatalog sample;
+        if ((good = bus::codec_of<SignalCatalog>().decode(cdr, &sample))) {
+            std::vector<stream::SignalWindow::Column> columns;
+            for (auto const& column : sample.columns()) {
+                columns.push_back({column.name().c_str(), column.unit().c_str()});
+            }
+            auto& window = signals[{sample.source().c_str(), sample.group().c_str()}];
+            bool const same =
+                window != nullptr &&
+                std::equal(columns.begin(), columns.end(), window->columns().begin(), window->columns().end(),
+                           [](auto const& a, auto const& b) { return a.name == b.name; });
+            if (!same && signals.size() <= kGroups) {
+                std::size_t const rows = rows_for(columns.size());
+                window = std::make_unique<stream::SignalWindow>(std::move(columns), rows);
+            }
+        }
+    } else if (topic == "signals") {
+        SignalFrame sample;
+        if ((good = bus::codec_of<SignalFrame>().decode(cdr, &sample))) {
+            auto const it = signals.find({sample.source().c_str(), sample.group().c_str()});
+            if (it != signals.end() && it->second != nullptr) {
+                std::size_t const width = it->second->columns().size();
+                auto const& times = sample.times_ns();
+                auto const& values = sample.values();
+                for (std::size_t row = 0; row < times.size() && (row + 1) * width <= values.size(); ++row) {
+                    it->second->append(times[row], std::span<double const>{values.data() + row * width, width});
+                }
+            }
+        }
+    }
+    undecodable += good ? 0 : 1;
+}
+
+void LiveRun::measure(std::chrono::duration<double> since_last) {
+    double const s = since_last.count();
+    if (s <= 0) {
+        return;
+    }
+    std::lock_guard const lock{mutex};
+    for (auto& [key, state] : topics) {
+        state.per_second = static_cast<double>(state.samples - state.samples_then) / s;
+        state.samples_then = state.samples;
+    }
+    clock.factor = clock.state == "running" ? std::max(0.0, clock.time_s - time_then_s_) / s : 0;
+    time_then_s_ = clock.time_s;
+}
+
+void LiveRun::add_event(RunEvent event) {
+    event.number = ++events_seen;
+    events.push_back(std::move(event));
+    if (events.size() > kKeptEvents) {
+        events.pop_front();
+    }
+}
+
+std::pair<stream::SignalWindow const*, std::size_t> LiveRun::find_signal(std::string const& name) const {
+    for (auto const& [key, window] : signals) {
+        if (window != nullptr) {
+            if (auto const column = window->find(name)) {
+                return {window.get(), *column};
+            }
+        }
+    }
+    return {nullptr, 0};
+}
+
+} // namespace gridspace::monitor

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/discovery.hpp"
+#include "monitor/app/run_plan.hpp"
+#include "monitor/graph/graph_model.hpp"
+#include "monitor/stream/signal_window.hpp"
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::monitor {
+
+/// A sample as it came.
+struct RawSample {
+    std::vector<std::byte> cdr;
+    std::string process;
+    std::int64_t source_ns{0};
+    std::uint64_t number{0}; ///< counts the samples of its topic
+};
+
+/// What has been seen of a topic.
+struct TopicState {
+    std::string network, topic, type;
+    std::uint64_t samples{0}, octets{0};
+    double per_second{0}; ///< wall clock, over the last second or so
+    std::uint64_t samples_then{0};
+    std::deque<RawSample> newest; ///< the last few, so that each key of a keyed topic is likely among them
+};
+
+struct RunClock {
+    bool seen{false};
+    std::uint64_t tick{0};
+    double time_s{0};
+    std::string state{"waiting"}; ///< waiting, running, final, aborted
+    double factor{0};             ///< simulated seconds per second of wall clock, lately
+};
+
+struct Acknowledged {
+    std::uint64_t tick{0};
+    std::uint32_t incarnation{0};
+};
+
+/// A line of the run's event log.
+struct RunEvent {
+    std::uint64_t number{0};
+    double time_s{0};
+    std::string source, event, text;
+};
+
+/// Everything that is known about the run at this moment. Threads of DDS write, the web reads: whoever touches a member
+/// holds `mutex`, briefly. Memory is bounded, however long the run.
+struct LiveRun {
+    explicit LiveRun(RunPlan run_plan);
+
+    RunPlan const plan;
+    std::chrono::steady_clock::time_point const started{std::chrono::steady_clock::now()};
+
+    mutable std::mutex mutex;
+    graph::GraphModel graph;
+    RunClock clock;
+    std::map<std::pair<std::string, std::string>, TopicState> topics; ///< by (network, topic)
+    std::map<std::string, std::string> idl;                           ///< by type name
+    std::map<std::string, Acknowledged> acknowledged;                 ///< by process
+    std::map<std::pair<std::string, std::string>, std::unique_ptr<stream::SignalWindow>>
+        signals; ///< by (source, group)
+    std::deque<RunEvent> events;
+    std::uint64_t events_seen{0};
+    std::uint64_t undecodable{0}; ///< samples of ours that were not what their type says
+
+    void on_sample(std::string const& network, std::string const& topic, std::string const& type, std::string process,
+                   std::span<std::byte const> cdr, std::int64_t source_ns);
+    /// Rates and pace; about twice a second, with the mutex not held.
+    void measure(std::chrono::duration<double> since_last);
+    void add_event(RunEvent event); ///< mutex held
+    /// The window that has the signal, and its column. Mutex held.
+    [[nodiscard]] std::pair<stream::SignalWindow const*, std::size_t> find_signal(std::string const& name) const;
+
+  private:
+    void decode(std::string const& topic, std::string const& process, std::span<std::byte const> cdr);
+    double time_then_s_{0};
+};
+
+} // namespace gridspace::monitor

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/app/run_plan.hpp"
+
+namespace gridspace::monitor {
+namespace {
+
+template <class T>
+void list(config::Fields& f, std::string_view key, std::string_view doc, std::vector<T>& out, auto const& body) {
+    f.list(key, {.doc = doc}, [&](config::Fields& item) {
+        T entry;
+        body(item, entry);
+        out.push_back(std::move(entry));
+    });
+}
+
+void describe_run(config::Fields& f, RunPlan& run) {
+    f.text("mode", run.mode, {.doc = "lockstep or realtime"});
+    f.text("speed", run.speed, {.doc = "simulated seconds per second, or max"});
+    f.number("duration_s", run.duration_s, {.doc = "simulated time at which the run ends", .min = 0});
+    f.file("events", run.events, {.doc = "the log of events that the launcher writes"});
+    list(f, "processes", "who takes part", run.processes, [](config::Fields& p, RunPlan::Process& out) {
+        p.text("name", out.name, {.required = true});
+        p.text("program", out.program);
+        p.text("host", out.host);
+    });
+    list(f, "wires", "raw frames that a process sends or receives", run.wires,
+         [](config::Fields& w, RunPlan::Wire& out) {
+             w.text("process", out.process, {.required = true});
+             w.text("stream", out.stream, {.required = true});
+             w.text("kind", out.kind);
+             w.text("link", out.link);
+             w.flag("sends", out.sends);
+         });
+    list(f, "buses", "of the network", run.buses, [](config::Fields& b, RunPlan::Bus& out) {
+        b.text("name", out.name, {.required = true});
+        b.text("label", out.label);
+        b.number("voltage_v", out.voltage_v);
+        b.number("x", out.x);
+        b.number("y", out.y);
+    });
+    list(f, "branches", "of the network", run.branches, [](config::Fields& b, RunPlan::Branch& out) {
+        b.text("name", out.name, {.required = true});
+        b.text("label", out.label);
+        b.text("from", out.from);
+        b.text("to", out.to);
+        b.text("kind", out.kind);
+    });
+    list(f, "breakers", "of the network", run.breakers, [](config::Fields& b, RunPlan::Breaker& out) {
+        b.text("name", out.name, {.required = true});
+        b.text("line", out.line);
+        b.text("end", out.end);
+    });
+    list(f, "devices", "what hangs on the buses", run.devices, [](config::Fields& d, RunPlan::Device& out) {
+        d.text("name", out.name, {.required = true});
+        d.text("label", out.label);
+        d.text("bus", out.bus);
+        d.text("kind", out.kind);
+    });
+}
+
+} // namespace
+
+void describe(config::Fields& f, MonitorConfig& config) {
+    f.text("listen", config.listen, {.doc = "address and port, when no socket is handed over"});
+    f.references("allow_hosts", config.allow_hosts, {.doc = "names beyond localhost under which it may be reached"});
+    f.text("scenario", config.run.scenario, {.doc = "name of the scenario"});
+    f.object("run", {.doc = "the run; filled in by `gridspace run`"},
+             [&](config::Fields& r) { describe_run(r, config.run); });
+}
+
+} // namespace gridspace::monitor

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/config/fields.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::monitor {
+
+/// What the monitor is told about the run that it looks at. A monitor beside a foreign bus is told nothing.
+struct RunPlan {
+    std::string scenario, mode, speed;
+    double duration_s{0};         ///< 0: not known
+    std::filesystem::path events; ///< events.ndjson of the run, which the launcher writes
+
+    struct Process {
+        std::string name, program, host;
+    };
+    std::vector<Process> processes;
+
+    /// A process publishes or subscribes raw frames.
+    struct Wire {
+        std::string process, stream, kind, link;
+        bool sends{false};
+    };
+    std::vector<Wire> wires;
+
+    // The network, as far as a one-line diagram needs it.
+    struct Bus {
+        std::string name, label;
+        double voltage_v{0};
+        std::optional<double> x, y;
+    };
+    struct Branch {
+        std::string name, label, from, to, kind;
+    };
+    struct Breaker {
+        std::string name, line, end;
+    };
+    struct Device {
+        std::string name, label, bus, kind;
+    };
+    std::vector<Bus> buses;
+    std::vector<Branch> branches;
+    std::vector<Breaker> breakers;
+    std::vector<Device> devices;
+};
+
+/// Settings of gridspace-monitor.
+struct MonitorConfig {
+    std::string listen{"127.0.0.1:0"};    ///< when no socket is handed over
+    std::vector<config::Ref> allow_hosts; ///< names beyond those of this machine under which it may be reached
+    RunPlan run;
+};
+
+void describe(config::Fields& f, MonitorConfig& config);
+
+} // namespace gridspace::monitor

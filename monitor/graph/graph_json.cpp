@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/graph/graph_text.hpp"
+#include "monitor/graph/match.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace gridspace::graph {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json duration(double seconds) {
+    return seconds < 0 ? Json{nullptr} : Json(seconds);
+}
+
+} // namespace
+
+std::string to_json(Snapshot const& graph) {
+    Json processes = Json::array(), topics = Json::array(), edges = Json::array(), wires = Json::array(),
+         endpoints = Json::array();
+    for (Process const& p : graph.processes) {
+        processes.push_back({{"name", p.name},
+                             {"program", p.program},
+                             {"host", p.host},
+                             {"state", name_of(p.state)},
+                             {"incarnation", p.incarnation},
+                             {"addresses", p.addresses},
+                             {"networks", p.networks}});
+    }
+    for (Topic const& t : graph.topics) {
+        topics.push_back({{"name", t.name},
+                          {"network", t.network},
+                          {"type", t.type},
+                          {"framework", t.framework},
+                          {"writers", t.writers},
+                          {"readers", t.readers}});
+    }
+    for (Edge const& e : graph.edges) {
+        edges.push_back({{"process", e.process},
+                         {"topic", e.topic},
+                         {"network", e.network},
+                         {"writes", e.writes},
+                         {"endpoints", e.endpoints},
+                         {"matched", e.matched},
+                         {"problems", e.problems}});
+    }
+    for (WireEdge const& w : graph.wires) {
+        wires.push_back({{"process", w.process},
+                         {"stream", w.stream},
+                         {"kind", w.kind},
+                         {"link", w.link},
+                         {"publishes", w.publishes}});
+    }
+    for (Endpoint const& e : graph.endpoints) {
+        bus::EndpointQos const& q = e.endpoint.qos;
+        endpoints.push_back({{"id", e.endpoint.id},
+                             {"process", e.process},
+                             {"network", e.network},
+                             {"topic", e.endpoint.topic},
+                             {"type", e.endpoint.type},
+                             {"writer", e.endpoint.writer},
+                             {"keyed", e.endpoint.keyed},
+                             {"qos",
+                              {{"reliability", q.reliable ? "reliable" : "best effort"},
+                               {"durability", name_of(q.durability)},
+                               {"deadline_s", duration(q.deadline_s)},
+                               {"liveliness", name_of(q.liveliness)},
+                               {"lease_s", duration(q.lease_s)},
+                               {"ownership", q.exclusive ? "exclusive" : "shared"},
+                               {"partitions", q.partitions}}}});
+    }
+    return Json{
+        {"revision", graph.revision}, {"processes", processes}, {"topics", topics}, {"edges", edges}, {"wires", wires},
+        {"endpoints", endpoints}}
+        .dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+} // namespace gridspace::graph

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/graph/match.hpp"
+
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+namespace gridspace::graph {
+namespace {
+
+std::string duration(double seconds) {
+    return seconds < 0 ? "infinite" : shortest(seconds) + " s";
+}
+
+/// Partition names are patterns on either side, not on both (DDS 1.4, 2.2.3.13).
+bool partitions_meet(std::vector<std::string> a, std::vector<std::string> b) {
+    a = a.empty() ? std::vector<std::string>{""} : std::move(a);
+    b = b.empty() ? std::vector<std::string>{""} : std::move(b);
+    return std::any_of(a.begin(), a.end(), [&](std::string const& x) {
+        return std::any_of(b.begin(), b.end(), [&](std::string const& y) {
+            return x == y || ::fnmatch(x.c_str(), y.c_str(), 0) == 0 || ::fnmatch(y.c_str(), x.c_str(), 0) == 0;
+        });
+    });
+}
+
+} // namespace
+
+char const* name_of(bus::Durability durability) {
+    switch (durability) {
+    case bus::Durability::volatile_:
+        return "volatile";
+    case bus::Durability::transient_local:
+        return "transient local";
+    case bus::Durability::transient:
+        return "transient";
+    case bus::Durability::persistent:
+        return "persistent";
+    }
+    return "unknown";
+}
+
+char const* name_of(bus::Liveliness liveliness) {
+    switch (liveliness) {
+    case bus::Liveliness::automatic:
+        return "automatic";
+    case bus::Liveliness::manual_by_participant:
+        return "manual by participant";
+    case bus::Liveliness::manual_by_topic:
+        return "manual by topic";
+    }
+    return "unknown";
+}
+
+std::vector<std::string> mismatch(bus::DiscoveredEndpoint const& writer, bus::DiscoveredEndpoint const& reader) {
+    std::vector<std::string> reasons;
+    bus::EndpointQos const &offered = writer.qos, &requested = reader.qos;
+    auto const later = [](double offer, double request) { return request >= 0 && (offer < 0 || offer > request); };
+    if (writer.type != reader.type) {
+        reasons.push_back(fmt::format("type: written is {}, read is {}", writer.type, reader.type));
+    }
+    if (writer.keyed != reader.keyed) {
+        reasons.push_back(fmt::format("key: the writer {} one, the reader {}", writer.keyed ? "has" : "has not",
+                                      reader.keyed ? "has" : "has not"));
+    }
+    if (!offered.reliable && requested.reliable) {
+        reasons.emplace_back("reliability: offered is best effort, requested is reliable");
+    }
+    if (offered.durability < requested.durability) {
+        reasons.push_back(fmt::format("durability: offered is {}, requested is {}", name_of(offered.durability),
+                                      name_of(requested.durability)));
+    }
+    if (later(offered.deadline_s, requested.deadline_s)) {
+        reasons.push_back(fmt::format("deadline: offered is {}, requested is {}", duration(offered.deadline_s),
+                                      duration(requested.deadline_s)));
+    }
+    if (offered.liveliness < requested.liveliness) {
+        reasons.push_back(fmt::format("liveliness: offered is {}, requested is {}", name_of(offered.liveliness),
+                                      name_of(requested.liveliness)));
+    }
+    if (later(offered.lease_s, requested.lease_s)) {
+        reasons.push_back(fmt::format("liveliness lease: offered is {}, requested is {}", duration(offered.lease_s),
+                                      duration(requested.lease_s)));
+    }
+    if (offered.exclusive != requested.exclusive) {
+        reasons.push_back(fmt::format("ownership: offered is {}, requested is {}",
+                                      offered.exclusive ? "exclusive" : "shared",
+                                      requested.exclusive ? "exclusive" : "shared"));
+    }
+    if (!partitions_meet(offered.partitions, requested.partitions)) {
+        reasons.push_back(fmt::format("partition: written to [{}], read from [{}]", join(offered.partitions, ", "),
+                                      join(requested.partitions, ", ")));
+    }
+    return reasons;
+}
+
+} // namespace gridspace::graph

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/stream/signal_window.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gridspace::stream {
+namespace {
+
+constexpr std::uint64_t kRatio = 16; ///< between two levels
+constexpr std::size_t kLevels = 4;
+
+} // namespace
+
+SignalWindow::SignalWindow(std::vector<Column> columns, std::size_t rows)
+    : columns_{std::move(columns)}, capacity_{std::max<std::size_t>(rows, 2)} {
+    std::uint64_t span = 1;
+    for (std::size_t i = 0; i < kLevels; ++i, span *= kRatio) {
+        Level level;
+        level.span = span;
+        levels_.push_back(std::move(level));
+    }
+}
+
+std::optional<std::size_t> SignalWindow::find(std::string_view name) const {
+    auto const it = std::find_if(columns_.begin(), columns_.end(), [&](Column const& c) { return c.name == name; });
+    return it == columns_.end() ? std::nullopt : std::optional{static_cast<std::size_t>(it - columns_.begin())};
+}
+
+void SignalWindow::append(std::int64_t time_ns, std::span<double const> values) {
+    if (values.size() != columns_.size() || time_ns <= newest_ns_) {
+        return;
+    }
+    newest_ns_ = time_ns;
+    newest_.assign(values.begin(), values.end());
+    ++count_;
+    for (Level& level : levels_) {
+        add(level, time_ns, values);
+    }
+}
+
+void SignalWindow::add(Level& level, std::int64_t time_ns, std::span<double const> values) {
+    std::size_t const width = columns_.size();
+    bool const begin = level.begun == 0 || level.filled == level.span;
+    if (begin) {
+        ++level.begun;
+        level.filled = 0;
+    }
+    std::size_t const slot = static_cast<std::size_t>((level.begun - 1) % capacity_);
+    if (begin && slot >= level.buckets.size()) { // grows until it is a ring
+        level.buckets.resize(slot + 1);
+        level.low.resize((slot + 1) * width);
+        if (level.span > 1) {
+            level.high.resize((slot + 1) * width);
+        }
+    }
+    Bucket& bucket = level.buckets[slot];
+    bucket.last_ns = time_ns;
+    if (begin) {
+        bucket.first_ns = time_ns;
+    }
+    for (std::size_t c = 0; c < width; ++c) {
+        auto const value = static_cast<float>(values[c]);
+        float& low = level.low[slot * width + c];
+        low = begin ? value : std::fmin(low, value);
+        if (level.span > 1) {
+            float& high = level.high[slot * width + c];
+            high = begin ? value : std::fmax(high, value);
+        }
+    }
+    ++level.filled;
+}
+
+std::size_t SignalWindow::kept(Level const& level) const {
+    return static_cast<std::size_t>(std::min<std::uint64_t>(level.begun, capacity_));
+}
+
+SignalWindow::Bucket const& SignalWindow::bucket(Level const& level, std::size_t i) const {
+    return level.buckets[static_cast<std::size_t>((level.begun - kept(level) + i) % capacity_)];
+}
+
+std::int64_t SignalWindow::oldest_ns() const {
+    return empty() ? 0 : bucket(levels_.back(), 0).first_ns;
+}
+
+Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t to_ns, std::size_t pixels) const {
+    Plot out;
+    if (empty() || column >= columns_.size() || to_ns < from_ns || pixels == 0) {
+        return out;
+    }
+    // The finest level that reaches back far enough; with as many entries that a column has at least one, coarser ones
+    // are quicker.
+    Level const* level = &levels_.back();
+    for (Level const& candidate : levels_) {
+        if (bucket(candidate, 0).first_ns <= from_ns || candidate.begun <= capacity_) {
+            level = &candidate;
+            break;
+        }
+    }
+    std::size_t const count = kept(*level), width = columns_.size();
+    auto const search = [&](auto before) { // first entry for which `before` does not hold
+        std::size_t low = 0, high = count;
+        while (low < high) {
+            std::size_t const middle = (low + high) / 2;
+            (before(bucket(*level, middle)) ? low : high) = before(bucket(*level, middle)) ? middle + 1 : middle;
+        }
+        return low;
+    };
+    std::size_t first = search([&](Bucket const& b) { return b.last_ns < from_ns; });
+    std::size_t last = search([&](Bucket const& b) { return b.first_ns <= to_ns; }); // one past
+    first = first > 0 ? first - 1 : 0;
+    last = std::min(last + 1, count);
+    if (first >= last) {
+        return out;
+    }
+    auto const low_of = [&](std::size_t i) {
+        return level->low[static_cast<std::size_t>((level->begun - count + i) % capacity_) * width + column];
+    };
+    auto const high_of = [&](std::size_t i) {
+        return level->span == 1
+                   ? low_of(i)
+                   : level->high[static_cast<std::size_t>((level->begun - count + i) % capacity_) * width + column];
+    };
+    auto const put = [&](std::int64_t ns, double value) {
+        out.times_s.push_back(static_cast<double>(ns) * 1e-9);
+        out.values.push_back(value);
+    };
+    std::size_t const entries = last - first;
+    if (level->span == 1 && entries <= 2 * pixels) {
+        for (std::size_t i = first; i < last; ++i) {
+            put(bucket(*level, i).first_ns, low_of(i));
+        }
+        return out;
+    }
+    for (std::size_t p = 0; p < pixels; ++p) {
+        std::size_t const begin = first + entries * p / pixels, end = first + entries * (p + 1) / pixels;
+        if (begin == end) {
+            continue;
+        }
+        std::size_t lowest = begin, highest = begin;
+        for (std::size_t i = begin; i < end; ++i) {
+            lowest = low_of(i) < low_of(lowest) ? i : lowest;
+            highest = high_of(i) > high_of(highest) ? i : highest;
+        }
+        std::int64_t const a = bucket(*level, begin).first_ns, b = bucket(*level, end - 1).last_ns;
+        bool const low_first = lowest <= highest;
+        put(a, low_first ? low_of(lowest) : high_of(highest));
+        if (b > a || low_of(lowest) != high_of(highest)) {
+            put(std::max(a, b), low_first ? high_of(highest) : low_of(lowest));
+        }
+    }
+    return out;
+}
+
+} // namespace gridspace::stream

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gridspace::stream {
+
+/// What a plot of `pixels` columns shows of a signal: at most two points per column, the lowest and the highest.
+struct Plot {
+    std::vector<double> times_s;
+    std::vector<double> values;
+};
+
+/// The past of a group of signals that share their times, in bounded memory: the newest rows as they came, older ones
+/// as the lowest and highest of 16, 256, … rows. Times increase. Pure: no clock, no lock.
+class SignalWindow {
+  public:
+    struct Column {
+        std::string name, unit;
+    };
+    /// `rows`: how many entries each of the levels keeps.
+    explicit SignalWindow(std::vector<Column> columns, std::size_t rows = 32768);
+
+    [[nodiscard]] std::vector<Column> const& columns() const { return columns_; }
+    [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const;
+
+    /// One row: a value per column. A row that is not later than the newest is left out (it came twice).
+    void append(std::int64_t time_ns, std::span<double const> values);
+
+    [[nodiscard]] bool empty() const { return newest_.empty(); }
+    [[nodiscard]] std::int64_t newest_ns() const { return newest_ns_; }
+    [[nodiscard]] std::int64_t oldest_ns() const; ///< as far back as the coarsest level goes
+    [[nodiscard]] double newest(std::size_t column) const { return newest_[column]; }
+    [[nodiscard]] std::uint64_t rows() const { return count_; }
+
+    /// The signal between two instants, with the last point before and the first after them, so that lines reach the
+    /// edges.
+    [[nodiscard]] Plot plot(std::size_t column, std::int64_t from_ns, std::int64_t to_ns, std::size_t pixels) const;
+
+  private:
+    struct Bucket {
+        std::int64_t first_ns{0}, last_ns{0};
+    };
+    /// Lowest and highest of `span` consecutive rows, per column; a ring.
+    struct Level {
+        std::uint64_t span{1};
+        std::vector<Bucket> buckets;
+        std::vector<float> low, high; ///< bucket after bucket, column after column
+        std::uint64_t begun{0};       ///< buckets ever begun
+        std::uint64_t filled{0};      ///< rows in the newest one
+    };
+    void add(Level& level, std::int64_t time_ns, std::span<double const> values);
+    [[nodiscard]] std::size_t kept(Level const& level) const;
+    [[nodiscard]] Bucket const& bucket(Level const& level, std::size_t i) const;
+
+    std::vector<Column> columns_;
+    std::size_t capacity_;
+    std::vector<Level> levels_;
+    std::vector<double> newest_;
+    std::int64_t newest_ns_{INT64_MIN};
+    std::uint64_t count_{0};
+};
+
+} // namespace gridspace::stream

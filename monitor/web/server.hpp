@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "common/unique_fd.hpp"
+#include "monitor/web/request_rules.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace gridspace::web {
+
+struct Request {
+    std::string method; ///< GET, HEAD or POST
+    Target target;
+    std::string authorization;   ///< header, empty when there is none
+    std::string accept_encoding; ///< header
+    std::string if_none_match;   ///< header
+    std::string body;
+};
+
+struct Response {
+    int status{200};
+    std::string content_type{"application/json"};
+    std::string body;
+    std::string etag;             ///< empty: not to be cached
+    std::string content_encoding; ///< "gzip" when the body is that
+    std::string allow;            ///< of a 405
+};
+
+/// What a server bears. Whoever asks for more is refused or dropped; nobody else notices.
+struct Limits {
+    std::size_t connections{256};
+    std::size_t header_octets{8 * 1024};
+    std::size_t body_octets{64 * 1024};
+    std::size_t push_octets{4 * 1024 * 1024}; ///< per WebSocket client that does not read; then the oldest are dropped
+    std::size_t push_messages{32};
+    std::chrono::seconds request_time{5};   ///< from the first octet to the last
+    std::chrono::seconds idle_time{60};     ///< between two requests
+    std::chrono::seconds response_time{10}; ///< a client that takes longer to read is dropped
+};
+
+using ClientId = std::uint64_t;
+
+/// Called on the server's thread: must answer at once.
+struct Handlers {
+    std::function<Response(Request const&)> request;
+    std::function<bool(std::string const& path)> accepts_push; ///< a WebSocket may be opened there
+    std::function<void(ClientId, std::string const& path)> opened;
+    std::function<void(ClientId, std::string const& text)> message;
+    std::function<void(ClientId)> closed;
+};
+
+struct ServerCounters {
+    std::uint64_t requests{0}, refused{0}, connections{0}, push_clients{0}, pushed{0}, dropped{0};
+};
+
+/// An HTTP/1.1 and WebSocket server on one thread. All of Boost is behind this class.
+class Server {
+  public:
+    struct Options {
+        Sites sites;
+        Limits limits;
+    };
+    /// Takes a socket that listens already.
+    [[nodiscard]] static Result<std::unique_ptr<Server>> start(UniqueFd listening, Options options, Handlers handlers);
+    virtual ~Server() = default; ///< closes all connections and ends the thread
+
+    /// Sends to a WebSocket client, from any thread. When the client does not keep up, its oldest waiting messages go.
+    virtual void push(ClientId client, std::shared_ptr<std::string const> message, bool binary) = 0;
+    /// Messages that this client has lost so far.
+    [[nodiscard]] virtual std::uint64_t dropped(ClientId client) const = 0;
+    [[nodiscard]] virtual ServerCounters counters() const = 0;
+};
+
+/// A TCP socket listening at "127.0.0.1:8080".
+[[nodiscard]] Result<UniqueFd> listen_at(std::string const& where);
+/// "127.0.0.1:8080" of a listening socket.
+[[nodiscard]] std::string address_of(UniqueFd const& listening);
+
+} // namespace gridspace::web

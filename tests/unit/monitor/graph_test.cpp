@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/graph/graph_model.hpp"
+#include "monitor/graph/graph_text.hpp"
+#include "monitor/graph/match.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+namespace gridspace::graph {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+bus::DiscoveredEndpoint endpoint(std::string id, std::string participant, bool writer) {
+    bus::DiscoveredEndpoint out;
+    out.id = std::move(id);
+    out.participant = std::move(participant);
+    out.topic = "requests";
+    out.type = "ChargingRequest";
+    out.writer = writer;
+    out.qos.reliable = true;
+    return out;
+}
+
+/// ev1 writes what mcca reads.
+GraphModel pair() {
+    GraphModel model;
+    model.expect({"ev1", "gridspace-ev", "board1", {}, 0, {}, {}});
+    model.participant_found("data", {"p1", {"ev1", 0, "gridspace-ev"}, {"10.10.0.3"}});
+    model.participant_found("data", {"p2", {"mcca", 0, "gridspace-mcca"}, {"10.10.0.4"}});
+    model.endpoint_found("data", endpoint("w", "p1", true));
+    model.endpoint_found("data", endpoint("r", "p2", false));
+    return model;
+}
+
+Edge const& edge(Snapshot const& graph, std::string const& process) {
+    return *std::find_if(graph.edges.begin(), graph.edges.end(), [&](Edge const& e) { return e.process == process; });
+}
+
+TEST(Match, HasNothingToSayAboutEqualQos) {
+    EXPECT_THAT(mismatch(endpoint("w", "p", true), endpoint("r", "q", false)), IsEmpty());
+}
+
+TEST(Match, AllowsAWriterToOfferMoreThanIsAsked) {
+    auto writer = endpoint("w", "p", true), reader = endpoint("r", "q", false);
+    writer.qos = {true, bus::Durability::transient_local, 1.0, bus::Liveliness::manual_by_topic, 2.0, false, {"site*"}};
+    reader.qos = {false, bus::Durability::volatile_, 1.5, bus::Liveliness::automatic, -1, false, {"site1"}};
+    EXPECT_THAT(mismatch(writer, reader), IsEmpty());
+}
+
+TEST(Match, NamesEveryReasonForWhichTwoDoNotMeet) {
+    auto writer = endpoint("w", "p", true), reader = endpoint("r", "q", false);
+    writer.qos = {false, bus::Durability::volatile_, -1, bus::Liveliness::automatic, -1, false, {"a"}};
+    reader.qos = {true, bus::Durability::transient_local, 0.5, bus::Liveliness::manual_by_topic, 3, true, {"b"}};
+    reader.type = "Other";
+    EXPECT_THAT(mismatch(writer, reader), ElementsAre("type: written is ChargingRequest, read is Other",
+                                                      "reliability: offered is best effort, requested is reliable",
+                                                      "durability: offered is volatile, requested is transient local",
+                                                      "deadline: offered is infinite, requested is 0.5 s",
+                                                      "liveliness: offered is automatic, requested is manual by topic",
+                                                      "liveliness lease: offered is infinite, requested is 3 s",
+                                                      "ownership: offered is shared, requested is exclusive",
+                                                      "partition: written to [a], read from [b]"));
+}
+
+TEST(Graph, JoinsWhatTheScenarioSaysWithWhatIsDiscovered) {
+    Snapshot const graph = pair().snapshot();
+    ASSERT_EQ(graph.processes.size(), 2U);
+    EXPECT_EQ(graph.processes[0].host, "board1");
+    EXPECT_EQ(graph.processes[1].host, "10.10.0.4"); // nobody said more
+    EXPECT_EQ(graph.processes[0].state, ProcessState::alive);
+    ASSERT_EQ(graph.topics.size(), 1U);
+    EXPECT_EQ(graph.topics[0].writers, 1U);
+    EXPECT_TRUE(edge(graph, "ev1").matched);
+    EXPECT_THAT(edge(graph, "ev1").problems, IsEmpty());
+}
+
+TEST(Graph, SaysWhyAnEdgeIsBroken) {
+    GraphModel sut = pair();
+    auto reader = endpoint("r", "p2", false);
+    reader.qos.durability = bus::Durability::transient_local;
+    sut.endpoint_found("data", reader); // it changed its mind
+    Snapshot const graph = sut.snapshot();
+    EXPECT_FALSE(edge(graph, "mcca").matched);
+    EXPECT_THAT(edge(graph, "mcca").problems,
+                ElementsAre("gets nothing from ev1: durability: offered is volatile, requested is transient local"));
+    EXPECT_THAT(to_dot(graph, false), HasSubstr("color=red"));
+    EXPECT_THAT(to_dot(pair().snapshot(), false), Not(HasSubstr("color=red")));
+}
+
+TEST(Graph, DoesNotMatchAcrossNetworks) {
+    GraphModel sut = pair();
+    sut.endpoint_gone("r");
+    sut.endpoint_found("management", endpoint("r", "p2", false));
+    Snapshot const graph = sut.snapshot();
+    EXPECT_FALSE(edge(graph, "ev1").matched);
+    EXPECT_EQ(graph.topics.size(), 2U);
+}
+
+TEST(Graph, TellsAKilledProcessFromOneThatSaidGoodbye) {
+    GraphModel sut = pair();
+    sut.participant_gone("p1", false);
+    sut.participant_gone("p2", true);
+    Snapshot const graph = sut.snapshot();
+    EXPECT_EQ(graph.processes[0].state, ProcessState::lost);
+    EXPECT_EQ(graph.processes[1].state, ProcessState::ended);
+    EXPECT_THAT(graph.edges, IsEmpty());
+}
+
+TEST(Graph, ARestartedProcessIsAliveAgainInItsNextIncarnation) {
+    GraphModel sut = pair();
+    sut.participant_gone("p1", false);
+    sut.participant_found("data", {"p9", {"ev1", 1, "gridspace-ev"}, {"10.10.0.3"}});
+    Snapshot const graph = sut.snapshot();
+    EXPECT_EQ(graph.processes[0].state, ProcessState::alive);
+    EXPECT_EQ(graph.processes[0].incarnation, 1U);
+}
+
+TEST(Graph, AProcessThatHasNotBeenSeenIsExpected) {
+    GraphModel sut;
+    sut.expect({"relay", "gridspace-relay", "board", {}, 0, {}, {}});
+    EXPECT_EQ(sut.snapshot().processes.at(0).state, ProcessState::expected);
+}
+
+TEST(Graph, EveryChangeIsANewRevisionAndNoChangeIsNone) {
+    GraphModel sut = pair();
+    auto const before = sut.revision();
+    sut.endpoint_gone("nobody");
+    sut.participant_gone("nobody", true);
+    EXPECT_EQ(sut.revision(), before);
+    sut.endpoint_gone("w");
+    EXPECT_GT(sut.revision(), before);
+}
+
+TEST(GraphText, IsJsonWithHostileNamesIntact) {
+    GraphModel sut;
+    std::string const hostile = "<script>\"\\\n\xff";
+    sut.expect({hostile, "", "", {}, 0, {}, {}});
+    auto const json = nlohmann::json::parse(to_json(sut.snapshot()), nullptr, false);
+    ASSERT_FALSE(json.is_discarded());
+    EXPECT_THAT(to_svg(sut.snapshot(), true), Not(HasSubstr("<script>")));
+}
+
+} // namespace
+} // namespace gridspace::graph

@@ -1,0 +1,242 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The server as a client sees it, over real sockets.
+#include "monitor/web/server.hpp"
+
+#include <arpa/inet.h>
+#include <atomic>
+#include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <thread>
+
+namespace gridspace::web {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+constexpr char const* kHost = "Host: localhost\r\n";
+
+/// A server on a free port, and clients of it.
+class ServerTest : public testing::Test {
+  protected:
+    void start(Limits limits = {}) {
+        auto socket = listen_at("127.0.0.1:0");
+        ASSERT_TRUE(socket.has_value());
+        std::string const address = address_of(*socket);
+        port_ = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+        Handlers handlers;
+        handlers.request = [](Request const& request) {
+            Response response;
+            response.content_type = "text/plain";
+            response.body = request.method + " " + request.target.path + " " + request.body;
+            return response;
+        };
+        handlers.accepts_push = [](std::string const& path) { return path == "/ws/v1"; };
+        handlers.opened = [this](ClientId id, std::string const&) { client_ = id; };
+        handlers.closed = [this](ClientId) { ++closed_; };
+        auto server = Server::start(std::move(*socket), {{}, limits}, std::move(handlers));
+        ASSERT_TRUE(server.has_value());
+        sut_ = std::move(*server);
+    }
+    UniqueFd connect(int receive_buffer = 0) const {
+        UniqueFd fd{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+        if (receive_buffer > 0) {
+            ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+        }
+        timeval const patience{10, 0};
+        ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(port_);
+        ::inet_pton(AF_INET, "127.0.0.1", &address.sin_addr);
+        EXPECT_EQ(::connect(fd.get(), reinterpret_cast<sockaddr const*>(&address), sizeof address), 0);
+        return fd;
+    }
+    static void send(UniqueFd const& fd, std::string const& text) {
+        [[maybe_unused]] auto const sent = ::send(fd.get(), text.data(), text.size(), MSG_NOSIGNAL);
+    }
+    /// Until the other end closes, or `until` has come.
+    static std::string receive(UniqueFd const& fd, std::string const& until = {}) {
+        std::string out;
+        char buffer[4096];
+        for (ssize_t n = 0; (n = ::recv(fd.get(), buffer, sizeof buffer, 0)) > 0;) {
+            out.append(buffer, static_cast<std::size_t>(n));
+            if (!until.empty() && out.find(until) != std::string::npos) {
+                break;
+            }
+        }
+        return out;
+    }
+    std::string exchange(std::string const& request) const {
+        UniqueFd const fd = connect();
+        send(fd, request);
+        return receive(fd);
+    }
+    UniqueFd open_push(int receive_buffer = 0) const {
+        UniqueFd fd = connect(receive_buffer);
+        send(fd, std::string{"GET /ws/v1 HTTP/1.1\r\n"} + kHost +
+                     "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+        // The answer to this key is in RFC 6455, 1.3.
+        EXPECT_THAT(receive(fd, "\r\n\r\n"), HasSubstr("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="));
+        while (client_ == 0) {
+            std::this_thread::yield();
+        }
+        return fd;
+    }
+
+    std::unique_ptr<Server> sut_;
+    std::uint16_t port_{0};
+    std::atomic<ClientId> client_{0};
+    std::atomic<int> closed_{0};
+};
+
+TEST_F(ServerTest, AnswersAndKeepsTheConnection) {
+    start();
+    UniqueFd const fd = connect();
+    send(fd, std::string{"GET /a HTTP/1.1\r\n"} + kHost + "\r\n");
+    EXPECT_THAT(receive(fd, "GET /a "), StartsWith("HTTP/1.1 200"));
+    send(fd, std::string{"POST /b HTTP/1.1\r\nContent-Length: 2\r\n"} + kHost + "\r\nhi");
+    EXPECT_THAT(receive(fd, "POST /b hi"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(ServerTest, TellsBrowsersToLoadNothingFromElsewhere) {
+    start();
+    EXPECT_THAT(exchange(std::string{"GET / HTTP/1.0\r\n"} + kHost + "\r\n"),
+                testing::AllOf(HasSubstr("Content-Security-Policy: default-src 'self'"),
+                               HasSubstr("X-Content-Type-Options: nosniff")));
+}
+
+TEST_F(ServerTest, AnswersHeadWithoutABody) {
+    start();
+    std::string const answer = exchange(std::string{"HEAD /a HTTP/1.1\r\nConnection: close\r\n"} + kHost + "\r\n");
+    EXPECT_THAT(answer, testing::AllOf(HasSubstr("Content-Length: 8"), testing::EndsWith("\r\n\r\n")));
+}
+
+struct BadRequest {
+    char const* name;
+    std::string text;
+    char const* status;
+};
+
+class BadRequestTest : public ServerTest, public testing::WithParamInterface<BadRequest> {};
+
+TEST_P(BadRequestTest, IsRefusedAndNobodyElseNotices) {
+    start();
+    EXPECT_THAT(exchange(GetParam().text), StartsWith(std::string{"HTTP/1.1 "} + GetParam().status));
+    EXPECT_THAT(exchange(std::string{"GET /a HTTP/1.0\r\n"} + kHost + "\r\n"), HasSubstr("GET /a "));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Server, BadRequestTest,
+    testing::Values(
+        BadRequest{"NoHttp", "hello, is anybody there?\r\n\r\n", "400"},
+        BadRequest{"StrangeHost", "GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n", "403"},
+        BadRequest{"NoHost", "GET / HTTP/1.1\r\nConnection: close\r\n\r\n", "403"},
+        BadRequest{"TwoHosts", "GET / HTTP/1.1\r\nHost: localhost\r\nHost: evil\r\nConnection: close\r\n\r\n", "403"},
+        BadRequest{"StrangeOrigin",
+                   "GET / HTTP/1.1\r\nHost: localhost\r\nOrigin: http://evil.example\r\nConnection: close\r\n\r\n",
+                   "403"},
+        BadRequest{"Climbing", "GET /../../etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", "400"},
+        BadRequest{"EncodedClimbing", "GET /%2e%2e/%2e%2e/etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", "400"},
+        BadRequest{"OtherMethod", "DELETE /a HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", "405"},
+        BadRequest{"HugeHeader", "GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(20000, 'a') + "\r\n\r\n",
+                   "431"},
+        BadRequest{"HugeBody", "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10000000\r\n\r\n", "413"},
+        BadRequest{"TwoLengths",
+                   "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\nContent-Length: 3\r\n\r\nabc", "400"},
+        BadRequest{
+            "LengthAndChunks",
+            "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n",
+            "400"},
+        BadRequest{"PushElsewhere",
+                   "GET /nowhere HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade, close\r\n"
+                   "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n",
+                   "404"}),
+    [](auto const& parameter) { return parameter.param.name; });
+
+TEST_F(ServerTest, RefusesConnectionsBeyondItsLimitAndTakesOthersWhenTheyHaveGone) {
+    Limits limits;
+    limits.connections = 2;
+    start(limits);
+    UniqueFd first = connect();
+    send(first, std::string{"GET /a HTTP/1.1\r\n"} + kHost + "\r\n");
+    receive(first, "GET /a ");
+    UniqueFd const second = connect();
+    send(second, std::string{"GET /a HTTP/1.1\r\n"} + kHost + "\r\n");
+    receive(second, "GET /a ");
+    EXPECT_EQ(receive(connect()), "");
+    first.reset();
+    while (sut_->counters().connections > 1) {
+        std::this_thread::yield();
+    }
+    EXPECT_THAT(exchange(std::string{"GET /a HTTP/1.0\r\n"} + kHost + "\r\n"), HasSubstr("GET /a "));
+}
+
+TEST_F(ServerTest, DropsAClientThatNeverFinishesItsRequest) {
+    Limits limits;
+    limits.request_time = std::chrono::seconds{1};
+    start(limits);
+    UniqueFd const fd = connect();
+    send(fd, "GET / HT");
+    EXPECT_EQ(receive(fd), "");
+}
+
+TEST_F(ServerTest, PushesToAWebSocket) {
+    start();
+    UniqueFd const fd = open_push();
+    sut_->push(client_, std::make_shared<std::string const>("hello"), false);
+    EXPECT_EQ(receive(fd, "hello"), "\x81\x05hello"); // RFC 6455, 5.7
+}
+
+TEST_F(ServerTest, DropsTheOldestMessagesOfAClientThatDoesNotReadAndCountsThem) {
+    Limits limits;
+    limits.push_messages = 4;
+    start(limits);
+    UniqueFd const fd = open_push(4096);
+    for (int i = 0; i < 200; ++i) {
+        sut_->push(client_, std::make_shared<std::string const>(std::string(100'000, 'x') + (i == 199 ? "newest" : "")),
+                   true);
+    }
+    while (sut_->counters().dropped == 0) {
+        std::this_thread::yield();
+    }
+    EXPECT_GT(sut_->dropped(client_), 0U);
+    EXPECT_THAT(receive(fd, "newest"), HasSubstr("newest")); // it reads at last, and gets what is new
+}
+
+TEST_F(ServerTest, NoticesAClientThatLeaves) {
+    start();
+    {
+        UniqueFd const fd = open_push();
+    }
+    while (closed_ == 0) {
+        std::this_thread::yield();
+    }
+    EXPECT_EQ(sut_->counters().push_clients, 0U);
+}
+
+TEST_F(ServerTest, EndsWhileClientsAreConnectedAndDoNotRead) {
+    start();
+    UniqueFd const idle = connect();
+    UniqueFd const push = open_push(4096);
+    for (int i = 0; i < 10; ++i) {
+        sut_->push(client_, std::make_shared<std::string const>(std::string(1'000'000, 'x')), true);
+    }
+    sut_.reset();
+    SUCCEED();
+}
+
+TEST(ListenAt, SaysWhatIsWrongWithAnAddress) {
+    for (char const* bad : {"", "8080", "localhost:80", "127.0.0.1:x", "127.0.0.1:70000", "1.2.3:80"}) {
+        EXPECT_FALSE(listen_at(bad).has_value()) << bad;
+    }
+}
+
+} // namespace
+} // namespace gridspace::web

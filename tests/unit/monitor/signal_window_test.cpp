@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/stream/signal_window.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gmock/gmock.h>
+
+namespace gridspace::stream {
+namespace {
+
+using testing::ElementsAre;
+
+SignalWindow ramp(std::size_t rows, std::size_t capacity) {
+    SignalWindow window{{{"x", "A"}, {"minus_x", "A"}}, capacity};
+    for (std::size_t i = 0; i < rows; ++i) {
+        double const x = static_cast<double>(i);
+        window.append(static_cast<std::int64_t>(i) * 1'000'000'000, std::array{x, -x});
+    }
+    return window;
+}
+
+TEST(SignalWindow, GivesEverySampleWhileThereIsRoomOnTheScreen) {
+    SignalWindow const sut = ramp(5, 100);
+    EXPECT_THAT(sut.plot(0, 0, 10'000'000'000, 100).values, ElementsAre(0, 1, 2, 3, 4));
+    EXPECT_THAT(sut.plot(1, 0, 10'000'000'000, 100).times_s, ElementsAre(0, 1, 2, 3, 4));
+    EXPECT_EQ(sut.newest(1), -4);
+}
+
+TEST(SignalWindow, AddsOnePointOnEachSideOfTheView) {
+    EXPECT_THAT(ramp(10, 100).plot(0, 4'000'000'000, 6'000'000'000, 100).values, ElementsAre(3, 4, 5, 6, 7));
+}
+
+TEST(SignalWindow, KeepsASpikeOfOneSampleHoweverFewColumnsThePlotHas) {
+    SignalWindow sut{{{"x", ""}}, 100'000};
+    for (int i = 0; i < 48'000; ++i) {
+        sut.append(i, std::array{i == 31'337 ? 500.0 : std::sin(i * 0.01)});
+    }
+    Plot const plot = sut.plot(0, 0, 48'000, 50);
+    EXPECT_LE(plot.values.size(), 100U);
+    EXPECT_EQ(*std::max_element(plot.values.begin(), plot.values.end()), 500.0);
+    EXPECT_TRUE(std::is_sorted(plot.times_s.begin(), plot.times_s.end()));
+}
+
+TEST(SignalWindow, KeepsTheExtremesOfLongAgoInBoundedMemory) {
+    SignalWindow sut{{{"x", ""}}, 64};
+    for (int i = 0; i < 10'000; ++i) {
+        sut.append(i * 1000, std::array{i == 17 ? -7.0 : i == 18 ? 9.0 : 0.0});
+    }
+    EXPECT_EQ(sut.oldest_ns(), 0);
+    Plot const all = sut.plot(0, 0, 10'000'000, 500);
+    EXPECT_EQ(*std::min_element(all.values.begin(), all.values.end()), -7.0);
+    EXPECT_EQ(*std::max_element(all.values.begin(), all.values.end()), 9.0);
+    EXPECT_LE(all.values.size(), 2 * 64U);
+    Plot const newest = sut.plot(0, 9'990'000, 9'999'000, 500); // and the newest rows are still as they came
+    EXPECT_EQ(newest.values.size(), 11U);
+}
+
+TEST(SignalWindow, LeavesOutRowsThatCameTwiceOrHaveAnotherWidth) {
+    SignalWindow sut{{{"x", ""}}, 10};
+    sut.append(5, std::array{1.0});
+    sut.append(5, std::array{2.0});
+    sut.append(4, std::array{3.0});
+    sut.append(6, std::array{4.0, 5.0});
+    EXPECT_EQ(sut.rows(), 1U);
+    EXPECT_EQ(sut.newest(0), 1.0);
+}
+
+TEST(SignalWindow, AnswersForNothingWhenThereIsNothing) {
+    SignalWindow const sut{{{"x", ""}}, 10};
+    EXPECT_TRUE(sut.plot(0, 0, 10, 10).values.empty());
+    EXPECT_TRUE(ramp(3, 10).plot(7, 0, 10, 10).values.empty());
+    EXPECT_TRUE(ramp(3, 10).plot(0, 10, 0, 10).values.empty());
+}
+
+} // namespace
+} // namespace gridspace::stream
