@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/time.hpp"
 
+#include "common/text.hpp"
+
 #include <cmath>
 #include <fmt/format.h>
 
@@ -46,6 +48,19 @@ std::string human_duration(double seconds) {
         return fmt::format("{} min {:02} s", whole / 60, whole % 60);
     }
     return fmt::format("{} h {:02} min", whole / 3600, (whole % 3600) / 60);
+}
+
+std::optional<Rational> parse_duration(std::string_view text) {
+    Rational factor{1};
+    for (auto const& [suffix, seconds] : {std::pair{"min", Rational{60}}, {"ms", Rational{1, 1000}}, {"h", Rational{3600}}, {"s", Rational{1}}}) {
+        if (text.ends_with(suffix)) {
+            text.remove_suffix(std::string_view{suffix}.size());
+            factor = seconds;
+            break;
+        }
+    }
+    auto const value = Rational::parse(trim(text));
+    return value && *value > Rational{0} ? std::optional{*value * factor} : std::nullopt;
 }
 
 std::optional<std::int64_t> parse_utc(std::string_view text) {

@@ -126,6 +126,22 @@ int main_function(int argc, char** argv) {
     powerflow_verb->add_flag("--enforce-q-limits", powerflow_arguments.enforce_q_limits, "generators give up their voltage at their reactive limits");
     powerflow_verb->callback([&] { action = [&] { return powerflow(powerflow_arguments); }; });
 
+    SimulateArguments simulate_arguments;
+    CLI::App* simulate_verb = verb("simulate", "simulate a network offline: waveforms or phasors to CSV or COMTRADE");
+    simulate_verb->add_option("NETWORK", simulate_arguments.network, "network file (YAML or MATPOWER)")->required();
+    simulate_verb->add_option("--events", simulate_arguments.events, "YAML file with `events:` as in a scenario");
+    simulate_verb->add_option("--solver", simulate_arguments.solver, "emt (waveforms) or phasor")->check(CLI::IsMember({"emt", "phasor"}));
+    simulate_verb->add_option("--until", simulate_arguments.until, "end at this simulated time: 10s, 5min, 2h");
+    simulate_verb->add_option("--step", simulate_arguments.step, "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
+    simulate_verb->add_option("--signals", simulate_arguments.signals, "what is written: names or patterns, separated by commas")->delimiter(',');
+    simulate_verb->add_flag("--list-signals", simulate_arguments.list_signals, "list what can be written, and end");
+    simulate_verb->add_option("--csv", simulate_arguments.csv, "write a table: time_s first, one header row");
+    simulate_verb->add_option("--comtrade", simulate_arguments.comtrade, "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");
+    simulate_verb->add_option("--every", simulate_arguments.every, "write every n-th step")->check(CLI::PositiveNumber);
+    simulate_verb->add_flag("--timing", simulate_arguments.timing, "print wall time per step and the real-time factor");
+    simulate_verb->add_flag("--quiet", simulate_arguments.quiet, "print nothing but errors");
+    simulate_verb->callback([&] { action = [&] { return simulate(simulate_arguments); }; });
+
     CompareArguments compare_arguments;
     CLI::App* compare_verb = verb("compare", "compare the recordings of two runs: identical, or the first divergence");
     compare_verb->add_option("RUN_A", compare_arguments.a, "run folder or recording")->required();

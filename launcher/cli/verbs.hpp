@@ -47,6 +47,15 @@ struct PowerFlowArguments {
 };
 int powerflow(PowerFlowArguments const& arguments);
 
+struct SimulateArguments {
+    std::filesystem::path network, events, csv, comtrade;
+    std::string solver{"emt"}, until{"1"}, step;
+    std::vector<std::string> signals; ///< patterns; empty: the usual ones
+    std::int64_t every{1};
+    bool timing{false}, quiet{false}, list_signals{false};
+};
+int simulate(SimulateArguments const& arguments);
+
 int report(std::filesystem::path const& run, bool json);
 
 struct ExportArguments {

@@ -174,20 +174,6 @@ void apply_defaults(Node& root, Diagnostics& diagnostics) {
     }
 }
 
-/// "10s", "8h", "1.5min" or a plain number of seconds.
-std::optional<Rational> parse_duration(std::string_view text) {
-    Rational factor{1};
-    for (auto const& [suffix, seconds] : {std::pair{"min", Rational{60}}, {"ms", Rational{1, 1000}}, {"h", Rational{3600}}, {"s", Rational{1}}}) {
-        if (text.ends_with(suffix)) {
-            text.remove_suffix(std::string_view{suffix}.size());
-            factor = seconds;
-            break;
-        }
-    }
-    auto const value = Rational::parse(trim(text));
-    return value && *value > Rational{0} ? std::optional{*value * factor} : std::nullopt;
-}
-
 /// Command-line options become overrides of the tree, so that scenario.resolved.yaml says what was run.
 void apply_options(Node& root, LoadOptions const& options, Diagnostics& diagnostics) {
     int number = 0;

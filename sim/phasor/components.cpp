@@ -12,11 +12,17 @@ namespace gridspace::sim::phasor {
 namespace {
 
 /// Current into the network of something that consumes power s at voltage v. At a dead bus nothing flows.
-Complex consumed(Complex s, Complex v) { return std::norm(v) < 1e-12 ? Complex{} : -std::conj(s / v); }
+Complex consumed(Complex s, Complex v) {
+    return std::norm(v) < 1e-12 ? Complex{} : -std::conj(s / v);
+}
 
-std::vector<SignalDef> powers(std::string const& prefix) { return {{prefix + ".p_kw", "kW"}, {prefix + ".q_kvar", "kvar"}}; }
+std::vector<SignalDef> powers(std::string const& prefix) {
+    return {{prefix + ".p_kw", "kW"}, {prefix + ".q_kvar", "kvar"}};
+}
 
-double part(Complex s, std::size_t signal) { return signal == 0 ? s.real() : s.imag(); }
+double part(Complex s, std::size_t signal) {
+    return signal == 0 ? s.real() : s.imag();
+}
 
 } // namespace
 
@@ -53,7 +59,9 @@ Complex LoadComponent::flow(double t, std::span<double const> x, Complex v, std:
     return consumed(power(t, x, std::abs(v)), v);
 }
 
-std::vector<SignalDef> LoadComponent::signals() const { return powers("load." + load_.name.name); }
+std::vector<SignalDef> LoadComponent::signals() const {
+    return powers("load." + load_.name.name);
+}
 
 double LoadComponent::value(std::size_t signal, double t, std::span<double const> x, Complex v) const {
     return part(power(t, x, std::abs(v)), signal) * base_kva_;
@@ -77,13 +85,16 @@ Complex PvComponent::flow(double t, std::span<double const>, Complex v, std::spa
     return consumed(-power(t), v);
 }
 
-std::vector<SignalDef> PvComponent::signals() const { return powers("pv." + pv_.name.name); }
+std::vector<SignalDef> PvComponent::signals() const {
+    return powers("pv." + pv_.name.name);
+}
 
 double PvComponent::value(std::size_t signal, double t, std::span<double const>, Complex) const {
     return part(power(t), signal) * base_kva_;
 }
 
-EvComponent::EvComponent(Ev const& ev, std::size_t bus, double base_kva) : Component{bus}, ev_{ev}, base_kva_{base_kva} {}
+EvComponent::EvComponent(Ev const& ev, std::size_t bus, double base_kva)
+    : Component{bus}, ev_{ev}, base_kva_{base_kva} {}
 
 void EvComponent::start(double, Complex, std::span<double> x) {
     x[0] = 0;
@@ -91,7 +102,9 @@ void EvComponent::start(double, Complex, std::span<double> x) {
     full_ = ev_.soc_start_percent >= ev_.soc_stop_percent;
 }
 
-double EvComponent::power_kw(double current_a) const { return current_a * ev_.battery_v / ev_.efficiency / 1e3; }
+double EvComponent::power_kw(double current_a) const {
+    return current_a * ev_.battery_v / ev_.efficiency / 1e3;
+}
 
 Complex EvComponent::flow(double, std::span<double const> x, Complex v, std::span<double> dx) const {
     bool const charging = connected_ && !full_;
@@ -103,7 +116,9 @@ Complex EvComponent::flow(double, std::span<double const> x, Complex v, std::spa
     return consumed(Complex{power_kw(current) / base_kva_, 0}, v);
 }
 
-double EvComponent::event(double, std::span<double const> x) const { return ev_.soc_stop_percent - x[1]; }
+double EvComponent::event(double, std::span<double const> x) const {
+    return ev_.soc_stop_percent - x[1];
+}
 
 void EvComponent::on_event(std::span<double> x) {
     full_ = true;
@@ -111,11 +126,16 @@ void EvComponent::on_event(std::span<double> x) {
     x[1] = ev_.soc_stop_percent;
 }
 
-void EvComponent::set_reference(double current_a) { reference_a_ = std::clamp(current_a, 0.0, ev_.max_current_a); }
+void EvComponent::set_reference(double current_a) {
+    reference_a_ = std::clamp(current_a, 0.0, ev_.max_current_a);
+}
 
 std::vector<SignalDef> EvComponent::signals() const {
     std::string const prefix = "ev." + ev_.name.name;
-    return {{prefix + ".soc_percent", "%"}, {prefix + ".current_a", "A"}, {prefix + ".reference_a", "A"}, {prefix + ".p_kw", "kW"}};
+    return {{prefix + ".soc_percent", "%"},
+            {prefix + ".current_a", "A"},
+            {prefix + ".reference_a", "A"},
+            {prefix + ".p_kw", "kW"}};
 }
 
 double EvComponent::value(std::size_t signal, double, std::span<double const> x, Complex) const {
@@ -136,15 +156,16 @@ SourceComponent::SourceComponent(Network const& network, Source const& source, s
     : Component{bus}, name_{source.name.name}, base_kva_{network.power_kva},
       emf_{std::polar(source.voltage_pu, source.angle_deg * std::numbers::pi / 180)} {
     double const omega = 2 * std::numbers::pi * network.frequency_hz;
-    admittance_ =
-        base_impedance(network, network.buses[bus]) / Complex{source.r_ohm, omega * source.l_mh * 1e-3};
+    admittance_ = base_impedance(network, network.buses[bus]) / Complex{source.r_ohm, omega * source.l_mh * 1e-3};
 }
 
 Complex SourceComponent::flow(double, std::span<double const>, Complex v, std::span<double>) const {
     return (emf_ - v) * admittance_;
 }
 
-std::vector<SignalDef> SourceComponent::signals() const { return powers("source." + name_); }
+std::vector<SignalDef> SourceComponent::signals() const {
+    return powers("source." + name_);
+}
 
 double SourceComponent::value(std::size_t signal, double, std::span<double const>, Complex v) const {
     return part(v * std::conj((emf_ - v) * admittance_), signal) * base_kva_;
@@ -157,7 +178,9 @@ Complex FixedPowerComponent::flow(double, std::span<double const>, Complex v, st
     return connected_ ? consumed(-power_, v) : Complex{};
 }
 
-std::vector<SignalDef> FixedPowerComponent::signals() const { return powers("generator." + name_); }
+std::vector<SignalDef> FixedPowerComponent::signals() const {
+    return powers("generator." + name_);
+}
 
 double FixedPowerComponent::value(std::size_t signal, double, std::span<double const>, Complex) const {
     return connected_ ? part(power_, signal) * base_kva_ : 0;

@@ -22,9 +22,9 @@ struct DaeSolver::Impl {
     N_Vector y{nullptr}, yp{nullptr}, id{nullptr};
     SUNMatrix matrix{nullptr};
     SUNLinearSolver linear{nullptr};
-    std::vector<int> slots;      ///< of the problem's Jacobian values in the matrix data
+    std::vector<int> slots; ///< of the problem's Jacobian values in the matrix data
     std::vector<double> values;
-    std::string failure;         ///< of a callback
+    std::string failure; ///< of a callback
     bool dense;
 
     Impl(DaeProblem& p, DaeOptions o) : problem{p}, options{o}, dense{p.size() <= o.dense_up_to} {

@@ -25,7 +25,8 @@ class DaeProblem {
     virtual void residual(double t, std::span<double const> y, std::span<double const> yp, std::span<double> f) = 0;
     /// All places that jacobian() may fill, in the order of its values; repeated places add up.
     [[nodiscard]] virtual std::vector<SparsityEntry> sparsity() const = 0;
-    virtual void jacobian(double t, double c, std::span<double const> y, std::span<double const> yp, std::span<double> values) = 0;
+    virtual void jacobian(double t, double c, std::span<double const> y, std::span<double const> yp,
+                          std::span<double> values) = 0;
     /// Event functions; the solver stops where one crosses zero.
     [[nodiscard]] virtual std::size_t events() const { return 0; }
     virtual void event_values(double /*t*/, std::span<double const> /*y*/, std::span<double> /*g*/) {}

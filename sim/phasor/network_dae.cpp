@@ -72,7 +72,8 @@ Complex NetworkDae::network_current(std::size_t bus, std::span<double const> y) 
 Complex NetworkDae::component_current(std::size_t bus, double t, std::span<double const> y) const {
     Complex current{};
     for (std::size_t const k : components_at_[bus]) {
-        current += components_[k]->flow(t, states_of(k, y), voltage(bus, y), {scratch_.data(), components_[k]->states()});
+        current +=
+            components_[k]->flow(t, states_of(k, y), voltage(bus, y), {scratch_.data(), components_[k]->states()});
     }
     return current;
 }
@@ -160,7 +161,8 @@ void NetworkDae::assemble(double t, double c, std::span<double const> y, Emit co
             std::span<double> const dx{scratch_.data(), count};
             std::span<double> const dx_moved{slopes_.data(), count};
             Complex const at = components_[k]->flow(t, x, v, dx);
-            auto const column_of = [&](std::size_t column, double step, std::span<double const> x_moved, Complex v_moved) {
+            auto const column_of = [&](std::size_t column, double step, std::span<double const> x_moved,
+                                       Complex v_moved) {
                 Complex const moved = components_[k]->flow(t, x_moved, v_moved, dx_moved);
                 enter(column, (moved - at) / step);
                 for (std::size_t s = 0; s < count; ++s) {

@@ -14,14 +14,14 @@ namespace gridspace::sim::phasor {
 /// How the voltage of a bus is found.
 struct BusRule {
     enum class Kind {
-        balance,    ///< currents add up to zero
-        held,       ///< an ideal source: voltage given
-        regulated,  ///< a generator holds |v| and gives a power
-        dead,       ///< nothing feeds it
+        balance,   ///< currents add up to zero
+        held,      ///< an ideal source: voltage given
+        regulated, ///< a generator holds |v| and gives a power
+        dead,      ///< nothing feeds it
     } kind{Kind::balance};
-    Complex v;          ///< held
-    double v_set{1};    ///< regulated
-    double p{0};        ///< regulated: generated power, p.u.
+    Complex v;       ///< held
+    double v_set{1}; ///< regulated
+    double p{0};     ///< regulated: generated power, p.u.
 };
 
 /// The equations of network and components. Unknowns: all component states, then real and imaginary part of each bus
@@ -57,7 +57,8 @@ class NetworkDae final : public DaeProblem {
         Complex y;
     };
     /// Calls emit(row, column, value) for every place of the Jacobian, always in the same order.
-    template <class Emit> void assemble(double t, double c, std::span<double const> y, Emit const& emit) const;
+    template <class Emit>
+    void assemble(double t, double c, std::span<double const> y, Emit const& emit) const;
 
     std::vector<std::unique_ptr<Component>> const& components_;
     std::size_t buses_;

@@ -4,6 +4,8 @@
 
 #include "common/text.hpp"
 #include "sim/phasor/components.hpp"
+#include "sim/phasor/faults.hpp"
+#include "sim/phasor/machine_component.hpp"
 #include "sim/phasor/network_dae.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
@@ -41,6 +43,10 @@ class PhasorEngine final : public Engine {
         }
         for (std::size_t i = 0; i < network_.buses.size(); ++i) {
             dae_->set_voltage(i, flow->buses[i].v, y_);
+        }
+        for (std::size_t m = 0; m < machines_.size(); ++m) {
+            machines_[m]->set_start_power(Complex{flow->machines[m].p_kw, flow->machines[m].q_kvar} /
+                                          network_.power_kva);
         }
         for (std::size_t k = 0; k < components_.size(); ++k) {
             components_[k]->start(0, flow->buses[components_[k]->bus()].v, dae_->states_of(k, std::span{y_}));
@@ -110,8 +116,25 @@ class PhasorEngine final : public Engine {
                 return {};
             }
         }
+        for (std::size_t m = 0; m < machines_.size() && path.size() == 3 && path[0] == "machines"; ++m) {
+            Machine& machine = network_.machines[m];
+            if (path[1] != machine.name.name) {
+                continue;
+            }
+            if (path[2] == "p_kw") {
+                machines_[m]->setpoints().p_ref += (a.value - machine.p_kw) / machine.rating_kva;
+                machine.p_kw = a.value;
+            } else if (path[2] == "voltage_setpoint_pu") {
+                machines_[m]->setpoints().v_ref += a.value - machine.voltage_setpoint_pu;
+                machine.voltage_setpoint_pu = a.value;
+            } else {
+                break;
+            }
+            input_changed_ = true;
+            return {};
+        }
         return fail(ExitCode::usage, fmt::format("'{}' cannot be changed while a phasor simulation runs", a.path),
-                    "loads.<name>.p_kw can");
+                    "loads.<name>.p_kw, machines.<name>.p_kw and .voltage_setpoint_pu can");
     }
     Result<void> act(Disconnect const& a) {
         if (auto const it = switchable_.find(a.element); it != switchable_.end()) {
@@ -131,22 +154,44 @@ class PhasorEngine final : public Engine {
         set_topology();
         return {};
     }
-    Result<void> act(ApplyFault const&) {
-        return fail(ExitCode::usage, "the balanced phasor simulation has no faults yet", "use `solver: emt`");
+    Result<void> act(ApplyFault const& a) {
+        auto ok = faults_.apply(network_, a);
+        if (ok) {
+            set_topology();
+        }
+        return ok;
     }
-    Result<void> act(ClearFault const&) { return {}; }
+    Result<void> act(ClearFault const& a) {
+        auto ok = faults_.clear(a.name);
+        if (ok) {
+            set_topology();
+        }
+        return ok;
+    }
 
     Scale scale_of(Ref const& name) const {
         Profile const* profile = find(network_.profiles, name.name);
         if (profile == nullptr) {
             return [](double) { return 1.0; };
         }
-        return [profile, start = options_.start_hour_of_day](double t) { return profile_value(*profile, t / 3600, start); };
+        return [profile, start = options_.start_hour_of_day](double t) {
+            return profile_value(*profile, t / 3600, start);
+        };
+    }
+
+    std::size_t component_index(Component const* component) const {
+        for (std::size_t k = 0; k < components_.size(); ++k) {
+            if (components_[k].get() == component) {
+                return k;
+            }
+        }
+        return components_.size();
     }
 
     std::size_t bus_of(Ref const& bus) const { return index_of(network_.buses, bus.name); }
 
-    template <class C> C* add(std::unique_ptr<C> component) {
+    template <class C>
+    C* add(std::unique_ptr<C> component) {
         C* raw = component.get();
         components_.push_back(std::move(component));
         return raw;
@@ -173,6 +218,11 @@ class PhasorEngine final : public Engine {
                 add(std::make_unique<SourceComponent>(network_, source, bus_of(source.bus)));
             }
         }
+        for (Machine const& machine : network_.machines) {
+            auto* c = add(std::make_unique<MachineComponent>(network_, machine, bus_of(machine.bus)));
+            machines_.push_back(c);
+            switchable_[machine.name.name] = [c] { c->set_connected(false); };
+        }
         for (Generator const& g : network_.generators) {
             if (g.role == GeneratorRole::pq) {
                 auto* c = add(std::make_unique<FixedPowerComponent>(g.name.name, Complex{g.p_kw, g.q_kvar} / base,
@@ -189,6 +239,7 @@ class PhasorEngine final : public Engine {
         for (Shunt const& s : network_.shunts) {
             shunts[bus_of(s.bus)] += Complex{s.p_kw, s.q_kvar} / network_.power_kva;
         }
+        faults_.enter(network_, switches_, branches, shunts);
         std::vector<BusRule> rules(network_.buses.size());
         std::vector<bool> fed(network_.buses.size(), false);
         for (Source const& s : network_.sources) {
@@ -196,6 +247,9 @@ class PhasorEngine final : public Engine {
             if (s.r_ohm == 0 && s.l_mh == 0) {
                 rules[bus_of(s.bus)] = {BusRule::Kind::held, std::polar(s.voltage_pu, s.angle_deg / kDegrees), 1, 0};
             }
+        }
+        for (Machine const& m : network_.machines) {
+            fed[bus_of(m.bus)] = true;
         }
         for (Generator const& g : network_.generators) {
             BusRule& rule = rules[bus_of(g.bus)];
@@ -210,7 +264,8 @@ class PhasorEngine final : public Engine {
         mark_dead(branches, fed, rules);
         dae_->set_network(branches, shunts, rules);
         branches_ = std::move(branches);
-        solver_ = std::make_unique<DaeSolver>(*dae_, DaeOptions{options_.relative_tolerance, options_.absolute_tolerance});
+        solver_ =
+            std::make_unique<DaeSolver>(*dae_, DaeOptions{options_.relative_tolerance, options_.absolute_tolerance});
         for (std::size_t i = 0; i < rules.size(); ++i) {
             // A bus that comes back to life starts near nominal voltage.
             if (rules[i].kind != BusRule::Kind::dead && std::abs(dae_->voltage(i, y_)) < 0.01) {
@@ -269,8 +324,8 @@ class PhasorEngine final : public Engine {
             signal(bus + ".p_kw", "kW", [net, base] { return net().real() * base; });
             signal(bus + ".q_kvar", "kvar", [net, base] { return net().imag() * base; });
         }
-        auto const branch_signals = [&](TwoPort::Kind kind, std::string const& prefix, std::size_t element, double amperes_from,
-                                        double amperes_to) {
+        auto const branch_signals = [&](TwoPort::Kind kind, std::string const& prefix, std::size_t element,
+                                        double amperes_from, double amperes_to) {
             for (bool const from : {true, false}) {
                 auto const current = [this, kind, element, from]() -> std::pair<Complex, Complex> {
                     for (TwoPort const& b : branches_) {
@@ -283,8 +338,14 @@ class PhasorEngine final : public Engine {
                 };
                 std::string const end = prefix + (from ? ".from" : ".to");
                 double const amperes = from ? amperes_from : amperes_to;
-                signal(end + ".p_kw", "kW", [current, base] { auto const [v, i] = current(); return (v * std::conj(i)).real() * base; });
-                signal(end + ".q_kvar", "kvar", [current, base] { auto const [v, i] = current(); return (v * std::conj(i)).imag() * base; });
+                signal(end + ".p_kw", "kW", [current, base] {
+                    auto const [v, i] = current();
+                    return (v * std::conj(i)).real() * base;
+                });
+                signal(end + ".q_kvar", "kvar", [current, base] {
+                    auto const [v, i] = current();
+                    return (v * std::conj(i)).imag() * base;
+                });
                 signal(end + ".i_a", "A", [current, amperes] { return std::abs(current().second) * amperes; });
             }
         };
@@ -312,6 +373,18 @@ class PhasorEngine final : public Engine {
                 });
             }
         }
+        if (!machines_.empty()) {
+            signal("system.coi_hz", "Hz", [this] {
+                double weighted = 0, weight = 0;
+                for (MachineComponent const* m : machines_) {
+                    auto const x = dae_->states_of(component_index(m), std::span<double const>{y_});
+                    double const inertia = m->data().h * m->data().rating_kva;
+                    weighted += inertia * m->value(0, t_, x, dae_->voltage(m->bus(), y_));
+                    weight += inertia;
+                }
+                return weighted / weight;
+            });
+        }
         for (Generator const& g : network_.generators) {
             if (g.role != GeneratorRole::pq) {
                 // What the bus needs beyond its other components; shared equally where several hold one bus.
@@ -322,7 +395,8 @@ class PhasorEngine final : public Engine {
                     }));
                 auto const power = [this, bus, holders] {
                     Complex const v = dae_->voltage(bus, y_);
-                    return v * std::conj(dae_->network_current(bus, y_) - dae_->component_current(bus, t_, y_)) / holders;
+                    return v * std::conj(dae_->network_current(bus, y_) - dae_->component_current(bus, t_, y_)) /
+                           holders;
                 };
                 signal("generator." + g.name.name + ".p_kw", "kW", [power, base] { return power().real() * base; });
                 signal("generator." + g.name.name + ".q_kvar", "kvar", [power, base] { return power().imag() * base; });
@@ -334,6 +408,8 @@ class PhasorEngine final : public Engine {
     PhasorOptions options_;
     SwitchState switches_;
     std::vector<std::unique_ptr<Component>> components_;
+    std::vector<MachineComponent*> machines_;
+    Faults faults_;
     std::map<std::string, EvComponent*> evs_;
     std::map<std::string, LoadComponent*> loads_;
     std::map<std::string, std::function<void()>> switchable_;
@@ -350,12 +426,6 @@ class PhasorEngine final : public Engine {
 } // namespace
 
 Result<std::unique_ptr<Engine>> make_phasor_engine(Network network, PhasorOptions options) {
-    if (!network.machines.empty()) {
-        return fail(ExitCode::usage,
-                    fmt::format("machine '{}': the phasor solver has no synchronous machines yet",
-                                network.machines.front().name.name),
-                    "use `solver: emt`, or a generator with a role");
-    }
     return std::make_unique<PhasorEngine>(std::move(network), options);
 }
 

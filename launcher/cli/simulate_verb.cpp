@@ -1,0 +1,293 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// gridspace simulate: a network on its own, without a bus and other processes.
+#include "common/config/yaml.hpp"
+#include "common/text.hpp"
+#include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
+#include "launcher/run/progress.hpp"
+#include "recorder/comtrade/comtrade_writer.hpp"
+#include "sim/app/engine_factory.hpp"
+#include "sim/network/network_config.hpp"
+#include "sim/runtime/simulation.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <fstream>
+#include <unistd.h>
+
+namespace gridspace::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What is written of the simulation, row by row.
+class Output {
+  public:
+    Output(sim::Engine const& engine, std::vector<std::size_t> columns)
+        : engine_{engine}, columns_{std::move(columns)} {}
+
+    Result<void> open_csv(std::filesystem::path const& file) {
+        csv_.open(file);
+        if (!csv_) {
+            return fail(ExitCode::environment, fmt::format("cannot write {}", file.string()),
+                        "does the folder exist, and may you write there?");
+        }
+        std::string header = "time_s";
+        for (std::size_t const c : columns_) {
+            header += "," + engine_.signals()[c].name;
+        }
+        csv_ << header << '\n';
+        return {};
+    }
+
+    Result<void> open_comtrade(std::filesystem::path const& file, double frequency_hz, double rate_hz,
+                               double trigger_s) {
+        ComtradeHeader header;
+        header.line_frequency_hz = frequency_hz;
+        header.sample_rate_hz = rate_hz;
+        header.trigger_s = trigger_s;
+        for (std::size_t const c : columns_) {
+            sim::SignalDef const& s = engine_.signals()[c];
+            std::string const tail = s.name.substr(s.name.rfind('.') + 1);
+            std::string const phase = tail == "a" || tail == "b" || tail == "c" ? tail : "";
+            (s.unit == "dpc" ? header.digital : header.analog).push_back({s.name, phase, s.unit});
+        }
+        auto writer = ComtradeWriter::create(file, std::move(header));
+        if (!writer) {
+            return std::unexpected{writer.error()};
+        }
+        comtrade_.emplace(std::move(*writer));
+        return {};
+    }
+
+    void row(double t) {
+        if (csv_.is_open()) {
+            line_.clear();
+            fmt::format_to(std::back_inserter(line_), "{}", t);
+            for (std::size_t const c : columns_) {
+                fmt::format_to(std::back_inserter(line_), ",{}", engine_.value(c));
+            }
+            line_.push_back('\n');
+            csv_.write(line_.data(), static_cast<std::streamsize>(line_.size()));
+        }
+        if (comtrade_) {
+            analog_.clear();
+            std::size_t digital = 0;
+            for (std::size_t const c : columns_) {
+                double const value = engine_.value(c);
+                if (engine_.signals()[c].unit == "dpc") {
+                    digital_[digital++] = value == 2; // closed
+                } else {
+                    analog_.push_back(value);
+                }
+            }
+            comtrade_->row(analog_, {digital_.get(), digital});
+        }
+    }
+
+    Result<void> finish(std::filesystem::path const& csv) {
+        if (csv_.is_open()) {
+            csv_.close();
+            if (!csv_) {
+                return fail(ExitCode::environment, fmt::format("cannot write {}", csv.string()), "is the disk full?");
+            }
+        }
+        return comtrade_ ? comtrade_->finish() : Result<void>{};
+    }
+
+  private:
+    sim::Engine const& engine_;
+    std::vector<std::size_t> columns_;
+    std::ofstream csv_;
+    std::optional<ComtradeWriter> comtrade_;
+    std::string line_;
+    std::vector<double> analog_;
+    std::unique_ptr<bool[]> digital_{std::make_unique<bool[]>(columns_.size())};
+};
+
+/// Signals that match one of the patterns, in the order of the patterns; a pattern that was asked for and matches
+/// nothing is a mistake.
+Result<std::vector<std::size_t>> select(sim::Engine const& engine, std::vector<std::string> const& asked,
+                                        std::vector<std::string> const& usual) {
+    std::vector<std::string> const& patterns = asked.empty() ? usual : asked;
+    std::vector<std::size_t> out;
+    std::vector<std::string> names;
+    for (sim::SignalDef const& s : engine.signals()) {
+        names.push_back(s.name);
+    }
+    for (std::string const& pattern : patterns) {
+        bool any = false;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            if (matches_glob(pattern, names[i])) {
+                any = true;
+                if (std::find(out.begin(), out.end(), i) == out.end()) {
+                    out.push_back(i);
+                }
+            }
+        }
+        if (!any && !asked.empty()) {
+            auto const near = nearest_spelling(pattern, names);
+            return fail(ExitCode::usage, fmt::format("no signal matches '{}'", pattern),
+                        near ? fmt::format("did you mean '{}'?", *near) : "--list-signals shows what there is");
+        }
+    }
+    return out;
+}
+
+std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& file, sim::Network const& network,
+                                                   config::Diagnostics& diagnostics) {
+    std::vector<sim::Event> events;
+    if (file.empty()) {
+        return events;
+    }
+    auto const root = config::load_yaml(file, diagnostics);
+    if (!root) {
+        return std::nullopt;
+    }
+    config::read_fields(*root, "", diagnostics, [&](config::Fields& f) { sim::describe_events(f, events); });
+    if (diagnostics.ok()) {
+        sim::check_events(events, network, diagnostics);
+    }
+    for (sim::Event const& e : events) {
+        for (config::Ref const* process : {&e.kill, &e.pause, &e.resume, &e.restart}) {
+            if (!process->empty()) {
+                diagnostics.error(process->where,
+                                  fmt::format("event '{}' acts on the process '{}', but there are no processes here",
+                                              e.name.name, process->name));
+            }
+        }
+    }
+    return diagnostics.ok() ? std::optional{std::move(events)} : std::nullopt;
+}
+
+void print_timing(std::vector<float>& step_us, double simulated_s) {
+    double total_s = 0;
+    for (float const us : step_us) {
+        total_s += 1e-6 * us;
+    }
+    std::sort(step_us.begin(), step_us.end());
+    auto const at = [&](double share) {
+        return step_us[std::min(step_us.size() - 1,
+                                static_cast<std::size_t>(share * static_cast<double>(step_us.size())))];
+    };
+    fmt::print(stderr, "step wall time, us: p50 {:.2f}  p99 {:.2f}  p99.9 {:.2f}  max {:.2f}\n", at(0.5), at(0.99),
+               at(0.999), step_us.back());
+    fmt::print(stderr, "{} steps, {:.4g} s simulated in {:.3g} s without output: {:.1f} times real time\n",
+               step_us.size(), simulated_s, total_s, simulated_s / total_s);
+}
+
+} // namespace
+
+int simulate(SimulateArguments const& a) {
+    config::Diagnostics diagnostics;
+    auto network = sim::load_network(a.network, diagnostics);
+    auto const events = network ? read_events(a.events, *network, diagnostics) : std::nullopt;
+    if (!network || !events) {
+        fmt::print(stderr, "{}\n", diagnostics.render());
+        return static_cast<int>(ExitCode::usage);
+    }
+    bool const emt = a.solver == "emt";
+    auto const until = parse_duration(a.until);
+    auto const step = Rational::parse(a.step.empty() ? (emt ? "1/48000" : "1/1000") : a.step);
+    if (!until) {
+        return print_error(
+            {ExitCode::usage, fmt::format("--until '{}' is not a duration", a.until), "for example 10s, 5min or 2h"});
+    }
+    if (!step || *step <= Rational{0}) {
+        return print_error(
+            {ExitCode::usage, fmt::format("--step '{}' is not a time in seconds", a.step), "for example 1/48000"});
+    }
+    std::vector<sim::TimedAction> const timeline = sim::timeline(*events);
+    sim::SimulationConfig simulation;
+    simulation.solver = emt ? sim::SolverKind::emt : sim::SolverKind::phasor;
+    simulation.step_s = *step;
+    // Every step and every event is a whole number of quanta: nothing is rounded to a grid.
+    Rational quantum = *step;
+    try {
+        for (sim::TimedAction const& t : timeline) {
+            quantum = t.at_s > Rational{0} ? common_divisor(quantum, t.at_s) : quantum;
+        }
+    } catch (std::overflow_error const&) {
+        return print_error({ExitCode::usage, "the times of the events and the step have no common fraction",
+                            "write them with fewer digits"});
+    }
+    TimeBase const base{quantum};
+    double const frequency_hz = network->frequency_hz;
+    std::string const name = network->name;
+    auto engine = sim::make_engine(simulation, std::move(*network), base);
+    if (!engine) {
+        return print_error(engine.error());
+    }
+    if (a.list_signals) {
+        for (sim::SignalDef const& s : (*engine)->signals()) {
+            fmt::print("{:<36} {}\n", s.name, s.unit.empty() ? "-" : s.unit);
+        }
+        return 0;
+    }
+    auto const columns =
+        select(**engine, a.signals, {"bus.*.v_pu", "machine.*.frequency_hz", "breaker.*.position", "system.*"});
+    if (!columns) {
+        return print_error(columns.error());
+    }
+    Output output{**engine, *columns};
+    double const trigger_s = timeline.empty() ? 0 : timeline.front().at_s.to_double();
+    if (!a.csv.empty()) {
+        if (auto ok = output.open_csv(a.csv); !ok) {
+            return print_error(ok.error());
+        }
+    }
+    if (!a.comtrade.empty()) {
+        if (auto ok = output.open_comtrade(a.comtrade, frequency_hz, 1 / step->to_double() / a.every, trigger_s); !ok) {
+            return print_error(ok.error());
+        }
+    }
+    sim::Simulation run{std::move(*engine), {base, base.nearest(*step)}, timeline};
+    double const duration_s = until->to_double();
+    using Style = launcher::Progress::Style;
+    launcher::Progress progress{a.quiet                        ? Style::quiet
+                                : ::isatty(STDERR_FILENO) != 0 ? Style::terminal
+                                                               : Style::plain,
+                                name, duration_s};
+    run.on_event(
+        [&](SimTime t, sim::TimedAction const& action) { progress.event(base.seconds(t), a.solver, action.event); });
+    std::vector<float> step_us;
+    std::int64_t count = 0;
+    Clock::time_point before = Clock::now();
+    auto const observer = [&](SimTime t) {
+        if (a.timing) {
+            if (count > 0) {
+                step_us.push_back(std::chrono::duration<float, std::micro>(Clock::now() - before).count());
+            }
+        }
+        if (count % a.every == 0) {
+            output.row(base.seconds(t));
+        }
+        if (count++ % 4096 == 0) {
+            progress.update(base.seconds(t), 0);
+        }
+        if (a.timing) {
+            before = Clock::now();
+        }
+    };
+    auto done = run.start(observer);
+    if (done) {
+        done = run.run_until(SimTime{} + base.nearest(*until), observer);
+    }
+    progress.finish();
+    auto const written = output.finish(a.csv);
+    if (!done) {
+        return print_error(done.error());
+    }
+    if (!written) {
+        return print_error(written.error());
+    }
+    if (a.timing && !step_us.empty()) {
+        print_timing(step_us, duration_s);
+    }
+    return 0;
+}
+
+} // namespace gridspace::cli

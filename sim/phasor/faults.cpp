@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/phasor/faults.hpp"
+
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace gridspace::sim::phasor {
+namespace {
+
+constexpr double kLeastOhm = 1e-6;
+/// A fault nearer to an end of a line than this share is at this share.
+constexpr double kLeastShare = 1e-6;
+
+/// A line with a fault admittance inside, seen from its buses: nodes `from`, fault, `to`, of which open ends and the
+/// fault are eliminated (Kron).
+void put_on_line(Network const& n, SwitchState const& switches, ApplyFault const& fault, TwoPort& port) {
+    Line const& line = n.lines[port.element];
+    LineTotals const t = line_totals(n, line);
+    double const omega = 2 * std::numbers::pi * n.frequency_hz;
+    double const z_base = base_impedance(n, n.buses[port.from]);
+    Complex const series = z_base / Complex{t.r_ohm, omega * t.l_h};
+    Complex const half{0, omega * t.c_f / 2 * z_base};
+    double const share = std::clamp(fault.position_percent / 100, kLeastShare, 1 - kLeastShare);
+    Complex const near = series / share, far = series / (1 - share);
+    Complex const y_fault = z_base / std::max(fault.resistance_ohm, kLeastOhm);
+    std::array<std::array<Complex, 3>, 3> y{}; // from, to, fault
+    y[0][0] = near + half;
+    y[1][1] = far + half;
+    y[2][2] = near + far + y_fault;
+    y[0][2] = y[2][0] = -near;
+    y[1][2] = y[2][1] = -far;
+    auto const eliminate = [&](std::size_t k) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                if (i != k && j != k) {
+                    y[i][j] -= y[i][k] * y[k][j] / y[k][k];
+                }
+            }
+        }
+        for (std::size_t i = 0; i < 3; ++i) {
+            y[i][k] = y[k][i] = 0;
+        }
+    };
+    eliminate(2);
+    if (!switches.closed(n, line.name.name, LineEnd::from)) {
+        eliminate(0);
+    }
+    if (!switches.closed(n, line.name.name, LineEnd::to)) {
+        eliminate(1);
+    }
+    port.ff = y[0][0];
+    port.ft = y[0][1];
+    port.tf = y[1][0];
+    port.tt = y[1][1];
+}
+
+} // namespace
+
+Result<void> Faults::apply(Network const& n, ApplyFault const& f) {
+    if (f.type != FaultType::three_phase_ground && f.type != FaultType::three_phase) {
+        return fail(ExitCode::usage, fmt::format("fault '{}' is unbalanced, and phasors are balanced", f.name),
+                    "use `solver: emt`");
+    }
+    if (f.line.empty() ? find(n.buses, f.bus) == nullptr : find(n.lines, f.line) == nullptr) {
+        return fail(ExitCode::usage, fmt::format("there is no {} '{}'", f.line.empty() ? "bus" : "line",
+                                                 f.line.empty() ? f.bus : f.line));
+    }
+    for (auto const& [name, other] : active_) {
+        if (!f.line.empty() && other.line == f.line && name != f.name) {
+            return fail(ExitCode::usage, fmt::format("line '{}' already has the fault '{}'", f.line, name),
+                        "use `solver: emt`");
+        }
+    }
+    active_[f.name] = known_[f.name] = f;
+    return {};
+}
+
+Result<void> Faults::clear(std::string const& name) {
+    if (!known_.contains(name)) {
+        return fail(ExitCode::usage, fmt::format("there is no fault '{}' to clear", name));
+    }
+    active_.erase(name);
+    return {};
+}
+
+void Faults::enter(Network const& n, SwitchState const& switches, std::vector<TwoPort>& branches,
+                   std::vector<Complex>& shunts) const {
+    for (auto const& [name, f] : active_) {
+        if (f.line.empty()) {
+            std::size_t const bus = index_of(n.buses, f.bus);
+            shunts[bus] += base_impedance(n, n.buses[bus]) / std::max(f.resistance_ohm, kLeastOhm);
+            continue;
+        }
+        for (TwoPort& b : branches) {
+            if (b.kind == TwoPort::Kind::line && n.lines[b.element].name.name == f.line) {
+                put_on_line(n, switches, f, b);
+            }
+        }
+    }
+}
+
+} // namespace gridspace::sim::phasor

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/phasor/machine_component.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gridspace::sim::phasor {
+namespace {
+
+using machines::State;
+
+/// A regulator without time constant would be algebraic; this is fast against everything that phasors show.
+constexpr double kFastest = 1e-3;
+
+void soften(double& t) {
+    t = std::max(t, kFastest);
+}
+
+State state_of(std::span<double const> x) {
+    State s;
+    std::copy_n(x.begin(), s.size(), s.begin());
+    return s;
+}
+
+} // namespace
+
+MachineComponent::MachineComponent(Network const& network, Machine const& machine, std::size_t bus)
+    : Component{bus}, name_{machine.name.name}, data_{machines::machine_data(network, machine)},
+      w0_{2 * std::numbers::pi * network.frequency_hz}, to_network_{machine.rating_kva / network.power_kva},
+      base_hz_{network.frequency_hz} {
+    if (data_.avr) {
+        soften(data_.avr->ta_s);
+        soften(data_.avr->tr_s);
+    }
+    if (data_.governor) {
+        soften(data_.governor->tg_s);
+        soften(data_.governor->tt_s);
+    }
+}
+
+void MachineComponent::start(double, Complex v, std::span<double> x) {
+    Complex const i = v == Complex{} ? Complex{} : std::conj(start_power_ / to_network_ / v);
+    auto const start = machines::steady_state(data_, v, i);
+    set_ = start.set;
+    std::copy(start.x.begin(), start.x.end(), x.begin());
+}
+
+MachineComponent::Stator MachineComponent::stator(State const& x, Complex v) const {
+    Complex const to_rotor = std::polar(1.0, std::numbers::pi / 2 - x[machines::kAngle]);
+    Stator s;
+    // Fluxes without the part that currents make of unequal axes; the axes have their own reactances here.
+    machines::Flux const flux = machines::subtransient_flux(data_, x, 0, 0);
+    if (!connected_) {
+        s.v = std::hypot(flux.d, flux.q);
+        return s;
+    }
+    Complex const dq = v * to_rotor;
+    // vd + ra id - xq'' iq = -psi_q'',  vq + ra iq + xd'' id = psi_d''
+    double const a = -(flux.q + dq.real()), b = flux.d - dq.imag();
+    double const det = data_.ra * data_.ra + data_.x2d * data_.x2q;
+    s.id = (data_.ra * a + data_.x2q * b) / det;
+    s.iq = (data_.ra * b - data_.x2d * a) / det;
+    s.i = Complex{s.id, s.iq} / to_rotor;
+    s.v = std::abs(v);
+    return s;
+}
+
+Complex MachineComponent::flow(double, std::span<double const> states, Complex v, std::span<double> dx) const {
+    State const x = state_of(states);
+    Stator const s = stator(x, v);
+    State d;
+    machines::derivative(data_, set_, x, s.id, s.iq, s.v, d);
+    d[machines::kAngle] = w0_ * x[machines::kSpeed];
+    std::copy(d.begin(), d.end(), dx.begin());
+    return s.i * to_network_;
+}
+
+std::vector<SignalDef> MachineComponent::signals() const {
+    std::string const p = "machine." + name_;
+    return {{p + ".frequency_hz", "Hz"}, {p + ".speed_pu", "p.u."}, {p + ".angle_deg", "deg"},
+            {p + ".torque_pu", "p.u."},  {p + ".v_pu", "p.u."},     {p + ".efd_pu", "p.u."},
+            {p + ".p_kw", "kW"},         {p + ".q_kvar", "kvar"},   {p + ".mechanical_kw", "kW"}};
+}
+
+double MachineComponent::value(std::size_t signal, double, std::span<double const> states, Complex v) const {
+    State const x = state_of(states);
+    Stator const s = stator(x, v);
+    Complex const power = (connected_ ? v : Complex{}) * std::conj(s.i) * data_.rating_kva;
+    switch (signal) {
+    case 0:
+        return base_hz_ * (1 + x[machines::kSpeed]);
+    case 1:
+        return 1 + x[machines::kSpeed];
+    case 2:
+        return x[machines::kAngle] * 180 / std::numbers::pi;
+    case 3:
+        return machines::torque(data_, x, s.id, s.iq);
+    case 4:
+        return s.v;
+    case 5:
+        return x[machines::kEfd];
+    case 6:
+        return power.real();
+    case 7:
+        return power.imag();
+    default:
+        return (data_.governor ? x[machines::kPower] : x[machines::kGate]) * data_.rating_kva;
+    }
+}
+
+} // namespace gridspace::sim::phasor

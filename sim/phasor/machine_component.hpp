@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/machines/synchronous_machine.hpp"
+#include "sim/phasor/component.hpp"
+
+namespace gridspace::sim::phasor {
+
+/// Synchronous machine with regulators: the rotor of sim/machines, a stator without transients (flux follows at once,
+/// at nominal speed). States: those of the rotor.
+class MachineComponent final : public Component {
+  public:
+    MachineComponent(Network const& network, Machine const& machine, std::size_t bus);
+    [[nodiscard]] std::size_t states() const override { return machines::kStates; }
+    /// Power out of the machine at the start, p.u. on the network's base; before start().
+    void set_start_power(Complex s) { start_power_ = s; }
+    void start(double t, Complex v, std::span<double> x) override;
+    Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
+    [[nodiscard]] std::vector<SignalDef> signals() const override;
+    [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
+    void set_connected(bool connected) { connected_ = connected; }
+    machines::Setpoints& setpoints() { return set_; }
+    [[nodiscard]] machines::MachineData const& data() const { return data_; }
+    [[nodiscard]] std::string const& name() const { return name_; }
+
+  private:
+    struct Stator {
+        double id{0}, iq{0};
+        Complex i;   ///< out of the machine, own rating
+        double v{0}; ///< at the terminals
+    };
+    [[nodiscard]] Stator stator(machines::State const& x, Complex v) const;
+
+    std::string name_;
+    machines::MachineData data_;
+    machines::Setpoints set_;
+    double w0_, to_network_; ///< own rating over the network's base
+    double base_hz_;
+    Complex start_power_;
+    bool connected_{true};
+};
+
+} // namespace gridspace::sim::phasor
