@@ -75,7 +75,7 @@ LineVerdict const& LineDetector::step(std::int64_t index, EndInput const& from, 
     return verdict_;
 }
 
-Alarms LineDetector::present_alarms(bool picked_up) const {
+Alarms LineDetector::present_alarms(bool picked_up) {
     Alarms out = 0;
     SupervisorParams const& s = params_.supervisor;
     if (params_.guard.mode == Mode::supervise) {
@@ -88,9 +88,9 @@ Alarms LineDetector::present_alarms(bool picked_up) const {
         out |= from_.locked_out() || to_.locked_out() ? static_cast<Alarms>(kLockedOut) : 0U;
     }
     if (params_.guard.threshold.of == ThresholdParams::Of::adaptive) {
-        out |= std::max(from_.sigma_percent(), to_.sigma_percent()) > s.noise_alarm_percent
-                   ? static_cast<Alarms>(kNoise)
-                   : 0U;
+        double const sigma = std::max(from_.sigma_percent(), to_.sigma_percent());
+        noisy_ = sigma > s.noise_alarm_percent * (noisy_ ? 0.9 : 1);
+        out |= noisy_ ? static_cast<Alarms>(kNoise) : 0U;
     }
     return out;
 }
@@ -100,6 +100,7 @@ void LineDetector::restart() {
     to_.restart();
     supervisor_.restart();
     verdict_ = {};
+    noisy_ = false;
     last_flag_ = INT64_MIN / 4;
 }
 

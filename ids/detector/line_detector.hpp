@@ -63,7 +63,7 @@ class LineDetector {
     [[nodiscard]] DetectorParams const& params() const { return params_; }
 
   private:
-    [[nodiscard]] Alarms present_alarms(bool picked_up) const;
+    [[nodiscard]] Alarms present_alarms(bool picked_up);
 
     DetectorParams params_;
     StreamGuard from_, to_;
@@ -71,6 +71,7 @@ class LineDetector {
     LineVerdict verdict_;
     std::int64_t last_flag_{INT64_MIN / 4};
     std::uint64_t alarms_{0};
+    bool noisy_{false};
 };
 
 } // namespace gridspace::ids

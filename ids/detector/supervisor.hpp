@@ -24,7 +24,7 @@ struct SupervisorParams {
     int kirchhoff_clean{40};    ///< samples without a difference that make the next one "first"
     int synchronous_within{12}; ///< between the onset and the first difference
     int hold_samples{160};      ///< how long a permission lasts
-    double noise_alarm_percent{0.8}; ///< standard deviation of the forecast error; 0.5 % of noise makes 0.65 %
+    double noise_alarm_percent{0.92}; ///< standard deviation of the forecast error; 0.5 % of noise makes 0.65 to 0.9 %
 };
 
 /// Decides whether a pickup of the differential relay is a fault or a forgery: a fault changes the currents of both
