@@ -9,6 +9,47 @@
 namespace gridspace::config {
 namespace {
 
+constexpr std::size_t kWidestLine = 160;
+
+/// A line of the source as it may be shown: what is not printable text must not reach a terminal, and a tab is one column
+/// wide, as columns count. Multi-byte characters stay when they are complete.
+std::string printable(std::string_view line) {
+    std::string out;
+    for (std::size_t i = 0; i < line.size();) {
+        auto const c = static_cast<unsigned char>(line[i]);
+        std::size_t const length = c < 0x80 ? 1 : c >= 0xf0 && c < 0xf5 ? 4 : c >= 0xe0 && c < 0xf0 ? 3 : c >= 0xc2 && c < 0xe0 ? 2 : 0;
+        bool complete = length > 0 && i + length <= line.size();
+        for (std::size_t k = 1; complete && k < length; ++k) {
+            complete = (static_cast<unsigned char>(line[i + k]) & 0xc0) == 0x80;
+        }
+        bool const control = c < 0x20 || c == 0x7f || (c == 0xc2 && complete && static_cast<unsigned char>(line[i + 1]) < 0xa0);
+        if (c == '\t') {
+            out += ' ';
+        } else if (!complete || control) {
+            out += '?';
+        } else {
+            out += line.substr(i, length);
+        }
+        i += complete ? length : 1;
+    }
+    return out;
+}
+
+/// Two columns of one character each for "what the line says" and "what is wrong with it".
+std::string pointed_line(std::string_view raw, Diagnostic const& d) {
+    std::size_t begin = 0;
+    auto const column = static_cast<std::size_t>(std::max(0, d.where.column - 1));
+    if (raw.size() > kWidestLine) { // the part around the place
+        begin = column > kWidestLine / 2 && column < raw.size() ? column - kWidestLine / 2 : 0;
+        raw = raw.substr(begin, kWidestLine);
+    }
+    std::size_t const indent = column >= begin ? std::min(column - begin, raw.size()) : 0;
+    std::size_t const room = raw.size() > indent ? raw.size() - indent : 1;
+    std::string const underline(std::min<std::size_t>(room, static_cast<std::size_t>(std::max(1, d.width))) - 1, '~');
+    return fmt::format("{:>4} | {}\n     | {}^{}{}{}\n", d.where.line, printable(raw), std::string(indent, ' '), underline,
+                       d.hint.empty() ? "" : " ", d.hint);
+}
+
 std::string plural(int n, std::string_view word) {
     return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s");
 }
@@ -38,7 +79,13 @@ std::vector<Diagnostic> Diagnostics::sorted() const {
                           d.where.column, d.message};
     };
     std::stable_sort(out.begin(), out.end(), [&](auto const& a, auto const& b) { return key(a) < key(b); });
-    out.erase(std::unique(out.begin(), out.end(), [&](auto const& a, auto const& b) { return key(a) == key(b); }),
+    // The same thing said of the same place: a default that several processes share is wrong once.
+    out.erase(std::unique(out.begin(), out.end(),
+                          [&](Diagnostic const& a, Diagnostic const& b) {
+                              bool const same_place = a.where.source == b.where.source && a.where.line == b.where.line &&
+                                                      a.where.column == b.where.column && a.where.line > 0;
+                              return key(a) == key(b) || (same_place && !a.hint.empty() && a.hint == b.hint && a.severity == b.severity);
+                          }),
               out.end());
     return out;
 }
@@ -49,16 +96,11 @@ std::string Diagnostics::render() const {
     for (Diagnostic const& d : sorted()) {
         bool const is_error = d.severity == Severity::error;
         (is_error ? errors : warnings) += 1;
-        out += fmt::format("{}: {}: {}\n", d.where.to_string(), is_error ? "error" : "warning", d.message);
+        out += fmt::format("{}: {}: {}\n", d.where.to_string(), is_error ? "error" : "warning", printable(d.message));
         bool const has_line = d.where.source != nullptr && d.where.line >= 1 &&
                               static_cast<std::size_t>(d.where.line) <= d.where.source->lines.size();
         if (has_line) {
-            std::string const& line = d.where.source->lines[static_cast<std::size_t>(d.where.line) - 1];
-            out += fmt::format("{:>4} | {}\n", d.where.line, line);
-            std::string const underline = "^" + std::string(static_cast<std::size_t>(std::max(0, d.width - 1)), '~');
-            out += fmt::format("     | {}{}{}\n",
-                               std::string(static_cast<std::size_t>(std::max(0, d.where.column - 1)), ' '), underline,
-                               d.hint.empty() ? "" : " " + d.hint);
+            out += pointed_line(d.where.source->lines[static_cast<std::size_t>(d.where.line) - 1], d);
         } else if (!d.hint.empty()) {
             out += fmt::format("     | {}\n", d.hint);
         }

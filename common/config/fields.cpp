@@ -70,6 +70,9 @@ std::string bounds(NumberSpec const& spec) {
 
 std::string expected_number(std::string_view key, std::string_view what, NumberSpec const& spec) {
     std::string_view const unit = unit_of_key(key);
+    if (spec.min == spec.max) {
+        return fmt::format("expected {}", shortest(spec.min));
+    }
     return fmt::format("expected {}{}{}", what, unit.empty() ? "" : fmt::format(" in {}", unit), bounds(spec));
 }
 
@@ -88,13 +91,19 @@ class NodeFields final : public Fields {
         : node_{node}, path_{std::move(path)}, diagnostics_{diagnostics} {}
 
     void finish() {
+        std::vector<std::string> suggested;
         for (Node::Entry const& entry : node_.entries) {
             if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) {
                 continue;
             }
             std::string const place = path_.empty() ? "" : fmt::format(" in {}", path_);
             diagnostics_.error(entry.where, fmt::format("unknown key '{}'{}", entry.key, place),
-                               unknown_hint(entry.key), static_cast<int>(entry.key.size()));
+                               unknown_hint(entry.key, suggested), static_cast<int>(entry.key.size()));
+        }
+        for (Missing const& missing : missing_) {
+            if (std::find(suggested.begin(), suggested.end(), missing.key) == suggested.end()) { // said already
+                diagnostics_.error(node_.where, missing.message, missing.hint);
+            }
         }
     }
 
@@ -316,7 +325,8 @@ class NodeFields final : public Fields {
             }
         }
         std::vector<std::string> const names{words.begin(), words.end()};
-        wrong(key, *node, fmt::format("expected one of: {}", join(names, ", ")));
+        auto const near = node->is_scalar() ? nearest_spelling(node->text, names) : std::nullopt;
+        wrong(key, *node, (near ? fmt::format("did you mean '{}'? ", *near) : "") + fmt::format("expected one of: {}", join(names, ", ")));
         return std::nullopt;
     }
 
@@ -333,9 +343,8 @@ class NodeFields final : public Fields {
         }
         if (node == nullptr && required) {
             std::string_view const unit = unit_of_key(key);
-            diagnostics_.error(node_.where,
-                               fmt::format("{} lacks the key '{}'", path_.empty() ? "the file" : path_, key),
-                               unit.empty() ? "" : fmt::format("a value in {}", unit));
+            missing_.push_back({std::string{key}, fmt::format("{} lacks the key '{}'", path_.empty() ? "the file" : path_, key),
+                                unit.empty() ? "" : fmt::format("a value in {}", unit)});
         }
         return node;
     }
@@ -389,17 +398,20 @@ class NodeFields final : public Fields {
                            expected_number(key, "a number", spec), width_of(node));
     }
 
-    std::string unknown_hint(std::string const& key) const {
+    /// `suggested` collects the keys that were offered.
+    std::string unknown_hint(std::string const& key, std::vector<std::string>& suggested) const {
         // Same quantity in another unit: "p_mw" where "p_kw" is the key.
         std::size_t const cut = key.rfind('_');
         for (std::string const& known : known_) {
             std::size_t const known_cut = known.rfind('_');
             if (cut != std::string::npos && known_cut == cut && known.compare(0, cut, key, 0, cut) == 0 &&
                 !unit_of_key(key).empty() && !unit_of_key(known).empty()) {
+                suggested.push_back(known);
                 return fmt::format("did you mean '{}'? (in {})", known, unit_of_key(known));
             }
         }
         if (auto const near = nearest_spelling(key, known_)) {
+            suggested.push_back(*near);
             std::string_view const unit = unit_of_key(*near);
             return fmt::format("did you mean '{}'?{}", *near, unit.empty() ? "" : fmt::format(" (in {})", unit));
         }
@@ -416,6 +428,10 @@ class NodeFields final : public Fields {
     std::string path_;
     Diagnostics& diagnostics_;
     std::vector<std::string> known_;
+    struct Missing {
+        std::string key, message, hint;
+    };
+    std::vector<Missing> missing_;
 };
 
 } // namespace

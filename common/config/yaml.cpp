@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
 #include <map>
@@ -167,6 +168,29 @@ std::shared_ptr<SourceText const> make_source(std::string name, std::string_view
     return source;
 }
 
+namespace {
+
+/// What usually lies behind a message of the YAML parser.
+std::string yaml_hint(SourceText const& source, SourceMark const& where, std::string const& message) {
+    for (int line = where.line; line >= std::max(1, where.line - 1); --line) { // it notices a tab on the next line, sometimes
+        if (static_cast<std::size_t>(line) <= source.lines.size()) {
+            std::string const& text = source.lines[static_cast<std::size_t>(line) - 1];
+            if (text.find_first_not_of(" \t") > text.find('\t')) {
+                return fmt::format("line {} is indented with a tab; YAML wants spaces", line);
+            }
+        }
+    }
+    if (message.find("end of sequence flow") != std::string::npos || message.find("end of map flow") != std::string::npos) {
+        return message.find("map") != std::string::npos ? "a '}' or a ',' is missing here or before" : "a ']' or a ',' is missing here or before";
+    }
+    if (message.find("end of map not found") != std::string::npos || message.find("illegal map value") != std::string::npos) {
+        return "a key at another depth than its neighbours, or a ': ' inside a text without quotes?";
+    }
+    return "";
+}
+
+} // namespace
+
 std::optional<Node> parse_yaml(std::string_view text, std::shared_ptr<SourceText const> source,
                                Diagnostics& diagnostics) {
     std::istringstream stream{std::string{text}};
@@ -180,10 +204,14 @@ std::optional<Node> parse_yaml(std::string_view text, std::shared_ptr<SourceText
         if (!e.mark.is_null() && e.mark.line >= 0) {
             where = {source, e.mark.line + 1, e.mark.column + 1};
         }
-        diagnostics.error(where, fmt::format("not valid YAML: {}", e.msg));
+        diagnostics.error(where, fmt::format("not valid YAML: {}", e.msg), yaml_hint(*source, where, e.msg));
         return std::nullopt;
     }
-    return builder.take();
+    Node root = builder.take();
+    if (root.where.source == nullptr) { // an empty text
+        root.where = {source, 0, 0};
+    }
+    return root;
 }
 
 std::optional<Node> load_yaml(std::filesystem::path const& file, Diagnostics& diagnostics, SourceMark named_at) {

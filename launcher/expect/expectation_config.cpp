@@ -110,7 +110,10 @@ void describe(Fields& f, Expectation& e) {
         for (auto const& verb : kVerbs) {
             names.emplace_back(verb.first);
         }
-        f.error("", fmt::format("expectation '{}' has {} verbs", e.name.name, verbs), "exactly one of: " + join(names, ", "));
+        f.error("",
+                fmt::format("expectation '{}' has {}", e.name.name,
+                            verbs == 0 ? "no verb" : fmt::format("{} verbs", verbs)),
+                "exactly one of: " + join(names, ", "));
         return;
     }
     if ((e.verb == Verb::intervals_ms) == e.are.empty()) {
@@ -163,11 +166,7 @@ std::vector<Expectation> read_expectations(Node const& node, Diagnostics& diagno
 }
 
 void check_expectations(Scenario const& scenario, Diagnostics& diagnostics) {
-    int const before = diagnostics.errors();
     std::vector<Expectation> const expectations = read_expectations(scenario.expect, diagnostics);
-    if (diagnostics.errors() != before) {
-        return;
-    }
     std::vector<std::string> signals;
     for (Process const& process : scenario.processes) {
         for (SignalUse& signal : process.settings->signals(scenario, process)) {
@@ -179,13 +178,18 @@ void check_expectations(Scenario const& scenario, Diagnostics& diagnostics) {
         events.push_back(event.name.name);
     }
     for (Expectation const& e : expectations) {
+        if (!e.expression) {
+            continue; // said already
+        }
+        config::Node const* settings = scenario.expect.find(e.name.name);
+        config::Node const* written = settings == nullptr ? nullptr : settings->find(e.verb_name);
         for (std::string const& pattern : e.expression->signals()) {
             bool const found = std::any_of(signals.begin(), signals.end(), [&](std::string const& s) { return matches_glob(pattern, s); });
             if (!found) {
                 auto const near = nearest_spelling(pattern, signals);
-                diagnostics.error(e.name.where, fmt::format("expectation '{}' uses the signal '{}', which does not exist", e.name.name, pattern),
+                diagnostics.error(written == nullptr ? e.name.where : written->where, fmt::format("expectation '{}' uses the signal '{}', which does not exist", e.name.name, pattern),
                                   near ? fmt::format("did you mean '{}'?", *near) : "`gridspace signals` lists them",
-                                  static_cast<int>(e.name.name.size()));
+                                  static_cast<int>(written == nullptr ? e.name.name.size() : written->text.size()));
             }
         }
         for (std::optional<Moment> const* moment : {&e.from, &e.until, &e.since}) {

@@ -177,16 +177,25 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
                 continue;
             }
             if (writers == flow.writers.end()) {
-                diagnostics.error(name.where, fmt::format("process '{}' reads the topic '{}', which nobody writes", reader.process, topic),
-                                  "is a process missing, or a topic misspelt?", static_cast<int>(name.name.size()));
+                std::vector<std::string> written;
+                for (auto const& [other, ignored] : flow.writers) {
+                    written.push_back(other);
+                }
+                auto const near = nearest_spelling(topic, written);
+                diagnostics.error(
+                    name.where,
+                    fmt::format("process '{}' reads the topic '{}', which nobody writes", reader.process, topic),
+                    near ? fmt::format("did you mean '{}'?", *near) : "is a process missing, or a topic misspelt?",
+                    static_cast<int>(name.name.size()));
                 continue;
             }
             for (Dataflow::Endpoint const& writer : writers->second) {
                 if (writer.use.type != reader.use.type) {
                     diagnostics.error(name.where,
-                                      fmt::format("process '{}' reads '{}' as {}, and '{}' writes it as {}", reader.process, topic,
-                                                  reader.use.type, writer.process, writer.use.type),
-                                      "", static_cast<int>(name.name.size()));
+                                      fmt::format("process '{}' reads '{}' as {}, and '{}' writes it as {}",
+                                                  reader.process, topic, reader.use.type, writer.process,
+                                                  writer.use.type),
+                                      "all who use a topic must agree on its type", static_cast<int>(name.name.size()));
                 }
             }
         }

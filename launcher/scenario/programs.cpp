@@ -31,7 +31,7 @@ bool check_name(Ref const& ref, std::vector<std::string> const& names, std::stri
         return true;
     }
     auto const near = nearest_spelling(ref.name, names);
-    diagnostics.error(ref.where, fmt::format("{} '{}' does not exist", what, ref.name),
+    diagnostics.error(ref.where, fmt::format("{} '{}', which does not exist", what, ref.name),
                       near ? fmt::format("did you mean '{}'?", *near) : names.empty() ? "" : fmt::format("there are: {}", join(names, ", ")),
                       static_cast<int>(ref.name.size()));
     return false;

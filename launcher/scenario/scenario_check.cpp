@@ -26,8 +26,10 @@ template <class T> std::vector<std::string> names_of(std::vector<T> const& eleme
     return out;
 }
 
-void must_exist(Ref const& ref, std::vector<std::string> const& names, std::string const& sentence, Diagnostics& diagnostics) {
-    if (ref.empty() || std::find(names.begin(), names.end(), ref.name) != names.end()) {
+void must_exist(Ref const& ref, std::vector<std::string> const& names, std::string const& sentence,
+                Diagnostics& diagnostics, bool whole_section_is_missing = false) {
+    if (ref.empty() || (names.empty() && whole_section_is_missing) ||
+        std::find(names.begin(), names.end(), ref.name) != names.end()) {
         return;
     }
     auto const near = nearest_spelling(ref.name, names);
@@ -46,7 +48,7 @@ void check_references(Scenario const& s, Diagnostics& diagnostics) {
         }
     }
     for (Process const& process : s.processes) {
-        must_exist(process.host, hosts, fmt::format("process '{}' runs on", process.name.name), diagnostics);
+        must_exist(process.host, hosts, fmt::format("process '{}' runs on", process.name.name), diagnostics, true);
     }
     for (sim::Event const& event : s.events) {
         for (Ref const* process : {&event.kill, &event.pause, &event.resume, &event.restart}) {
@@ -62,7 +64,7 @@ void check_references(Scenario const& s, Diagnostics& diagnostics) {
         }
     }
     if (s.network) {
-        check_events(s.events, *s.network, diagnostics);
+        check_events(s.events, *s.network, s.simulation.solver != sim::SolverKind::phasor, diagnostics);
     }
 }
 
@@ -96,20 +98,30 @@ void check_times(Scenario const& s, Diagnostics& diagnostics) {
     if (s.clock.tick_samples && s.simulation.sampling.find("rate_hz") == nullptr) {
         diagnostics.error(clock->find("tick_samples")->where, "tick_samples needs simulation.sampling.rate_hz");
     }
+    auto const place = [](config::Node const& map, std::initializer_list<char const*> keys) {
+        for (char const* key : keys) {
+            if (config::Node const* value = map.find(key)) {
+                return value->where;
+            }
+        }
+        return map.where;
+    };
+    config::SourceMark const at_tick = place(*clock, {"tick_s", "tick_samples"}),
+                             at_duration = place(*simulation, {"duration_s", "duration_h"});
     Rational const tick = s.tick_s(), step = s.simulation.step_s;
     bool const tick_in_steps = (tick / step).is_whole(), step_in_ticks = (step / tick).is_whole();
     if (!tick_in_steps && !step_in_ticks) {
-        diagnostics.error(clock->where,
+        diagnostics.error(at_tick,
                           fmt::format("a tick of {} s and a step of {} s do not divide each other", tick.to_string(), step.to_string()),
                           "make one a whole multiple of the other");
     }
     Rational const duration = s.simulation.duration();
     if (duration > Rational{0} && !(duration / tick).is_whole()) {
-        diagnostics.error(simulation->where,
+        diagnostics.error(at_duration,
                           fmt::format("the duration of {} s is not a whole number of ticks of {} s", duration.to_string(), tick.to_string()));
     }
     if (duration > Rational{0} && !(duration / step).is_whole()) {
-        diagnostics.error(simulation->where,
+        diagnostics.error(at_duration,
                           fmt::format("the duration of {} s is not a whole number of steps of {} s", duration.to_string(), step.to_string()));
     }
     if (s.quantum_s() < Rational{2, 1'000'000'000}) {
@@ -126,6 +138,19 @@ void check_times(Scenario const& s, Diagnostics& diagnostics) {
     }
 }
 
+/// The roles for which there are QoS profiles.
+std::vector<std::string> qos_roles() {
+    std::vector<std::string> roles;
+    std::error_code ignored;
+    for (auto const& file : std::filesystem::directory_iterator{qos_file("simulator").parent_path(), ignored}) {
+        if (file.path().extension() == ".xml") {
+            roles.push_back(file.path().stem().string());
+        }
+    }
+    std::sort(roles.begin(), roles.end());
+    return roles;
+}
+
 void check_programs(Scenario const& s, Diagnostics& diagnostics) {
     for (Process const& process : s.processes) {
         if (process.run_on != "native") {
@@ -135,8 +160,10 @@ void check_programs(Scenario const& s, Diagnostics& diagnostics) {
                               "this build runs processes natively; `run_on: native`");
         }
         if (process.program.name != "exec" && !process.qos.empty() && !std::filesystem::exists(qos_file(process.qos.name))) {
+            auto const near = nearest_spelling(process.qos.name, qos_roles());
             diagnostics.error(process.qos.where, fmt::format("there is no QoS role '{}'", process.qos.name),
-                              fmt::format("no file {}", qos_file(process.qos.name).string()),
+                              near ? fmt::format("did you mean '{}'?", *near)
+                                   : fmt::format("there are: {}; a role is a file of the folder qos", join(qos_roles(), ", ")),
                               static_cast<int>(process.qos.name.size()));
         }
         if (s.clock.mode == bus::ClockMode::lockstep && process.program.name == "exec" && process.settings &&
@@ -171,13 +198,13 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
     check_addresses(s, diagnostics);
     check_power_flow(s, diagnostics);
     bool const readable = std::all_of(s.processes.begin(), s.processes.end(), [](Process const& p) { return p.settings != nullptr; });
-    if (!readable) {
-        return; // the rest would only repeat what was said
-    }
     for (Process& process : s.processes) {
-        process.settings->check(s, process, diagnostics);
+        if (process.settings != nullptr) {
+            process.settings->check(s, process, diagnostics);
+        }
     }
-    if (s.simulator() != nullptr && s.network) {
+    if (readable && // the rest would only repeat what was said
+        s.simulator() != nullptr && s.network) {
         check_dataflow(s, diagnostics);
         check_expectations(s, diagnostics);
     }

@@ -200,7 +200,7 @@ class SimApp {
 
 void check(SimConfig const& config, config::Diagnostics& diagnostics) {
     if (auto const network = load_simulated_network(config.simulation, diagnostics)) {
-        check_events(config.events, *network, diagnostics);
+        check_events(config.events, *network, config.simulation.solver != SolverKind::phasor, diagnostics);
     }
 }
 

@@ -50,9 +50,9 @@ void describe(Fields& f, Event& e) {
     f.reference("pause", e.pause, {.doc = "process stopped (SIGSTOP)"});
     f.reference("resume", e.resume, {.doc = "process continued (SIGCONT)"});
     f.reference("restart", e.restart, {.doc = "process killed and started again"});
-    bool const does_something = !e.set.empty() || !e.open.empty() || !e.close.empty() || e.fault || !e.disconnect.empty() ||
-                                !e.kill.empty() || !e.pause.empty() || !e.resume.empty() || !e.restart.empty();
-    if (!does_something && !f.has("set")) {
+    constexpr std::string_view kDeeds[] = {"set",  "open",  "close",  "apply_fault", "disconnect",
+                                           "kill", "pause", "resume", "restart"};
+    if (std::none_of(std::begin(kDeeds), std::end(kDeeds), [&](std::string_view deed) { return f.has(deed); })) {
         f.error("", fmt::format("event '{}' does nothing", e.name.name),
                 "one of: set, open, close, apply_fault, disconnect, kill, pause, resume, restart");
     }
@@ -100,7 +100,72 @@ std::vector<TimedAction> timeline(std::vector<Event> const& events) {
     return out;
 }
 
-void check_events(std::vector<Event> const& events, Network const& n, config::Diagnostics& diagnostics) {
+namespace {
+
+template <class T>
+std::vector<std::string> names_of(std::vector<T> const& elements) {
+    std::vector<std::string> names;
+    for (T const& element : elements) {
+        names.push_back(element.name.name);
+    }
+    return names;
+}
+
+/// A path of `set:` must lead to something that the solver can change while it runs.
+void check_set(Event const& e, Ref const& path, Network const& n, bool waveform, config::Diagnostics& diagnostics) {
+    struct Section {
+        std::string name;
+        std::vector<std::string> elements, parameters;
+    };
+    std::vector<Section> sections{{"loads", names_of(n.loads), {"p_kw"}}};
+    if (waveform) {
+        sections = {{"loads", names_of(n.loads), {"p_kw", "q_kvar", "power_factor"}},
+                    {"sources", names_of(n.sources), {"voltage_pu", "frequency_hz"}},
+                    {"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}}};
+    }
+    std::vector<std::string> const parts = split(path.name, '.');
+    auto const wrong = [&](std::string message, std::string const& word, std::vector<std::string> const& words) {
+        auto const near = nearest_spelling(word, words);
+        diagnostics.error(path.where, std::move(message),
+                          near            ? fmt::format("did you mean '{}'?", *near)
+                          : words.empty() ? "the network has none"
+                                          : fmt::format("there are: {}", join(words, ", ")),
+                          static_cast<int>(path.name.size()));
+    };
+    if (parts.size() != 3) {
+        diagnostics.error(path.where, fmt::format("event '{}' sets '{}'", e.name.name, path.name),
+                          "expected section.element.parameter, for example loads.AC3.p_kw",
+                          static_cast<int>(path.name.size()));
+        return;
+    }
+    std::vector<std::string> section_names;
+    for (Section const& s : sections) {
+        section_names.push_back(s.name);
+    }
+    auto const section =
+        std::find_if(sections.begin(), sections.end(), [&](Section const& s) { return s.name == parts[0]; });
+    if (section == sections.end()) {
+        wrong(fmt::format("event '{}' sets '{}': '{}' cannot be changed in a run", e.name.name, path.name, parts[0]),
+              parts[0], section_names);
+        return;
+    }
+    auto const among = [](std::vector<std::string> const& words, std::string const& word) {
+        return std::find(words.begin(), words.end(), word) != words.end();
+    };
+    if (!among(section->elements, parts[1])) {
+        wrong(
+            fmt::format("event '{}' sets '{}', and there is no '{}' in {}", e.name.name, path.name, parts[1], parts[0]),
+            parts[1], section->elements);
+    }
+    if (!among(section->parameters, parts[2])) {
+        wrong(fmt::format("event '{}' sets '{}': '{}' cannot be changed in a run", e.name.name, path.name, parts[2]),
+              parts[2], section->parameters);
+    }
+}
+
+} // namespace
+
+void check_events(std::vector<Event> const& events, Network const& n, bool waveform, config::Diagnostics& diagnostics) {
     auto const must = [&](auto const& elements, Ref const& ref, std::string_view kind, Event const& e) {
         if (ref.empty() || find(elements, ref.name) != nullptr) {
             return;
@@ -123,14 +188,7 @@ void check_events(std::vector<Event> const& events, Network const& n, config::Di
         must(n.lines, e.fault_line, "line", e);
         must(n.buses, e.fault_bus, "bus", e);
         for (auto const& [path, value] : e.set) {
-            std::vector<std::string> const parts = split(path.name, '.');
-            if (parts.size() != 3) {
-                diagnostics.error(path.where, fmt::format("event '{}' sets '{}'", e.name.name, path.name),
-                                  "expected section.element.parameter, for example loads.AC3.p_kw",
-                                  static_cast<int>(path.name.size()));
-            } else if (parts[0] == "loads") {
-                must(n.loads, Ref{parts[1], path.where}, "load", e);
-            }
+            check_set(e, path, n, waveform, diagnostics);
         }
     }
 }

@@ -43,6 +43,7 @@ void describe_events(config::Fields& parent, std::vector<Event>& events);
 [[nodiscard]] std::vector<TimedAction> timeline(std::vector<Event> const& events);
 
 /// Names that events use must exist in the network.
-void check_events(std::vector<Event> const& events, Network const& network, config::Diagnostics& diagnostics);
+void check_events(std::vector<Event> const& events, Network const& network, bool waveform,
+                  config::Diagnostics& diagnostics);
 
 } // namespace gridspace::sim

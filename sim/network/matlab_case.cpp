@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -27,6 +28,9 @@ std::map<std::string, double> const& column_names() {
     };
     return names;
 }
+
+constexpr char kContinued = '\v'; ///< stands for '...' and its line end: white space that ends no row
+constexpr int kDeepest = 100;     ///< brackets and signs in each other
 
 struct Mistake : std::runtime_error {
     using std::runtime_error::runtime_error;
@@ -57,8 +61,16 @@ class Statement {
   public:
     Statement(std::string_view text, int line, MatlabCase& out) : text_{text}, line_{line}, case_{out} {}
 
+    /// The line on which evaluation stands: where a mistake is.
+    [[nodiscard]] int line() const { return line_of(at_); }
+
     void run() {
         skip();
+        for (std::string_view const word : {"end", "endfunction", "return", "define_constants"}) {
+            if (trim(text_) == word) {
+                return;
+            }
+        }
         if (keyword("function")) {
             std::size_t const equals = text_.find('=');
             case_.name = std::string{trim(text_.substr(equals == std::string_view::npos ? at_ : equals + 1))};
@@ -113,7 +125,7 @@ class Statement {
         } else if (is_scalar(value) && !(of_case && (field == "bus" || field == "gen" || field == "branch"))) {
             case_.scalars[field] = value[0][0];
         } else {
-            case_.matrices[field] = {value, line_};
+            case_.matrices[field] = {value, line_, rows_at_.size() == value.size() ? rows_at_ : std::vector<int>{}};
         }
     }
 
@@ -201,6 +213,15 @@ class Statement {
 
     Matrix factor() {
         skip();
+        if (++nested_ > kDeepest) {
+            throw Mistake{"brackets or signs are nested too deeply"};
+        }
+        Matrix value = signed_value();
+        --nested_;
+        return value;
+    }
+
+    Matrix signed_value() {
         if (peek() == '-') {
             ++at_;
             return combine(scalar(0), factor(), [](double a, double b) { return a - b; });
@@ -290,10 +311,12 @@ class Statement {
         expect('[');
         ++depth_;
         Matrix rows{{}};
+        std::vector<std::size_t> begins{at_};
         while (true) {
             skip();
             char const c = peek();
             if (c == '\0') {
+                at_ = begins.front();
                 throw Mistake{"a '[' is not closed"};
             }
             if (c == ']') {
@@ -304,10 +327,14 @@ class Statement {
                 ++at_;
                 if (!rows.back().empty()) {
                     rows.emplace_back();
+                    begins.push_back(at_);
                 }
             } else if (c == ',') {
                 ++at_;
             } else {
+                if (rows.back().empty()) {
+                    begins.back() = at_;
+                }
                 Matrix const element = expression();
                 rows.back().insert(rows.back().end(), element[0].begin(), element[0].end());
             }
@@ -316,10 +343,14 @@ class Statement {
         if (rows.back().empty() && rows.size() > 1) {
             rows.pop_back();
         }
-        for (auto const& row : rows) {
-            if (row.size() != rows.front().size()) {
-                throw Mistake{fmt::format("a matrix has rows of {} and of {} numbers", rows.front().size(), row.size())};
+        rows_at_.clear();
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            if (rows[r].size() != rows.front().size()) {
+                at_ = begins[r];
+                throw Mistake{
+                    fmt::format("the matrix has rows of {} and of {} numbers", rows.front().size(), rows[r].size())};
             }
+            rows_at_.push_back(line_of(begins[r]));
         }
         return rows;
     }
@@ -333,10 +364,15 @@ class Statement {
         return nullptr;
     }
 
+    [[nodiscard]] int line_of(std::size_t at) const {
+        auto const passed = text_.substr(0, std::min(at, text_.size()));
+        return line_ + static_cast<int>(std::count_if(passed.begin(), passed.end(),
+                                                      [](char c) { return c == '\n' || c == kContinued; }));
+    }
     [[nodiscard]] char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
     void skip() {
         while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\r' ||
-                                      (text_[at_] == '\n' && depth_ == 0))) {
+                                      text_[at_] == kContinued || (text_[at_] == '\n' && depth_ == 0))) {
             ++at_;
         }
     }
@@ -379,7 +415,9 @@ class Statement {
     int line_;
     MatlabCase& case_;
     std::size_t at_{0};
-    int depth_{0}; ///< of [ ]
+    int depth_{0};             ///< of [ ]
+    int nested_{0};            ///< of brackets and signs
+    std::vector<int> rows_at_; ///< lines of the rows of the last literal
 };
 
 } // namespace
@@ -389,13 +427,15 @@ MatlabCase read_matlab_case(std::string_view text, std::shared_ptr<config::Sourc
     MatlabCase out;
     // Statements end with ';' or a line end, outside of brackets; '%' starts a comment, '...' continues a line.
     std::string statement;
-    int depth = 0, start_line = 1, line_number = 0;
+    int depth = 0, start_line = 1, line_number = 0, comment_depth = 0;
     auto const finish = [&] {
         if (!trim(statement).empty()) {
+            Statement evaluation{statement, start_line, out};
             try {
-                Statement{statement, start_line, out}.run();
+                evaluation.run();
             } catch (Mistake const& mistake) {
-                diagnostics.error({source, start_line, 1}, fmt::format("not understood in a case file: {}", mistake.what()),
+                diagnostics.error({source, evaluation.line(), 1},
+                                  fmt::format("not understood in a case file: {}", mistake.what()),
                                   "matrices, numbers and unit conversions are; other MATLAB code is not");
             }
         }
@@ -403,6 +443,14 @@ MatlabCase read_matlab_case(std::string_view text, std::shared_ptr<config::Sourc
     };
     for (std::string const& line : split(text, '\n')) {
         ++line_number;
+        std::string_view const bare = trim(line);
+        if (bare == "%{" || bare == "#{" || (comment_depth > 0 && (bare == "%}" || bare == "#}"))) {
+            comment_depth += bare[1] == '{' ? 1 : -1;
+            continue;
+        }
+        if (comment_depth > 0) {
+            continue;
+        }
         bool in_text = false;
         bool continued = false;
         for (std::size_t i = 0; i < line.size(); ++i) {
@@ -432,7 +480,9 @@ MatlabCase read_matlab_case(std::string_view text, std::shared_ptr<config::Sourc
             }
             statement.push_back(c);
         }
-        if (!continued) {
+        if (continued) {
+            statement.push_back(kContinued);
+        } else {
             if (depth == 0) {
                 finish();
             } else {

@@ -16,6 +16,7 @@ namespace gridspace::sim {
 struct CaseMatrix {
     std::vector<std::vector<double>> rows;
     int line{0};
+    std::vector<int> row_lines; ///< where each row stands; empty when it was computed
 };
 
 /// What a MATPOWER case file assigns: `mpc.bus = [...]`, `mpc.baseMVA = 100`, and the arithmetic with which many

@@ -3,6 +3,7 @@
 #include "sim/network/matpower.hpp"
 
 #include "common/config/yaml.hpp"
+#include "common/text.hpp"
 #include "sim/network/matlab_case.hpp"
 #include "sim/network/network_check.hpp"
 
@@ -32,7 +33,9 @@ class Table {
         auto const& r = matrix_->rows[row];
         return column <= r.size() ? r[column - 1] : missing;
     }
-    [[nodiscard]] int line(std::size_t row) const { return matrix_->line + 1 + static_cast<int>(row); }
+    [[nodiscard]] int line(std::size_t row) const {
+        return row < matrix_->row_lines.size() ? matrix_->row_lines[row] : matrix_->line;
+    }
     [[nodiscard]] std::size_t columns() const { return matrix_ == nullptr ? 0 : matrix_->rows.front().size(); }
 
   private:
@@ -84,7 +87,24 @@ class Converter {
         for (std::size_t r = 0; r < table.size(); ++r) {
             int const line = table.line(r);
             double const number = table.at(r, 1);
-            auto const type = static_cast<int>(table.at(r, 2));
+            double const written_type = table.at(r, 2);
+            if (number != std::floor(number) || number < 0 || number > 1e9) {
+                diagnostics_.error({text_, line, 1}, fmt::format("a bus has the number {}", shortest(number)),
+                                   "expected a whole number");
+                continue;
+            }
+            if (written_type != 1 && written_type != 2 && written_type != 3 && written_type != 4) {
+                diagnostics_.error({text_, line, 1},
+                                   fmt::format("bus {} is of type {}", shortest(number), shortest(written_type)),
+                                   "expected 1 (PQ), 2 (PV), 3 (reference) or 4 (isolated)");
+                continue;
+            }
+            if (auto const [it, fresh] = seen_.try_emplace(number, line); !fresh) {
+                diagnostics_.error({text_, line, 1}, fmt::format("bus {} is given twice", shortest(number)),
+                                   fmt::format("first on line {}", it->second));
+                continue;
+            }
+            auto const type = static_cast<int>(written_type);
             if (type == 4) {
                 isolated_.insert(number); // out of service, with everything at it
                 continue;
@@ -159,7 +179,8 @@ class Converter {
             double const ratio = table.at(r, 9), shift = table.at(r, 10);
             double const r_pu = table.at(r, 3), x_pu = table.at(r, 4), b_pu = table.at(r, 5);
             int const line = table.line(r);
-            if (ratio != 0 || shift != 0 || bus_v(from) != bus_v(to) || x_pu < 0) {
+            bool const known = types_.contains(from) && types_.contains(to);
+            if (ratio != 0 || shift != 0 || (known && bus_v(from) != bus_v(to)) || x_pu < 0) {
                 Transformer t;
                 t.name = ref(fmt::format("T{}", r + 1), line);
                 t.from = ref(bus_name(from), line);
@@ -190,6 +211,7 @@ class Converter {
     config::Diagnostics& diagnostics_;
     Network network_;
     double base_mva_{100};
+    std::map<double, int> seen_; ///< line of each bus
     std::map<double, int> types_;
     std::map<double, double> slack_angle_;
     std::set<double> isolated_;

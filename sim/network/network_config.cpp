@@ -117,7 +117,7 @@ void line(Fields& f, Line& l) {
     } else if (l.type.empty() && !totals) {
         f.error("", fmt::format("line '{}' has no impedance", l.name.name),
                 "give a type and length_km, or r_ohm and l_mh (or x_ohm)");
-    } else if (!l.type.empty() && !l.length_km) {
+    } else if (!l.type.empty() && !f.has("length_km")) {
         f.error("type", fmt::format("line '{}' has a type but no length_km", l.name.name));
     } else if (l.x_ohm && l.l_mh) {
         f.error("l_mh", fmt::format("line '{}' has both x_ohm and l_mh", l.name.name));

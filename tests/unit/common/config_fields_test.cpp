@@ -56,13 +56,18 @@ TEST(Fields, ReadWhatIsGivenAndKeepDefaults) {
 TEST(Fields, UnknownKeysNameTheNearestOne) {
     Diagnostics diagnostics;
     (void)read("relay:\n  pick_up_a: 400\n", diagnostics);
-    EXPECT_EQ(diagnostics.render(), "r.yaml:2:3: error: relay lacks the key 'pickup_a'\n"
-                                    "   2 |   pick_up_a: 400\n"
-                                    "     |   ^ a value in A\n"
-                                    "r.yaml:2:3: error: unknown key 'pick_up_a' in relay\n"
+    // That pickup_a is missing follows from it, and is not said again.
+    EXPECT_EQ(diagnostics.render(), "r.yaml:2:3: error: unknown key 'pick_up_a' in relay\n"
                                     "   2 |   pick_up_a: 400\n"
                                     "     |   ^~~~~~~~~ did you mean 'pickup_a'? (in A)\n"
-                                    "2 errors.");
+                                    "1 error.");
+}
+
+TEST(Fields, ARequiredKeyThatNothingResemblesIsMissed) {
+    Diagnostics diagnostics;
+    (void)read("relay:\n  window_cycles: 1\n", diagnostics);
+    ASSERT_EQ(diagnostics.errors(), 1);
+    EXPECT_EQ(diagnostics.sorted()[0].message, "relay lacks the key 'pickup_a'");
 }
 
 TEST(Fields, AnotherUnitOfTheSameQuantityIsRecognised) {

@@ -4,6 +4,7 @@
 #include "sim/network/matlab_case.hpp"
 #include "sim/network/matpower.hpp"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace gridspace::sim {
@@ -25,6 +26,33 @@ TEST(MatlabCase, ReadsScalarsMatricesCommentsAndContinuations) {
     EXPECT_EQ(sut.matrices.at("bus").rows, (std::vector<std::vector<double>>{{1, 3, 0, -15}, {2, 1, 90, 30}}));
     EXPECT_EQ(sut.matrices.at("bus").line, 5);
     EXPECT_EQ(sut.matrices.at("gen").rows, (std::vector<std::vector<double>>{{1, 72.3, 27}}));
+}
+
+TEST(MatlabCase, ReadsBlockCommentsInfinityAndTheEndOfAFunction) {
+    config::Diagnostics diagnostics;
+    MatlabCase const sut = read("function mpc = c\n%{\nmpc.bus = [9 9];\n  %{\nnested\n  %}\n%}\nmpc.gen = [1 -Inf Inf 1e-3,+2];\r\n"
+                                "mpc.bus = [1 3;2 1]; mpc.baseMVA = 50\nend\n",
+                                diagnostics);
+    ASSERT_TRUE(diagnostics.ok()) << diagnostics.render();
+    EXPECT_EQ(sut.matrices.at("gen").rows, (std::vector<std::vector<double>>{{1, -HUGE_VAL, HUGE_VAL, 1e-3, 2}}));
+    EXPECT_EQ(sut.matrices.at("bus").rows, (std::vector<std::vector<double>>{{1, 3}, {2, 1}}));
+    EXPECT_EQ(sut.scalars.at("baseMVA"), 50);
+}
+
+TEST(MatlabCase, KnowsTheLineOfEachRow) {
+    config::Diagnostics diagnostics;
+    MatlabCase const sut = read("mpc.bus = [ 1 2 ...\n 3\n% a comment\n\n 4 5 6; 7 8 9\n];\n", diagnostics);
+    ASSERT_TRUE(diagnostics.ok()) << diagnostics.render();
+    EXPECT_EQ(sut.matrices.at("bus").rows.size(), 3U);
+    EXPECT_EQ(sut.matrices.at("bus").row_lines, (std::vector<int>{1, 5, 5}));
+}
+
+TEST(MatlabCase, RefusesNestingThatWouldOverflowTheStack) {
+    for (std::string const& part : {std::string(100'000, '('), std::string(100'000, '-'), std::string(100'000, '[')}) {
+        config::Diagnostics diagnostics;
+        (void)read("mpc.baseMVA = " + part + "1\n", diagnostics);
+        EXPECT_EQ(diagnostics.errors(), 1);
+    }
 }
 
 TEST(MatlabCase, FollowsTheUnitConversionsOfDistributionCases) {
