@@ -59,7 +59,7 @@ def judge(file):
         done = subprocess.run([BIN / "gridspace", "validate", *names], cwd=folder, capture_output=True, timeout=60)
         said = (done.stderr + done.stdout).decode("utf-8", "replace").replace(str(folder), ".").replace(str(SOURCE), "SOURCE")
         # A list of all keys would change with every new one: its beginning is enough.
-        return done.returncode, re.sub(r"(expected one of: (?:\w+, ){3})\w.*", r"\1...", said)
+        return done.returncode, re.sub(r"((?:expected|exactly) one of: (?:\w+, ){3})\w.*", r"\1...", said)
 
 
 def cases():
