@@ -137,7 +137,7 @@ Result<std::vector<std::size_t>> select(sim::Engine const& engine, std::vector<s
     return out;
 }
 
-std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& file, sim::Network const& network,
+std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& file, sim::Network const& network, bool waveform,
                                                    config::Diagnostics& diagnostics) {
     std::vector<sim::Event> events;
     if (file.empty()) {
@@ -149,7 +149,7 @@ std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& 
     }
     config::read_fields(*root, "", diagnostics, [&](config::Fields& f) { sim::describe_events(f, events); });
     if (diagnostics.ok()) {
-        sim::check_events(events, network, diagnostics);
+        sim::check_events(events, network, waveform, diagnostics);
     }
     for (sim::Event const& e : events) {
         for (config::Ref const* process : {&e.kill, &e.pause, &e.resume, &e.restart}) {
@@ -184,7 +184,7 @@ void print_timing(std::vector<float>& step_us, double simulated_s) {
 int simulate(SimulateArguments const& a) {
     config::Diagnostics diagnostics;
     auto network = sim::load_network(a.network, diagnostics);
-    auto const events = network ? read_events(a.events, *network, diagnostics) : std::nullopt;
+    auto const events = network ? read_events(a.events, *network, a.solver == "emt", diagnostics) : std::nullopt;
     if (!network || !events) {
         fmt::print(stderr, "{}\n", diagnostics.render());
         return static_cast<int>(ExitCode::usage);
