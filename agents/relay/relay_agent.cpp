@@ -11,6 +11,7 @@
 #include "common/text.hpp"
 
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace gridspace::relay {
@@ -82,6 +83,7 @@ class RelayAgent {
         params->from_positive = config.from_positive;
         params->to_positive = config.to_positive;
         relay_ = std::make_unique<LineRelay>(*params);
+        rate_hz_ = from->rate_hz.to_double();
         auto inputs = CurrentInputs::create(*from, *to, config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6));
         if (!inputs) {
             return std::unexpected{inputs.error()};
@@ -121,7 +123,36 @@ class RelayAgent {
             return std::unexpected{counters.error()};
         }
         counter_signals_ = std::move(*counters);
+        return node_.lockstep() ? Result<void>{} : open_age_signals();
+    }
+
+    /// Real time: how old a sample is when it comes and when it has been decided about; times are those of the samples.
+    Result<void> open_age_signals() {
+        auto const open = [&](char const* group, std::string name) { return bus::SignalPublisher::create(node_, group, rate_hz_, {{std::move(name), "ms"}}); };
+        std::array<config::Ref const*, 2> const streams{&settings_.relay.from_stream, &settings_.relay.to_stream};
+        for (std::size_t i = 0; i < 2; ++i) {
+            auto arrivals = open(i == 0 ? "arrival_from" : "arrival_to", "stream." + streams[i]->name + ".arrival_age_ms");
+            if (!arrivals) {
+                return std::unexpected{arrivals.error()};
+            }
+            arrival_ages_[i] = std::move(*arrivals);
+        }
+        auto decisions = open("decision", "relay." + node_.config().process + ".sample_to_decision_ms");
+        if (!decisions) {
+            return std::unexpected{decisions.error()};
+        }
+        decision_ages_ = std::move(*decisions);
         return {};
+    }
+
+    [[nodiscard]] std::vector<bus::SignalPublisher*> all_signals() const {
+        std::vector<bus::SignalPublisher*> out{state_signals_.get(), counter_signals_.get()};
+        for (auto const* ages : {&arrival_ages_[0], &arrival_ages_[1], &decision_ages_}) {
+            if (*ages != nullptr) {
+                out.push_back(ages->get());
+            }
+        }
+        return out;
     }
 
     void begin(SimTime now) {
@@ -129,8 +160,9 @@ class RelayAgent {
             return;
         }
         started_ = true;
-        state_signals_->announce(now);
-        counter_signals_->announce(now);
+        for (bus::SignalPublisher* signals : all_signals()) {
+            signals->announce(now);
+        }
         trip_->announce(now);
         now_ns_ = node_.lockstep() ? clock_.of(now) : clock_.now();
         trip_->start(now_ns_);
@@ -180,13 +212,36 @@ class RelayAgent {
     void realtime_round() {
         for (bus::WireFrame const* frame : port_->take(iec61850::kSvEthertype)) {
             now_ns_ = clock_.now();
+            std::array<std::uint64_t, 2> const before{samples_of(0), samples_of(1)};
             inputs_->frame(WirePort::octets(*frame), now_ns_, on_pair_);
+            for (std::size_t i = 0; i < 2; ++i) {
+                if (samples_of(i) != before[i] && frame->kernel_ns != 0) {
+                    publish_age(*arrival_ages_[i], inputs_->end(i).subscriber.last_index(), frame->kernel_ns);
+                }
+            }
         }
         elapse(clock_.now());
     }
 
+    /// Simulated time of a sample: its counter says which one of a second it is, the clock which second.
+    [[nodiscard]] double instant_of(std::int64_t index) const {
+        double const in_second_s = static_cast<double>(index) / rate_hz_;
+        return std::round(node_.time_base().seconds(node_.latest_time()) - in_second_s) + in_second_s;
+    }
+
+    void publish_age(bus::SignalPublisher& ages, std::int64_t index, std::int64_t unix_ns) {
+        double const time_s = instant_of(index);
+        double const age_ms = clock_.age_ms(unix_ns, time_s, settings_.wire.speed);
+        ages.row(node_.time_base().from_nanoseconds(static_cast<std::int64_t>(time_s * 1e9 + 0.5)), {&age_ms, 1});
+    }
+
+    [[nodiscard]] std::uint64_t samples_of(std::size_t end) const { return inputs_->end(end).subscriber.counters().samples; }
+
     void pair(LineSample const& sample) {
         RelayOutput const& out = relay_->step(sample);
+        if (decision_ages_ != nullptr && sample.from.present && sample.to.present) {
+            publish_age(*decision_ages_, sample.index, clock_.utc_ns(0));
+        }
         if (out.pickup != pickup_ || out.trip != tripped_ || (out.blocked != 0) != blocked_) {
             bool const changed = out.trip != tripped_;
             pickup_ = out.pickup;
@@ -251,7 +306,9 @@ class RelayAgent {
             return;
         }
         counter_signals_->row(time, row);
-        counter_signals_->flush();
+        for (bus::SignalPublisher* signals : all_signals()) {
+            signals->flush();
+        }
     }
 
     Settings const& settings_;
@@ -265,6 +322,9 @@ class RelayAgent {
     std::unique_ptr<WirePort> port_;
     std::unique_ptr<TripPublisher> trip_;
     std::unique_ptr<bus::SignalPublisher> state_signals_, counter_signals_;
+    std::array<std::unique_ptr<bus::SignalPublisher>, 2> arrival_ages_; ///< real time
+    std::unique_ptr<bus::SignalPublisher> decision_ages_;               ///< real time
+    double rate_hz_{4800};
     CurrentInputs::OnPair on_pair_{[this](LineSample const& sample) { pair(sample); }};
     std::int64_t now_ns_{0};
     std::int64_t reported_{-1}, reported_wall_ns_{0};

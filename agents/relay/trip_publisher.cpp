@@ -26,7 +26,7 @@ Result<std::unique_ptr<TripPublisher>> TripPublisher::create(bus::Node& node, ga
     params.simulation = stream.address.simulated;
     out->publisher_ = std::make_unique<iec61850::GoosePublisher>(std::move(*frame), stream.conf_rev, params);
     std::string const prefix = "stream." + stream.name.name + ".";
-    auto signals = bus::SignalPublisher::create(node, "goose", 0, {{prefix + "st_num", ""}, {prefix + "sq_num", ""}, {prefix + "interval_ms", "ms"}});
+    auto signals = bus::SignalPublisher::create(node, "goose", 0, {{prefix + "st_num", ""}, {prefix + "sq_num", ""}, {prefix + "interval_ms", "ms"}, {prefix + "sent_after_ms", "ms"}});
     if (!signals) {
         return std::unexpected{signals.error()};
     }
@@ -62,12 +62,13 @@ void TripPublisher::work(std::int64_t now_ns) {
         return;
     }
     SimTime const at = node_.lockstep() ? clock_.at_or_after(now_ns) : node_.latest_time();
+    double const sent_after_ms = node_.lockstep() ? static_cast<double>(now_ns) / 1e6 : clock_.age_ms(clock_.utc_ns(0), 0, 1);
     port_.send(frame, at);
     ++sent_;
     iec61850::GooseState const& state = publisher_->state();
     double const interval_ms = last_sent_ns_ ? static_cast<double>(now_ns - *last_sent_ns_) / 1e6 : 0;
     last_sent_ns_ = now_ns;
-    std::array<double, 3> const row{static_cast<double>(state.st_num), static_cast<double>(state.sq_num), interval_ms};
+    std::array<double, 4> const row{static_cast<double>(state.st_num), static_cast<double>(state.sq_num), interval_ms, sent_after_ms};
     signals_->row(at, row);
 }
 

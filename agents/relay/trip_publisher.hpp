@@ -14,7 +14,7 @@
 namespace gridspace::relay {
 
 /// The relay's GOOSE stream: what the decision was, a latency later, and its repetitions. Every message is also a row of the
-/// signals stream.<name>.st_num, .sq_num and .interval_ms.
+/// signals stream.<name>.st_num, .sq_num, .interval_ms and .sent_after_ms (since simulated time 0; in real time by the wall clock).
 class TripPublisher {
   public:
     [[nodiscard]] static Result<std::unique_ptr<TripPublisher>> create(bus::Node& node, gateways::WirePort& port, streams::Stream const& stream,

@@ -45,6 +45,7 @@ class BreakerIed {
             if (!announced_) {
                 announced_ = true;
                 signals_->announce((*tick)->time);
+                messages_->announce((*tick)->time);
                 publish_state((*tick)->time);
             }
             for (bus::WireFrame const* frame : port_->take(iec61850::kGooseEthertype)) {
@@ -93,6 +94,12 @@ class BreakerIed {
             return std::unexpected{signals.error()};
         }
         signals_ = std::move(*signals);
+        std::string const heard = "stream." + stream->name.name + ".heard_";
+        auto messages = bus::SignalPublisher::create(node_, "messages", 0, {{heard + "st_num", ""}, {heard + "sq_num", ""}, {heard + "after_ms", "ms"}});
+        if (!messages) {
+            return std::unexpected{messages.error()};
+        }
+        messages_ = std::move(*messages);
         return node_.start();
     }
 
@@ -105,6 +112,9 @@ class BreakerIed {
             return;
         }
         SimTime const at = node_.lockstep() ? frame.time : node_.latest_time();
+        double const after_ms = node_.lockstep() ? static_cast<double>(now) / 1e6 : clock_.age_ms(frame.kernel_ns, 0, 1);
+        std::array<double, 3> const row{static_cast<double>(decoded_.st_num), static_cast<double>(decoded_.sq_num), after_ms};
+        messages_->row(at, row);
         if (!alive_ && verdict.accepted) {
             alive_ = true;
             publish_state(at);
@@ -168,7 +178,7 @@ class BreakerIed {
     iec61850::GooseFrame decoded_;
     std::unique_ptr<WirePort> port_;
     std::unique_ptr<bus::Writer<TripCommand>> commands_;
-    std::unique_ptr<bus::SignalPublisher> signals_;
+    std::unique_ptr<bus::SignalPublisher> signals_, messages_;
     std::optional<bool> sent_;
     bool alive_{false}, announced_{false};
 };

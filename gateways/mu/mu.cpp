@@ -8,6 +8,7 @@
 #include "gateways/iec61850/sv_publisher.hpp"
 #include "gateways/mu/mu_config.hpp"
 #include "gateways/mu/scheduled_sender.hpp"
+#include "gateways/port/wire_clock.hpp"
 #include "gateways/port/wire_port.hpp"
 
 #include <atomic>
@@ -20,13 +21,11 @@ namespace {
 struct Settings {
     MuConfig mu;
     WireConfig wire;
-    double speed{1};
 };
 
 void describe(config::Fields& f, Settings& s) {
     describe(f, s.mu);
     describe_wire(f, s.wire);
-    f.number("speed", s.speed, {.doc = "of the simulation clock, in real time: the stream runs so much faster", .above = 0});
 }
 
 class MergingUnit {
@@ -48,11 +47,15 @@ class MergingUnit {
             }
             if (!announced_) {
                 signals_->announce((*tick)->time);
+                if (ages_ != nullptr) {
+                    ages_->announce((*tick)->time);
+                }
                 announced_ = true;
             }
             for (auto const& received : currents_->take()) {
                 send(received.value);
             }
+            publish_ages();
             publish_counters((*tick)->time, (*tick)->final);
             port_->maintain();
             if (auto ok = node_.done(**tick, (*tick)->number + 1); !ok) {
@@ -99,9 +102,16 @@ class MergingUnit {
         }
         signals_ = std::move(*signals);
         rate_hz_ = stream->rate_hz;
+        if (!node_.lockstep()) {
+            auto ages = bus::SignalPublisher::create(node_, "age", rate_hz_.to_double(), {{"stream." + stream->name.name + ".publish_age_ms", "ms"}});
+            if (!ages) {
+                return std::unexpected{ages.error()};
+            }
+            ages_ = std::move(*ages);
+        }
         if (!node_.lockstep() && settings_.mu.sending == MuConfig::Sending::scheduled) {
             sender_ = std::make_unique<ScheduledSender>(
-                ScheduledSender::Params{stream->rate_hz.to_double() * settings_.speed, settings_.mu.buffer_ms / 1e3},
+                ScheduledSender::Params{stream->rate_hz.to_double() * settings_.wire.speed, settings_.mu.buffer_ms / 1e3},
                 [this](ScheduledSender::Sample const& sample) { send(sample.index, sample.i_a, {}); });
         }
         return node_.start();
@@ -131,8 +141,19 @@ class MergingUnit {
             layout_->write(slots_[phase], iec61850::Value::from_number(type, static_cast<double>(i_a[phase]) * scales_[phase]), sample);
         }
         if (auto const frame = publisher_->commit(); !frame.empty()) {
+            if (ages_ != nullptr) {
+                departures_.push({index, clock_.utc_ns(0)}); // when it is handed to the kernel
+            }
             port_->send(frame, at);
             ++sent_;
+        }
+    }
+
+    void publish_ages() {
+        for (Departure d; departures_.pop(d);) {
+            double const time_s = static_cast<double>(d.index) / rate_hz_.to_double();
+            double const age_ms = clock_.age_ms(d.unix_ns, time_s, settings_.wire.speed);
+            ages_->row(node_.time_base().from_nanoseconds(static_cast<std::int64_t>(time_s * 1e9 + 0.5)), {&age_ms, 1});
         }
     }
 
@@ -145,8 +166,9 @@ class MergingUnit {
         auto const counters = sender_ == nullptr ? ScheduledSender::Counters{} : sender_->counters();
         std::array<double, 3> const row{static_cast<double>(sent_.load()), static_cast<double>(counters.late), static_cast<double>(counters.underruns)};
         signals_->row(now, row);
-        if (final) {
-            signals_->flush();
+        signals_->flush();
+        if (final && ages_ != nullptr) {
+            ages_->flush();
         }
     }
 
@@ -161,6 +183,12 @@ class MergingUnit {
     std::array<double, 3> scales_{};
     std::shared_ptr<bus::Reader<LineCurrents>> currents_;
     std::unique_ptr<bus::SignalPublisher> signals_;
+    struct Departure {
+        std::int64_t index{0}, unix_ns{0};
+    };
+    WireClock clock_{node_};
+    SpscRing<Departure> departures_{8192};
+    std::unique_ptr<bus::SignalPublisher> ages_; ///< real time
     std::atomic<std::uint64_t> sent_{0};
     std::int64_t last_second_{-1};
     bool announced_{false};

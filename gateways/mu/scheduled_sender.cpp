@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/mu/scheduled_sender.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <ctime>
@@ -20,7 +21,7 @@ void sleep_until(std::int64_t ns) {
 } // namespace
 
 ScheduledSender::ScheduledSender(Params params, std::function<void(Sample const&)> send)
-    : params_{params}, send_{std::move(send)}, ring_(kCapacity) {
+    : params_{params}, send_{std::move(send)} {
     thread_ = std::thread{[this] { loop(); }};
 }
 
@@ -30,23 +31,7 @@ ScheduledSender::~ScheduledSender() {
 }
 
 void ScheduledSender::push(Sample const& sample) {
-    std::uint64_t const at = written_.load(std::memory_order_relaxed);
-    if (at - read_.load(std::memory_order_acquire) >= kCapacity) {
-        ++overflows_;
-        return;
-    }
-    ring_[at % kCapacity] = sample;
-    written_.store(at + 1, std::memory_order_release);
-}
-
-bool ScheduledSender::pop(Sample& out) {
-    std::uint64_t const at = read_.load(std::memory_order_relaxed);
-    if (at == written_.load(std::memory_order_acquire)) {
-        return false;
-    }
-    out = ring_[at % kCapacity];
-    read_.store(at + 1, std::memory_order_release);
-    return true;
+    overflows_ += ring_.push(sample) ? 0 : 1;
 }
 
 ScheduledSender::Counters ScheduledSender::counters() const { return {late_.load(), underruns_.load(), overflows_.load()}; }
@@ -54,7 +39,7 @@ ScheduledSender::Counters ScheduledSender::counters() const { return {late_.load
 void ScheduledSender::loop() {
     constexpr std::int64_t kIdleNs = 500'000; // before the first sample
     Sample sample;
-    while (!stop_ && written_.load(std::memory_order_acquire) == 0) {
+    while (!stop_ && ring_.empty()) {
         sleep_until(now_ns() + kIdleNs);
     }
     double const period_ns = 1e9 / params_.rate_hz;
@@ -71,7 +56,7 @@ void ScheduledSender::loop() {
         std::uint64_t const owed = slot + 1 - sent;
         late_ += owed > 1 ? 1 : 0;
         for (std::uint64_t n = std::min<std::uint64_t>(owed, 2); n > 0; --n) {
-            if (!pop(sample)) {
+            if (!ring_.pop(sample)) {
                 underruns_ += starving ? 0 : 1;
                 starving = true;
                 break;

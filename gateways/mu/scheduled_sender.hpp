@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/spsc_ring.hpp"
+
 #include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <thread>
-#include <vector>
 
 namespace gridspace::gateways {
 
@@ -42,13 +43,11 @@ class ScheduledSender {
 
   private:
     void loop();
-    bool pop(Sample& out);
-    static constexpr std::size_t kCapacity = 4096; // a power of two; 0.85 s at 4800 Hz
+    static constexpr std::size_t kCapacity = 4096; // 0.85 s at 4800 Hz
 
     Params params_;
     std::function<void(Sample const&)> send_;
-    std::vector<Sample> ring_;
-    std::atomic<std::uint64_t> written_{0}, read_{0};
+    SpscRing<Sample> ring_{kCapacity};
     std::atomic<std::uint64_t> late_{0}, underruns_{0}, overflows_{0};
     std::atomic<bool> stop_{false};
     std::thread thread_;

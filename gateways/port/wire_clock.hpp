@@ -33,6 +33,10 @@ class WireClock {
         SimTime const t = node_.time_base().from_nanoseconds(ns);
         return of(t) < ns ? SimTime{t.quanta + 1} : t;
     }
+    /// Milliseconds from the instant at which simulated time was `time_s` (at this speed) to `unix_ns`. Real time.
+    [[nodiscard]] double age_ms(std::int64_t unix_ns, double time_s, double speed) const {
+        return static_cast<double>(unix_ns - node_.start_unix_ns()) / 1e6 - time_s * 1e3 / speed;
+    }
     [[nodiscard]] static std::chrono::steady_clock::time_point wall(std::int64_t ns) {
         return std::chrono::steady_clock::time_point{std::chrono::nanoseconds{ns}};
     }

@@ -13,6 +13,7 @@ void describe_wire(config::Fields& f, WireConfig& wire) {
     f.object("wire", {.doc = "its port", .required = true}, [&](config::Fields& w) {
         w.text("link", wire.link, {.doc = "name of the link"});
         w.text("interface", wire.interface, {.doc = "network interface", .required = true});
+        w.number("speed", wire.speed, {.doc = "of the simulation clock, in real time", .above = 0});
     });
     config::Node node;
     f.raw("streams", node, {.doc = "the streams that it sends or receives", .required = true});

@@ -13,6 +13,7 @@ namespace gridspace::gateways {
 struct WireConfig {
     std::string link;      ///< name of the link in the scenario; free without one
     std::string interface; ///< network interface
+    double speed{1};       ///< of the simulation clock in real time: streams run so much faster than their rate
     std::vector<streams::Stream> streams;
 };
 /// Keys `wire: {link, interface}` and `streams:`.

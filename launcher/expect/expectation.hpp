@@ -71,7 +71,8 @@ void check_expectations(Scenario const& scenario, config::Diagnostics& diagnosti
 using Moments = std::map<std::string, double>;
 
 /// Judges an expectation by the recorded signals. `duration_s` is the simulated time of the run.
+/// In lockstep an expectation on the wall clock is not applicable.
 [[nodiscard]] ExpectationResult judge(Expectation const& expectation, SignalStore const& signals, Moments const& moments,
-                                      double duration_s);
+                                      double duration_s, bool lockstep = false);
 
 } // namespace gridspace::launcher

@@ -277,13 +277,19 @@ Expectation::Band Expectation::band() const {
     return b;
 }
 
-ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moments const& moments, double duration_s) {
+ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moments const& moments, double duration_s, bool lockstep) {
     ExpectationResult out;
     out.name = e.name.name;
     out.verb = e.verb_name;
     out.band = e.band();
     out.advisory = e.advisory;
     out.unit = e.unit;
+    std::vector<std::string> const& used = e.expression->signals();
+    if (lockstep && std::any_of(used.begin(), used.end(), [](std::string const& name) { return is_wall_clock_signal(name); })) {
+        out.status = Status::not_applicable;
+        out.detail = "of the wall clock: says nothing in lockstep";
+        return out;
+    }
     auto const missed = [&](std::string why) {
         out.detail = std::move(why);
         out.status = e.show_only ? Status::shown : Status::failed;

@@ -92,9 +92,10 @@ std::string notes(config::Node const& scenario) {
 }
 
 ReportTable process_table(Results const& r) {
-    ReportTable t{"Processes", {"process", "program", "host", "end"}, {}};
+    ReportTable t{"Processes", {"process", "program", "host", "end", "processor time"}, {}};
     for (Results::ProcessRow const& p : r.processes) {
-        t.rows.push_back({escape(p.name), escape(p.program), escape(p.host), escape(p.end)});
+        t.rows.push_back({escape(p.name), escape(p.program), escape(p.host), escape(p.end),
+                          p.cpu_s > 0 ? fmt::format("{:.2f} s", p.cpu_s) : "-"});
     }
     return t;
 }

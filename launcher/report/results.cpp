@@ -55,7 +55,7 @@ void read_manifest(fs::path const& folder, Results& out) {
     out.outcome.overruns = m.value("overruns", std::uint64_t{0});
     if (auto const processes = m.find("processes"); processes != m.end()) {
         for (auto const& [name, p] : processes->items()) {
-            out.processes.push_back({name, p.value("program", ""), p.value("host", ""), p.value("end", ""), p.value("exit", 0)});
+            out.processes.push_back({name, p.value("program", ""), p.value("host", ""), p.value("end", ""), p.value("exit", 0), p.value("cpu_s", 0.0)});
         }
     }
 }
@@ -93,6 +93,9 @@ Result<void> read_recording(fs::path const& folder, Results& out) {
         return std::unexpected{signals.error()};
     }
     out.signals = std::move(*signals);
+    if (out.mode == "realtime") {
+        derive_wire_delays(out.signals);
+    }
     return {};
 }
 
@@ -115,7 +118,7 @@ void judge_all(fs::path const& folder, Results& out) {
     }
     config::Node const* expect = scenario->find("expect");
     for (Expectation const& e : read_expectations(expect == nullptr ? config::Node{} : *expect, diagnostics)) {
-        out.expectations.push_back(judge(e, out.signals, moments, out.outcome.simulated_s));
+        out.expectations.push_back(judge(e, out.signals, moments, out.outcome.simulated_s, out.mode == "lockstep"));
     }
 }
 
@@ -200,7 +203,7 @@ Result<void> write_summary(Results const& r) {
                                 {"detail", e.detail}});
     }
     for (Results::ProcessRow const& p : r.processes) {
-        processes.push_back({{"name", p.name}, {"program", p.program}, {"host", p.host}, {"exit", p.code}, {"end", p.end}});
+        processes.push_back({{"name", p.name}, {"program", p.program}, {"host", p.host}, {"exit", p.code}, {"end", p.end}, {"cpu_s", p.cpu_s}});
     }
     for (Results::Topic const& t : r.topics) {
         topics.push_back({{"name", t.topic}, {"type", t.type}, {"samples", t.samples}, {"processes", t.processes}});

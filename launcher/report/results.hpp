@@ -31,6 +31,7 @@ struct Results {
     struct ProcessRow {
         std::string name, program, host, end;
         int code{0};
+        double cpu_s{0}; ///< user and system time
     };
     std::vector<ProcessRow> processes;
     std::string recording_note; ///< when the recording is not complete

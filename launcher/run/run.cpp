@@ -132,7 +132,7 @@ class Follower {
             on_status(process, line);
         } else if (kind == "exit") {
             std::erase_if(outcome_.ends, [&](auto const& e) { return e.process == process; });
-            outcome_.ends.push_back({process, line.value("how", ""), line.value("code", 0)});
+            outcome_.ends.push_back({process, line.value("how", ""), line.value("code", 0), line.value("cpu_s", 0.0)});
             if (line.value("code", 0) != 0) {
                 events_.write(time_s_, process, "exit", line.value("how", ""));
             }

@@ -166,6 +166,7 @@ Result<void> write_outcome(fs::path const& folder, RunOutcome const& outcome) {
     for (RunOutcome::ProcessEnd const& end : outcome.ends) {
         manifest["processes"][end.process]["exit"] = end.code;
         manifest["processes"][end.process]["end"] = end.how;
+        manifest["processes"][end.process]["cpu_s"] = end.cpu_s;
     }
     return write_text(folder / "manifest.json", manifest.dump(2) + "\n");
 }

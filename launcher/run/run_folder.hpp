@@ -31,6 +31,7 @@ struct RunOutcome {
     struct ProcessEnd {
         std::string process, how;
         int code{0};
+        double cpu_s{0}; ///< user and system time
     };
     std::vector<ProcessEnd> ends;
 };

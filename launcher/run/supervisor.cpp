@@ -19,11 +19,15 @@
 #include <optional>
 #include <poll.h>
 #include <sys/syscall.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 namespace gridspace::launcher {
 namespace {
+
+double seconds_of(timeval t) { return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) / 1e6; }
+
 
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
@@ -228,7 +232,8 @@ class Supervisor {
 
     void reap(Watched& w) {
         int wait_status = 0;
-        if (::waitpid(w.child.pid, &wait_status, 0) != w.child.pid) {
+        rusage used{};
+        if (::wait4(w.child.pid, &wait_status, 0, &used) != w.child.pid) {
             return;
         }
         read_status(w); // its last words
@@ -237,7 +242,8 @@ class Supervisor {
         ::close(w.child.control_fd);
         tell(Json{{"kind", "exit"}, {"process", w.plan.name}, {"how", describe_end(wait_status)},
                   {"code", WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status)},
-                  {"expected", w.expected_to_die}});
+                  {"expected", w.expected_to_die},
+                  {"cpu_s", seconds_of(used.ru_utime) + seconds_of(used.ru_stime)}});
         if (w.expected_to_die || failure_) {
             return;
         }

@@ -35,8 +35,7 @@ struct WireUse {
 struct SignalUse {
     std::string name;
     std::string unit;
-    double rate_hz{0};      ///< 0: when something changes
-    bool wall_clock{false}; ///< of the wall clock: there is none in lockstep
+    double rate_hz{0}; ///< 0: when something changes
 };
 
 /// What the launcher has to know about one process of a program: its settings, and what follows from them.

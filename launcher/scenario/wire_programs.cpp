@@ -109,7 +109,7 @@ class MergingUnitSettings final : public ProcessSettings {
         std::string const prefix = "publisher." + process.name.name + ".";
         std::vector<SignalUse> out{{prefix + "sent", "", 1}, {prefix + "late", "", 1}, {prefix + "underruns", "", 1}};
         for (char const* name : {"publish_age_ms", "wire_delay_ms"}) {
-            out.push_back({"stream." + config_.to.name + "." + name, "ms", 0, true});
+            out.push_back({"stream." + config_.to.name + "." + name, "ms", 0});
         }
         return out;
     }
@@ -201,15 +201,15 @@ class RelaySettings final : public ProcessSettings {
             for (char const* name : {"received", "lost", "duplicate", "late", "invalid"}) {
                 out.push_back({"stream." + stream->name + "." + name, "", 1});
             }
-            out.push_back({"stream." + stream->name + ".rate_hz", "Hz", 1, true});
-            out.push_back({"stream." + stream->name + ".arrival_age_ms", "ms", 0, true});
+            out.push_back({"stream." + stream->name + ".rate_hz", "Hz", 1});
+            out.push_back({"stream." + stream->name + ".arrival_age_ms", "ms", 0});
         }
-        out.push_back({prefix + "sample_to_decision_ms", "ms", 0, true});
+        out.push_back({prefix + "sample_to_decision_ms", "ms", 0});
         for (char const* name : {"st_num", "sq_num"}) {
             out.push_back({"stream." + config_.trip.name + "." + name, "", 0});
         }
         out.push_back({"stream." + config_.trip.name + ".interval_ms", "ms", 0});
-        out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0, true});
+        out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0});
         return out;
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }

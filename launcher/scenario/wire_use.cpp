@@ -60,6 +60,9 @@ void check_raw_link(Scenario const& scenario, Process const& process, config::Di
 config::Node wire_settings(Scenario const& scenario, Process const& process) {
     config::Node node = config::Node::map();
     std::string const link = raw_link(scenario, process);
+    if (scenario.clock.mode == bus::ClockMode::realtime && scenario.clock.speed > 0) {
+        node.set("speed", config::Node::scalar(shortest(scenario.clock.speed)));
+    }
     node.set("link", config::Node::quoted_text(link));
     if (!process.interface.empty()) {
         node.set("interface", config::Node::quoted_text(process.interface));

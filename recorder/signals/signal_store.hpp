@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gridspace {
@@ -21,6 +22,13 @@ struct SignalSeries {
 };
 
 using SignalStore = std::map<std::string, SignalSeries>;
+
+/// Rates, ages and delays of the wall clock: in lockstep there are none.
+[[nodiscard]] bool is_wall_clock_signal(std::string_view name);
+
+/// Adds what follows from both ends of a stream: stream.<name>.wire_delay_ms, from the sender's publish_age_ms and the
+/// receiver's arrival_age_ms of the same sample, or from sent_after_ms and heard_after_ms of the same GOOSE message.
+void derive_wire_delays(SignalStore& signals);
 
 /// Reads the signals of a recording whose name `wanted` accepts.
 [[nodiscard]] Result<SignalStore> read_signals(std::filesystem::path const& mcap,
