@@ -256,6 +256,7 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
         return fail(ExitCode::stall, fmt::format("DDS refused clock sample {}", number));
     }
     if (!core.lockstep()) {
+        cork(); // what the next tick publishes leaves with its clock, in few datagrams
         return {};
     }
     std::unique_lock lock{core.mutex};
