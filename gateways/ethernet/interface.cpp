@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fmt/format.h>
+#include <linux/ethtool.h>
+#include <linux/sockios.h>
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -68,6 +70,22 @@ Result<iec61850::Mac> interface_mac(std::string const& interface) {
     iec61850::Mac mac;
     std::copy_n(reinterpret_cast<std::uint8_t const*>(request.ifr_hwaddr.sa_data), 6, mac.octets.begin());
     return mac;
+}
+
+std::string interface_driver(std::string const& interface) {
+    if (!fits(interface)) {
+        return {};
+    }
+    ethtool_drvinfo info{};
+    info.cmd = ETHTOOL_GDRVINFO;
+    ifreq request{};
+    std::memcpy(request.ifr_name, interface.c_str(), interface.size() + 1);
+    request.ifr_data = reinterpret_cast<char*>(&info);
+    UniqueFd const socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+    if (!socket || ::ioctl(socket.get(), SIOCETHTOOL, &request) != 0) {
+        return {};
+    }
+    return {info.driver, ::strnlen(info.driver, sizeof info.driver)};
 }
 
 std::vector<std::string> interfaces() {

@@ -25,5 +25,7 @@ enum class LinkState : std::uint8_t {
 [[nodiscard]] Result<unsigned> interface_index(std::string const& interface);
 [[nodiscard]] Result<iec61850::Mac> interface_mac(std::string const& interface);
 [[nodiscard]] std::vector<std::string> interfaces();
+/// "veth", "e1000e", ...; empty when it does not say.
+[[nodiscard]] std::string interface_driver(std::string const& interface);
 
 } // namespace gridspace::ethernet

@@ -5,6 +5,7 @@
 #include "common/text.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <fmt/format.h>
 
 namespace gridspace::streams {
@@ -14,19 +15,46 @@ using config::Fields;
 using config::Node;
 using iec61850::DataNode;
 
-/// A member of a data set: `Ia: float32`, `id: {type: visible_string, length: 20}`, or a map of members (a structure).
+/// A member of a data set: `Ia: float32`, `id: {type: visible_string, length: 20}`, `h: {array: float32, count: 3}`, a
+/// list of types (an array too), or a map of members (a structure).
 std::optional<DataNode> read_member(std::string const& name, Node const& node, std::string& problem) {
     if (node.is_scalar()) {
         if (auto const type = iec61850::parse_type(node.text)) {
             return DataNode::leaf(name, *type);
         }
         auto const near = nearest_spelling(node.text, iec61850::type_names());
-        problem = fmt::format("'{}' is not a type{}", node.text, near ? fmt::format("; did you mean '{}'?", *near) : "");
+        problem =
+            fmt::format("'{}' is not a type{}", node.text, near ? fmt::format("; did you mean '{}'?", *near) : "");
         return std::nullopt;
+    }
+    if (node.is_sequence() && !node.items.empty()) {
+        DataNode array{name, DataNode::Kind::array, iec61850::BasicType::boolean, 0, {}};
+        for (Node const& item : node.items) {
+            auto member = read_member("", item, problem);
+            if (!member) {
+                return std::nullopt;
+            }
+            array.members.push_back(std::move(*member));
+        }
+        return array;
     }
     if (!node.is_map() || node.entries.empty()) {
         problem = fmt::format("'{}' is {}", name, config::describe(node));
         return std::nullopt;
+    }
+    if (Node const* element = node.find("array")) {
+        Node const* const count = node.find("count");
+        auto const value = count == nullptr ? std::nullopt : config::number_of(*count);
+        if (!value || *value < 1 || *value > 1000 || *value != static_cast<int>(*value)) {
+            problem = fmt::format("the array '{}' needs a whole `count` of 1 to 1000", name);
+            return std::nullopt;
+        }
+        auto member = read_member("", *element, problem);
+        if (!member) {
+            return std::nullopt;
+        }
+        return DataNode{name, DataNode::Kind::array, iec61850::BasicType::boolean, 0,
+                        std::vector<DataNode>(static_cast<std::size_t>(*value), *member)};
     }
     if (Node const* type = node.find("type"); type != nullptr && type->is_scalar()) {
         auto leaf = read_member(name, *type, problem);
@@ -61,12 +89,14 @@ void describe_data_set(Fields& f, Stream& stream) {
         if (stream.kind == Kind::smv && node.text == "9-2LE") {
             stream.data_set = iec61850::data_set_92le();
         } else {
-            f.error("data_set", fmt::format("the data set is '{}'", node.text), "expected a map from names to types, or 9-2LE for sampled values");
+            f.error("data_set", fmt::format("the data set is '{}'", node.text),
+                    "expected a map from names to types, or 9-2LE for sampled values");
         }
         return;
     }
     if (!node.is_map() || node.entries.empty()) {
-        f.error("data_set", fmt::format("the data set is {}", config::describe(node)), "expected a map from names to types");
+        f.error("data_set", fmt::format("the data set is {}", config::describe(node)),
+                "expected a map from names to types");
         return;
     }
     for (Node::Entry const& entry : node.entries) {
@@ -86,10 +116,12 @@ void describe_address(Fields& f, Stream& stream) {
     if (auto const parsed = iec61850::Mac::parse(mac)) {
         stream.address.destination = *parsed;
         if (!parsed->is_group()) {
-            f.error("mac", fmt::format("'{}' is the address of one station", mac), "streams are sent to a group: the first octet is odd");
+            f.error("mac", fmt::format("'{}' is the address of one station", mac),
+                    "streams are sent to a group: the first octet is odd");
         }
     } else if (!mac.empty()) {
-        f.error("mac", fmt::format("'{}' is not an Ethernet address", mac), "for example \"01:0C:CD:04:00:21\", in quotes");
+        f.error("mac", fmt::format("'{}' is not an Ethernet address", mac),
+                "for example \"01:0C:CD:04:00:21\", in quotes");
     }
     std::int64_t app_id = stream.kind == Kind::smv ? 0x4000 : 0x0001, vlan_id = 0, vlan_priority = 4;
     bool tagged = true;
@@ -99,7 +131,8 @@ void describe_address(Fields& f, Stream& stream) {
     f.integer("vlan_priority", vlan_priority, {.doc = "priority of the tag", .min = 0, .max = 7});
     stream.address.app_id = static_cast<std::uint16_t>(app_id);
     if (tagged) {
-        stream.address.vlan = iec61850::VlanTag{static_cast<std::uint16_t>(vlan_id), static_cast<std::uint8_t>(vlan_priority)};
+        stream.address.vlan =
+            iec61850::VlanTag{static_cast<std::uint16_t>(vlan_id), static_cast<std::uint8_t>(vlan_priority)};
     }
     f.flag("simulated", stream.address.simulated, {.doc = "S bit: a test set sends this, not the device"});
 }
@@ -107,13 +140,34 @@ void describe_address(Fields& f, Stream& stream) {
 void describe_sampled_values(Fields& f, Stream& s) {
     f.text("sv_id", s.sv_id, {.doc = "svID", .required = true});
     f.fraction("rate_hz", s.rate_hz, {.doc = "samples per second", .above = 0});
-    f.integer("samples_per_frame", s.samples_per_frame, {.doc = "consecutive samples (ASDUs) in a frame", .min = 1, .max = 16});
-    f.choice<std::uint8_t>("synch", s.smp_synch, {{"none", iec61850::kNotSynchronised}, {"local", iec61850::kLocalClock}, {"global", iec61850::kGlobalClock}},
-                           {.doc = "smpSynch: the clock behind the sample counter"});
+    f.integer("samples_per_frame", s.samples_per_frame,
+              {.doc = "consecutive samples (ASDUs) in a frame", .min = 1, .max = 16});
+    f.choice<std::uint8_t>(
+        "synch", s.smp_synch,
+        {{"none", iec61850::kNotSynchronised}, {"local", iec61850::kLocalClock}, {"global", iec61850::kGlobalClock}},
+        {.doc = "smpSynch: the clock behind the sample counter"});
+    std::int64_t clock_identity = 0;
+    f.integer("clock_identity", clock_identity,
+              {.doc = "smpSynch of a local clock with an identity, instead of `synch`", .min = 5, .max = 254});
+    s.smp_synch = clock_identity != 0 ? static_cast<std::uint8_t>(clock_identity) : s.smp_synch;
+    std::string gm_identity;
+    f.text("gm_identity", gm_identity,
+           {.doc = "identity of the PTP grandmaster, 16 hexadecimal digits; not sent when not given"});
+    if (!gm_identity.empty()) {
+        std::uint64_t identity = 0;
+        auto const [end, ec] =
+            std::from_chars(gm_identity.data(), gm_identity.data() + gm_identity.size(), identity, 16);
+        if (ec != std::errc{} || end != gm_identity.data() + gm_identity.size() || gm_identity.size() != 16) {
+            f.error("gm_identity", fmt::format("'{}' is not the identity of a clock", gm_identity),
+                    "16 hexadecimal digits in quotes, like \"001122FFFE334455\"");
+        }
+        s.gm_identity = identity;
+    }
     f.flag("send_refr_tm", s.send_refr_tm, {.doc = "the frame carries the time of its sample"});
     f.flag("send_smp_rate", s.send_smp_rate, {.doc = "the frame carries smpRate and smpMod"});
     if (!s.rate_hz.is_whole() || s.rate_hz > Rational{65536}) {
-        f.error("rate_hz", fmt::format("{} samples a second", s.rate_hz.to_string()), "smpCnt counts whole samples in a second, at most 65536");
+        f.error("rate_hz", fmt::format("{} samples a second", s.rate_hz.to_string()),
+                "smpCnt counts whole samples in a second, at most 65536");
     }
 }
 
@@ -127,7 +181,12 @@ void describe_goose(Fields& f, Stream& s) {
     f.number("max_time_ms", t.max_time_ms, {.doc = "interval in steady state", .above = 0});
     f.number("live_factor", t.live_factor, {.doc = "timeAllowedToLive, in intervals until the next message", .min = 1});
     f.number("live_min_ms", t.live_min_ms, {.doc = "timeAllowedToLive is at least this", .min = 0});
-    f.choice<Form>("integers", s.integers, {{"minimal", Form::minimal}, {"fixed", Form::fixed}}, {.doc = "length of integers (8-1 Ed.2, annex A)"});
+    std::int64_t first_sq_num = 0;
+    f.integer("first_sq_num", first_sq_num,
+              {.doc = "sqNum of the very first message; conformance tests of Edition 1 want 1", .min = 0, .max = 1});
+    s.first_sq_num = static_cast<std::uint32_t>(first_sq_num);
+    f.choice<Form>("integers", s.integers, {{"minimal", Form::minimal}, {"fixed", Form::fixed}},
+                   {.doc = "length of integers (8-1 Ed.2, annex A)"});
     if (t.max_time_ms < t.min_time_ms) {
         f.error("max_time_ms", fmt::format("it is shorter than min_time_ms ({} ms)", shortest(t.min_time_ms)));
     }
@@ -144,12 +203,14 @@ Result<iec61850::SvTemplate> Stream::sv_template(iec61850::Mac source) const {
     asdu.conf_rev = conf_rev;
     asdu.smp_synch = smp_synch;
     asdu.refr_tm = send_refr_tm;
+    asdu.gm_identity = gm_identity;
     if (send_smp_rate) {
         asdu.smp_rate = static_cast<std::uint16_t>(rate_hz.num());
         asdu.smp_mod = iec61850::SampleMode::per_second;
     }
     asdu.sample_octets = iec61850::SvLayout{data_set}.sample_octets();
-    return iec61850::SvTemplate::create(from, std::vector<iec61850::AsduDescription>(static_cast<std::size_t>(samples_per_frame), asdu));
+    return iec61850::SvTemplate::create(
+        from, std::vector<iec61850::AsduDescription>(static_cast<std::size_t>(samples_per_frame), asdu));
 }
 
 Result<iec61850::GooseTemplate> Stream::goose_template(iec61850::Mac source) const {
@@ -159,19 +220,23 @@ Result<iec61850::GooseTemplate> Stream::goose_template(iec61850::Mac source) con
 }
 
 void describe(Fields& f, Stream& stream) {
-    f.choice<Kind>("kind", stream.kind, {{"smv", Kind::smv}, {"goose", Kind::goose}}, {.doc = "sampled values, or GOOSE", .required = true});
+    f.choice<Kind>("kind", stream.kind, {{"smv", Kind::smv}, {"goose", Kind::goose}},
+                   {.doc = "sampled values, or GOOSE", .required = true});
     describe_address(f, stream);
     std::int64_t conf_rev = 1;
     f.integer("conf_rev", conf_rev, {.doc = "confRev", .min = 0, .max = 4294967295.0});
     stream.conf_rev = static_cast<std::uint32_t>(conf_rev);
-    f.text("data_set_name", stream.data_set_name, {.doc = "datSet, LD/LLN0$name; sampled values leave it out when not given"});
+    f.text("data_set_name", stream.data_set_name,
+           {.doc = "datSet, LD/LLN0$name; sampled values leave it out when not given"});
     if (stream.kind == Kind::smv) {
         describe_sampled_values(f, stream);
     } else {
         describe_goose(f, stream);
         if (stream.data_set_name.empty()) { // mandatory in GOOSE
             std::size_t const at = stream.control_block.find("$GO$");
-            stream.data_set_name = at == std::string::npos ? stream.control_block : stream.control_block.substr(0, at) + "$" + stream.name.name;
+            stream.data_set_name = at == std::string::npos
+                                       ? stream.control_block
+                                       : stream.control_block.substr(0, at) + "$" + stream.name.name;
         }
     }
     describe_data_set(f, stream);
@@ -205,10 +270,14 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
                 s.error("", fmt::format("stream '{}': {}", name.name, problem->message), problem->remedy);
             }
             for (Stream const& other : out) {
-                bool const same = other.kind == stream.kind && (stream.kind == Kind::smv ? other.sv_id == stream.sv_id
-                                                                                        : other.control_block == stream.control_block);
-                if (same && other.address.destination == stream.address.destination && other.address.app_id == stream.address.app_id) {
-                    s.error("", fmt::format("streams '{}' and '{}' cannot be told apart on the wire", other.name.name, name.name),
+                bool const same = other.kind == stream.kind &&
+                                  (stream.kind == Kind::smv ? other.sv_id == stream.sv_id
+                                                            : other.control_block == stream.control_block);
+                if (same && other.address.destination == stream.address.destination &&
+                    other.address.app_id == stream.address.app_id) {
+                    s.error("",
+                            fmt::format("streams '{}' and '{}' cannot be told apart on the wire", other.name.name,
+                                        name.name),
                             "another mac, app_id, sv_id or control_block");
                 }
             }

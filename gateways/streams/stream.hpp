@@ -11,6 +11,7 @@
 #include "gateways/iec61850/sv_template.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,8 @@ struct GooseTiming {
     double live_min_ms{0};    ///< but at least so much
 };
 
-/// An entry of `streams:`: everything that publisher, subscriber and SCL have to agree on. Declared once; others use its name.
+/// An entry of `streams:`: everything that publisher, subscriber and SCL have to agree on. Declared once; others use
+/// its name.
 struct Stream {
     Ref name;
     Kind kind{Kind::smv};
@@ -44,11 +46,13 @@ struct Stream {
     std::int64_t samples_per_frame{1};
     std::uint8_t smp_synch{iec61850::kGlobalClock};
     bool send_refr_tm{false}, send_smp_rate{false};
+    std::optional<std::uint64_t> gm_identity; ///< identity of the PTP grandmaster (9-2 Ed.2.1): sent when given
 
     // GOOSE
     std::string control_block; ///< gocbRef
     std::string go_id;         ///< empty: not sent
     GooseTiming timing;
+    std::uint32_t first_sq_num{0};
     iec61850::IntegerForm integers{iec61850::IntegerForm::minimal};
 
     [[nodiscard]] std::uint16_t ethertype() const {
@@ -62,8 +66,8 @@ struct Stream {
 /// The keys of one stream.
 void describe(config::Fields& f, Stream& stream);
 
-/// Reads a whole `streams:` map (`like:` already resolved) and checks that every stream can be written as the standard says
-/// and that no two are the same on the wire.
+/// Reads a whole `streams:` map (`like:` already resolved) and checks that every stream can be written as the standard
+/// says and that no two are the same on the wire.
 [[nodiscard]] std::vector<Stream> read_streams(config::Node const& streams, config::Diagnostics& diagnostics);
 
 [[nodiscard]] Stream const* find_stream(std::vector<Stream> const& streams, std::string_view name);

@@ -6,6 +6,7 @@
 #include "common/version.hpp"
 #include "launcher/cli/completion.hpp"
 #include "launcher/cli/verbs.hpp"
+#include "launcher/cli/wire_verbs.hpp"
 #include "launcher/ids/ids_verbs.hpp"
 
 #include <CLI/CLI.hpp>
@@ -172,6 +173,8 @@ int main_function(int argc, char** argv) {
     CLI::App* doctor_verb = verb("doctor", "look at what this machine allows, and what helps");
     doctor_verb->add_flag("--json", doctor_json, "as JSON");
     doctor_verb->callback([&] { action = [&] { return doctor(doctor_json); }; });
+
+    add_wire_verbs(app, action);
 
     std::string shell;
     CLI::App* completion_verb = verb("completion", "print a completion script");

@@ -1,0 +1,305 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/wire/capture_statistics.hpp"
+
+#include "recorder/pcapng/pcapng_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+
+namespace gridspace::wire {
+namespace {
+
+using iec61850::Octets;
+
+constexpr std::array<TransferClass, 7> kClasses{{
+    {"TT6", 3, "trips, blockings, raw data"},
+    {"TT5", 10, "releases, status changes"},
+    {"TT4", 20, "fast automatic interactions"},
+    {"TT3", 100, "slow automatic interactions"},
+    {"TT2", 500, "operator commands"},
+    {"TT1", 1000, "events, alarms"},
+    {"TT0", 1e12, "files, events, logs"},
+}};
+
+/// FNV-1a without the VLAN tag: a switch may take it off.
+std::uint64_t identity(Octets frame) {
+    std::uint64_t hash = 1469598103934665603ULL;
+    auto const mix = [&](Octets part) {
+        for (std::uint8_t const octet : part) {
+            hash = (hash ^ octet) * 1099511628211ULL;
+        }
+    };
+    bool const tagged =
+        frame.size() >= 18 && iec61850::load_be<std::uint16_t>(frame.data() + 12) == iec61850::kVlanEthertype;
+    mix(frame.first(std::min<std::size_t>(12, frame.size())));
+    mix(frame.subspan(std::min<std::size_t>(tagged ? 16 : 12, frame.size())));
+    return hash;
+}
+
+std::string id_of(Octets frame, iec61850::SvFrame& sv, iec61850::GooseFrame& goose) {
+    if (decode_sv(frame, sv)) {
+        return visible(sv.asdus[0].sv_id);
+    }
+    return decode_goose(frame, goose) ? visible(goose.gocb_ref) : std::string{};
+}
+
+/// The same frame at several points, within a second.
+struct Sightings {
+    struct First {
+        std::int64_t time_ns;
+        std::uint32_t points;
+        std::uint32_t interface;
+        std::int64_t last_ns;
+    };
+    std::unordered_map<std::uint64_t, First> frames;
+
+    /// True when the frame is new.
+    bool add(std::uint64_t key, std::uint32_t interface, std::int64_t time_ns) {
+        auto const [at, fresh] = frames.try_emplace(key, First{time_ns, 1, interface, time_ns});
+        if (fresh) {
+            return true;
+        }
+        First& first = at->second;
+        if (interface == first.interface || time_ns - first.time_ns > 1'000'000'000) {
+            first = {time_ns, 1, interface, time_ns}; // repeated, not seen again
+            return true;
+        }
+        ++first.points;
+        first.last_ns = std::max(first.last_ns, time_ns);
+        return false;
+    }
+};
+
+double median(std::vector<double> values) {
+    return percentiles(values).p50;
+}
+
+void describe_bursts(StreamStatistics& out) {
+    for (std::size_t k = 0; k < ObservedStream::kBurst; ++k) {
+        std::vector<double> kth;
+        for (auto const& burst : out.stream.bursts) {
+            if (burst.size() > k) {
+                kth.push_back(burst[k]);
+            }
+        }
+        if (kth.empty()) {
+            return;
+        }
+        out.burst_ms.push_back(median(kth));
+    }
+}
+
+nlohmann::ordered_json json_of(Percentiles const& p) {
+    return {{"count", p.count}, {"min", p.min}, {"p50", p.p50},  {"p99", p.p99},
+            {"p99.9", p.p999},  {"max", p.max}, {"mean", p.mean}};
+}
+
+} // namespace
+
+Percentiles percentiles(std::vector<double>& values) {
+    Percentiles out;
+    out.count = values.size();
+    if (values.empty()) {
+        return out;
+    }
+    std::sort(values.begin(), values.end());
+    auto const rank = [&](double p) {
+        auto const n = static_cast<std::size_t>(std::ceil(p * static_cast<double>(values.size())));
+        return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
+    };
+    double sum = 0;
+    for (double const v : values) {
+        sum += v;
+    }
+    return {values.size(),
+            values.front(),
+            rank(0.5),
+            rank(0.99),
+            rank(0.999),
+            values.back(),
+            sum / static_cast<double>(values.size())};
+}
+
+TransferClass const* tightest_class(double delay_ms) {
+    auto const found =
+        std::find_if(kClasses.begin(), kClasses.end(), [&](TransferClass const& c) { return delay_ms <= c.limit_ms; });
+    return found == kClasses.end() ? nullptr : &*found;
+}
+
+Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) {
+    auto reader = pcapng::Reader::open(file);
+    if (!reader) {
+        return std::unexpected{reader.error()};
+    }
+    Observer observer;
+    Sightings sightings;
+    std::unordered_map<std::uint64_t, std::string> id_by_frame;
+    std::map<std::string, std::vector<double>> intervals;
+    std::map<std::string, std::int64_t> last;
+    auto sv = std::make_unique<iec61850::SvFrame>();
+    iec61850::GooseFrame goose;
+    CaptureStatistics out;
+    std::int64_t begin = 0, end = 0;
+    for (;;) {
+        auto frame = reader->next();
+        if (!frame) {
+            return std::unexpected{frame.error()};
+        }
+        if (!*frame) {
+            break;
+        }
+        Octets const octets{(*frame)->octets};
+        std::int64_t const time = (*frame)->time_ns;
+        begin = out.frames == 0 ? time : std::min(begin, time);
+        end = std::max(end, time);
+        ++out.frames;
+        std::uint64_t const key = identity(octets);
+        if (!sightings.add(key, (*frame)->interface, time)) {
+            continue;
+        }
+        observer.add(octets, time);
+        std::string const id = id_of(octets, *sv, goose);
+        if (!id.empty()) {
+            id_by_frame[key] = id;
+            if (auto const [at, fresh] = last.try_emplace(id, time); !fresh) {
+                intervals[id].push_back(static_cast<double>(time - at->second) * 1e-6);
+                at->second = time;
+            }
+        }
+    }
+    out.seconds = static_cast<double>(end - begin) * 1e-9;
+    out.truncated = reader->truncated();
+    out.other = observer.other();
+    out.errors = observer.errors();
+    for (pcapng::Interface const& interface : reader->interfaces()) {
+        out.points.push_back(visible(interface.name));
+    }
+    std::map<std::string, std::vector<double>> delays;
+    for (auto const& [key, seen] : sightings.frames) {
+        if (auto const id = id_by_frame.find(key); seen.points > 1 && id != id_by_frame.end()) {
+            delays[id->second].push_back(static_cast<double>(seen.last_ns - seen.time_ns) * 1e-6);
+        }
+    }
+    for (ObservedStream const* stream : observer.streams()) {
+        StreamStatistics s;
+        s.stream = *stream;
+        s.interval_ms = percentiles(intervals[stream->id]);
+        if (auto& own = delays[stream->id]; !own.empty()) {
+            s.delay_ms = percentiles(own);
+        }
+        if (stream->goose) {
+            s.steady_ms = median(stream->intervals_ms);
+            describe_bursts(s);
+        }
+        out.streams.push_back(std::move(s));
+    }
+    return out;
+}
+
+std::string to_text(CaptureStatistics const& c) {
+    std::string out =
+        fmt::format("{} frames in {:.6f} s, at {} point{}{}\n", c.frames, c.seconds, c.points.size(),
+                    c.points.size() == 1 ? "" : "s", c.truncated ? "; the file ends in the middle of a frame" : "");
+    if (c.other > 0) {
+        out += fmt::format("{} frames of other protocols\n", c.other);
+    }
+    for (std::size_t i = 0; i < iec61850::kReasons; ++i) {
+        if (c.errors.by_reason[i] > 0) {
+            out += fmt::format("{} frames could not be read: {}\n", c.errors.by_reason[i],
+                               reason_name(static_cast<iec61850::Reason>(i)));
+        }
+    }
+    for (StreamStatistics const& s : c.streams) {
+        ObservedStream const& o = s.stream;
+        out += fmt::format("\n{} {}  APPID 0x{:04X}  {} -> {}{}\n", o.goose ? "GOOSE" : "SMV", o.id, o.app_id,
+                           o.source.to_string(), o.destination.to_string(), o.simulated ? "  simulated" : "");
+        out += fmt::format("  {} frames, lost {}, duplicate {}, out of order {}, restarts {}\n", o.frames, o.lost,
+                           o.duplicates, o.out_of_order, o.restarts);
+        if (o.goose) {
+            out += fmt::format("  {} changes of state; steady interval {:.3f} ms; {} came after their time to live\n",
+                               o.states, s.steady_ms, o.late);
+            if (!s.burst_ms.empty()) {
+                out += "  retransmission curve, ms:";
+                for (double const ms : s.burst_ms) {
+                    out += fmt::format(" {:.3f}", ms);
+                }
+                out += '\n';
+            }
+        } else {
+            out += fmt::format("  {:.3f} samples/s in {} per frame; {} octets of data; synchronised {}{}\n",
+                               o.rate_hz(), o.asdus, o.sample_octets,
+                               o.smp_synch == 0   ? "no"
+                               : o.smp_synch == 1 ? "locally"
+                               : o.smp_synch == 2 ? "globally"
+                                                  : fmt::format("to clock {}", o.smp_synch),
+                               o.counter->wrap_known() ? fmt::format("; counter wraps at {}", o.counter->wrap()) : "");
+        }
+        Percentiles const& i = s.interval_ms;
+        out += fmt::format("  interval ms: min {:.3f}  p50 {:.3f}  p99 {:.3f}  p99.9 {:.3f}  max {:.3f}\n", i.min,
+                           i.p50, i.p99, i.p999, i.max);
+        if (s.delay_ms) {
+            Percentiles const& d = *s.delay_ms;
+            TransferClass const* const met = tightest_class(d.p999);
+            out += fmt::format(
+                "  delay ms: p50 {:.4f}  p99 {:.4f}  p99.9 {:.4f}  max {:.4f}; p99.9 meets {} of IEC 61850-5 ({})\n",
+                d.p50, d.p99, d.p999, d.max, met->name, met->use);
+        } else {
+            out += "  delay: not measurable, the capture saw these frames at one point\n";
+        }
+    }
+    return out;
+}
+
+std::string to_json(CaptureStatistics const& c) {
+    nlohmann::ordered_json out{{"frames", c.frames},
+                               {"seconds", c.seconds},
+                               {"truncated", c.truncated},
+                               {"points", c.points},
+                               {"other", c.other},
+                               {"undecodable", c.errors.total()},
+                               {"streams", nlohmann::ordered_json::array()}};
+    for (StreamStatistics const& s : c.streams) {
+        ObservedStream const& o = s.stream;
+        nlohmann::ordered_json j{{"kind", o.goose ? "goose" : "smv"},
+                                 {"id", o.id},
+                                 {"app_id", o.app_id},
+                                 {"source", o.source.to_string()},
+                                 {"destination", o.destination.to_string()},
+                                 {"simulated", o.simulated},
+                                 {"conf_rev", o.conf_rev},
+                                 {"frames", o.frames},
+                                 {"lost", o.lost},
+                                 {"duplicates", o.duplicates},
+                                 {"out_of_order", o.out_of_order},
+                                 {"restarts", o.restarts},
+                                 {"interval_ms", json_of(s.interval_ms)}};
+        if (o.goose) {
+            j["states"] = o.states;
+            j["late"] = o.late;
+            j["steady_ms"] = s.steady_ms;
+            j["burst_ms"] = s.burst_ms;
+        } else {
+            j["rate_hz"] = o.rate_hz();
+            j["samples_per_frame"] = o.asdus;
+            j["sample_octets"] = o.sample_octets;
+            j["smp_synch"] = o.smp_synch;
+            j["wrap"] =
+                o.counter->wrap_known() ? nlohmann::ordered_json(o.counter->wrap()) : nlohmann::ordered_json(nullptr);
+        }
+        if (s.delay_ms) {
+            j["delay_ms"] = json_of(*s.delay_ms);
+            j["delay_class"] = tightest_class(s.delay_ms->p999)->name;
+        } else {
+            j["delay_ms"] = nullptr;
+        }
+        out["streams"].push_back(std::move(j));
+    }
+    return out.dump(2) + "\n";
+}
+
+} // namespace gridspace::wire

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/wire/live.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <ctime>
+
+namespace gridspace::wire {
+namespace {
+
+std::atomic<bool> g_stop{false};
+
+std::int64_t read_clock(clockid_t clock) {
+    timespec t{};
+    ::clock_gettime(clock, &t);
+    return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
+}
+
+} // namespace
+
+std::int64_t monotonic_ns() {
+    return read_clock(CLOCK_MONOTONIC);
+}
+std::int64_t utc_ns() {
+    return read_clock(CLOCK_REALTIME);
+}
+
+void sleep_until(std::int64_t at_ns) {
+    timespec const at{at_ns / 1'000'000'000, at_ns % 1'000'000'000};
+    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr); // a signal ends it: the caller looks at stopped()
+}
+
+void catch_signals() {
+    struct sigaction action{};
+    action.sa_handler = [](int) { g_stop.store(true); };
+    ::sigaction(SIGINT, &action, nullptr); // no SA_RESTART: a wait shall end
+    ::sigaction(SIGTERM, &action, nullptr);
+    ::signal(SIGPIPE, SIG_IGN);
+}
+
+bool stopped() {
+    return g_stop.load();
+}
+
+} // namespace gridspace::wire

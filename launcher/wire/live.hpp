@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace gridspace::wire {
+
+/// Nanoseconds of the monotonic clock, and since 1970.
+[[nodiscard]] std::int64_t monotonic_ns();
+[[nodiscard]] std::int64_t utc_ns();
+
+/// Until an absolute time of the monotonic clock, or Ctrl-C.
+void sleep_until(std::int64_t at_ns);
+
+/// Makes SIGINT and SIGTERM ask for an orderly end instead of killing.
+void catch_signals();
+[[nodiscard]] bool stopped();
+
+/// The end of a tool that runs for `duration_s` (0: until Ctrl-C).
+class Duration {
+  public:
+    explicit Duration(double duration_s)
+        : end_ns_{duration_s > 0 ? monotonic_ns() + static_cast<std::int64_t>(duration_s * 1e9) : INT64_MAX} {}
+    [[nodiscard]] bool over() const { return stopped() || monotonic_ns() >= end_ns_; }
+    [[nodiscard]] std::int64_t end_ns() const { return end_ns_; }
+
+  private:
+    std::int64_t end_ns_;
+};
+
+} // namespace gridspace::wire

@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/wire/observer.hpp"
+
+#include "gateways/iec61850/mms_data.hpp"
+
+#include <fmt/format.h>
+
+namespace gridspace::wire {
+
+using namespace iec61850;
+
+std::string visible(std::string_view text) {
+    return to_string(Value::visible(text));
+}
+
+std::string data_text(GooseFrame const& message) {
+    std::string out;
+    std::size_t depth = 0;
+    bool first = true;
+    DataWalker walker{message.all_data, message.all_data_offset};
+    Tlv element;
+    while (walker.next(element)) {
+        for (; depth > walker.depth(); --depth) {
+            out += '}';
+            first = false;
+        }
+        out += first ? "" : ", ";
+        first = is_container(element.tag);
+        if (first) {
+            out += '{';
+            ++depth;
+        } else if (auto const value = read_any_data_value(element)) {
+            out += to_string(*value);
+        } else {
+            out += fmt::format("<tag 0x{:02X}>", element.tag);
+        }
+    }
+    return out + std::string(depth, '}');
+}
+
+double ObservedStream::rate_hz() const {
+    if (!goose) {
+        return counter ? counter->arrivals().rate_hz() : 0;
+    }
+    return frame_rate_hz();
+}
+
+double ObservedStream::frame_rate_hz() const {
+    return last_ns > first_ns ? static_cast<double>(frames - 1) * 1e9 / static_cast<double>(last_ns - first_ns) : 0;
+}
+
+bool ObservedStream::alive(std::int64_t now_ns) const {
+    if (goose) {
+        return now_ns - last_ns <= std::int64_t{live_ms} * 1'000'000;
+    }
+    double const period_ns = rate_hz() > 0 ? 1e9 * asdus / rate_hz() : 1e9;
+    return static_cast<double>(now_ns - last_ns) < std::max(10 * period_ns, 100e6);
+}
+
+ObservedStream& Observer::stream_of(bool goose, std::string_view id, FrameHeader const& header, std::int64_t time_ns) {
+    auto const [at, fresh] = streams_.try_emplace(Key{goose, std::string{id}, header.source, header.app_id});
+    ObservedStream& s = at->second;
+    if (fresh) {
+        s.goose = goose;
+        s.id = visible(id);
+        s.source = header.source;
+        s.app_id = header.app_id;
+        s.first_ns = time_ns;
+        if (!goose) {
+            SvSubscription subscription;
+            subscription.wrap = 0;
+            subscription.max_gap = 2400;
+            s.counter = std::make_shared<SvSubscriber>(subscription);
+        }
+    }
+    s.destination = header.destination;
+    s.vlan = header.vlan;
+    return s;
+}
+
+void Observer::add_sv(Octets frame, std::int64_t time_ns) {
+    if (auto const ok = decode_sv(frame, *sv_); !ok) {
+        errors_.count(ok.error().reason);
+        return;
+    }
+    ObservedStream const* last = nullptr;
+    for (Asdu const& asdu : sv_->view()) {
+        ObservedStream& s = stream_of(false, asdu.sv_id, sv_->header, time_ns);
+        if (&s != last) {
+            ++s.frames;
+            s.asdus = 0;
+        }
+        last = &s;
+        ++s.asdus;
+        s.last_ns = time_ns;
+        s.simulated = sv_->header.simulated();
+        s.conf_rev = asdu.conf_rev;
+        s.smp_synch = asdu.smp_synch;
+        s.sample_octets = asdu.sample.size();
+        s.counter->receive(asdu.smp_cnt, time_ns);
+        auto const& c = s.counter->counters();
+        s.lost = c.lost;
+        s.duplicates = c.of(SvEvent::duplicate);
+        s.out_of_order = c.of(SvEvent::late);
+        s.restarts = c.of(SvEvent::restart);
+    }
+}
+
+void Observer::add_goose(Octets frame, std::int64_t time_ns) {
+    if (auto const ok = decode_goose(frame, goose_); !ok) {
+        errors_.count(ok.error().reason);
+        return;
+    }
+    GooseFrame const& m = goose_;
+    ObservedStream& s = stream_of(true, m.gocb_ref, m.header, time_ns);
+    bool const first = s.frames++ == 0;
+    bool const same_state = !first && m.st_num == s.st_num;
+    double const interval_ms = static_cast<double>(time_ns - s.last_ns) * 1e-6;
+    if (same_state && m.sq_num == s.sq_num) {
+        ++s.duplicates;
+        return;
+    }
+    if (same_state && m.sq_num < s.sq_num && !(s.sq_num == 0xFFFFFFFF && m.sq_num == 1)) {
+        ++s.out_of_order;
+        return;
+    }
+    if (!first) {
+        if (s.intervals_ms.size() < ObservedStream::kIntervals) {
+            s.intervals_ms.push_back(interval_ms);
+        }
+        s.late += interval_ms > s.live_ms ? 1 : 0;
+        if (same_state) {
+            s.lost += m.sq_num > s.sq_num ? m.sq_num - s.sq_num - 1 : 0;
+            if (!s.bursts.empty() && s.bursts.back().size() < ObservedStream::kBurst) {
+                s.bursts.back().push_back(interval_ms);
+            }
+        } else {
+            ++s.states;
+            s.restarts += m.st_num < s.st_num && m.st_num != 1 ? 1 : 0;
+            s.restarts += m.st_num == 1 && s.st_num != 0xFFFFFFFF ? 1 : 0;
+            s.lost += m.sq_num;
+            if (s.bursts.size() < ObservedStream::kBursts) {
+                s.bursts.emplace_back();
+            }
+        }
+    }
+    s.st_num = m.st_num;
+    s.sq_num = m.sq_num;
+    s.live_ms = m.live_ms;
+    s.conf_rev = m.conf_rev;
+    s.simulated = m.simulated();
+    s.values = data_text(m);
+    s.last_ns = time_ns;
+}
+
+void Observer::add(Octets frame, std::int64_t time_ns) {
+    ++frames_;
+    switch (ethertype_of(frame)) {
+    case kSvEthertype:
+        add_sv(frame, time_ns);
+        return;
+    case kGooseEthertype:
+        add_goose(frame, time_ns);
+        return;
+    default:
+        ++other_;
+    }
+}
+
+std::vector<ObservedStream const*> Observer::streams() const {
+    std::vector<ObservedStream const*> out;
+    for (auto const& [key, stream] : streams_) {
+        out.push_back(&stream);
+    }
+    return out;
+}
+
+} // namespace gridspace::wire

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gateways/iec61850/goose.hpp"
+#include "gateways/iec61850/sv_subscriber.hpp"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace gridspace::wire {
+
+/// What can be said about a stream by listening, without knowing its configuration.
+struct ObservedStream {
+    bool goose{false};
+    std::string id; ///< svID or gocbRef
+    iec61850::Mac destination, source;
+    std::optional<iec61850::VlanTag> vlan;
+    std::uint16_t app_id{0};
+    bool simulated{false};
+    std::uint32_t conf_rev{0};
+    std::uint64_t frames{0}, lost{0}, duplicates{0}, out_of_order{0}, restarts{0};
+    std::int64_t first_ns{0}, last_ns{0};
+
+    // sampled values
+    std::uint16_t asdus{0}; ///< per frame
+    std::size_t sample_octets{0};
+    std::uint8_t smp_synch{0};
+    std::shared_ptr<iec61850::SvSubscriber> counter;
+
+    // GOOSE
+    std::uint32_t st_num{0}, sq_num{0}, live_ms{0};
+    std::uint64_t states{0}, late{0};        ///< late: came after timeAllowedToLive of the one before
+    std::vector<double> intervals_ms;        ///< between messages, in order
+    std::vector<std::vector<double>> bursts; ///< intervals behind each change of state, at most kBurst of each
+    std::string values;                      ///< of the last message, for people
+
+    static constexpr std::size_t kBurst = 12, kBursts = 1000, kIntervals = 1'000'000;
+    [[nodiscard]] double rate_hz() const; ///< samples or messages a second
+    [[nodiscard]] double frame_rate_hz() const;
+    /// "alive", "silent": by what the stream itself promises.
+    [[nodiscard]] bool alive(std::int64_t now_ns) const;
+};
+
+/// Sorts frames into streams. Streams are told apart by source address, APPID and name.
+class Observer {
+  public:
+    /// Any Ethernet frame; frames of other protocols are counted and otherwise ignored.
+    void add(iec61850::Octets frame, std::int64_t time_ns);
+
+    [[nodiscard]] std::vector<ObservedStream const*> streams() const; ///< by name
+    [[nodiscard]] std::uint64_t frames() const { return frames_; }
+    [[nodiscard]] std::uint64_t other() const { return other_; }
+    [[nodiscard]] iec61850::DecodeCounters const& errors() const { return errors_; }
+
+  private:
+    using Key = std::tuple<bool, std::string, iec61850::Mac, std::uint16_t>;
+    ObservedStream& stream_of(bool goose, std::string_view id, iec61850::FrameHeader const& header,
+                              std::int64_t time_ns);
+    void add_sv(iec61850::Octets frame, std::int64_t time_ns);
+    void add_goose(iec61850::Octets frame, std::int64_t time_ns);
+
+    std::map<Key, ObservedStream> streams_;
+    std::uint64_t frames_{0}, other_{0};
+    iec61850::DecodeCounters errors_;
+    std::unique_ptr<iec61850::SvFrame> sv_{std::make_unique<iec61850::SvFrame>()};
+    iec61850::GooseFrame goose_;
+};
+
+/// The members of allData as text: "true, {open, 0x0000}".
+[[nodiscard]] std::string data_text(iec61850::GooseFrame const& message);
+
+/// A text from the wire with everything that is not visible ASCII escaped.
+[[nodiscard]] std::string visible(std::string_view text);
+
+} // namespace gridspace::wire

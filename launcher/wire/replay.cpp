@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/ethernet/port.hpp"
+#include "launcher/wire/live.hpp"
+#include "launcher/wire/tools.hpp"
+#include "recorder/pcapng/pcapng_reader.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::wire {
+namespace {
+
+/// A replay is an attack on whoever listens: only virtual cables, unless the user says which interface he means.
+Result<void> check_allowed(ReplayOptions const& o) {
+    if (o.interface == o.allow_attacks_on) {
+        return {};
+    }
+    if (auto const index = ethernet::interface_index(o.interface); !index) {
+        return std::unexpected{index.error()};
+    }
+    std::string const driver = ethernet::interface_driver(o.interface);
+    if (driver == "veth" || o.interface == "lo") {
+        return {};
+    }
+    return fail(ExitCode::usage,
+                fmt::format("'{}' is not a virtual cable{}", o.interface,
+                            driver.empty() ? "" : fmt::format(" (its driver is {})", driver)),
+                fmt::format("replayed frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
+                            o.interface));
+}
+
+Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o) {
+    auto reader = pcapng::Reader::open(o.file);
+    if (!reader) {
+        return std::unexpected{reader.error()};
+    }
+    std::vector<pcapng::Frame> out;
+    for (;;) {
+        auto frame = reader->next();
+        if (!frame) {
+            return std::unexpected{frame.error()};
+        }
+        if (!*frame) {
+            break;
+        }
+        std::uint16_t const ethertype = iec61850::ethertype_of((*frame)->octets);
+        bool const wanted =
+            o.all_protocols || ethertype == iec61850::kSvEthertype || ethertype == iec61850::kGooseEthertype;
+        bool const here = o.only.empty() || reader->interfaces()[(*frame)->interface].name == o.only;
+        if (wanted && here && (*frame)->octets.size() >= 14) {
+            out.push_back(std::move(**frame));
+        }
+    }
+    if (reader->interfaces().size() > 1 && o.only.empty()) {
+        fmt::print(stderr,
+                   "note: the capture has {} interfaces; a frame that passed several is replayed several times (--only "
+                   "NAME)\n",
+                   reader->interfaces().size());
+    }
+    if (out.empty()) {
+        return fail(ExitCode::usage, fmt::format("'{}' holds no frame to replay", o.file.string()),
+                    "--all replays other protocols than GOOSE and SV too");
+    }
+    std::stable_sort(out.begin(), out.end(),
+                     [](pcapng::Frame const& a, pcapng::Frame const& b) { return a.time_ns < b.time_ns; });
+    return out;
+}
+
+} // namespace
+
+Result<void> replay(ReplayOptions const& o) {
+    if (auto ok = check_allowed(o); !ok) {
+        return ok;
+    }
+    auto const frames = read_frames(o);
+    if (!frames) {
+        return std::unexpected{frames.error()};
+    }
+    auto port = ethernet::Port::open({.interface = o.interface, .filter = {}, .receive = false});
+    if (!port) {
+        return std::unexpected{port.error()};
+    }
+    catch_signals();
+    std::int64_t worst_late = 0;
+    std::vector<iec61850::Octets> batch;
+    for (int loop = 0; (o.loops == 0 || loop < o.loops) && !stopped(); ++loop) {
+        std::int64_t const start = monotonic_ns(), first = frames->front().time_ns;
+        auto const due = [&](std::size_t i) {
+            return o.speed > 0
+                       ? start + static_cast<std::int64_t>(static_cast<double>((*frames)[i].time_ns - first) / o.speed)
+                       : start;
+        };
+        for (std::size_t i = 0; i < frames->size() && !stopped();) {
+            sleep_until(due(i));
+            std::int64_t const now = monotonic_ns();
+            worst_late = o.speed > 0 ? std::max(worst_late, now - due(i)) : 0;
+            batch.clear();
+            while (i < frames->size() && batch.size() < 64 && due(i) <= now) {
+                batch.emplace_back((*frames)[i++].octets);
+            }
+            port->send(batch);
+        }
+    }
+    fmt::print("{{\"sent\":{},\"not_sent\":{},\"worst_late_us\":{:.1f}}}\n", port->counters().sent,
+               port->counters().send_failed, static_cast<double>(worst_late) / 1e3);
+    return {};
+}
+
+} // namespace gridspace::wire

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/config/merge.hpp"
+#include "common/text.hpp"
+#include "launcher/wire/tools.hpp"
+
+#include <charconv>
+#include <fmt/format.h>
+
+namespace gridspace::wire {
+namespace {
+
+using config::Node;
+
+Node defaults_of(streams::Kind kind) {
+    Node out = Node::map();
+    bool const smv = kind == streams::Kind::smv;
+    out.set("kind", Node::scalar(smv ? "smv" : "goose"));
+    out.set("mac", Node::quoted_text(smv ? "01:0C:CD:04:00:01" : "01:0C:CD:01:00:01"));
+    if (smv) {
+        out.set("sv_id", Node::scalar("GRIDSPACE_MU01"));
+        Node set = Node::map();
+        for (char const* channel : {"Ia", "Ib", "Ic"}) {
+            set.set(channel, Node::scalar("float32"));
+        }
+        out.set("data_set", std::move(set));
+    } else {
+        out.set("control_block", Node::scalar("GRIDSPACE_LD0/LLN0$GO$gcb1"));
+        Node set = Node::map();
+        set.set("status", Node::scalar("boolean"));
+        out.set("data_set", std::move(set));
+    }
+    return out;
+}
+
+/// The entry of the file, or the defaults.
+std::optional<Node> base_of(StreamArgument const& argument, streams::Kind kind, config::Diagnostics& diagnostics) {
+    if (argument.file.empty()) {
+        return defaults_of(kind);
+    }
+    auto root = config::load_extended(argument.file, diagnostics);
+    Node* const all = root ? root->find("streams") : nullptr;
+    if (all == nullptr || !all->is_map()) {
+        diagnostics.error({}, fmt::format("'{}' has no `streams:`", argument.file.string()));
+        return std::nullopt;
+    }
+    config::resolve_likes(*all, diagnostics);
+    if (Node const* const found = all->find(argument.name)) {
+        return *found;
+    }
+    std::vector<std::string> names;
+    for (Node::Entry const& entry : all->entries) {
+        names.push_back(entry.key);
+    }
+    diagnostics.error(all->where, fmt::format("there is no stream '{}'", argument.name),
+                      fmt::format("there are: {}", join(names, ", ")));
+    return std::nullopt;
+}
+
+} // namespace
+
+std::optional<streams::Stream> read_stream(StreamArgument const& argument, streams::Kind kind) {
+    config::Diagnostics diagnostics;
+    std::optional<streams::Stream> out;
+    if (auto node = base_of(argument, kind, diagnostics)) {
+        for (std::size_t i = 0; i < argument.keys.size(); ++i) {
+            if (argument.keys[i].starts_with("data_set=")) {
+                node->erase("data_set"); // a new one, not more members
+            }
+            config::apply_set(*node, argument.keys[i], static_cast<int>(i) + 1, diagnostics);
+        }
+        Node all = Node::map();
+        all.set(argument.name.empty() ? "stream" : argument.name, std::move(*node));
+        auto streams = streams::read_streams(all, diagnostics);
+        if (!streams.empty() && streams[0].kind != kind) {
+            diagnostics.error({}, fmt::format("stream '{}' is {}", streams[0].name.name,
+                                              kind == streams::Kind::smv ? "GOOSE" : "sampled values"));
+        }
+        if (diagnostics.ok() && !streams.empty()) {
+            out = std::move(streams[0]);
+        }
+    }
+    if (diagnostics.errors() + diagnostics.warnings() > 0) {
+        fmt::print(stderr, "{}\n", diagnostics.render());
+    }
+    return out;
+}
+
+Result<iec61850::Value> parse_value(iec61850::Leaf const& leaf, std::string const& text, std::string& storage) {
+    using namespace iec61850;
+    auto const refuse = [&](std::string const& expected) -> Result<Value> {
+        return fail(ExitCode::usage, fmt::format("'{}' is no value of '{}'", text, leaf.name),
+                    fmt::format("it is {}: {}", type_name(leaf.type), expected));
+    };
+    Value out;
+    out.type = leaf.type;
+    if (leaf.type == BasicType::boolean) {
+        if (text != "true" && text != "false" && text != "1" && text != "0") {
+            return refuse("true or false");
+        }
+        return Value::of(text == "true" || text == "1");
+    }
+    if (leaf.type == BasicType::position) {
+        std::vector<std::string> const words{"intermediate", "open", "closed", "bad"};
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            if (text == words[i]) {
+                out.bits = i;
+                return out;
+            }
+        }
+        return refuse(join(words, ", "));
+    }
+    if (is_string(leaf.type)) {
+        if (text.size() > leaf.length) {
+            return refuse(fmt::format("at most {} characters", leaf.length));
+        }
+        storage = text;
+        out.text = octets_of(storage);
+        return out;
+    }
+    if (is_float(leaf.type)) {
+        double v = 0;
+        auto const [end, ec] = std::from_chars(text.data(), text.data() + text.size(), v);
+        return ec == std::errc{} && end == text.data() + text.size() ? Result<Value>{Value::from_number(leaf.type, v)}
+                                                                     : refuse("a number");
+    }
+    bool const hex = text.starts_with("0x");
+    bool const negative = text.starts_with('-');
+    std::uint64_t v = 0;
+    char const* const from = text.data() + (hex ? 2 : negative ? 1 : 0);
+    auto const [end, ec] = std::from_chars(from, text.data() + text.size(), v, hex ? 16 : 10);
+    if (ec != std::errc{} || end != text.data() + text.size()) {
+        return refuse("a whole number, or 0x and hexadecimal digits");
+    }
+    out.bits = negative ? static_cast<std::uint64_t>(-static_cast<std::int64_t>(v)) : v;
+    out.bit_count = static_cast<std::uint8_t>(leaf.type == BasicType::bit_string ? leaf.length : 0);
+    return out;
+}
+
+} // namespace gridspace::wire

@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/ethernet/port.hpp"
+#include "gateways/iec61850/sv_publisher.hpp"
+#include "launcher/wire/live.hpp"
+#include "launcher/wire/observer.hpp"
+#include "launcher/wire/tools.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace gridspace::wire {
+namespace {
+
+using namespace iec61850;
+using Json = nlohmann::ordered_json;
+
+/// Balanced phases on every numeric member, qualities good.
+void write_sample(SvLayout const& layout, std::span<std::uint8_t> sample, std::int64_t index, double rate_hz,
+                  SvPublishOptions const& o) {
+    std::size_t phase = 0;
+    for (std::size_t i = 0; i < layout.slots().size(); ++i) {
+        BasicType const type = layout.slots()[i].leaf.type;
+        if (!is_number(type)) {
+            continue;
+        }
+        double const angle =
+            2 * std::numbers::pi *
+            (o.frequency_hz * static_cast<double>(index) / rate_hz - static_cast<double>(phase++ % 3) / 3);
+        layout.write(i, Value::from_number(type, o.amplitude * std::cos(angle)), sample);
+    }
+}
+
+Json value_json(Value const& v) {
+    if (v.type == BasicType::boolean) {
+        return v.boolean();
+    }
+    if (is_float(v.type)) {
+        return v.number();
+    }
+    if (is_unsigned(v.type) || v.type == BasicType::quality) {
+        return v.bits;
+    }
+    return is_integer(v.type) ? Json(v.as_signed()) : Json(to_string(v));
+}
+
+void print_frame(SvFrame const& frame, std::int64_t stamp_ns, streams::Stream const* wanted, SvLayout const* layout) {
+    for (Asdu const& asdu : frame.view()) {
+        if (wanted != nullptr && asdu.sv_id != wanted->sv_id) {
+            continue;
+        }
+        Json out{{"time_ns", stamp_ns},           {"sv_id", visible(asdu.sv_id)},
+                 {"app_id", frame.header.app_id}, {"source", frame.header.source.to_string()},
+                 {"smp_cnt", asdu.smp_cnt},       {"conf_rev", asdu.conf_rev},
+                 {"smp_synch", asdu.smp_synch},   {"simulated", frame.header.simulated()}};
+        if (frame.header.vlan) {
+            out["vlan"] = {{"id", frame.header.vlan->id}, {"priority", frame.header.vlan->priority}};
+        }
+        if (asdu.has(Asdu::dat_set_field)) {
+            out["dat_set"] = visible(asdu.dat_set);
+        }
+        if (asdu.has(Asdu::refr_tm_field)) {
+            out["refr_tm_ns"] = asdu.refr_tm.nanoseconds();
+        }
+        if (asdu.has(Asdu::smp_rate_field)) {
+            out["smp_rate"] = asdu.smp_rate;
+        }
+        if (asdu.has(Asdu::smp_mod_field)) {
+            out["smp_mod"] = asdu.smp_mod;
+        }
+        if (asdu.has(Asdu::gm_identity_field)) {
+            out["gm_identity"] = fmt::format("{:016X}", asdu.gm_identity);
+        }
+        if (layout != nullptr && layout->sample_octets() == asdu.sample.size()) {
+            for (std::size_t i = 0; i < layout->slots().size(); ++i) {
+                out["values"][layout->slots()[i].leaf.name] = value_json(layout->read(i, asdu.sample));
+            }
+        } else {
+            Value raw;
+            raw.type = BasicType::octet_string;
+            raw.text = asdu.sample;
+            out["sample"] = to_string(raw);
+        }
+        fmt::print("{}\n", out.dump());
+    }
+}
+
+void print_second(Observer const& observer, ethernet::Port& port) {
+    Json out{{"time_ns", utc_ns()},
+             {"dropped", port.counters().dropped},
+             {"undecodable", observer.errors().total()},
+             {"streams", Json::array()}};
+    for (ObservedStream const* s : observer.streams()) {
+        auto const& a = s->counter->arrivals();
+        out["streams"].push_back({{"sv_id", s->id},
+                                  {"frames", s->frames},
+                                  {"rate_hz", s->rate_hz()},
+                                  {"lost", s->lost},
+                                  {"duplicates", s->duplicates},
+                                  {"late", s->out_of_order},
+                                  {"restarts", s->restarts},
+                                  {"smp_synch", s->smp_synch},
+                                  {"shortest_gap_us", static_cast<double>(a.shortest_ns()) / 1e3},
+                                  {"longest_gap_us", static_cast<double>(a.longest_ns()) / 1e3},
+                                  {"state", s->alive(utc_ns()) ? "alive" : "silent"}});
+    }
+    fmt::print("{}\n", out.dump());
+    std::fflush(stdout);
+}
+
+} // namespace
+
+Result<void> sv_publish(SvPublishOptions const& o) {
+    auto const described = read_stream(o.stream, streams::Kind::smv);
+    if (!described) {
+        return fail(ExitCode::usage, "the stream cannot be published");
+    }
+    auto port = ethernet::Port::open({.interface = o.interface, .filter = {}, .receive = false});
+    if (!port) {
+        return std::unexpected{port.error()};
+    }
+    Mac source = port->mac();
+    if (!o.source.empty()) {
+        auto const parsed = Mac::parse(o.source);
+        if (!parsed) {
+            return fail(ExitCode::usage, fmt::format("'{}' is not an Ethernet address", o.source));
+        }
+        source = *parsed;
+    }
+    SvLayout const layout{described->data_set};
+    double const rate = described->rate_hz.to_double();
+    std::vector<SvPublisher> publishers;
+    for (int i = 0; i < o.streams; ++i) {
+        streams::Stream one = *described;
+        if (i > 0) {
+            one.address.app_id = static_cast<std::uint16_t>(one.address.app_id + i);
+            one.address.destination.octets[5] = static_cast<std::uint8_t>(one.address.destination.octets[5] + i);
+            one.sv_id += fmt::format("_{}", i + 1);
+        }
+        auto frame = one.sv_template(source);
+        if (!frame) {
+            return std::unexpected{frame.error()};
+        }
+        frame->set_simulated(one.address.simulated);
+        publishers.emplace_back(std::move(*frame), static_cast<std::uint32_t>(one.rate_hz.num()));
+    }
+    catch_signals();
+    auto const per_frame = static_cast<std::int64_t>(publishers[0].samples_per_frame());
+    // Sample 0 of the grid is at the last whole UTC second, unless the counter was chosen.
+    std::int64_t const now = monotonic_ns(), into_second = utc_ns() % 1'000'000'000;
+    std::int64_t const zero = o.first_smp_cnt >= 0 ? now : now - into_second;
+    std::int64_t const offset = o.first_smp_cnt >= 0 ? o.first_smp_cnt / per_frame * per_frame : 0;
+    std::int64_t const passed =
+        o.first_smp_cnt >= 0
+            ? 0
+            : static_cast<std::int64_t>(static_cast<double>(into_second) * 1e-9 * rate) / per_frame + 1;
+    SendSchedule schedule{described->rate_hz, static_cast<std::size_t>(per_frame), zero, passed};
+    Duration const duration{o.duration_s};
+    std::vector<Octets> batch;
+    while (!duration.over()) {
+        sleep_until(schedule.due_ns());
+        std::size_t const owed = schedule.owed(monotonic_ns(), 16);
+        for (std::size_t k = 0; k < owed; ++k) {
+            batch.clear();
+            for (SvPublisher& publisher : publishers) {
+                for (std::int64_t s = 0; s < per_frame; ++s) {
+                    std::int64_t const index = schedule.next_frame() * per_frame + s + offset;
+                    write_sample(layout, publisher.sample(index), index, rate, o);
+                    if (described->send_refr_tm) {
+                        publisher.frame().set_refr_tm(static_cast<std::size_t>(s),
+                                                      UtcTime::from_nanoseconds(utc_ns(), 0x0A));
+                    }
+                    if (Octets const frame = publisher.commit(); !frame.empty()) {
+                        batch.push_back(frame);
+                    }
+                }
+            }
+            port->send(batch);
+            schedule.sent(1);
+        }
+    }
+    auto const& c = port->counters();
+    Json const out{{"sent", c.sent},
+                   {"not_sent", c.send_failed},
+                   {"late_wakeups", schedule.late_wakeups()},
+                   {"worst_late_us", static_cast<double>(schedule.worst_late_ns()) / 1e3}};
+    fmt::print("{}\n", out.dump());
+    return {};
+}
+
+Result<void> sv_subscribe(SvSubscribeOptions const& o) {
+    bool const chosen = !o.stream.file.empty() || !o.stream.keys.empty();
+    std::optional<streams::Stream> wanted;
+    std::optional<SvLayout> layout;
+    ethernet::PortOptions port_options;
+    port_options.interface = o.interface;
+    port_options.filter.ethertypes = {kSvEthertype};
+    if (chosen) {
+        wanted = read_stream(o.stream, streams::Kind::smv);
+        if (!wanted) {
+            return fail(ExitCode::usage, "the stream cannot be subscribed");
+        }
+        layout.emplace(wanted->data_set);
+        if (!o.stream.file.empty()) { // keys alone say what to decode, not where it must come from
+            port_options.filter.destinations = {wanted->address.destination};
+            port_options.filter.app_ids = {wanted->address.app_id};
+        }
+    }
+    auto port = ethernet::Port::open(port_options);
+    if (!port) {
+        return std::unexpected{port.error()};
+    }
+    catch_signals();
+    Observer observer;
+    auto frame = std::make_unique<SvFrame>();
+    std::vector<ethernet::ReceivedFrame> batch(256);
+    Duration const duration{o.duration_s};
+    std::int64_t next = monotonic_ns() + 1'000'000'000;
+    while (!duration.over() && (o.count == 0 || observer.frames() < o.count)) {
+        port->wait(std::max<std::int64_t>(
+            1, std::min({next - monotonic_ns(), duration.end_ns() - monotonic_ns(), std::int64_t{100'000'000}})));
+        for (std::size_t n = port->receive(batch), i = 0; i < n && (o.count == 0 || observer.frames() < o.count); ++i) {
+            std::int64_t const stamp = batch[i].stamp_ns != 0 ? batch[i].stamp_ns : utc_ns();
+            observer.add(batch[i].octets, stamp);
+            if (!o.frames) {
+                continue;
+            }
+            if (auto const ok = decode_sv(batch[i].octets, *frame); ok) {
+                print_frame(*frame, stamp, wanted ? &*wanted : nullptr, layout ? &*layout : nullptr);
+            } else {
+                fmt::print("{}\n", Json{{"time_ns", stamp}, {"error", describe(ok.error())}}.dump());
+            }
+        }
+        if (monotonic_ns() >= next) {
+            next += 1'000'000'000;
+            port->maintain();
+            if (!o.frames) {
+                print_second(observer, *port);
+            }
+        }
+    }
+    if (!o.frames) {
+        print_second(observer, *port);
+    }
+    return {};
+}
+
+} // namespace gridspace::wire
