@@ -44,6 +44,10 @@ if(GRIDSPACE_SANITIZE)
   add_link_options(-fsanitize=${GRIDSPACE_SANITIZE})
 endif()
 
+if(GRIDSPACE_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link) # coverage that guides the fuzzer
+endif()
+
 find_program(GRIDSPACE_MOLD mold)
 if(GRIDSPACE_MOLD AND NOT CMAKE_CROSSCOMPILING)
   add_link_options(-fuse-ld=mold)

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Nanoseconds per frame of the codec, one thread, frames in the cache.
+#include "gateways/iec61850/goose_template.hpp"
+#include "gateways/iec61850/sv_layout.hpp"
+#include "gateways/iec61850/sv_template.hpp"
+
+#include <benchmark/benchmark.h>
+#include <memory>
+
+namespace gridspace::iec61850 {
+namespace {
+
+Address address() {
+    return {*Mac::parse("01:0C:CD:04:00:21"), *Mac::parse("02:00:00:00:00:01"), VlanTag{}, 0x4021, false};
+}
+
+SvTemplate sv(std::size_t asdus, std::size_t octets) {
+    AsduDescription d;
+    d.sv_id = "GS_TL2_MU21";
+    d.sample_octets = octets;
+    return *SvTemplate::create(address(), std::vector(asdus, d));
+}
+
+GooseTemplate goose(std::size_t elements) {
+    GooseDescription d;
+    d.gocb_ref = "IED2LD0/LLN0$GO$Trip";
+    d.dat_set = "IED2LD0/LLN0$Trip";
+    for (std::size_t i = 0; i < elements; ++i) {
+        d.data_set.members.push_back(DataNode::leaf("m", i % 2 == 0 ? BasicType::boolean : BasicType::quality));
+    }
+    return *GooseTemplate::create(address(), d);
+}
+
+void encode_sv_three_floats(benchmark::State& state) {
+    SvTemplate frame = sv(1, 12);
+    std::uint16_t count = 0;
+    float value = 1;
+    for (auto _ : state) {
+        frame.set_smp_cnt(0, count++);
+        auto const sample = frame.sample(0);
+        store_float(sample, 0, value);
+        store_float(sample, 4, value + 1);
+        store_float(sample, 8, value + 2);
+        value += 0.5F;
+        benchmark::DoNotOptimize(frame.frame().data());
+        benchmark::ClobberMemory();
+    }
+}
+
+void encode_sv_92le(benchmark::State& state) {
+    SvLayout const layout{data_set_92le()};
+    SvTemplate frame = sv(1, layout.sample_octets());
+    std::int32_t value = 0;
+    for (auto _ : state) {
+        frame.set_smp_cnt(0, static_cast<std::uint16_t>(value));
+        auto const sample = frame.sample(0);
+        for (std::size_t i = 0; i < 16; i += 2) {
+            layout.write(i, Value::integer(BasicType::int32, value), sample);
+            layout.write(i + 1, Value::quality(0), sample);
+        }
+        ++value;
+        benchmark::DoNotOptimize(frame.frame().data());
+        benchmark::ClobberMemory();
+    }
+}
+
+void decode_sv_frame(benchmark::State& state, std::size_t asdus, std::size_t octets) {
+    SvTemplate const frame = sv(asdus, octets);
+    auto const out = std::make_unique<SvFrame>();
+    for (auto _ : state) {
+        Octets octets_of_frame = frame.frame();
+        benchmark::DoNotOptimize(octets_of_frame);
+        benchmark::DoNotOptimize(decode_sv(octets_of_frame, *out));
+        benchmark::ClobberMemory();
+    }
+}
+
+void encode_goose(benchmark::State& state) {
+    GooseTemplate frame = goose(static_cast<std::size_t>(state.range(0)));
+    GooseState s;
+    s.live_ms = 30;
+    s.st_num = 1000;
+    s.sq_num = 1000;
+    bool value = false;
+    for (auto _ : state) {
+        frame.set(0, Value::of(value = !value));
+        s.sq_num = s.sq_num == 30'000 ? 1000 : s.sq_num + 1; // no change of length
+        benchmark::DoNotOptimize(frame.frame(s).data());
+        benchmark::ClobberMemory();
+    }
+}
+
+void decode_goose_frame(benchmark::State& state) {
+    GooseTemplate frame = goose(static_cast<std::size_t>(state.range(0)));
+    Octets octets = frame.frame({});
+    GooseFrame out;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(octets);
+        benchmark::DoNotOptimize(decode_goose(octets, out));
+        benchmark::ClobberMemory();
+    }
+}
+
+BENCHMARK(encode_sv_three_floats);
+BENCHMARK(encode_sv_92le);
+BENCHMARK_CAPTURE(decode_sv_frame, three_floats, 1, 12);
+BENCHMARK_CAPTURE(decode_sv_frame, le92, 1, 64);
+BENCHMARK_CAPTURE(decode_sv_frame, two_asdus, 2, 12);
+BENCHMARK(encode_goose)->Arg(1)->Arg(16);
+BENCHMARK(decode_goose_frame)->Arg(1)->Arg(16);
+
+} // namespace
+} // namespace gridspace::iec61850
+
+BENCHMARK_MAIN();

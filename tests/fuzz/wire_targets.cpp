@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/iec61850/goose_subscriber.hpp"
+#include "gateways/iec61850/goose_template.hpp"
+#include "gateways/iec61850/sv_layout.hpp"
+#include "gateways/iec61850/sv_subscriber.hpp"
+#include "gateways/iec61850/sv_template.hpp"
+#include "targets.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+
+namespace gridspace::fuzz {
+namespace {
+
+using namespace iec61850;
+
+/// Views must lie inside of what was given.
+bool inside(Octets whole, Octets part) {
+    return part.empty() || (part.data() >= whole.data() && part.data() + part.size() <= whole.data() + whole.size());
+}
+
+void reencode(SvFrame const& frame) {
+    std::vector<AsduDescription> asdus;
+    for (Asdu const& a : frame.view()) {
+        AsduDescription d;
+        d.sv_id = a.sv_id;
+        d.dat_set = a.dat_set;
+        d.conf_rev = a.conf_rev;
+        d.smp_synch = a.smp_synch;
+        d.refr_tm = a.has(Asdu::refr_tm_field);
+        d.sample_octets = a.sample.size();
+        asdus.push_back(d);
+    }
+    auto again = SvTemplate::create(
+        {frame.header.destination, frame.header.source, frame.header.vlan, frame.header.app_id, false}, asdus);
+    if (!again) {
+        return; // strict in writing: more ASDUs, odd characters, no data
+    }
+    for (std::size_t i = 0; i < asdus.size(); ++i) {
+        again->set_smp_cnt(i, frame.asdus[i].smp_cnt);
+        std::copy(frame.asdus[i].sample.begin(), frame.asdus[i].sample.end(), again->sample(i).begin());
+    }
+    auto second = std::make_unique<SvFrame>();
+    require(decode_sv(again->frame(), *second).has_value(), "what we wrote cannot be read");
+    require(second->count == frame.count, "ASDUs were lost");
+    for (std::size_t i = 0; i < asdus.size(); ++i) {
+        require(second->asdus[i].smp_cnt == frame.asdus[i].smp_cnt &&
+                    std::ranges::equal(second->asdus[i].sample, frame.asdus[i].sample),
+                "a sample changed");
+    }
+}
+
+GooseSubscription subscription_of(GooseFrame const& m) {
+    GooseSubscription out;
+    out.gocb_ref = m.gocb_ref;
+    out.conf_rev = m.conf_rev;
+    out.data_set = {{DataNode::leaf("a", BasicType::boolean),
+                     {"s", DataNode::Kind::structure, {}, 0, {DataNode::leaf("t", BasicType::visible_string)}}}};
+    return out;
+}
+
+} // namespace
+
+void require(bool ok, char const* what) {
+    if (!ok) {
+        std::fprintf(stderr, "fuzz: %s\n", what);
+        std::abort();
+    }
+}
+
+void sv(std::uint8_t const* data, std::size_t size) {
+    static auto const frame = std::make_unique<SvFrame>();
+    Octets const octets{data, size};
+    auto const ok = decode_sv(octets, *frame);
+    if (!ok) {
+        require(ok.error().reason != Reason::none && ok.error().offset <= size, "an error without a reason or a place");
+        return;
+    }
+    SvSubscription s;
+    s.wrap = 0;
+    SvSubscriber subscriber{s};
+    SvLayout const layout{data_set_92le()};
+    std::int64_t time = 0;
+    for (Asdu const& asdu : frame->view()) {
+        require(inside(octets, asdu.sample) && inside(octets, octets_of(asdu.sv_id)) &&
+                    inside(octets, octets_of(asdu.dat_set)),
+                "a view outside");
+        subscriber.receive(frame->header, asdu, time += 208'333);
+        if (asdu.sample.size() == layout.sample_octets()) {
+            for (std::size_t i = 0; i < layout.slots().size(); ++i) {
+                (void)to_string(layout.read(i, asdu.sample));
+            }
+        }
+    }
+    reencode(*frame);
+}
+
+void goose(std::uint8_t const* data, std::size_t size) {
+    Octets const octets{data, size};
+    GooseFrame message;
+    auto const ok = decode_goose(octets, message);
+    if (!ok) {
+        require(ok.error().reason != Reason::none && ok.error().offset <= size, "an error without a reason or a place");
+        return;
+    }
+    require(inside(octets, message.all_data) && inside(octets, octets_of(message.gocb_ref)), "a view outside");
+    GooseSubscriber subscriber{subscription_of(message)};
+    subscriber.receive(message, 0);
+    subscriber.receive(message, 1);
+    subscriber.expire(INT64_MAX);
+    (void)subscriber.value(0);
+}
+
+void ber(std::uint8_t const* data, std::size_t size) {
+    DataWalker walker{{data, size}, 0};
+    Tlv element;
+    std::size_t elements = 0;
+    while (walker.next(element)) {
+        require(++elements <= size && inside({data, size}, element.value),
+                "the walk does not end, or leaves the frame");
+        for (std::size_t type = 0; type < kBasicTypes; ++type) {
+            if (auto const value =
+                    is_container(element.tag) ? std::nullopt : read_data_value(element, static_cast<BasicType>(type))) {
+                std::uint8_t buffer[4096];
+                BerWriter writer{buffer};
+                write_data_value(writer, *value, IntegerForm::minimal);
+                BerCursor cursor{Octets{buffer, writer.size()}, 0};
+                Tlv again;
+                require(!writer.ok() ||
+                            (cursor.next(again) == Reason::none && read_data_value(again, value->type) == value),
+                        "a value changed");
+            }
+        }
+        if (auto const value = read_any_data_value(element)) {
+            (void)to_string(*value);
+        }
+    }
+}
+
+} // namespace gridspace::fuzz

@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""`gridspace wire ...` over a virtual cable, in a namespace of its own."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+GRIDSPACE = os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin") + "/gridspace"
+INSIDE = "GRIDSPACE_WIRE_TEST_INSIDE"
+
+
+def wire(*arguments, **options):
+    return subprocess.run([GRIDSPACE, "wire", *arguments], capture_output=True, text=True, timeout=60, **options)
+
+
+def start(*arguments):
+    return subprocess.Popen([GRIDSPACE, "wire", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def lines(text):
+    return [json.loads(line) for line in text.splitlines()]
+
+
+class WireTools(unittest.TestCase):
+    def setUp(self):
+        subprocess.run("ip link add left type veth peer name right && ip link set left up && ip link set right up", shell=True, check=True)
+        self.folder = pathlib.Path(tempfile.mkdtemp())
+
+    def tearDown(self):
+        subprocess.run(["ip", "link", "del", "left"], check=True)
+        shutil.rmtree(self.folder)
+
+    def while_publishing(self, publisher, *subscriber):
+        """The subscriber's result, while the publisher (endless) runs."""
+        running = start(*publisher)
+        try:
+            return wire(*subscriber)
+        finally:
+            running.terminate()
+            out, err = running.communicate(timeout=20)
+            self.assertEqual(running.returncode, 0, err)
+            self.sent = json.loads(out)
+
+    def test_samples_are_decoded_by_name(self):
+        keys = ["app_id=0x4021", "sv_id=MU21", "vlan_id=100", "vlan_priority=6", "samples_per_frame=2", "clock_identity=17", "conf_rev=7",
+                "send_smp_rate=true", "send_refr_tm=true", 'gm_identity="001122FFFE334455"', "data_set_name=MU/LLN0$d",
+                "data_set={Ia: int32, q: quality, t: boolean}", "simulated=true"]
+        done = self.while_publishing(["sv-pub", "left", "--amplitude", "1000", "--source", "02:00:00:00:00:77", *keys],
+                                     "sv-sub", "right", "--frames", "--count", "20", *keys)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        samples = lines(done.stdout)
+        self.assertEqual(len(samples), 40)
+        for a, b in zip(samples, samples[1:]):
+            self.assertEqual(b["smp_cnt"], (a["smp_cnt"] + 1) % 4800)
+        one = samples[0]
+        self.assertEqual(one["vlan"], {"id": 100, "priority": 6})
+        self.assertEqual((one["sv_id"], one["app_id"], one["conf_rev"], one["smp_synch"], one["simulated"]), ("MU21", 0x4021, 7, 17, True))
+        self.assertEqual((one["smp_rate"], one["smp_mod"], one["gm_identity"], one["dat_set"]), (4800, 1, "001122FFFE334455", "MU/LLN0$d"))
+        self.assertEqual(one["source"], "02:00:00:00:00:77")
+        self.assertEqual(set(one["values"]), {"Ia", "q", "t"})
+        self.assertGreater(max(abs(s["values"]["Ia"]) for s in samples), 300)
+
+    def test_the_table_shows_streams_and_their_state(self):
+        done = self.while_publishing(["sv-pub", "left", "--streams", "2", "sv_id=MU"], "list", "right", "--json", "--once", "--duration", "1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        table = lines(done.stdout)[-1]
+        self.assertEqual([s["id"] for s in table["streams"]], ["MU", "MU_2"])
+        self.assertEqual([s["state"] for s in table["streams"]], ["alive", "alive"])
+        self.assertEqual([s["lost"] for s in table["streams"]], [0, 0])
+        human = wire("list", "right", "--once", "--duration", "0.1")
+        self.assertIn("link up", human.stdout)
+
+    def test_a_change_of_state_is_seen_once_and_the_end_is_said(self):
+        keys = ["control_block=IED/LLN0$GO$g", "min_time_ms=2", "max_time_ms=20", "live_min_ms=500", "data_set={trip: boolean, pos: {stVal: position, q: quality}}"]
+        subscriber = start("goose-sub", "right", "--duration", "3", *keys)
+        done = wire("goose-pub", "left", "--duration", "1", "--toggle", "0.6", "--value", "pos.stVal=closed", "--value", "pos.q=0x0800", *keys)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        out, err = subscriber.communicate(timeout=30)
+        self.assertEqual(subscriber.returncode, 0, err)
+        events = lines(out)
+        self.assertEqual([e["event"] for e in events if e["event"] in ("state_change", "expired")], ["state_change", "expired"])
+        self.assertEqual(events[0]["event"], "first")
+        self.assertEqual(events[0]["values"], "false, {closed, 0x0800}")
+        self.assertEqual(events[-2]["values"], "true, {closed, 0x0800}")
+
+    def test_a_capture_is_replayed_and_judged(self):
+        capture = self.folder / "c.pcapng"
+        shutil.copy(pathlib.Path(os.environ["GRIDSPACE_SOURCE_DIR"]) / "tests/fuzz/corpus/pcapng/one_section", capture)
+        subscriber = start("sv-sub", "right", "--frames", "--duration", "2")
+        replayed = wire("replay", str(capture), "left", "--loop", "3", "--speed", "0")
+        self.assertEqual(replayed.returncode, 0, replayed.stderr)
+        self.assertEqual(json.loads(replayed.stdout)["sent"], 6)
+        subscriber.communicate(timeout=30)
+        stats = wire("stats", str(capture), "--json")
+        self.assertEqual(stats.returncode, 0, stats.stderr)
+        stream = json.loads(stats.stdout)["streams"][0]
+        self.assertEqual((stream["id"], stream["frames"], stream["delay_ms"]), ("TL11MU01", 2, None))
+        self.assertIn("not measurable", wire("stats", str(capture)).stdout)
+
+    def test_a_replay_on_a_real_interface_is_refused(self):
+        subprocess.run("ip link add dummy7 type dummy && ip link set dummy7 up", shell=True, check=True)
+        try:
+            capture = pathlib.Path(os.environ["GRIDSPACE_SOURCE_DIR"]) / "tests/fuzz/corpus/pcapng/one_section"
+            refused = wire("replay", str(capture), "dummy7")
+            self.assertEqual(refused.returncode, 2)
+            self.assertIn("--allow-attacks-on dummy7", refused.stderr)
+            self.assertEqual(wire("replay", str(capture), "dummy7", "--allow-attacks-on", "dummy7", "--speed", "0").returncode, 0)
+        finally:
+            subprocess.run(["ip", "link", "del", "dummy7"], check=True)
+
+    def test_mistakes_are_explained(self):
+        for arguments, code, text in [
+            (["list", "nosuch0"], 3, "there is no network interface 'nosuch0'"),
+            (["sv-pub", "left", "sv_idd=x"], 2, "did you mean"),
+            (["sv-pub", "left", "mac=01:02"], 2, "is not an Ethernet address"),
+            (["sv-pub", "left", "data_set={a: flaot32}"], 2, "float32"),
+            (["goose-pub", "left", "--value", "statu=true"], 2, "assigns nothing"),
+            (["goose-pub", "left", "--value", "status=7"], 2, "true or false"),
+            (["stats", "/nonexistent"], 2, "cannot read"),
+            (["replay", "/etc/hostname", "left"], 2, "is not a capture"),
+            (["sv-pub", "left", "--source", "x", "--duration", "1"], 2, "is not an Ethernet address"),
+        ]:
+            done = wire(*arguments)
+            self.assertEqual(done.returncode, code, (arguments, done.stderr))
+            self.assertIn(text, done.stderr, arguments)
+
+
+if __name__ == "__main__":
+    if INSIDE not in os.environ:  # once more, in a namespace
+        kind = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
+        os.environ["PATH"] = "/usr/sbin:/sbin:" + os.environ["PATH"]
+        os.execvpe(kind[0], [*kind, sys.executable, *sys.argv], {**os.environ, INSIDE: "1"})
+    unittest.main()
