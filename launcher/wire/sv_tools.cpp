@@ -6,6 +6,7 @@
 #include "launcher/wire/observer.hpp"
 #include "launcher/wire/tools.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -48,7 +49,7 @@ Json value_json(Value const& v) {
 
 void print_frame(SvFrame const& frame, std::int64_t stamp_ns, streams::Stream const* wanted, SvLayout const* layout) {
     for (Asdu const& asdu : frame.view()) {
-        if (wanted != nullptr && asdu.sv_id != wanted->sv_id) {
+        if (wanted != nullptr && !wanted->sv_id.empty() && asdu.sv_id != wanted->sv_id) {
             continue;
         }
         Json out{{"time_ns", stamp_ns},           {"sv_id", visible(asdu.sv_id)},
@@ -203,6 +204,11 @@ Result<void> sv_subscribe(SvSubscribeOptions const& o) {
             return fail(ExitCode::usage, "the stream cannot be subscribed");
         }
         layout.emplace(wanted->data_set);
+        bool const named = std::any_of(o.stream.keys.begin(), o.stream.keys.end(),
+                                       [](std::string const& key) { return key.starts_with("sv_id="); });
+        if (o.stream.file.empty() && !named) {
+            wanted->sv_id.clear(); // any stream is decoded by that data set
+        }
         if (!o.stream.file.empty()) { // keys alone say what to decode, not where it must come from
             port_options.filter.destinations = {wanted->address.destination};
             port_options.filter.app_ids = {wanted->address.app_id};
