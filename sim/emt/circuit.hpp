@@ -75,6 +75,7 @@ struct CurrentTerm {
     } kind{Kind::rl};
     int index{0};
     double sign{1};
+    int turn{0}; ///< windings and cores: the limb of phase (k + turn) % 3
 };
 
 /// Three poles between two triples; ideal: closed is one node, open is nothing.

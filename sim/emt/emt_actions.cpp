@@ -161,6 +161,12 @@ Result<void> EmtEngine::act(Disconnect const& a) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be disconnected: there is no such element", a.element),
                     "a line, transformer, source, generator, machine, load or shunt can");
     }
+    for (std::size_t f = 0; f < followers_.size(); ++f) {
+        if (std::find(it->second.begin(), it->second.end(), parts_.followers[f].breaker) != it->second.end()) {
+            followers_[f].trip();
+            std::fill_n(solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f), 3, 0.0);
+        }
+    }
     for (int const breaker : it->second) {
         solver_.open_switch(static_cast<std::size_t>(breaker));
     }

@@ -32,7 +32,11 @@ Result<void> EmtEngine::initialise() {
         std::complex<double> const s{flow->machines[m].p_kw * 1e3, flow->machines[m].q_kvar * 1e3};
         starts.push_back({v, v == 0.0 ? 0.0 : std::conj(s * 2.0 / (3.0 * v))});
     }
-    if (auto ok = solver_.start(starts); !ok) {
+    std::vector<std::complex<double>> bus_v;
+    for (auto const& bus : flow->buses) {
+        bus_v.push_back(bus.v);
+    }
+    if (auto ok = solver_.start(starts, start_followers(bus_v)); !ok) {
         return ok;
     }
     if (auto const floating = solver_.floating_nodes(); !floating.empty()) {
@@ -79,12 +83,22 @@ Result<void> EmtEngine::advance(SimTime until) {
 }
 
 Result<void> EmtEngine::step(double t_end, double h) {
+    for (std::size_t f = 0; f < followers_.size(); ++f) {
+        auto const i = followers_[f].currents(h);
+        std::copy(i.begin(), i.end(), solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f));
+    }
     if (auto ok = solver_.advance(t_end, h); !ok) {
         return ok;
     }
     for (std::size_t i = 0; i < plls_.size(); ++i) {
         Space const v = bus_voltage(i);
         plls_[i].step(v.alpha, v.beta, h);
+    }
+    for (std::size_t f = 0; f < followers_.size(); ++f) {
+        int const node = parts_.followers[f].node;
+        Space const v =
+            to_space(solver_.node_voltage(node), solver_.node_voltage(node + 1), solver_.node_voltage(node + 2));
+        followers_[f].step(v, wanted(f, t_end, followers_[f].voltage_pu(), demand_[f], h), h);
     }
     return {};
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sim/emt/emt_engine.hpp"
+#include "sim/emt/grid_following.hpp"
 #include "sim/emt/network_circuit.hpp"
 #include "sim/emt/pll.hpp"
 #include "sim/emt/solver.hpp"
@@ -41,6 +42,11 @@ class EmtEngine final : public Engine {
     [[nodiscard]] Result<void> set_load(std::size_t load, std::string const& parameter, SetParameter const& a);
     [[nodiscard]] Result<void> step(double t_end, double h);
     void start_plls();
+    [[nodiscard]] double scale(Ref const& profile, double t) const;
+    /// Power that a follower is to put into the network (W, var) at voltage v (p.u.); `lagged` is its state.
+    [[nodiscard]] std::complex<double> wanted(std::size_t follower, double t, double v, std::complex<double>& lagged,
+                                              double h) const;
+    [[nodiscard]] std::vector<std::complex<double>> start_followers(std::vector<std::complex<double>> const& bus_v);
 
     void signal(std::string name, std::string unit, std::function<double()> read);
     void phases(std::string const& prefix, std::string const& unit, std::function<double(int)> read);
@@ -61,6 +67,8 @@ class EmtEngine final : public Engine {
     Solver solver_;
     SimTime now_;
     std::vector<Pll> plls_; ///< by bus
+    std::vector<GridFollowing> followers_;
+    std::vector<std::complex<double>> demand_; ///< by follower: what it follows, with the lag of its load
     std::map<std::string, std::size_t> faults_;
     std::vector<SignalDef> signals_;
     std::vector<std::function<double()>> readers_;

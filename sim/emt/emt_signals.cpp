@@ -131,6 +131,14 @@ void EmtEngine::unit_signals() {
     for (std::size_t i = 0; i < network_.loads.size(); ++i) {
         consumer("load." + network_.loads[i].name.name, network_.loads[i].bus, parts_.loads[i].breaker, 1);
     }
+    for (NetworkCircuit::Follower const& f : parts_.followers) {
+        if (f.kind == NetworkCircuit::Follower::Kind::pv) {
+            consumer("pv." + network_.pv[f.element].name.name, network_.pv[f.element].bus, f.breaker, -1);
+        } else if (f.kind == NetworkCircuit::Follower::Kind::generator) {
+            consumer("generator." + network_.generators[f.element].name.name, network_.generators[f.element].bus,
+                     f.breaker, -1);
+        }
+    }
     for (std::size_t i = 0; i < network_.sources.size(); ++i) {
         if (parts_.sources[i].impedance >= 0) {
             consumer("source." + network_.sources[i].name.name, network_.sources[i].bus, parts_.sources[i].breaker, -1);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/emt/network_circuit.hpp"
 
+#include "sim/emt/transformer_circuit.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -54,11 +56,14 @@ class Builder {
         for (Shunt const& s : n_.shunts) {
             out_.shunts.push_back(star("shunt", s.name.name, s.bus, s.p_kw, -s.q_kvar));
         }
-        if (!n_.transformers.empty()) {
-            return missing("transformer", n_.transformers.front().name.name);
+        for (Transformer const& t : n_.transformers) {
+            if (auto ok = transformer(t); !ok) {
+                return std::unexpected{ok.error()};
+            }
         }
-        if (!n_.pv.empty()) {
-            return missing("PV inverter", n_.pv.front().name.name);
+        for (std::size_t i = 0; i < n_.pv.size(); ++i) {
+            double const rating = n_.pv[i].rating_kva > 0 ? n_.pv[i].rating_kva : n_.pv[i].p_kw / n_.pv[i].power_factor;
+            converter(NetworkCircuit::Follower::Kind::pv, "PV", i, n_.pv[i].name.name, n_.pv[i].bus, rating);
         }
         if (!n_.evs.empty()) {
             return missing("EV", n_.evs.front().name.name);
@@ -167,9 +172,13 @@ class Builder {
     }
 
     Result<void> generator(Generator const& g) {
-        if (g.role != GeneratorRole::slack) {
-            return missing(fmt::format("generator with role {}", g.role == GeneratorRole::pv ? "pv" : "pq"),
-                           g.name.name);
+        if (g.role == GeneratorRole::pv) {
+            return missing("generator with role pv", g.name.name);
+        }
+        if (g.role == GeneratorRole::pq) {
+            converter(NetworkCircuit::Follower::Kind::generator, "generator", index_of(n_.generators, g.name.name),
+                      g.name.name, g.bus, std::max(g.rating_kva, std::hypot(g.p_kw, g.q_kvar)));
+            return {};
         }
         out_.slack_generators.push_back(
             ideal_source("generator", g.name.name, g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {}, {}));
@@ -212,11 +221,49 @@ class Builder {
     }
 
     Result<void> load(Load const& l) {
-        if (l.model != LoadModel::constant_impedance && l.model != LoadModel::dc_resistive) {
-            return missing("load that is not a constant impedance", l.name.name);
-        }
         out_.loads.push_back(star("load", l.name.name, l.bus, l.p_kw, load_q_kvar(l)));
+        bool const constant_impedance = l.model == LoadModel::constant_impedance || l.model == LoadModel::dc_resistive;
+        if (!constant_impedance || !l.scale.empty() || l.lag_s > 0) {
+            NetworkCircuit::LoadParts const& parts = out_.loads.back();
+            follower({NetworkCircuit::Follower::Kind::load, static_cast<std::size_t>(&l - n_.loads.data()),
+                      bus_of(l.bus), parts.node, parts.breaker, 0});
+        }
         return {};
+    }
+
+    void follower(NetworkCircuit::Follower const& f) {
+        flows(f.breaker, Kind::injection, c_.injections.size(), -1);
+        c_.injections.push_back({f.node});
+        out_.followers.push_back(f);
+    }
+
+    void converter(NetworkCircuit::Follower::Kind kind, std::string const& word, std::size_t element,
+                   std::string const& name, Ref const& bus, double rating_kva) {
+        constexpr double kOverload = 1.2;
+        NetworkCircuit::Follower f{kind, element, bus_of(bus), 0, 0, 0};
+        f.node = terminal(fmt::format("{} '{}'", word, name), out_.bus_node[f.bus], f.breaker);
+        f.max_peak_a = kOverload * 2 * rating_kva * 1e3 / (3 * out_.bus_peak_v[f.bus]);
+        // Its filter leaves a path for what is not its current.
+        capacitor(f.node, kEarth,
+                  same(1e-3 * rating_kva * 1e3 / (n_.buses[f.bus].voltage_v * n_.buses[f.bus].voltage_v) /
+                       (2 * std::numbers::pi * n_.frequency_hz)));
+        flows(f.breaker, Kind::capacitor, c_.capacitors.size() - 1, 1);
+        out_.terminals[name] = {f.breaker};
+        follower(f);
+    }
+
+    Result<void> transformer(Transformer const& t) {
+        NetworkCircuit::TransformerParts parts;
+        auto const side = [&](Ref const& bus, sim::Winding connection, char const* which, int& breaker) {
+            std::string const name = fmt::format("transformer '{}' ({} side)", t.name.name, which);
+            return Winding3{terminal(name, out_.bus_node[bus_of(bus)], breaker), connection,
+                            n_.buses[bus_of(bus)].voltage_v, name};
+        };
+        Winding3 const from = side(t.from, t.from_winding, "from", parts.from_switch);
+        Winding3 const to = side(t.to, t.to_winding, "to", parts.to_switch);
+        out_.terminals[t.name.name] = {parts.from_switch, parts.to_switch};
+        out_.transformers.push_back(parts);
+        return add_transformer(c_, t, from, to, parts.from_switch, parts.to_switch);
     }
 
     Network const& n_;

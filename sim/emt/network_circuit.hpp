@@ -27,6 +27,14 @@ struct NetworkCircuit {
         int resistance{-1}, inductance{-1}, capacitance{-1}; ///< rl, rl, capacitor branch
         int node{0}, breaker{0};
     };
+    /// A converter, or what a load draws beyond a constant impedance.
+    struct Follower {
+        enum class Kind { load, pv, generator } kind{Kind::load};
+        std::size_t element{0}; ///< index in the network's loads, PV or generators
+        std::size_t bus{0};
+        int node{0}, breaker{0};
+        double max_peak_a{0};
+    };
     struct SourceParts {
         int source{0};
         int impedance{-1}; ///< rl branch from the ideal source to the terminal
@@ -47,6 +55,7 @@ struct NetworkCircuit {
     std::vector<SourceParts> sources, slack_generators;
     std::vector<MachineParts> machines;
     std::vector<TransformerParts> transformers;
+    std::vector<Follower> followers;                   ///< in the order of the circuit's injections
     std::vector<int> breaker_switch;                   ///< by breaker
     std::map<std::string, std::vector<int>> terminals; ///< switches that take an element out of service, by its name
 };

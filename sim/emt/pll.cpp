@@ -30,7 +30,7 @@ void Pll::start(double alpha, double beta) {
     sin_ = size > kNoVoltage ? beta / size : 0;
 }
 
-void Pll::step(double alpha, double beta, double h) {
+std::pair<double, double> Pll::ahead(double h) const {
     double s, c;
     double const angle = w_ * h;
     if (std::abs(angle) < 0.5) [[likely]] {
@@ -39,12 +39,14 @@ void Pll::step(double alpha, double beta, double h) {
         s = std::sin(angle);
         c = std::cos(angle);
     }
-    double const turned = cos_ * c - sin_ * s;
-    sin_ = sin_ * c + cos_ * s;
-    cos_ = turned;
-    double const length = 1.5 - 0.5 * (cos_ * cos_ + sin_ * sin_); // back to 1, to first order
-    cos_ *= length;
-    sin_ *= length;
+    return {cos_ * c - sin_ * s, sin_ * c + cos_ * s};
+}
+
+void Pll::step(double alpha, double beta, double h) {
+    auto const [c, s] = ahead(h);
+    double const length = 1.5 - 0.5 * (c * c + s * s); // back to 1, to first order
+    cos_ = c * length;
+    sin_ = s * length;
     double const size = std::sqrt(alpha * alpha + beta * beta);
     double const error = size > kNoVoltage ? (beta * cos_ - alpha * sin_) / size : 0;
     integral_ += kIntegral * error * h;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+
 namespace gridspace::sim::emt {
 
 /// Phase-locked loop in the synchronous reference frame on a bus voltage; natural frequency 10 Hz, damping 0.707.
@@ -15,6 +17,8 @@ class Pll {
     void start(double alpha, double beta);
     /// After h seconds, with the space vector as it is now.
     void step(double alpha, double beta, double h);
+    /// Cosine and sine of the angle that it will have h from now.
+    [[nodiscard]] std::pair<double, double> ahead(double h) const;
     [[nodiscard]] double frequency_hz() const { return w_ / 6.283185307179586477; }
 
   private:

@@ -447,9 +447,9 @@ double Solver::current(CurrentTerm const& term, int phase) const {
     case Kind::capacitor:
         return term.sign * state_.capacitor_i[3 * i + k];
     case Kind::winding: // sign is the weight; the index of the limb of phase a
-        return term.sign * state_.winding_i[i + k];
+        return term.sign * state_.winding_i[i + (k + static_cast<std::size_t>(term.turn)) % 3];
     case Kind::core:
-        return term.sign * state_.core_i[i + k];
+        return term.sign * state_.core_i[i + (k + static_cast<std::size_t>(term.turn)) % 3];
     case Kind::fault:
         return term.sign * fault_current(i, phase);
     case Kind::machine:

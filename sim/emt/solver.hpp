@@ -21,11 +21,13 @@ class Solver {
     Solver(Circuit circuit, double step_s);
 
     /// Steady state at time 0 with these terminal currents of machines (positive sequence phasors, A peak, out of the
-    /// machine) and voltages (V peak), by machine; every other element follows from the network equations.
+    /// machine) and voltages (V peak), by machine, and injected currents (A peak, phase a), by injection; every other
+    /// element follows from the network equations.
     struct MachineStart {
         std::complex<double> v, i;
     };
-    [[nodiscard]] Result<void> start(std::vector<MachineStart> const& machines);
+    [[nodiscard]] Result<void> start(std::vector<MachineStart> const& machines,
+                                     std::vector<std::complex<double>> const& injections = {});
 
     /// Simulates from t() to `t_end`, which is `h` away.
     [[nodiscard]] Result<void> advance(double t_end, double h);

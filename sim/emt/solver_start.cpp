@@ -24,7 +24,8 @@ ComplexPhaseMatrix impedance_inverse(PhaseMatrix const& r, PhaseMatrix const& l,
 
 } // namespace
 
-Result<void> Solver::start(std::vector<MachineStart> const& machine_starts) {
+Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
+                           std::vector<Complex> const& injection_starts) {
     t_ = 0;
     if (auto ok = use(step_s_); !ok) {
         return ok;
@@ -71,6 +72,13 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts) {
         Complex const norton = machine_starts[m].i + y.machines[m].one * machine_starts[m].v;
         for (int k = 0; k < 3; ++k) {
             rhs[slot(circuit_.machines[m].node + k)] += phase_of(norton, k);
+        }
+    }
+    for (std::size_t i = 0; i < injection_starts.size(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            Complex const current = phase_of(injection_starts[i], k);
+            rhs[slot(circuit_.injections[i].node + k)] += current;
+            injected_[3 * i + static_cast<std::size_t>(k)] = current.real();
         }
     }
     factors.solve(rhs.data());

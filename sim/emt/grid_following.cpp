@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/grid_following.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gridspace::sim::emt {
+namespace {
+
+/// Below this share of nominal voltage the current no longer rises to hold the power.
+constexpr double kLeastVoltage = 0.5;
+
+} // namespace
+
+GridFollowing::GridFollowing(double frequency_hz, double nominal_peak_v, double max_peak_a)
+    : pll_{frequency_hz}, nominal_{nominal_peak_v}, max_peak_a_{max_peak_a} {}
+
+std::complex<double> GridFollowing::reference(std::complex<double> power) const {
+    std::complex<double> i = std::conj(power) / (1.5 * std::max(voltage_, kLeastVoltage * nominal_));
+    double const size = std::abs(i);
+    return max_peak_a_ > 0 && size > max_peak_a_ ? i * (max_peak_a_ / size) : i;
+}
+
+std::complex<double> GridFollowing::start(std::complex<double> v, std::complex<double> power) {
+    pll_.start(v.real(), v.imag());
+    voltage_ = std::abs(v);
+    current_ = reference(power);
+    return current_ * std::polar(1.0, std::arg(v));
+}
+
+std::array<double, 3> GridFollowing::currents(double h) const {
+    auto const [c, s] = pll_.ahead(h);
+    return to_phases({current_.real() * c - current_.imag() * s, current_.real() * s + current_.imag() * c, 0});
+}
+
+void GridFollowing::step(Space const& v, std::complex<double> power, double h) {
+    pll_.step(v.alpha, v.beta, h);
+    if (tripped_) {
+        return;
+    }
+    voltage_ += (std::sqrt(v.alpha * v.alpha + v.beta * v.beta) - voltage_) * h / (kVoltageLagS + h);
+    current_ += (reference(power) - current_) * (h / (kCurrentLagS + h));
+}
+
+void GridFollowing::trip() {
+    tripped_ = true;
+    current_ = 0;
+}
+
+} // namespace gridspace::sim::emt
