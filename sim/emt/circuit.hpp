@@ -48,6 +48,7 @@ struct BergeronLine {
     double z1{0}, z0{0};     ///< surge impedances, ohm
     double tau1{0}, tau0{0}; ///< travel times, s
     double r1{0}, r0{0};     ///< total resistances, ohm
+    std::string name;
 };
 
 /// Resistances from some phases of a triple to a common point, which may be earth. Each phase ends at its own current

@@ -86,6 +86,11 @@ Result<int> EmtEngine::fault_place(ApplyFault const& a) {
     if (place >= 1 - kSamePlace) {
         return line.to_node;
     }
+    if (line.sections.empty()) {
+        return fail(ExitCode::usage,
+                    fmt::format("line '{}' is a travelling-wave line: faults inside have no model", a.line),
+                    "use `model: pi`, or make it two lines with a bus at the fault");
+    }
     for (std::size_t s = 0; s < line.sections.size(); ++s) {
         auto& section = line.sections[s];
         Circuit const& c = solver_.circuit();

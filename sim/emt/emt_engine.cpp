@@ -132,6 +132,16 @@ Result<std::unique_ptr<Engine>> make_emt_engine(Network network, EmtOptions opti
     if (options.step.quanta <= 0) {
         return fail(ExitCode::usage, "the waveform solver needs a step longer than 0");
     }
+    double const step_s = options.time_base.seconds(options.step);
+    for (BergeronLine const& line : parts->circuit.bergeron) {
+        double const tau = std::min(line.tau1, line.tau0);
+        if (tau < step_s) {
+            return fail(ExitCode::usage,
+                        fmt::format("line '{}': a wave travels along it in {:.3g} us, less than a step of {:.3g} us",
+                                    line.name, tau * 1e6, step_s * 1e6),
+                        "use `model: pi` for this line, or a shorter step_s");
+        }
+    }
     return std::make_unique<EmtEngine>(std::move(network), std::move(*parts), options);
 }
 

@@ -100,9 +100,7 @@ class Builder {
 
     Result<void> line(Line const& l) {
         LineTotals const t = line_totals(n_, l);
-        if (l.model == LineModel::bergeron) {
-            return missing("Bergeron line", l.name.name);
-        }
+
         NetworkCircuit::LineParts parts;
         auto const end = [&](LineEnd which, Ref const& bus, int& switch_index) {
             bool closed = true;
@@ -123,6 +121,21 @@ class Builder {
         };
         parts.from_node = end(LineEnd::from, l.from, parts.from_switch);
         parts.to_node = end(LineEnd::to, l.to, parts.to_switch);
+        if (l.model == LineModel::bergeron) {
+            if (t.l_h <= 0 || t.c_f <= 0 || t.l0_h <= 0 || t.c0_f <= 0) {
+                return fail(ExitCode::usage,
+                            fmt::format("line '{}': a travelling wave needs inductance and capacitance", l.name.name),
+                            "give l_mh and c_nf, or use `model: pi`");
+            }
+            flows(parts.from_switch, Kind::bergeron_from, c_.bergeron.size(), 1);
+            flows(parts.to_switch, Kind::bergeron_to, c_.bergeron.size(), 1);
+            c_.bergeron.push_back({parts.from_node, parts.to_node, std::sqrt(t.l_h / t.c_f), std::sqrt(t.l0_h / t.c0_f),
+                                   std::sqrt(t.l_h * t.c_f), std::sqrt(t.l0_h * t.c0_f), t.r_ohm, t.r0_ohm,
+                                   l.name.name});
+            out_.terminals[l.name.name] = {parts.from_switch, parts.to_switch};
+            out_.lines.push_back(std::move(parts));
+            return {};
+        }
         int const series = rl(parts.from_node, parts.to_node, PhaseMatrix::sequence(t.r_ohm, t.r0_ohm),
                               PhaseMatrix::sequence(t.l_h, t.l0_h));
         parts.sections.push_back({series, 0, 1});

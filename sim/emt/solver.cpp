@@ -63,6 +63,12 @@ void Solver::resize() {
     grow(state_.core_v, c.cores.size());
     grow(state_.core_i, c.cores.size());
     grow(core_history_, c.cores.size());
+    for (std::size_t i = waves_.size(); i < c.bergeron.size(); ++i) {
+        waves_.emplace_back(c.bergeron[i], step_s_);
+    }
+    grow(state_.wave_i, 6 * c.bergeron.size());
+    grow(wave_history_, 6 * c.bergeron.size());
+    state_.wave_marks.resize(c.bergeron.size(), 0);
     grow(injected_, 3 * c.injections.size());
     switches_.resize(c.switches.size());
     for (std::size_t i = bits_.closed.size(); i < c.switches.size(); ++i) {
@@ -154,6 +160,9 @@ Result<void> Solver::advance(double t_end, double h) {
         if (auto ok = use(piece); !ok) { // first, so that saved voltages belong to the slots of the new switch state
             return ok;
         }
+        for (std::size_t w = 0; w < waves_.size(); ++w) {
+            state_.wave_marks[w] = waves_[w].mark();
+        }
         saved_ = state_;
         remember_currents(watched_before_);
         if (auto ok = segment(t_piece, piece); !ok) {
@@ -171,6 +180,9 @@ Result<void> Solver::advance(double t_end, double h) {
         // Back to the start, and only as far as the current zero.
         auto const back = [&] {
             state_ = saved_;
+            for (std::size_t w = 0; w < waves_.size(); ++w) {
+                waves_[w].back_to(saved_.wave_marks[w]);
+            }
             t_ = t_start;
             restart_ = restart;
         };
@@ -450,15 +462,18 @@ double Solver::current(CurrentTerm const& term, int phase) const {
         return term.sign * state_.winding_i[i + (k + static_cast<std::size_t>(term.turn)) % 3];
     case Kind::core:
         return term.sign * state_.core_i[i + (k + static_cast<std::size_t>(term.turn)) % 3];
+    case Kind::bergeron_from:
+        return term.sign * state_.wave_i[6 * i + k];
+    case Kind::bergeron_to:
+        return term.sign * state_.wave_i[6 * i + 3 + k];
     case Kind::fault:
         return term.sign * fault_current(i, phase);
     case Kind::machine:
         return term.sign * state_.machines[i].current_a(phase);
     case Kind::injection:
         return term.sign * injected_[3 * i + k];
-    default:
-        return 0;
     }
+    return 0;
 }
 
 double Solver::switch_current(std::size_t index, int phase) const {

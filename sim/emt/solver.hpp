@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "sim/emt/bergeron.hpp"
 #include "sim/emt/nodal_system.hpp"
 
 #include <complex>
@@ -79,6 +80,8 @@ class Solver {
         std::vector<double> v; ///< by slot
         std::vector<double> rl_v, rl_i, capacitor_v, capacitor_i, winding_v, winding_i;
         std::vector<double> core_flux, core_v, core_i;
+        std::vector<double> wave_i;          ///< 6 per Bergeron line
+        std::vector<std::size_t> wave_marks; ///< of waves_, when saved
         std::vector<EmtMachine> machines;
     };
     struct SwitchControl {
@@ -94,7 +97,8 @@ class Solver {
 
     [[nodiscard]] Result<void> segment(double t_end, double h);
     void substep(double t_end, double h, Rule rule, StepCoefficients const& c);
-    void histories(Rule rule, StepCoefficients const& c);
+    void histories(double t_end, Rule rule, StepCoefficients const& c);
+    void waves(double t_end);
     void currents(StepCoefficients const& c);
     void source_voltages(double t);
     void solve_network();
@@ -118,7 +122,9 @@ class Solver {
     std::vector<std::array<bool, 3>> fault_armed_;
     bool armed_{false}, waiting_{false};
     Dynamics state_, saved_;
-    std::vector<double> rl_history_, capacitor_history_, winding_history_, core_history_, rhs_, correction_, injected_;
+    std::vector<BergeronWaves> waves_;
+    std::vector<double> wave_history_, rl_history_, capacitor_history_, winding_history_, core_history_, rhs_,
+        correction_, injected_;
     std::vector<double> watched_before_, watched_after_; ///< currents of armed poles at both ends of a segment
     StepCoefficients usual_, other_;
     StepCoefficients const* coefficients_{nullptr};

@@ -52,8 +52,14 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
         y.machines.push_back(
             ComplexPhaseMatrix::sequence(scale / Complex{m.data.ra, speed * m.data.x2()}, scale * zero));
     }
+    std::vector<ComplexPhaseMatrix> crosses;
+    for (BergeronWaves const& line : waves_) { // true delays: they know the true frequency
+        auto const steady = line.steady(w0);
+        y.bergeron.push_back(steady.own);
+        crosses.push_back(steady.cross);
+    }
     Topology const& t = system_->topology;
-    auto const assembly = assemble(circuit_, t, bits_, y);
+    auto const assembly = assemble(circuit_, t, bits_, y, crosses);
     Ldlt<Complex> factors;
     (void)factors.factor(t.unknowns, assembly.matrix);
     std::vector<Complex> v(static_cast<std::size_t>(t.slots));
@@ -105,6 +111,20 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
     for (std::size_t b = 0; b < circuit_.capacitors.size(); ++b) {
         set_branch(circuit_.capacitors[b].from, circuit_.capacitors[b].to, y.capacitors[b], &state_.capacitor_v[3 * b],
                    &state_.capacitor_i[3 * b]);
+    }
+    for (std::size_t b = 0; b < waves_.size(); ++b) {
+        std::array<Complex, 2> volts, amperes;
+        std::array<int, 2> const nodes{circuit_.bergeron[b].from, circuit_.bergeron[b].to};
+        for (std::size_t end = 0; end < 2; ++end) {
+            volts[end] = v[slot(nodes[end])];
+        }
+        for (std::size_t end = 0; end < 2; ++end) {
+            amperes[end] = y.bergeron[b].one * volts[end] + crosses[b].one * volts[1 - end];
+            for (int k = 0; k < 3; ++k) {
+                state_.wave_i[6 * b + 3 * end + static_cast<std::size_t>(k)] = phase_of(amperes[end], k).real();
+            }
+        }
+        waves_[b].start(w0, volts, amperes);
     }
     auto const across = [&](auto const& element) {
         Complex sum{};

@@ -31,7 +31,7 @@ void Solver::source_voltages(double t) {
     }
 }
 
-void Solver::histories(Rule rule, StepCoefficients const& c) {
+void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
     bool const trapezoid = rule == Rule::trapezoid;
     double* const rhs = rhs_.data();
     std::fill(rhs_.begin(), rhs_.end(), 0.0);
@@ -89,6 +89,14 @@ void Solver::histories(Rule rule, StepCoefficients const& c) {
             rhs[system_->core[4 * w + k]] -= core.weights[k] * history;
         }
     }
+    for (std::size_t w = 0; w < waves_.size(); ++w) {
+        double* const history = wave_history_.data() + 6 * w;
+        waves_[w].history(t_end, history);
+        for (std::size_t k = 0; k < 3; ++k) {
+            rhs[system_->bergeron_from[3 * w + k]] -= history[k];
+            rhs[system_->bergeron_to[3 * w + k]] -= history[3 + k];
+        }
+    }
     for (std::size_t k = 0; k < injected_.size(); ++k) {
         rhs[system_->injection[k]] += injected_[k];
     }
@@ -132,12 +140,31 @@ void Solver::currents(StepCoefficients const& c) {
     }
 }
 
+void Solver::waves(double t_end) {
+    double const* const x = state_.v.data();
+    for (std::size_t w = 0; w < waves_.size(); ++w) {
+        std::array<double, 6> v;
+        for (std::size_t k = 0; k < 3; ++k) {
+            v[k] = x[system_->bergeron_from[3 * w + k]];
+            v[3 + k] = x[system_->bergeron_to[3 * w + k]];
+        }
+        PhaseMatrix const g = waves_[w].conductance();
+        for (std::size_t end = 0; end < 2; ++end) {
+            double const common = g.mutual * (v[3 * end] + v[3 * end + 1] + v[3 * end + 2]);
+            for (std::size_t k = 3 * end; k < 3 * end + 3; ++k) {
+                state_.wave_i[6 * w + k] = g.one * v[k] + common + wave_history_[6 * w + k];
+            }
+        }
+        waves_[w].leave(t_end, v.data(), state_.wave_i.data() + 6 * w);
+    }
+}
+
 void Solver::solve_network() {
     system_->solve(rhs_.data(), state_.v.data());
 }
 
 void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& c) {
-    histories(rule, c);
+    histories(t_end, rule, c);
     double* const x = state_.v.data();
     double* const rhs = rhs_.data();
     source_voltages(t_end);
@@ -192,6 +219,7 @@ void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& 
         slot += 3;
     }
     currents(c);
+    waves(t_end);
     double const half = c.h / 2; // of the trapezoid, or a whole backward Euler step: both weigh the new voltage alike
     for (std::size_t w = 0; w < circuit_.cores.size(); ++w) {
         double v = 0;

@@ -171,6 +171,78 @@ TEST(EmtNetworks, TheSteadyStateIsThatOfThePowerFlow) {
     }
 }
 
+constexpr std::string_view kLongLine =
+    "buses: {A: {voltage_v: 230000}, B: {voltage_v: 230000}}\nsources: {S: {bus: A, r_ohm: 1, l_mh: 10}}\n"
+    "breaker_types: {t: {}}\nbreakers: {CB: {line: L, end: from, type: t, state: STATE}}\n"
+    "line_types: {ac: {r_ohm_per_km: R_KM, l_mh_per_km: 1.33, c_nf_per_km: 8.77, l0_mh_per_km: 4, c0_nf_per_km: 5}}\n"
+    "lines: {L: {from: A, to: B, type: ac, length_km: 150, model: bergeron}}\n"
+    "loads: {D: {bus: B, p_kw: 50000, power_factor: 0.98, model: constant_impedance}}\n";
+
+Network long_line(std::string const& r_km, std::string const& length_km = "150") {
+    std::string text{kLongLine};
+    text.replace(text.find("STATE"), 5, "closed");
+    text.replace(text.find("R_KM"), 4, r_km);
+    text.replace(text.find("length_km: 150"), 14, "length_km: " + length_km);
+    return network_of(text);
+}
+
+TEST(EmtLines, ATravellingWaveArrivesAfterItsTravelTimeAndNotBefore) {
+    auto const sut = started(long_line("0.03"), kBase, Rational{1, 48000});
+    EXPECT_NEAR(read(*sut, "bus.B.v_pu"), 1, 0.05);
+    for (int k = 1; k <= 960; ++k) { // it starts in its steady state
+        advance(*sut, SimTime{k});
+    }
+    double const steady = read(*sut, "bus.B.v_pu");
+    for (int k = 961; k <= 1920; ++k) {
+        advance(*sut, SimTime{k});
+        ASSERT_NEAR(read(*sut, "bus.B.v_pu"), steady, 2e-4) << k;
+    }
+    apply(*sut, ApplyFault{"", "A", 0, FaultType::three_phase_ground, 0, "f"});
+    double const travel = 150 * std::sqrt(1.33e-3 * 8.77e-9); // 0.512 ms = 24.6 steps
+    int seen = 0;
+    for (int k = 1921; seen == 0 && k < 2000; ++k) {
+        advance(*sut, SimTime{k});
+        seen = std::abs(read(*sut, "bus.B.v_pu") - steady) > 0.02 ? k - 1920 : 0;
+    }
+    EXPECT_NEAR(seen / 48000.0, travel, 1.5 / 48000);
+}
+
+TEST(EmtLines, AStepLongerThanTheTravelTimeIsAnError) {
+    auto const made = make_emt_engine(long_line("0.03", "5"), {kBase, SimSpan{1}, 0});
+    ASSERT_FALSE(made.has_value());
+    EXPECT_THAT(made.error().message, HasSubstr("line 'L': a wave travels along it in"));
+}
+
+TEST(EmtTransformers, EnergisingASaturableTransformerDrawsAnInrushFarAboveItsMagnetisingCurrent) {
+    auto const run = [](std::string const& saturation) {
+        auto const sut =
+            started(network_of("buses: {A: {voltage_v: 20000}, M: {voltage_v: 20000}, B: {voltage_v: 400}}\nsources: "
+                               "{S: {bus: A, r_ohm: 1, l_mh: 5}}\n"
+                               "lines: {L: {from: A, to: M, r_ohm: 0.1, l_mh: 0.3}}\nbreaker_types: {t: {}}\n"
+                               "breakers: {CB: {line: L, end: from, type: t}}\n"
+                               "transformers: {T: {from: M, to: B, rating_kva: 1000, r_percent: 1, x_percent: 5, "
+                               "magnetising_percent: 0.5" +
+                               saturation + "}}\nloads: {D: {bus: B, p_kw: 1, model: constant_impedance}}\n"),
+                    kBase, Rational{1, 48000});
+        apply(*sut, SwitchBreaker{"CB", false});
+        for (int k = 1; k <= 4000; ++k) {
+            advance(*sut, SimTime{k});
+        }
+        apply(*sut, SwitchBreaker{"CB", true});
+        double peak = 0;
+        for (int k = 4001; k <= 8000; ++k) {
+            advance(*sut, SimTime{k});
+            for (char const* phase : {"a", "b", "c"}) {
+                peak = std::max(peak, std::abs(read(*sut, std::string{"line.L.from.i."} + phase)));
+            }
+        }
+        return peak;
+    };
+    double const rated = 1e6 / (std::sqrt(3.0) * 20000) * std::sqrt(2.0);
+    EXPECT_GT(run(", saturation: {knee_pu: 1.2, air_core_percent: 30}"), rated);
+    EXPECT_LT(run(""), 0.05 * rated); // negative control: the linear core
+}
+
 TEST(EmtLoads, OfConstantPowerHoldTheirPowerWhenTheVoltageFalls) {
     auto const sut = started(network_of("buses: {A: {voltage_v: 400}}\nsources: {S: {bus: A, r_ohm: 0.01, l_mh: 0.1}}\n"
                                         "loads: {D: {bus: A, p_kw: 20, q_kvar: 5, model: constant_power}}\n"),

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/bergeron.hpp"
+
+#include "sim/emt/emt_machine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gridspace::sim::emt {
+namespace {
+
+using Complex = std::complex<double>;
+
+std::array<double, 3> modes(double const* phases) {
+    Space const s = to_space(phases[0], phases[1], phases[2]);
+    return {s.alpha, s.beta, s.zero};
+}
+
+} // namespace
+
+BergeronWaves::BergeronWaves(BergeronLine const& l, double step_s)
+    : z_{l.z1 + l.r1 / 4, l.z1 + l.r1 / 4, l.z0 + l.r0 / 4},
+      h_{(l.z1 - l.r1 / 4) / z_[0], (l.z1 - l.r1 / 4) / z_[0], (l.z0 - l.r0 / 4) / z_[2]}, tau_{l.tau1, l.tau1, l.tau0},
+      step_s_{step_s} {
+    // Events cut steps: more entries than a travel time has steps, with room for many of them.
+    auto const steps = static_cast<std::size_t>(std::ceil(std::max(l.tau1, l.tau0) / step_s));
+    past_.resize(2 * steps + 256);
+}
+
+PhaseMatrix BergeronWaves::conductance() const {
+    return PhaseMatrix::sequence(1 / z_[0], 1 / z_[2]);
+}
+
+BergeronWaves::Steady BergeronWaves::steady(double w) const {
+    auto const mode = [&](std::size_t m) {
+        Complex const e = std::polar(1.0, -w * tau_[m]);
+        double const h = h_[m];
+        Complex const a = 1.0 + e * h * (1 - h) / 2.0, b = e * h * (1 + h) / 2.0;
+        Complex const c = (1.0 - e * (1 - h) / 2.0) / z_[m], d = -e * (1 + h) / 2.0 / z_[m];
+        Complex const det = a * a - b * b;
+        return std::pair{(a * c - b * d) / det, (a * d - b * c) / det};
+    };
+    auto const [own1, cross1] = mode(0);
+    auto const [own0, cross0] = mode(2);
+    return {ComplexPhaseMatrix::sequence(own1, own0), ComplexPhaseMatrix::sequence(cross1, cross0)};
+}
+
+void BergeronWaves::start(double w, std::array<Complex, 2> const& v, std::array<Complex, 2> const& i) {
+    written_ = 0;
+    std::size_t const count = past_.size() / 2;
+    for (std::size_t n = 0; n < count; ++n) {
+        double const t = -static_cast<double>(count - 1 - n) * step_s_;
+        std::array<double, 6> volts{}, amperes{};
+        for (std::size_t end = 0; end < 2; ++end) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                Complex const turn = std::polar(1.0, w * t - static_cast<double>(k) * 2 * std::numbers::pi / 3);
+                volts[3 * end + k] = (v[end] * turn).real();
+                amperes[3 * end + k] = (i[end] * turn).real();
+            }
+        }
+        leave(t, volts.data(), amperes.data());
+    }
+}
+
+double BergeronWaves::at(double t, std::size_t end, std::size_t mode) const {
+    std::size_t const size = past_.size();
+    std::size_t newer = written_ - 1;
+    std::size_t const oldest = written_ > size ? written_ - size : 0;
+    // Times are nearly uniform: jump near, then look.
+    double const behind = (past_[newer % size].t - t) / step_s_;
+    if (behind > 2) {
+        newer -= std::min(newer - oldest, static_cast<std::size_t>(behind) - 1);
+    }
+    while (newer + 1 < written_ && past_[newer % size].t < t) {
+        ++newer;
+    }
+    while (newer > oldest + 1 && past_[(newer - 1) % size].t > t) {
+        --newer;
+    }
+    Wave const& b = past_[newer % size];
+    Wave const& a = past_[(newer > oldest ? newer - 1 : newer) % size];
+    double const share = b.t > a.t ? std::clamp((t - a.t) / (b.t - a.t), 0.0, 1.0) : 1;
+    return a.f[end][mode] + share * (b.f[end][mode] - a.f[end][mode]);
+}
+
+void BergeronWaves::history(double t, double* out) const {
+    for (std::size_t end = 0; end < 2; ++end) {
+        std::array<double, 3> m{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            m[k] = -(1 + h_[k]) / 2 * at(t - tau_[k], 1 - end, k) - (1 - h_[k]) / 2 * at(t - tau_[k], end, k);
+        }
+        auto const phases = to_phases({m[0], m[1], m[2]});
+        std::copy(phases.begin(), phases.end(), out + 3 * end);
+    }
+}
+
+void BergeronWaves::leave(double t, double const* v, double const* i) {
+    Wave& wave = past_[written_ % past_.size()];
+    ++written_;
+    wave.t = t;
+    for (std::size_t end = 0; end < 2; ++end) {
+        auto const volts = modes(v + 3 * end), amperes = modes(i + 3 * end);
+        for (std::size_t k = 0; k < 3; ++k) {
+            wave.f[end][k] = volts[k] / z_[k] + h_[k] * amperes[k];
+        }
+    }
+}
+
+} // namespace gridspace::sim::emt
