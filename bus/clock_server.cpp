@@ -23,6 +23,7 @@ struct ClockServer::State {
     std::unique_ptr<RawReader> status_reader;
     SimClock clock;
     std::uint64_t next_tick{0};
+    std::chrono::steady_clock::time_point told_at; ///< real time: the newest clock sample
 
     struct Status {
         std::uint32_t incarnation{0};
@@ -243,6 +244,17 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     }
     if (core.lockstep() && !s.barrier.anybody_awaited()) {
         return {}; // nobody needs to hear of this tick
+    }
+    if (!core.lockstep()) {
+        // Nobody waits for it, and each sample wakes every process: a hundred a second are enough.
+        constexpr std::chrono::milliseconds kPeriod{10};
+        auto const now = std::chrono::steady_clock::now();
+        if (number > 0 && !final && now - s.told_at < kPeriod) {
+            uncork();
+            cork(); // what the next tick publishes leaves together
+            return {};
+        }
+        s.told_at = now;
     }
     s.clock.tick(number);
     s.clock.time_ns(core.base.nanoseconds(time));

@@ -19,6 +19,18 @@ Participant& Node::Core::network_of(std::string const& topic) {
     return on_management || data == nullptr ? *management : *data;
 }
 
+SimTime Node::Core::time_now() const {
+    if (lockstep() || is_simulator() || !clock_seen || pace.last_arrived == pace.first_arrived) {
+        return latest_time;
+    }
+    constexpr double kLongestGapS = 0.02; // the simulator may be late, or paused
+    using Seconds = std::chrono::duration<double>;
+    double const quanta_per_s = static_cast<double>((latest_time - pace.first).quanta) / Seconds{pace.last_arrived - pace.first_arrived}.count();
+    double const since_s = std::min(kLongestGapS, Seconds{std::chrono::steady_clock::now() - pace.last_arrived}.count());
+    told = std::max(told, latest_time + SimSpan{static_cast<std::int64_t>(quanta_per_s * since_s)});
+    return told;
+}
+
 void Node::Core::fail(Error why) {
     std::lock_guard const lock{mutex};
     fail_locked(std::move(why));
@@ -69,6 +81,11 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
         fail_locked({ExitCode::environment,
                      "a clock sample cannot be decoded: another version of Gridspace on this domain?", ""});
         return;
+    }
+    pace.last_arrived = std::chrono::steady_clock::now();
+    if (!clock_seen) {
+        pace.first_arrived = pace.last_arrived;
+        pace.first = {clock.quanta()};
     }
     clock_seen = true;
     if (clock_tap != nullptr && clock.state() != CLOCK_HELD) {
@@ -203,7 +220,7 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     if (joining && config.incarnation > 0) {
         return; // sent before this incarnation was ready: part of the baseline
     }
-    origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : latest_time;
+    origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : time_now();
     if (process != lockstep::LedgerBook::kUnknown) {
         using Arrival = lockstep::LedgerBook::Arrival;
         Arrival const arrival =

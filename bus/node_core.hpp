@@ -92,6 +92,13 @@ struct Node::Core {
     std::uint64_t input_generation{0};
     std::uint64_t input_taken{0};
     SimTime latest_time;
+    /// Real time: the clock is not told at every tick; between its samples time goes on at the pace of the run so far.
+    struct Pace {
+        std::chrono::steady_clock::time_point first_arrived, last_arrived;
+        SimTime first;
+    } pace;
+    mutable SimTime told{INT64_MIN}; ///< time_now() never goes back
+    [[nodiscard]] SimTime time_now() const;
     std::chrono::steady_clock::time_point pending_since; ///< when the clock of the pending tick came
     std::uint64_t matches_generation{0};                 ///< counts discoveries, matches and departures
     std::uint64_t matches_published{0};

@@ -320,7 +320,7 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
     }
     core.clock_taken = core.clock_generation;
     core.input_taken = core.input_generation;
-    Tick const tick{core.clock.tick(), core.latest_time, core.clock_seen && core.clock.state() == CLOCK_FINAL};
+    Tick const tick{core.clock.tick(), core.time_now(), core.clock_seen && core.clock.state() == CLOCK_FINAL};
     log::set_time(core.base.seconds(tick.time));
     return tick;
 }
@@ -390,7 +390,7 @@ bool Node::lockstep() const {
 
 SimTime Node::latest_time() const {
     std::lock_guard const lock{core_->mutex};
-    return core_->latest_time;
+    return core_->time_now();
 }
 
 std::int64_t Node::start_unix_ns() const {

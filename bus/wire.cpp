@@ -41,7 +41,7 @@ void WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, 
     stored.kernel_ns = kernel_ns;
     stored.port = port;
     if (!core.lockstep()) {
-        r.due(slot, core.latest_time);
+        r.due(slot, core.time_now());
         ++core.input_generation;
         core.changed.notify_all();
         return;

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <thread>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -54,7 +55,11 @@ class RecorderShell {
             return ok;
         }
         while (true) {
-            auto tick = node_.next();
+            if (!node_.lockstep()) {
+                // Samples wait in their readers: one round for all of them costs less than one for each.
+                std::this_thread::sleep_for(std::chrono::milliseconds{20});
+            }
+            auto tick = node_.next(std::chrono::steady_clock::now());
             if (!tick) {
                 (void)file_.flush(); // what was recorded is worth reading
                 return std::unexpected{tick.error()};
