@@ -75,10 +75,10 @@ class Parser {
         return left;
     }
     Node negation() {
-        if (accept("not")) {
-            return Node{Kind::logical_not, 0, 0, "", {negation()}};
-        }
-        return comparison();
+        deeper();
+        Node node = accept("not") ? Node{Kind::logical_not, 0, 0, "", {negation()}} : comparison();
+        --depth_;
+        return node;
     }
     Node comparison() {
         Node left = sum();
@@ -128,10 +128,15 @@ class Parser {
         }
     }
     Node unary() {
-        if (accept("-")) {
-            return Node{Kind::negate, 0, 0, "", {unary()}};
+        deeper();
+        Node node = accept("-") ? Node{Kind::negate, 0, 0, "", {unary()}} : primary();
+        --depth_;
+        return node;
+    }
+    void deeper() {
+        if (++depth_ > kDeepest) {
+            throw Mistake{"brackets or signs are nested too deeply"};
         }
-        return primary();
     }
     Node primary() {
         if (accept("(")) {
@@ -141,7 +146,10 @@ class Parser {
         }
         if (token_.kind == Token::Kind::number) {
             double value = 0;
-            std::from_chars(token_.text.data(), token_.text.data() + token_.text.size(), value);
+            auto const [end, error] = std::from_chars(token_.text.data(), token_.text.data() + token_.text.size(), value);
+            if (error != std::errc{}) {
+                throw Mistake{fmt::format("{} is out of range", token_.text)};
+            }
             advance();
             return Node{Kind::number, value, 0, "", {}};
         }
@@ -219,8 +227,10 @@ class Parser {
         token_.text = text_.substr(start, at_ - start);
     }
 
+    static constexpr int kDeepest = 100;
     std::string_view text_;
     std::size_t at_{0};
+    int depth_{0};
     Token token_;
 };
 

@@ -16,7 +16,7 @@ namespace gridspace::launcher {
 struct Subnet {
     std::uint32_t base{0};
     int prefix{24};
-    [[nodiscard]] std::uint32_t hosts() const { return prefix >= 31 ? 0 : (1U << (32 - prefix)) - 2; }
+    [[nodiscard]] std::uint32_t hosts() const { return prefix >= 31 ? 0 : prefix == 0 ? ~0U - 1 : (1U << (32 - prefix)) - 2; }
     [[nodiscard]] bool overlaps(Subnet const& other) const;
     [[nodiscard]] std::string host(std::uint32_t number) const; ///< "10.10.0.1" for 1
 };

@@ -31,7 +31,8 @@ class Walker {
 
   private:
     bool walk(std::size_t index, int depth) {
-        if (depth > kMaxDepth) {
+        // Types without content cost no octets: an array of arrays of them would be walked for ever.
+        if (depth > kMaxDepth || ++steps_ > 4096 + kMaxDepth * data_.size()) {
             return false;
         }
         Type const& type = model_.types[index];
@@ -147,6 +148,7 @@ class Walker {
     std::span<std::byte const> data_;
     Visitor& visitor_;
     std::size_t at_{0};
+    std::size_t steps_{0};
     bool little_{true}, header_ok_{false};
     std::string path_;
 };

@@ -11,6 +11,7 @@ namespace gridspace::idl {
 namespace {
 
 constexpr std::uint32_t kLargestBound = 1U << 24U;
+constexpr int kDeepest = 64; ///< modules and sequences in each other; a file of nothing but '{' must not end the stack
 
 class Parser {
   public:
@@ -54,6 +55,9 @@ class Parser {
         }
         if (lexer_.accept("module")) {
             scope_.push_back(lexer_.expect_name());
+            if (scope_.size() > kDeepest) {
+                throw SyntaxError{word.line, "modules are nested too deeply"};
+            }
             lexer_.expect("{");
             while (!lexer_.accept("}")) {
                 if (lexer_.peek().kind == Token::Kind::end) {
@@ -193,7 +197,11 @@ class Parser {
         Type type;
         type.kind = Kind::sequence;
         lexer_.expect("<");
+        if (++nested_ > kDeepest) {
+            throw SyntaxError{lexer_.peek().line, "sequences are nested too deeply"};
+        }
         type.element = type_spec();
+        --nested_;
         if (lexer_.accept(",")) {
             type.bound = number();
         }
@@ -296,6 +304,7 @@ class Parser {
     Lexer lexer_;
     Model model_;
     std::vector<std::string> scope_;
+    int nested_{0}; ///< sequences
     std::map<std::string, std::size_t> typedefs_;
     std::map<std::string, std::uint32_t> constants_;
 };

@@ -1,0 +1,9 @@
+function mpc = broken
+mpc.version = '2';
+mpc.baseMVA = 100;
+mpc.gen = [
+	1 0 0 300 -300 1 100 1 250 10;
+];
+mpc.branch = [
+	1 2 0.01 0.1 0 250 250 250 0 0 1 -360 360;
+];

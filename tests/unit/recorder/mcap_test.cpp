@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder/mcap/mcap_reader.hpp"
+#include "recorder/mcap/mcap_writer.hpp"
+
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <unistd.h>
+
+namespace gridspace::mcap {
+namespace {
+
+/// A folder of the test's own.
+class Recording : public ::testing::TestWithParam<bool> {
+  protected:
+    Recording() {
+        std::string pattern = ::testing::TempDir() + "gridspace_mcap_XXXXXX";
+        folder_ = ::mkdtemp(pattern.data());
+        file_ = folder_ / "data.mcap";
+    }
+    ~Recording() override { std::filesystem::remove_all(folder_); }
+
+    static std::vector<std::byte> sample(std::uint32_t n) {
+        std::vector<std::byte> out(40 + n % 7, std::byte{0x5a});
+        out[0] = static_cast<std::byte>(n & 0xff);
+        out[1] = static_cast<std::byte>(n >> 8);
+        return out;
+    }
+
+    /// `count` messages, alternately of two processes; flushed after each 500.
+    void write(std::uint32_t count, bool close) const {
+        auto sut = Writer::create(file_, {.compress = GetParam(), .chunk_octets = 4096});
+        ASSERT_TRUE(sut) << sut.error().message;
+        auto const schema = sut->add_schema("T", "omgidl", "struct T { long a; };");
+        std::uint16_t const channels[] = {sut->add_channel(schema, "topic", "cdr", {{"process", "a"}}),
+                                          sut->add_channel(schema, "topic", "cdr", {{"process", "b"}})};
+        for (std::uint32_t n = 0; n < count; ++n) {
+            ASSERT_TRUE(sut->write(channels[n % 2], n / 2 + 1, 1000 + n, sample(n)));
+            if (n % 500 == 499) {
+                ASSERT_TRUE(sut->flush());
+            }
+        }
+        if (close) {
+            ASSERT_TRUE(sut->close());
+        } else {
+            ASSERT_TRUE(sut->flush());
+        }
+    }
+
+    struct Read {
+        ReadOutcome outcome;
+        std::uint32_t good{0}; ///< messages from the beginning that are as they were written
+    };
+    Read read() const {
+        Read out;
+        bool as_written = true;
+        auto const outcome = read_messages(file_, [&](Message const& m) {
+            std::uint32_t const n = out.good;
+            as_written = as_written && m.channel.topic == "topic" && m.schema.name == "T" && m.sequence == n / 2 + 1 && m.time_ns == 1000 + n &&
+                         m.channel.metadata.at("process") == (n % 2 == 0 ? "a" : "b") && std::ranges::equal(m.data, sample(n));
+            out.good += as_written ? 1 : 0;
+            return true;
+        });
+        EXPECT_TRUE(outcome) << outcome.error().message;
+        out.outcome = outcome.value_or(ReadOutcome{});
+        return out;
+    }
+
+    std::string bytes() const {
+        std::ifstream stream{file_, std::ios::binary};
+        return {std::istreambuf_iterator<char>{stream}, {}};
+    }
+    void put(std::string_view text) const { std::ofstream{file_, std::ios::binary | std::ios::trunc} << text; }
+
+    std::filesystem::path folder_, file_;
+};
+
+TEST_P(Recording, ReadsBackWhatWasWritten) {
+    write(3000, true);
+    Read const sut = read();
+    EXPECT_EQ(sut.good, 3000U);
+    EXPECT_EQ(sut.outcome.messages, 3000U);
+    EXPECT_TRUE(sut.outcome.complete);
+    EXPECT_EQ(sut.outcome.note, "");
+}
+
+TEST_P(Recording, WithoutItsEndIsReadAsFarAsItWasFlushedAndSaysSo) {
+    write(1500, false);
+    Read const sut = read();
+    EXPECT_EQ(sut.good, 1500U);
+    EXPECT_FALSE(sut.outcome.complete);
+    EXPECT_NE(sut.outcome.note.find("did not finish"), std::string::npos) << sut.outcome.note;
+}
+
+TEST_P(Recording, CutAnywhereGivesItsBeginningAndNeverAnythingElse) {
+    write(1000, true);
+    std::string const whole = bytes();
+    std::uint32_t before = 0;
+    for (std::size_t size = 8; size < whole.size(); size += 97) {
+        put(whole.substr(0, size));
+        Read const sut = read();
+        EXPECT_EQ(sut.good, sut.outcome.messages) << size; // every message that is given is as it was written
+        EXPECT_GE(sut.good, before) << size;
+        EXPECT_TRUE(sut.outcome.complete || !sut.outcome.note.empty()) << size;
+        before = sut.good;
+    }
+    EXPECT_EQ(before, 1000U);
+}
+
+TEST_P(Recording, WithAFlippedBitNeverGivesAChangedMessage) {
+    write(600, true);
+    std::string const whole = bytes();
+    for (std::size_t at = 8; at < whole.size() / 2; at += 61) { // chunks carry checksums
+        std::string damaged = whole;
+        damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+        put(damaged);
+        std::uint32_t wrong = 0;
+        auto const outcome = read_messages(file_, [&](Message const& m) {
+            if (m.time_ns >= 1000 && m.time_ns < 1600 && m.channel.topic == "topic") {
+                wrong += std::ranges::equal(m.data, sample(static_cast<std::uint32_t>(m.time_ns - 1000))) ? 0 : 1;
+            }
+            return true;
+        });
+        (void)outcome;
+        EXPECT_EQ(wrong, 0U) << "octet " << at;
+    }
+}
+
+TEST_P(Recording, StopsWhenItsReaderHasEnough) {
+    write(100, true);
+    int seen = 0;
+    auto const outcome = read_messages(file_, [&](Message const&) { return ++seen < 7; });
+    ASSERT_TRUE(outcome);
+    EXPECT_EQ(seen, 7);
+    EXPECT_TRUE(outcome->complete);
+}
+
+TEST_P(Recording, ThatIsNotOneIsRefused) {
+    put("not an mcap file");
+    EXPECT_FALSE(read_messages(file_, [](Message const&) { return true; }));
+    put("");
+    EXPECT_FALSE(read_messages(file_, [](Message const&) { return true; }));
+    EXPECT_FALSE(read_messages(folder_ / "none.mcap", [](Message const&) { return true; }));
+}
+
+TEST_P(Recording, ThatCannotBeWrittenSaysSo) {
+    auto const sut = Writer::create("/dev/full", {.compress = GetParam(), .chunk_octets = 64});
+    bool failed = !sut;
+    if (sut) {
+        auto& writer = const_cast<Writer&>(*sut);
+        auto const schema = writer.add_schema("T", "omgidl", "");
+        auto const channel = writer.add_channel(schema, "t", "cdr", {});
+        failed = !writer.write(channel, 1, 1, std::vector<std::byte>(1000)) || !writer.flush() || !writer.close();
+    }
+    EXPECT_TRUE(failed);
+}
+
+INSTANTIATE_TEST_SUITE_P(Compressed, Recording, ::testing::Bool(), [](auto const& p) { return p.param ? "zstd" : "plain"; });
+
+} // namespace
+} // namespace gridspace::mcap
