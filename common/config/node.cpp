@@ -14,7 +14,13 @@ bool needs_quotes(Node const& node) {
         return true;
     }
     if (s.find_first_of("#:{}[],&*!|>'\"%@`\n\t\\") != std::string::npos || s.front() == ' ' || s.back() == ' ' ||
-        s.front() == '?') {
+        s.front() == '?' || s.starts_with("---") || s.starts_with("...")) {
+        return true;
+    }
+    // Control characters, and all beyond ASCII: some of it ends a line (U+0085, U+2028).
+    if (std::any_of(s.begin(), s.end(), [](char c) {
+            return static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7e;
+        })) {
         return true;
     }
     return s.front() == '-' && (s.size() == 1 || s[1] == ' ');
@@ -40,7 +46,9 @@ std::string scalar_text(Node const& node) {
             out += "\\t";
             break;
         default:
-            out += c;
+            out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f
+                       ? fmt::format("\\x{:02x}", static_cast<unsigned char>(c))
+                       : std::string{c};
         }
     }
     return out + "\"";

@@ -17,6 +17,7 @@ namespace gridspace::config {
 namespace {
 
 constexpr std::size_t kMaxDepth = 64;
+constexpr std::size_t kLongestKey = 256;     // YAML itself wants less than 1024 characters, after escapes
 constexpr std::size_t kMaxNodes = 1'000'000; // an alias bomb stops here
 
 /// Builds Nodes from parse events; a stack of open containers.
@@ -66,6 +67,7 @@ class TreeBuilder final : public YAML::EventHandler {
     }
     void OnMapEnd() override { close(); }
 
+    [[nodiscard]] int documents() const { return documents_; }
     [[nodiscard]] Node take() { return std::move(root_); }
 
   private:
@@ -139,6 +141,10 @@ class TreeBuilder final : public YAML::EventHandler {
         parent.has_key = true;
         parent.key = key.text;
         parent.key_mark = key.where;
+        if (key.text.size() > kLongestKey) {
+            diagnostics_.error(key.where, fmt::format("a key of {} characters", key.text.size()),
+                               "a quote or a bracket that is not closed?");
+        }
         if (!key.is_scalar()) {
             diagnostics_.error(key.where, fmt::format("a key must be a name, found {}", describe(key)));
         }
@@ -197,7 +203,7 @@ std::optional<Node> parse_yaml(std::string_view text, std::shared_ptr<SourceText
     TreeBuilder builder{source, diagnostics};
     try {
         YAML::Parser parser{stream};
-        while (parser.HandleNextDocument(builder)) {
+        while (builder.documents() < 2 && parser.HandleNextDocument(builder)) {
         }
     } catch (YAML::Exception const& e) {
         SourceMark where{source, 0, 0};
