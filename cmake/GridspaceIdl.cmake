@@ -20,7 +20,7 @@ function(gridspace_idl_library name)
       OUTPUT ${generated}
       COMMAND "${CMAKE_COMMAND}" "-DFASTDDSGEN=${FASTDDSGEN}" "-DIDL=${path}" "-DDIR=${dir}" "-DSTEM=${stem}" "-DOUT=${out}"
               -P "${PROJECT_SOURCE_DIR}/cmake/run_fastddsgen.cmake"
-      DEPENDS "${path}"
+      DEPENDS "${path}" "${PROJECT_SOURCE_DIR}/cmake/run_fastddsgen.cmake"
       COMMENT "fastddsgen ${stem}.idl"
       VERBATIM)
     list(APPEND sources ${generated})

@@ -10,3 +10,31 @@ execute_process(
 if(result OR NOT EXISTS "${OUT}/${STEM}.cxx")
   message(FATAL_ERROR "fastddsgen ${IDL} failed (${result}):\n${printed}")
 endif()
+
+# Bounded strings are read by way of a std::string, which takes from the heap from 16 characters on: once per ledger line and
+# tick. A buffer on the stack does not. (Checked by ClockPath.TakesNothingFromTheHeapOnceEverybodyHasBeenHeard.)
+set(bounded_text [=[
+using namespace eprosima::fastcdr::exception;
+
+namespace {
+struct BoundedText {
+    char text[1025];
+    char const* c_str() const { return text; }
+};
+inline void operator>>(eprosima::fastcdr::Cdr& cdr, BoundedText& out) {
+    uint32_t size = 0;
+    cdr >> size;
+    if (size > sizeof out.text - 1) {
+        throw BadParamException("a bounded string is too long");
+    }
+    cdr.deserializeArray(out.text, size);
+    out.text[size] = 0;
+}
+} // namespace
+]=])
+file(READ "${OUT}/${STEM}.cxx" generated)
+if(generated MATCHES "std::string aux;")
+  string(REPLACE "        std::string aux;" "        BoundedText aux;" generated "${generated}")
+  string(REPLACE "using namespace eprosima::fastcdr::exception;\n" "${bounded_text}" generated "${generated}")
+  file(WRITE "${OUT}/${STEM}.cxx" "${generated}")
+endif()
