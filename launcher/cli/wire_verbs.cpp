@@ -24,7 +24,7 @@ void stream_options(CLI::App* verb, wire::StreamArgument& stream) {
     verb->add_option("--stream", stream.name, "name of the stream in that file")->needs("--file");
     verb->add_option("KEY=VALUE", stream.keys,
                      "keys of `streams:` (docs/reference/streams.md): app_id=0x4021 sv_id=MU01 data_set=9-2LE");
-    verb->callback([verb] {
+    verb->parse_complete_callback([verb] {
         if (verb->count("--file") > 0 && verb->count("--stream") == 0) {
             throw CLI::RequiredError("--stream NAME, with --file,");
         }

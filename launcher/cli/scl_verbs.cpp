@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// `gridspace scl import | export`: streams from and to the files of substation engineering.
+#include "launcher/cli/scl_verbs.hpp"
+
+#include "common/config/merge.hpp"
+#include "gateways/scl/scl_export.hpp"
+#include "gateways/scl/scl_import.hpp"
+#include "launcher/cli/load.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fstream>
+#include <memory>
+
+namespace gridspace::cli {
+namespace {
+
+struct Arguments {
+    std::filesystem::path file, out;
+    scl::ImportOptions import;
+};
+
+int write(std::string const& text, std::filesystem::path const& out) {
+    if (out.empty()) {
+        fmt::print("{}", text);
+        return 0;
+    }
+    std::ofstream stream{out};
+    stream << text << std::flush;
+    return stream.good() ? 0 : print_error({ExitCode::environment, fmt::format("cannot write '{}'", out.string()), ""});
+}
+
+int import_scl(Arguments const& a) {
+    std::ifstream stream{a.file, std::ios::binary};
+    if (!stream) {
+        return print_error({ExitCode::usage, fmt::format("cannot read '{}'", a.file.string()), ""});
+    }
+    std::string const text{std::istreambuf_iterator<char>{stream}, {}};
+    auto const imported = scl::import_streams(text, a.file.string(), a.import);
+    if (!imported) {
+        return print_error(imported.error());
+    }
+    for (std::string const& note : imported->notes) {
+        fmt::print(stderr, "note: {}: {}\n", a.file.string(), note);
+    }
+    if (imported->streams.entries.empty()) {
+        return print_error({ExitCode::usage, fmt::format("'{}' has no stream that can be used", a.file.string()),
+                            "the notes above say why"});
+    }
+    config::Node root = config::Node::map();
+    root.set("streams", imported->streams);
+    return write(config::to_yaml(root), a.out);
+}
+
+int export_scl(Arguments const& a) {
+    config::Diagnostics diagnostics;
+    std::vector<streams::Stream> streams;
+    if (auto root = config::load_extended(a.file, diagnostics)) {
+        if (config::Node* const all = root->find("streams")) {
+            config::resolve_likes(*all, diagnostics);
+            streams = streams::read_streams(*all, diagnostics);
+        }
+    }
+    if (diagnostics.errors() + diagnostics.warnings() > 0) {
+        fmt::print(stderr, "{}\n", diagnostics.render());
+    }
+    if (!diagnostics.ok()) {
+        return static_cast<int>(ExitCode::usage);
+    }
+    if (streams.empty()) {
+        return print_error({ExitCode::usage, fmt::format("'{}' has no `streams:`", a.file.string()), ""});
+    }
+    auto const text = scl::export_streams(streams, a.file.stem().string());
+    return text ? write(*text, a.out) : print_error(text.error());
+}
+
+} // namespace
+
+void add_scl_verbs(CLI::App& app, std::function<int()>& action) {
+    CLI::App* const verb = app.add_subcommand("scl", "streams from and to SCL files (IEC 61850-6)");
+    verb->require_subcommand(1);
+    auto const a = std::make_shared<Arguments>();
+    CLI::App* const import = verb->add_subcommand("import", "write the streams of an SCD, ICD or CID file as YAML");
+    import->add_option("FILE", a->file, "SCL file")->required();
+    import->add_option("--ied", a->import.ied, "only the control blocks of this IED");
+    import->add_option("--nominal-hz", a->import.nominal_hz, "frequency of the grid, for rates per period (default 50)")
+        ->check(CLI::PositiveNumber);
+    import->add_option("--out", a->out, "file (default: standard output)");
+    import->callback([&action, a] { action = [a] { return import_scl(*a); }; });
+    CLI::App* const exported = verb->add_subcommand("export", "write the streams of a scenario as a CID file");
+    exported->add_option("SCENARIO", a->file, "scenario, or a file with `streams:`")->required();
+    exported->add_option("--out", a->out, "file (default: standard output)");
+    exported->callback([&action, a] { action = [a] { return export_scl(*a); }; });
+}
+
+} // namespace gridspace::cli
