@@ -5,6 +5,7 @@
 #include "common/exit_code.hpp"
 #include "common/version.hpp"
 #include "launcher/cli/completion.hpp"
+#include "launcher/cli/scl_verbs.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/cli/wire_verbs.hpp"
 #include "launcher/ids/ids_verbs.hpp"
@@ -175,6 +176,7 @@ int main_function(int argc, char** argv) {
     doctor_verb->callback([&] { action = [&] { return doctor(doctor_json); }; });
 
     add_wire_verbs(app, action);
+    add_scl_verbs(app, action);
 
     std::string shell;
     CLI::App* completion_verb = verb("completion", "print a completion script");

@@ -104,15 +104,15 @@ class WireTools(unittest.TestCase):
         self.assertIn("not measurable", wire("stats", str(capture)).stdout)
 
     def test_a_replay_on_a_real_interface_is_refused(self):
-        subprocess.run("ip link add dummy7 type dummy && ip link set dummy7 up", shell=True, check=True)
+        subprocess.run("ip link add bridge7 type bridge && ip link set bridge7 up", shell=True, check=True)
         try:
             capture = pathlib.Path(os.environ["GRIDSPACE_SOURCE_DIR"]) / "tests/fuzz/corpus/pcapng/one_section"
-            refused = wire("replay", str(capture), "dummy7")
+            refused = wire("replay", str(capture), "bridge7")
             self.assertEqual(refused.returncode, 2)
-            self.assertIn("--allow-attacks-on dummy7", refused.stderr)
-            self.assertEqual(wire("replay", str(capture), "dummy7", "--allow-attacks-on", "dummy7", "--speed", "0").returncode, 0)
+            self.assertIn("--allow-attacks-on bridge7", refused.stderr)
+            self.assertEqual(wire("replay", str(capture), "bridge7", "--allow-attacks-on", "bridge7", "--speed", "0").returncode, 0)
         finally:
-            subprocess.run(["ip", "link", "del", "dummy7"], check=True)
+            subprocess.run(["ip", "link", "del", "bridge7"], check=True)
 
     def test_mistakes_are_explained(self):
         for arguments, code, text in [

@@ -65,7 +65,7 @@ TEST(Allocations, NoneForSampledValues) {
                           alignment->push(1, frame->asdus[0].smp_cnt, 2, 1.0F, i);
                           (void)alignment->pop(i);
                       }
-                      (void)decode_sv(octets.first(static_cast<std::size_t>(i % 70)), *frame);
+                      (void)decode_sv(octets.first(static_cast<std::size_t>(i % 60)), *frame);
                   }
               }),
               0U);
