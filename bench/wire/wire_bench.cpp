@@ -254,7 +254,7 @@ void rate(double seconds) {
         ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
         for (std::size_t owed = schedule.owed(now(), 64); owed > 0; --owed) {
             for (std::size_t i = 0; i < kStreams; ++i) {
-                store_float(publishers[i].sample(schedule.next_frame()), 0, 1.0F);
+                iec61850::store_float(publishers[i].sample(schedule.next_frame()), 0, 1.0F);
                 batch[i] = publishers[i].commit();
             }
             sender.send(batch);
