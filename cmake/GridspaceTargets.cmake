@@ -12,6 +12,13 @@ function(gridspace_library name)
   target_link_libraries(gridspace_${name} PUBLIC ${arg_PUBLIC} PRIVATE gridspace_flags ${arg_PRIVATE})
 endfunction()
 
+# The defaults of AddressSanitizer are part of each program of such a build.
+function(gridspace_sanitizer_options target)
+  if(GRIDSPACE_SANITIZE MATCHES "address" AND NOT GRIDSPACE_FUZZ)
+    target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/common/sanitizer_options.cpp")
+  endif()
+endfunction()
+
 # gridspace_program(NAME SOURCES ... [PRIVATE deps ...]): an installed executable; all programs land in build/bin, and the target
 # `programs` builds them and nothing else.
 add_custom_target(programs)
@@ -22,6 +29,7 @@ function(gridspace_program name)
   target_link_libraries(${name} PRIVATE gridspace_flags ${arg_PRIVATE})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
   add_dependencies(programs ${name})
+  gridspace_sanitizer_options(${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
@@ -40,6 +48,7 @@ function(gridspace_test name)
   target_compile_definitions(${name} PRIVATE GRIDSPACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              GRIDSPACE_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/tests")
+  gridspace_sanitizer_options(${name})
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}."
                        PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
 endfunction()

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "common/config/yaml.hpp"
 #include "common/text.hpp"
+#include "sim/network/matlab_case.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
@@ -8,14 +10,18 @@
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <numbers>
+#include <set>
 
 namespace gridspace::sim {
 namespace {
 
 constexpr char const* kFolder = GRIDSPACE_SOURCE_DIR "/tests/golden/powerflow/";
 
-double degrees(Complex v) { return std::arg(v) * 180 / std::numbers::pi; }
+double degrees(Complex v) {
+    return std::arg(v) * 180 / std::numbers::pi;
+}
 
 struct Case {
     Network network;
@@ -67,13 +73,48 @@ INSTANTIATE_TEST_SUITE_P(Golden, PublishedCase, ::testing::ValuesIn(cases_with_r
 
 TEST(PublishedCases, Ieee14HasTheVoltagesOfTheArchiveToTheirPrintedDigits) {
     Case const sut = solve("case14.m");
-    constexpr double kV[] = {1.06, 1.045, 1.01, 1.019, 1.02, 1.07, 1.062, 1.09, 1.056, 1.051, 1.057, 1.055, 1.05, 1.036};
+    constexpr double kV[] = {1.06, 1.045, 1.01,  1.019, 1.02,  1.07, 1.062,
+                             1.09, 1.056, 1.051, 1.057, 1.055, 1.05, 1.036};
     constexpr double kAngle[] = {0,      -4.98,  -12.72, -10.33, -8.78,  -14.22, -13.37,
                                  -13.36, -14.94, -15.10, -14.79, -15.07, -15.16, -16.04};
     for (std::size_t i = 0; i < 14; ++i) {
         EXPECT_NEAR(std::abs(sut.result.buses[i].v), kV[i], 0.0015) << "bus " << i + 1; // three printed digits
         EXPECT_NEAR(degrees(sut.result.buses[i].v), kAngle[i], 0.02) << "bus " << i + 1;
     }
+}
+
+/// The columns Vm and Va of a case file hold the published solution.
+void expect_published_columns(std::string const& name, double v_tolerance, double angle_tolerance_deg,
+                              std::set<std::string> const& but = {}) {
+    Case const sut = solve(name);
+    std::ifstream file{kFolder + name};
+    std::string const text{std::istreambuf_iterator<char>{file}, {}};
+    config::Diagnostics diagnostics;
+    MatlabCase const data = read_matlab_case(text, config::make_source(name, text), diagnostics);
+    std::size_t compared = 0;
+    for (auto const& row : data.matrices.at("bus").rows) {
+        std::string const bus = "B" + std::to_string(static_cast<int>(row[0]));
+        if (but.contains(bus)) {
+            continue;
+        }
+        Complex const v = sut.result.buses[index_of(sut.network.buses, bus)].v;
+        EXPECT_NEAR(std::abs(v), row[7], v_tolerance) << name << " " << bus;
+        EXPECT_NEAR(degrees(v), row[8], angle_tolerance_deg) << name << " " << bus;
+        ++compared;
+    }
+    EXPECT_EQ(compared + but.size(), sut.network.buses.size());
+}
+
+TEST(PublishedCases, GraingerAndStevensonHasTheSolutionOfTheBook) {
+    expect_published_columns("case4gs.m", 0.000006, 0.0006);
+}
+
+TEST(PublishedCases, NewEnglandHasThePublishedSolutionToItsEightDigits) {
+    expect_published_columns("case39.m", 6e-8, 6e-7);
+}
+
+TEST(PublishedCases, Ieee57HasTheVoltagesOfTheArchiveButForItsBus46) {
+    expect_published_columns("case57.m", 0.001, 0.06, {"B46"});
 }
 
 TEST(PublishedCases, BaranAndWuHasTheLossesAndTheLowestVoltageOfThePaper) {
