@@ -120,7 +120,7 @@ Delays ping_ports() {
         Port port = open("right", true);
         std::vector<ReceivedFrame> in(16);
         while (!stop) {
-            port.wait(1'000'000);
+            port.wait(100'000'000);
             for (std::size_t n = port.receive(in), i = 0; i < n; ++i) {
                 port.send(in[i].octets);
             }
