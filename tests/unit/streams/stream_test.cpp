@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/streams/stream.hpp"
+
+#include "common/config/merge.hpp"
+#include "common/config/yaml.hpp"
+
+#include <gmock/gmock.h>
+
+namespace gridspace::streams {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Read {
+    std::vector<Stream> streams;
+    std::string text; ///< diagnostics; empty when nothing is wrong
+};
+
+Read read(std::string const& yaml) {
+    config::Diagnostics diagnostics;
+    auto node = config::parse_yaml(yaml, config::make_source("streams.yaml", yaml), diagnostics);
+    Read out;
+    if (node) {
+        config::resolve_likes(*node, diagnostics);
+        out.streams = read_streams(*node, diagnostics);
+    }
+    out.text = diagnostics.errors() > 0 ? diagnostics.render() : "";
+    return out;
+}
+
+std::string const kSmv =
+    "S: {kind: smv, mac: \"01:0C:CD:04:00:21\", app_id: 0x4021, sv_id: MU21, data_set: {Ia: float32}}\n";
+std::string const kGoose = "G: {kind: goose, mac: \"01:0C:CD:01:00:02\", app_id: 0x8002, control_block: "
+                           "IED2LD0/LLN0$GO$Trip, data_set: {status: boolean}}\n";
+
+/// One stream with `what` replaced by `with`.
+std::string changed(std::string text, std::string const& what, std::string const& with) {
+    std::size_t const at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    return text.replace(at, what.size(), with);
+}
+
+TEST(Streams, AreReadWithTheirDefaults) {
+    auto const sut = read(kSmv + kGoose);
+    ASSERT_EQ(sut.text, "");
+    Stream const& smv = sut.streams.at(0);
+    EXPECT_EQ(smv.address.app_id, 0x4021);
+    EXPECT_EQ(smv.address.vlan, (iec61850::VlanTag{0, 4, false}));
+    EXPECT_EQ(smv.rate_hz, Rational{4800});
+    EXPECT_EQ(smv.smp_synch, iec61850::kGlobalClock);
+    EXPECT_EQ(smv.sv_template({})->frame().size(), 60U);
+    Stream const& goose = sut.streams.at(1);
+    EXPECT_EQ(goose.data_set_name, "IED2LD0/LLN0$G");
+    EXPECT_EQ(goose.timing.growth, 2);
+    EXPECT_TRUE(goose.goose_template({}));
+}
+
+TEST(Streams, TakeTheRestFromAStreamThatTheyAreLike) {
+    auto const sut = read(kSmv + "T: {like: S, mac: \"01:0C:CD:04:00:22\", sv_id: MU22}\n");
+    ASSERT_EQ(sut.text, "");
+    EXPECT_EQ(sut.streams.at(1).sv_id, "MU22");
+    EXPECT_EQ(sut.streams.at(1).address.app_id, 0x4021);
+}
+
+TEST(Streams, MayHoldStructuresArraysAndTextsOfALength) {
+    auto const sut = read(changed(kGoose, "{status: boolean}",
+                                  "{pos: {stVal: position, q: quality}, h: {array: float32, count: 3}, l: [int8, {a: "
+                                  "uint8}], id: {type: visible_string, length: 65}}"));
+    ASSERT_EQ(sut.text, "");
+    std::vector<std::string> names;
+    for (auto const& leaf : leaves_of(sut.streams[0].data_set)) {
+        names.push_back(leaf.name);
+    }
+    EXPECT_THAT(names, testing::ElementsAre("pos.stVal", "pos.q", "h.0", "h.1", "h.2", "l.0", "l.1.a", "id"));
+    EXPECT_EQ(leaves_of(sut.streams[0].data_set).back().length, 65);
+}
+
+TEST(Streams, KnowTheDataSetOf92LE) {
+    auto const sut = read(changed(kSmv, "{Ia: float32}", "9-2LE"));
+    ASSERT_EQ(sut.text, "");
+    EXPECT_EQ(iec61850::SvLayout{sut.streams[0].data_set}.sample_octets(), 64U);
+}
+
+TEST(Streams, CarryWhatTheClockIs) {
+    auto const sut = read(changed(kSmv, "sv_id", "clock_identity: 17, gm_identity: \"001122FFFE334455\", sv_id"));
+    ASSERT_EQ(sut.text, "");
+    EXPECT_EQ(sut.streams[0].smp_synch, 17);
+    EXPECT_EQ(sut.streams[0].gm_identity, 0x001122FFFE334455U);
+}
+
+struct Mistake {
+    char const *name, *what, *with, *message;
+    bool goose;
+};
+void PrintTo(Mistake const& m, std::ostream* out) {
+    *out << m.name;
+}
+
+class StreamMistake : public testing::TestWithParam<Mistake> {};
+INSTANTIATE_TEST_SUITE_P(
+    Is, StreamMistake,
+    testing::Values(
+        Mistake{"UnknownKey", "sv_id", "sv_idd: x, sv_id", "did you mean 'sv_id'?", false},
+        Mistake{"NoAddress", "mac: \"01:0C:CD:04:00:21\", ", "", "mac", false},
+        Mistake{"ShortAddress", "01:0C:CD:04:00:21", "01:0C:CD:04", "'01:0C:CD:04' is not an Ethernet address", false},
+        Mistake{"AddressOfOne", "01:0C:CD:04:00:21", "00:0C:CD:04:00:21", "is the address of one station", false},
+        Mistake{"AppId", "0x4021", "0x14021", "65535", false},
+        Mistake{"Type", "float32", "flaot32", "did you mean 'float32'?", false},
+        Mistake{"EmptyDataSet", "{Ia: float32}", "{}", "the data set is", false},
+        Mistake{"NoDataSet", ", data_set: {Ia: float32}", "", "data_set", false},
+        Mistake{"Rate", "sv_id", "rate_hz: 4800.5, sv_id", "samples a second", false},
+        Mistake{"SamplesPerFrame", "sv_id", "samples_per_frame: 17, sv_id", "16", false},
+        Mistake{"TooLong", "{Ia: float32}", "{a: {array: visible_string, count: 43}}", "octets behind the ethertype",
+                false},
+        Mistake{"ClockIdentity", "sv_id", "clock_identity: 3, sv_id", "5", false},
+        Mistake{"GrandMaster", "sv_id", "gm_identity: \"xyz\", sv_id", "is not the identity of a clock", false},
+        Mistake{"ArrayCount", "{Ia: float32}", "{a: {array: int8, count: 0}}", "a whole `count`", false},
+        Mistake{"GooseKeyInSmv", "sv_id", "max_time_ms: 10, sv_id", "max_time_ms", false},
+        Mistake{"Times", "data_set", "min_time_ms: 20, max_time_ms: 10, data_set", "it is shorter than min_time_ms",
+                true},
+        Mistake{"Growth", "data_set", "growth: 0.5, data_set", "growth", true},
+        Mistake{"LongReference", "IED2LD0/LLN0$GO$Trip",
+                "IED2LD0/"
+                "LLN0$GO$"
+                "TripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTr"
+                "ipTripTrip",
+                "gocbRef has", true},
+        Mistake{"NoControlBlock", "control_block: IED2LD0/LLN0$GO$Trip, ", "", "control_block", true},
+        Mistake{"92LEInGoose", "{status: boolean}", "9-2LE", "the data set is '9-2LE'", true}),
+    [](auto const& p) { return p.param.name; });
+
+TEST_P(StreamMistake, IsExplainedAtItsPlace) {
+    auto const sut = read(changed(GetParam().goose ? kGoose : kSmv, GetParam().what, GetParam().with));
+    EXPECT_THAT(sut.text, AllOf(HasSubstr("streams.yaml:1:"), HasSubstr(GetParam().message)));
+}
+
+TEST(Streams, ThatCannotBeToldApartAreRefused) {
+    EXPECT_THAT(read(kSmv + "T: {like: S}\n").text,
+                AllOf(HasSubstr("streams.yaml:2:"), HasSubstr("'S' and 'T' cannot be told apart")));
+    EXPECT_EQ(read(kSmv + "T: {like: S, sv_id: MU22}\n").text, "");
+}
+
+TEST(Streams, ReportAllMistakesAtOnce) {
+    std::string const text = read(changed(kSmv, "MU21", "[1]") + changed(kGoose, "0x8002", "x")).text;
+    EXPECT_THAT(text, AllOf(HasSubstr("streams.yaml:1:"), HasSubstr("streams.yaml:2:"), HasSubstr("2 errors")));
+}
+
+} // namespace
+} // namespace gridspace::streams
