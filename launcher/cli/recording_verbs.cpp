@@ -29,6 +29,12 @@ std::string tick_of(Json const& manifest) {
     return manifest.is_object() && manifest.contains("clock") ? manifest["clock"].value("tick_s", "") : "";
 }
 
+std::string mode_of(Json const& manifest) {
+    return manifest.is_object() && manifest.contains("clock") ? manifest["clock"].value("mode", "") : "";
+}
+
+std::filesystem::path capture_of(std::filesystem::path const& written) { return run_folder(written) / "bus.pcapng"; }
+
 /// A run folder's recording; a file is taken as it is.
 std::filesystem::path recording_of(std::filesystem::path const& written) {
     std::filesystem::path const folder = run_folder(written);
@@ -52,9 +58,20 @@ int compare(CompareArguments const& arguments) {
     if (ticks_differ) {
         options.skip_topics = {"simulation_clock", "clock_ack"};
     }
-    auto const result = compare_recordings(recording_of(arguments.a), recording_of(arguments.b), options);
+    auto result = compare_recordings(recording_of(arguments.a), recording_of(arguments.b), options);
     if (!result) {
         return print_error(result.error());
+    }
+    // Frames too, where both runs have some; stamps of real time never repeat.
+    std::filesystem::path const frames_a = capture_of(arguments.a), frames_b = capture_of(arguments.b);
+    std::string frames;
+    if (arguments.signals.empty() && mode_of(a) == "lockstep" && mode_of(b) == "lockstep" && std::filesystem::exists(frames_a) &&
+        std::filesystem::exists(frames_b)) {
+        auto const equal = compare_captures(frames_a, frames_b, *result);
+        if (!equal) {
+            return print_error(equal.error());
+        }
+        frames = fmt::format(", {} frames", *equal);
     }
     for (std::string const& note : result->notes) {
         fmt::print(stderr, "note: {}\n", note);
@@ -63,7 +80,7 @@ int compare(CompareArguments const& arguments) {
         fmt::print("the ticks differ ({} s and {} s): the clock's own topics are left out\n", tick_of(a), tick_of(b));
     }
     if (result->identical()) {
-        fmt::print("identical: {} {}{}\n", result->samples, arguments.signals.empty() ? "samples" : "values",
+        fmt::print("identical: {} {}{}{}\n", result->samples, arguments.signals.empty() ? "samples" : "values", frames,
                    arguments.tolerance > 0 ? fmt::format(" within {}", arguments.tolerance) : "");
         return 0;
     }

@@ -35,6 +35,9 @@ struct Port {
 inline constexpr std::string_view kManagementLink = "mgmt0";
 [[nodiscard]] Subnet management_subnet();
 
+/// The switch's end of the cable of the n-th port, in the namespace of the switches.
+[[nodiscard]] inline std::string switch_port_name(std::size_t n) { return "p" + std::to_string(n); }
+
 /// The ports of all hosts, the management network first.
 [[nodiscard]] std::vector<Port> plan_ports(Scenario const& scenario);
 

@@ -130,7 +130,7 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
     for (std::size_t p = 0; p < plan.ports.size(); ++p) {
         Port const& port = plan.ports[p];
         auto const link = static_cast<std::size_t>(std::find(links.begin(), links.end(), port.link) - links.begin());
-        std::string const outer = fmt::format("p{}", p);
+        std::string const outer = switch_port_name(p);
         core += fmt::format("link add {} type veth peer name {} address {} netns /proc/self/fd/{}\n", outer, port.interface, port.mac,
                             hosts_.at(port.host));
         core += fmt::format("link set {} master {} up\n", outer, bridge_name(link));

@@ -3,6 +3,7 @@
 #include "agents/ev/ev_config.hpp"
 #include "agents/mcca/mcca_config.hpp"
 #include "common/text.hpp"
+#include "launcher/run/addresses.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/monitor_settings.hpp"
 #include "launcher/scenario/program.hpp"
@@ -225,10 +226,65 @@ class RecorderSettings final : public ProcessSettings {
             topics.set(use.topic, Node::map()).set("type", Node::scalar(use.type));
         }
         node.set("topics", std::move(topics));
+        node.set("capture", capture(s, process));
         return node;
+    }
+    [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
+        std::vector<WireUse> out;
+        for (std::string const& link : captured_links(s, process)) {
+            for (std::uint16_t const ethertype : {iec61850::kSvEthertype, iec61850::kGooseEthertype}) {
+                out.push_back({link, ethertype, ""});
+            }
+        }
+        return out;
+    }
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        std::vector<std::string> names;
+        for (Link const& link : s.links) {
+            names.push_back(link.name.name);
+        }
+        for (Ref const& link : process.capture) {
+            check_name(link, names, fmt::format("process '{}' captures the link", process.name.name), diagnostics);
+        }
     }
 
   private:
+    /// `capture:` of the process; every link without IP when frames are recorded and nothing is said.
+    static std::vector<std::string> captured_links(Scenario const& s, Process const& process) {
+        std::vector<std::string> out;
+        if (s.record.frames != "all" || s.streams.empty()) {
+            return out;
+        }
+        for (Link const& link : s.links) {
+            bool const named = std::find(process.capture.begin(), process.capture.end(), link.name) != process.capture.end();
+            if (named || (process.capture.empty() && link.ipv4.empty())) {
+                out.push_back(link.name.name);
+            }
+        }
+        return out;
+    }
+
+    /// The switch's ends of the cables of these links, as the virtual network names them.
+    static Node capture(Scenario const& s, Process const& process) {
+        std::vector<std::string> const links = captured_links(s, process);
+        std::vector<Port> const ports = plan_ports(s);
+        Node list = Node::sequence();
+        for (std::size_t i = 0; i < ports.size(); ++i) {
+            if (std::find(links.begin(), links.end(), ports[i].link) != links.end()) {
+                Node port = Node::map();
+                port.set("name", Node::quoted_text(ports[i].link + "/" + ports[i].host));
+                port.set("link", Node::quoted_text(ports[i].link));
+                port.set("interface", Node::quoted_text(switch_port_name(i)));
+                list.items.push_back(std::move(port));
+            }
+        }
+        Node node = Node::map();
+        node.set("file", Node::scalar("../bus.pcapng"));
+        node.set("network_namespace", Node::quoted_text("/proc/1/ns/net")); // the supervisor's, who made the switches
+        node.set("ports", std::move(list));
+        return node;
+    }
+
     bool compress_{true};
 };
 

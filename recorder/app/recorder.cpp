@@ -7,6 +7,7 @@
 #include "bus/tick_grid.hpp"
 #include "bus/topics.hpp"
 #include "common/log.hpp"
+#include "recorder/app/frame_capture.hpp"
 #include "recorder/app/recorder_config.hpp"
 #include "recorder/idl/cdr_visitor.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
@@ -51,6 +52,11 @@ class RecorderShell {
         if (auto ok = open_taps(); !ok) {
             return ok;
         }
+        auto frames = FrameCapture::open(node_, config_.capture);
+        if (!frames) {
+            return std::unexpected{frames.error()};
+        }
+        frames_ = std::move(*frames);
         if (auto ok = node_.start(); !ok) {
             return ok;
         }
@@ -65,12 +71,20 @@ class RecorderShell {
                 return std::unexpected{tick.error()};
             }
             if (!*tick) {
-                return file_.close();
+                auto const closed = frames_->close();
+                auto recording = file_.close();
+                return closed ? recording : closed;
+            }
+            if (auto ok = frames_->write_due(); !ok) {
+                return ok;
             }
             if (auto ok = write_due((*tick)->final); !ok) {
                 return ok;
             }
             if ((*tick)->final) {
+                if (auto ok = frames_->close(); !ok) {
+                    return ok;
+                }
                 if (auto ok = file_.close(); !ok) {
                     return ok;
                 }
@@ -206,6 +220,7 @@ class RecorderShell {
     bus::Node& node_;
     mcap::Writer file_;
     std::int64_t epoch_ns_;
+    std::unique_ptr<FrameCapture> frames_;
     std::vector<Tap> taps_;
     std::vector<Entry> batch_;
     std::chrono::steady_clock::time_point flushed_{std::chrono::steady_clock::now()};

@@ -14,6 +14,19 @@ void describe(config::Fields& f, RecorderConfig& config) {
               t.file("idl", topic.idl, {.doc = "IDL file of a type that Gridspace does not know"});
               config.topics.push_back(std::move(topic));
           });
+    f.object("capture", {.doc = "raw frames; filled in by `gridspace run`"}, [&](config::Fields& c) {
+        c.file("file", config.capture.file, {.doc = "the capture (pcapng)"});
+        std::string name_space;
+        c.text("network_namespace", name_space, {.doc = "network namespace of the interfaces, as a file"});
+        config.capture.network_namespace = name_space;
+        c.list("ports", {.doc = "interfaces whose incoming frames are captured"}, [&](config::Fields& p) {
+            CaptureConfig::Port port;
+            p.text("name", port.name, {.doc = "name in the capture", .required = true});
+            p.text("link", port.link, {.doc = "the link that it belongs to"});
+            p.text("interface", port.interface, {.doc = "network interface", .required = true});
+            config.capture.ports.push_back(std::move(port));
+        });
+    });
     f.flag("compress", config.compress, {.doc = "compress chunks with zstd"});
 }
 

@@ -11,6 +11,18 @@
 namespace gridspace::recorder {
 
 /// Settings of gridspace-recorder.
+/// Which frames are captured, and where.
+struct CaptureConfig {
+    std::filesystem::path file{"bus.pcapng"};
+    std::filesystem::path network_namespace; ///< in which the interfaces are; empty: the process's own
+    struct Port {
+        std::string name;      ///< in the file: "process_bus/mu21"
+        std::string link;      ///< as the ledgers call it
+        std::string interface; ///< network interface
+    };
+    std::vector<Port> ports;
+};
+
 struct RecorderConfig {
     std::filesystem::path file{"data.mcap"};
     struct Topic {
@@ -20,6 +32,7 @@ struct RecorderConfig {
     };
     std::vector<Topic> topics;
     bool compress{true};
+    CaptureConfig capture;
 };
 
 void describe(config::Fields& f, RecorderConfig& config);

@@ -31,6 +31,10 @@ struct Comparison {
 };
 
 /// Compares two recordings sample by sample, octet by octet (or number by number, with a tolerance).
+/// Compares two captures frame by frame: interface, time, octets. One difference at most, the first, in `into`; returns how
+/// many frames are equal.
+[[nodiscard]] Result<std::uint64_t> compare_captures(std::filesystem::path const& a, std::filesystem::path const& b, Comparison& into);
+
 [[nodiscard]] Result<Comparison> compare_recordings(std::filesystem::path const& a, std::filesystem::path const& b,
                                                     CompareOptions const& options);
 
