@@ -13,7 +13,7 @@ source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 
 contributor_tiers=(lint build unit integration scenarios)
-all_tiers=("${contributor_tiers[@]}" long sanitizers fuzz tidy)
+all_tiers=("${contributor_tiers[@]}" sanitizers fuzz tidy)
 
 usage() {
   cat <<'EOF'
@@ -24,7 +24,6 @@ usage: ./gridspace test [--all] [--only TIER[,TIER...]]
   integration  real processes, DDS, namespaces and frames
   scenarios    the scenarios of configs/ as tests, compared from run to run
 with --all also
-  long         tests that take minutes
   sanitizers   unit tests and a scenario under ASan and UBSan (clang)
   fuzz         every fuzz target for a short while
   tidy         clang-tidy on the files that changed since the last commit of main
@@ -68,7 +67,6 @@ tier_scenarios() {
   python3 "$root/tests/scenarios/run_scenarios.py" --gridspace "$root/build/release/bin/gridspace" ${everything:+--all}
 }
 
-tier_long() { run_ctest release -L long; }
 
 tier_sanitizers() {
   configure asan && build asan all || return
@@ -104,7 +102,7 @@ for tier in "${tiers[@]}"; do
 done
 
 groups=(build test)
-case " ${tiers[*]} " in *" sanitizers "* | *" fuzz "* | *" tidy "* | *" long "*) groups+=(all) ;; esac
+case " ${tiers[*]} " in *" sanitizers "* | *" fuzz "* | *" tidy "*) groups+=(all) ;; esac
 ensure_packages "${groups[@]}" || exit
 mkdir -p "$root/build"
 exec 8>"$root/build/.test_lock"
