@@ -15,7 +15,8 @@ TEST(Subnet, IsReadStrictly) {
     EXPECT_EQ(sut->hosts(), 254U);
     EXPECT_EQ(sut->host(1), "10.10.0.1");
     EXPECT_EQ(parse_subnet("192.168.4.0/22")->host(256), "192.168.5.0");
-    for (char const* text : {"", "10.10.0.0", "10.10.0/24", "10.10.0.0/33", "10.10.0.256/24", "10.10.0.0/-1", "a.b.c.d/8", "10.10.0.0/24x", "10.10.0.0/"}) {
+    for (char const* text : {"", "10.10.0.0", "10.10.0/24", "10.10.0.0/33", "10.10.0.256/24", "10.10.0.0/-1",
+                             "a.b.c.d/8", "10.10.0.0/24x", "10.10.0.0/"}) {
         EXPECT_FALSE(parse_subnet(text)) << text;
     }
 }

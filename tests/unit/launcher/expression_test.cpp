@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/expect/expression.hpp"
 
+#include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 #include <map>
 
 namespace gridspace::launcher {
@@ -73,8 +75,17 @@ TEST(Expression, EdgesStandAtTheEnd) {
 }
 
 TEST(Expression, MistakesAreNamed) {
-    for (auto const& [text, word] : {std::pair{"", "early"}, {"1 +", "early"}, {"1 2", "2"}, {"(1", ")"}, {"max(a.b.c", ")"}, {"foo(1)", "foo"},
-                                     {"bus", "neither"}, {"a.b.c > > 1", ">"}, {"1 in [1", ","}, {"1e999", "range"}, {"$", "$"}}) {
+    for (auto const& [text, word] : {std::pair{"", "early"},
+                                     {"1 +", "early"},
+                                     {"1 2", "2"},
+                                     {"(1", ")"},
+                                     {"max(a.b.c", ")"},
+                                     {"foo(1)", "foo"},
+                                     {"bus", "neither"},
+                                     {"a.b.c > > 1", ">"},
+                                     {"1 in [1", ","},
+                                     {"1e999", "range"},
+                                     {"$", "$"}}) {
         auto const sut = Expression::parse(text);
         ASSERT_FALSE(sut) << text;
         EXPECT_NE(sut.error().message.find(word), std::string::npos) << text << ": " << sut.error().message;

@@ -25,7 +25,8 @@ SignalStore signals() {
     return out;
 }
 
-ExpectationResult judged(std::string const& settings, SignalStore const& store = signals(), Moments const& moments = {{"fault", 4}}) {
+ExpectationResult judged(std::string const& settings, SignalStore const& store = signals(),
+                         Moments const& moments = {{"fault", 4}}) {
     config::Diagnostics diagnostics;
     std::string const text = "e: " + settings;
     auto const node = config::parse_yaml(text, config::make_source("e.yaml", text), diagnostics);
