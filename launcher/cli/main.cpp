@@ -52,7 +52,7 @@ void scenario_options(CLI::App* verb, ScenarioArguments& a) {
     verb->add_option("--seed", a.seed, "seed of everything random");
 }
 
-void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArguments& train, IdsEvaluateArguments& evaluate) {
+void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArguments& train, IdsEvaluateArguments& evaluate, IdsStudyArguments& study) {
     CLI::App* ids_verb = app.add_subcommand("ids", "train and judge the forecasters of the intrusion detector");
     ids_verb->require_subcommand(1);
     CLI::App* t = ids_verb->add_subcommand("train", "train a forecaster");
@@ -76,6 +76,14 @@ void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArgument
     e->add_flag("!--no-attacks", evaluate.attacks, "only the false positives");
     e->add_flag("--json", evaluate.json, "as JSON");
     e->callback([&] { action = [&] { return ids_evaluate(evaluate); }; });
+
+    CLI::App* s = ids_verb->add_subcommand("study", "window and neurons against error and time; fakes in a row against the published loop");
+    s->add_option("CONFIG", study.config, "training configuration (YAML): its data are used")->required();
+    s->add_option("--windows", study.windows, "window lengths")->delimiter(',')->check(CLI::Range(1, 4096));
+    s->add_option("--hidden", study.hidden, "neurons; a linear forecaster is always tried too")->delimiter(',')->check(CLI::Range(0, 1000));
+    s->add_option("--out", study.out, "folder for tables and figures");
+    s->add_flag("--json", study.json, "as JSON");
+    s->callback([&] { action = [&] { return ids_study(study); }; });
 }
 
 int main_function(int argc, char** argv) {
@@ -168,7 +176,8 @@ int main_function(int argc, char** argv) {
 
     IdsTrainArguments ids_train_arguments;
     IdsEvaluateArguments ids_evaluate_arguments;
-    add_ids_verbs(app, action, ids_train_arguments, ids_evaluate_arguments);
+    IdsStudyArguments ids_study_arguments;
+    add_ids_verbs(app, action, ids_train_arguments, ids_evaluate_arguments, ids_study_arguments);
 
     bool doctor_json = false;
     CLI::App* doctor_verb = verb("doctor", "look at what this machine allows, and what helps");
