@@ -125,6 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "IED2LD0/"
                 "LLN0$GO$"
                 "TripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTripTr"
+                "ipTripTripTripTripTripTripTripTr"
                 "ipTripTrip",
                 "gocbRef has", true},
         Mistake{"NoControlBlock", "control_block: IED2LD0/LLN0$GO$Trip, ", "", "control_block", true},
