@@ -3,7 +3,7 @@ import { network, values, type Branch, type Bus, type Device } from "./model";
 import { choose, choice } from "./state";
 import { fixed } from "./text";
 
-const kColumn = 200, kPad = 26, kStub = 22, kDevice = 24;
+const kColumn = 152, kPad = 8, kStub = 14, kDevice = 25;
 
 /** Places for buses that have none in the network file: by distance from the first, as far as branches reach. */
 function places(buses: Bus[], branches: Branch[]): Map<string, [number, number]> {
@@ -44,14 +44,15 @@ export function OneLine() {
   const shown = [...at.values()];
   const xs = [...new Set(shown.map(p => p[0]))].sort((a, b) => a - b), ys = [...new Set(shown.map(p => p[1]))].sort((a, b) => a - b);
   const devices = (bus: string) => net.devices.filter(d => d.bus === bus && d.kind !== "source");
-  const taps = (bus: string) => net.branches.filter(b => b.from === bus || b.to === bus);
   const horizontal = (b: Branch) => at.get(b.from)![0] !== at.get(b.to)![0];
   const barOf = (bus: string) => 34 + Math.max(devices(bus).length, 1) * kDevice;
   const rowHeight = ys.map(y => Math.max(...net.buses.filter(b => at.get(b.name)![1] === y).map(b => barOf(b.name))) + 52);
   const yOf = (y: number) => kPad + 14 + rowHeight.slice(0, ys.indexOf(y)).reduce((a, b) => a + b, 0);
-  const xOf = (x: number) => kPad + 40 + xs.indexOf(x) * kColumn;
-  const width = xOf(xs[xs.length - 1]) + kColumn - 10, height = yOf(ys[ys.length - 1]) + rowHeight[rowHeight.length - 1] - 20;
-  const tapY = (bus: string, b: Branch) => yOf(at.get(bus)![1]) + 16 + taps(bus).filter(horizontal).indexOf(b) % 3 * 7;
+  const hasSource = net.devices.some(d => d.kind === "source");
+  const xOf = (x: number) => kPad + (hasSource ? 50 : 16) + xs.indexOf(x) * kColumn;
+  const width = xOf(xs[xs.length - 1]) + kColumn - 2, height = yOf(ys[ys.length - 1]) + rowHeight[rowHeight.length - 1] - 20;
+  const tapY = (bus: string, b: Branch) => // parallel lines side by side
+    yOf(at.get(bus)![1]) + 16 + net.branches.filter(o => (o.from === b.from && o.to === b.to) || (o.from === b.to && o.to === b.from)).indexOf(b) * 9;
 
   const position = (name: string) => now.get(`breaker.${name}.position`); // double point: 1 open, 2 closed
   const plot = (pattern: string) => choose({ plots: [pattern, ...choice.value.plots.filter(p => p !== pattern)].slice(0, 3) });

@@ -57,7 +57,8 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string): u
       y: { range: (_u, lo, hi) => { const pad = (hi - lo) * 0.08 || Math.abs(hi) * 0.02 || 1; return [lo - pad, hi + pad]; } },
     },
     axes: [
-      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at) => at.map(t => stamp(t, whole)), space: 90, size: 34 },
+      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at) => at.map(t => stamp(t, whole)), space: 90, size: 34,
+        incrs: whole >= 7200 ? [1, 5, 10, 30, 60, 300, 600, 900, 1800, 3600, 7200, 14400, 28800, 86400] : undefined },
       { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, size: 62, values: (_u, at) => at.map(compact) },
     ],
     series: [
@@ -131,6 +132,7 @@ function Plot({ pattern, index }: { pattern: string; index: number }) {
     }
     (plot.current as uPlot & { ends?: [number, number] }).ends = [d.t0, d.t1];
     plot.current.setData(join(d));
+    if ((plot.current.cursor.left ?? -1) < 0) plot.current.setLegend({ idx: Math.max(plot.current.data[0].length - 1, 0) }); // the newest
   }, [d, theme]);
   useEffect(() => {
     const fit = new ResizeObserver(() => { if (holder.current) plot.current?.setSize({ width: holder.current.clientWidth, height: 168 }); });
