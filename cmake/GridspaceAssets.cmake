@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-# gridspace_assets(OUTPUT TEMPLATE ASSETS "/url|content type|file[|packed file]" ...): a C++ source that holds the files
+# gridspace_assets(OUTPUT TEMPLATE ASSETS "/url|text type|file[|packed file]" ...): a C++ source that holds the files
 # themselves (.incbin: neither g++ 12 nor CMake can embed). Recompiled when a file changes.
 function(gridspace_assets output)
   cmake_parse_arguments(arg "" "" "ASSETS" ${ARGN})
@@ -27,7 +27,7 @@ function(gridspace_assets output)
         string(APPEND spans ", {}")
       endif()
     endforeach()
-    string(APPEND entries "        make(\"${url}\", \"${type}\"${spans}),\n")
+    string(APPEND entries "        make(\"${url}\", \"${type}; charset=utf-8\"${spans}),\n") # a semicolon would split the list
     math(EXPR n "${n} + 1")
   endforeach()
   set(GRIDSPACE_ASSET_BLOCKS "${blocks}")

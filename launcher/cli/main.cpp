@@ -5,6 +5,7 @@
 #include "common/exit_code.hpp"
 #include "common/version.hpp"
 #include "launcher/cli/completion.hpp"
+#include "launcher/cli/live_verbs.hpp"
 #include "launcher/cli/scl_verbs.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/cli/wire_verbs.hpp"
@@ -178,6 +179,38 @@ int main_function(int argc, char** argv) {
     IdsEvaluateArguments ids_evaluate_arguments;
     IdsStudyArguments ids_study_arguments;
     add_ids_verbs(app, action, ids_train_arguments, ids_evaluate_arguments, ids_study_arguments);
+
+    GraphArguments graph_arguments;
+    bool graph_dot = false, graph_json = false, graph_svg = false;
+    CLI::App* graph_verb = verb("graph", "who talks to whom in a running scenario");
+    graph_verb->add_option("RUN", graph_arguments.run, "run folder, or address of a monitor (default: latest)");
+    CLI::Option* as_dot = graph_verb->add_flag("--dot", graph_dot, "for Graphviz");
+    CLI::Option* as_json = graph_verb->add_flag("--json", graph_json, "everything, as JSON")->excludes(as_dot);
+    graph_verb->add_flag("--svg", graph_svg, "as a picture")->excludes(as_dot)->excludes(as_json);
+    graph_verb->add_flag("--framework", graph_arguments.framework, "with the topics of the framework itself");
+    graph_verb->callback([&] {
+        graph_arguments.format = graph_dot ? "dot" : graph_json ? "json" : graph_svg ? "svg" : "text";
+        action = [&] { return graph(graph_arguments); };
+    });
+
+    TopicArguments topic_arguments;
+    CLI::App* topic_verb = verb("topic", "look at the topics of a running scenario");
+    topic_verb->require_subcommand(1);
+    auto const topic_command = [&](char const* name, char const* description, bool one, int (*act)(TopicArguments const&)) {
+        CLI::App* command = topic_verb->add_subcommand(name, description);
+        if (one) {
+            command->add_option("TOPIC", topic_arguments.topic, "its name")->required();
+        } else {
+            command->add_flag("--framework", topic_arguments.framework, "with the topics of the framework itself");
+        }
+        command->add_option("--run", topic_arguments.run, "run folder, or address of a monitor (default: latest)");
+        command->add_flag("--json", topic_arguments.json, "as JSON");
+        command->callback([&action, &topic_arguments, act] { action = [&topic_arguments, act] { return act(topic_arguments); }; });
+    };
+    topic_command("list", "all topics, with rates", false, topic_list);
+    topic_command("info", "its type, readers and writers, IDL", true, topic_info);
+    topic_command("echo", "its newest samples, decoded", true, topic_echo);
+    topic_command("hz", "how often it is written", true, topic_hz);
 
     bool doctor_json = false;
     CLI::App* doctor_verb = verb("doctor", "look at what this machine allows, and what helps");

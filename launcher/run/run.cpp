@@ -5,6 +5,7 @@
 #include "launcher/run/domain_lock.hpp"
 #include "launcher/run/event_log.hpp"
 #include "launcher/run/listening.hpp"
+#include "launcher/run/monitor_client.hpp"
 #include "launcher/run/namespaces.hpp"
 #include "launcher/run/supervisor.hpp"
 #include "launcher/scenario/wire_use.hpp"
@@ -216,6 +217,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
             }
             listen_fds[process.name] = socket->fd;
             progress.note(fmt::format("{}: http://{}", process.name, socket->address));
+            note_monitor(*folder, socket->address); // for `gridspace graph` and `topic`
         }
     }
     int channel[2];

@@ -16,6 +16,7 @@ struct BusTap::Network final : bus::DiscoveryObserver {
     void participant_found(bus::DiscoveredParticipant const& found) override {
         std::lock_guard const lock{run.mutex};
         run.graph.participant_found(name, found);
+        known.insert(found.id);
     }
     void participant_gone(std::string const& id, bool clean) override {
         std::lock_guard const lock{run.mutex};
@@ -23,6 +24,11 @@ struct BusTap::Network final : bus::DiscoveryObserver {
     }
     void endpoint_found(bus::DiscoveredEndpoint const& endpoint) override {
         std::lock_guard const lock{run.mutex};
+        if (known.insert(endpoint.participant).second) { // others are told of before their endpoints: this is us
+            bus::DiscoveredParticipant us = self;
+            us.id = endpoint.participant;
+            run.graph.participant_found(name, us);
+        }
         run.graph.endpoint_found(name, endpoint);
         if (endpoint.writer && followed.insert(endpoint.topic).second) {
             waiting.push_back({endpoint.topic, endpoint.type, endpoint.keyed});
@@ -40,6 +46,8 @@ struct BusTap::Network final : bus::DiscoveryObserver {
 
     std::string const name;
     LiveRun& run;
+    bus::DiscoveredParticipant self;
+    std::set<std::string> known;        // participants; with the run's mutex
     std::set<std::string> followed;     // with the run's mutex
     std::vector<NewTopic> waiting;      // with the run's mutex
     std::deque<std::string> type_names; // codecs refer to them
@@ -59,14 +67,15 @@ Result<std::unique_ptr<BusTap>> BusTap::join(bus::NodeConfig const& node, LiveRu
         options.qos_file = node.qos;
         options.profile = name;
         options.addresses = config.addresses;
+        network->self = {"self in " + name,
+                         {node.process, static_cast<std::uint32_t>(node.incarnation), node.program},
+                         config.addresses};
+        network->participant_found(network->self); // nobody discovers himself
         auto participant = bus::Participant::create(std::move(options), network.get());
         if (!participant) {
             return std::unexpected{participant.error()};
         }
         network->participant = std::move(*participant);
-        network->participant_found({"self in " + name,
-                                    {node.process, static_cast<std::uint32_t>(node.incarnation), node.program},
-                                    config.addresses}); // nobody discovers himself
         tap->networks_.push_back(std::move(network));
         return {};
     };

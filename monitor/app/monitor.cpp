@@ -9,6 +9,7 @@
 #include "monitor/app/bus_tap.hpp"
 #include "monitor/app/event_tail.hpp"
 #include "monitor/app/pages.hpp"
+#include "monitor/app/push.hpp"
 #include "monitor/app/run_plan.hpp"
 #include "monitor/web/server.hpp"
 
@@ -77,6 +78,11 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         auto page = page_of(request);
         return page ? std::move(*page) : api.answer(request);
     };
+    PushHub hub{live, api};
+    handlers.accepts_push = [](std::string const& path) { return path == "/ws/v1"; };
+    handlers.opened = [&hub](web::ClientId client, std::string const&) { hub.opened(client); };
+    handlers.closed = [&hub](web::ClientId client) { hub.closed(client); };
+    handlers.message = [&hub](web::ClientId client, std::string const& text) { hub.message(client, text); };
     auto server = web::Server::start(std::move(*socket), options, std::move(handlers));
     if (!server) {
         return std::unexpected{server.error()};
@@ -94,6 +100,7 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
             live.measure(now - measured);
             measured = now;
         }
+        hub.step(**server, now);
     } while (!stop.wait(kPeriod));
     run.on_stop({});
     return {};

@@ -226,13 +226,6 @@ void PushSession::open(http::request<http::string_body> const& request, std::str
     timeout.keep_alive_pings = true;
     socket_.set_option(timeout);
     socket_.read_message_max(server_.options_.limits.body_octets);
-    // Foxglove's clients ask for their protocol by name and give up when it is not confirmed.
-    std::string const protocols = text_of(request[http::field::sec_websocket_protocol]);
-    if (protocols.find("foxglove.websocket.v1") != std::string::npos) {
-        socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
-            response.set(http::field::sec_websocket_protocol, "foxglove.websocket.v1");
-        }));
-    }
     socket_.async_accept(request, [self = shared_from_this(), path = std::move(path)](beast::error_code error) {
         if (error) {
             return;
@@ -345,7 +338,7 @@ void HttpSession::on_request() {
     auto const refuse = [&](int status, std::string text, std::string allow = {}) {
         server_.count([](ServerCounters& c) { ++c.refused; });
         answer({status, "text/plain", std::move(text) + "\n", {}, {}, std::move(allow)}, request.method(),
-               keep_alive && status != 400);
+               keep_alive && status != 400 && status != 404);
     };
     server_.count([](ServerCounters& c) { ++c.requests; });
     if (request.count(http::field::host) != 1 ||

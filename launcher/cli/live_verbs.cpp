@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/cli/live_verbs.hpp"
+
+#include "launcher/cli/load.hpp"
+#include "launcher/run/monitor_client.hpp"
+
+#include <fmt/format.h>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace gridspace::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Result<std::string> ask(std::filesystem::path const& run, std::string const& path) {
+    std::filesystem::path const folder = run_folder(run);
+    auto address = launcher::monitor_address(std::filesystem::is_directory(folder) ? folder : run);
+    return address ? launcher::ask_monitor(*address, path) : std::unexpected{address.error()};
+}
+
+Result<Json> ask_json(std::filesystem::path const& run, std::string const& path) {
+    auto body = ask(run, path);
+    if (!body) {
+        return std::unexpected{body.error()};
+    }
+    Json json = Json::parse(*body, nullptr, false);
+    return json.is_discarded() ? fail(ExitCode::environment, "the monitor's answer is not JSON")
+                               : Result<Json>{std::move(json)};
+}
+
+/// Everything but letters, digits and the few signs that mean nothing in a URL.
+std::string url_part(std::string const& text) {
+    std::string out;
+    for (char const c : text) {
+        bool const plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
+        out += plain ? std::string{c} : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    }
+    return out;
+}
+
+std::string text_of(Json const& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+void print_graph(Json const& graph, bool framework) {
+    std::map<std::string, bool> own;
+    for (Json const& topic : graph.at("topics")) {
+        own[topic.value("name", "")] = topic.value("framework", false);
+    }
+    for (Json const& process : graph.at("processes")) {
+        fmt::print("{:<16} {:<22} {:<14} {}\n", process.value("name", ""), process.value("program", ""),
+                   process.value("host", ""), process.value("state", ""));
+        for (Json const& edge : graph.at("edges")) {
+            if (edge.value("process", "") != process.value("name", "") ||
+                (own[edge.value("topic", "")] && !framework)) {
+                continue;
+            }
+            fmt::print("  {} {}\n", edge.value("writes", false) ? "->" : "<-", edge.value("topic", ""));
+            for (Json const& problem : edge.at("problems")) {
+                fmt::print("     mismatch: {}\n", text_of(problem));
+            }
+        }
+        for (Json const& wire : graph.at("wires")) {
+            if (wire.value("process", "") == process.value("name", "")) {
+                fmt::print("  {} {} ({} on {})\n",
+                           wire.value("publishes", false) ? "=>" : "<=", wire.value("stream", ""),
+                           wire.value("kind", ""), wire.value("link", ""));
+            }
+        }
+    }
+}
+
+} // namespace
+
+int graph(GraphArguments const& arguments) {
+    std::string const query = arguments.framework ? "?framework=1" : "";
+    if (arguments.format == "text") {
+        auto const json = ask_json(arguments.run, "/api/v1/graph");
+        if (!json) {
+            return print_error(json.error());
+        }
+        print_graph(*json, arguments.framework);
+        return 0;
+    }
+    std::string const suffix = arguments.format == "json" ? "" : "." + arguments.format;
+    auto const body = ask(arguments.run, "/api/v1/graph" + suffix + query);
+    if (!body) {
+        return print_error(body.error());
+    }
+    fmt::print("{}\n", *body);
+    return 0;
+}
+
+int topic_list(TopicArguments const& arguments) {
+    auto const json = ask_json(arguments.run, "/api/v1/topics");
+    if (!json) {
+        return print_error(json.error());
+    }
+    if (arguments.json) {
+        fmt::print("{}\n", json->dump(2));
+        return 0;
+    }
+    fmt::print("{:<24} {:<20} {:<12} {:>7} {:>7} {:>10} {:>10}\n", "topic", "type", "network", "writers", "readers",
+               "samples", "per s");
+    for (Json const& topic : json->at("topics")) {
+        if (arguments.framework || !topic.value("framework", false)) {
+            fmt::print("{:<24} {:<20} {:<12} {:>7} {:>7} {:>10} {:>10.1f}\n", topic.value("name", ""),
+                       topic.value("type", ""), topic.value("network", ""), topic.value("writers", 0),
+                       topic.value("readers", 0), topic.value("samples", std::uint64_t{0}),
+                       topic.value("samples_per_second", 0.0));
+        }
+    }
+    return 0;
+}
+
+int topic_info(TopicArguments const& arguments) {
+    auto const json = ask_json(arguments.run, "/api/v1/topics/" + url_part(arguments.topic));
+    auto const graph = json ? ask_json(arguments.run, "/api/v1/graph") : json;
+    if (!graph) {
+        return print_error(graph.error());
+    }
+    Json endpoints = Json::array();
+    for (Json const& endpoint : graph->at("endpoints")) {
+        if (endpoint.value("topic", "") == arguments.topic) {
+            endpoints.push_back(endpoint);
+        }
+    }
+    if (arguments.json) {
+        Json out = *json;
+        out["endpoints"] = endpoints;
+        fmt::print("{}\n", out.dump(2));
+        return 0;
+    }
+    fmt::print("{}: {} on {}, {} samples\n", json->value("name", ""), json->value("type", ""),
+               json->value("network", ""), json->value("samples", std::uint64_t{0}));
+    for (Json const& endpoint : endpoints) {
+        Json const& qos = endpoint.at("qos");
+        fmt::print("  {} {:<16} {}, {}\n", endpoint.value("writer", false) ? "->" : "<-", endpoint.value("process", ""),
+                   text_of(qos.at("reliability")), text_of(qos.at("durability")));
+    }
+    fmt::print("\n{}\n", json->value("idl", ""));
+    return 0;
+}
+
+int topic_echo(TopicArguments const& arguments) {
+    auto const json = ask_json(arguments.run, "/api/v1/topics/" + url_part(arguments.topic) + "/last");
+    if (!json) {
+        return print_error(json.error());
+    }
+    if (arguments.json) {
+        fmt::print("{}\n", json->dump(2));
+        return 0;
+    }
+    for (Json const& sample : json->at("last")) {
+        fmt::print("# {} from {}\n", arguments.topic, sample.value("process", ""));
+        if (sample.contains("error")) {
+            fmt::print("  {}\n", sample.value("error", ""));
+        } else {
+            for (auto const& [name, value] : sample.at("fields").items()) {
+                fmt::print("  {}: {}\n", name, text_of(value));
+            }
+        }
+    }
+    return 0;
+}
+
+int topic_hz(TopicArguments const& arguments) {
+    auto const json = ask_json(arguments.run, "/api/v1/topics/" + url_part(arguments.topic));
+    if (!json) {
+        return print_error(json.error());
+    }
+    fmt::print("{:.2f} samples/s of wall clock, {} so far\n", json->value("samples_per_second", 0.0),
+               json->value("samples", std::uint64_t{0}));
+    return 0;
+}
+
+} // namespace gridspace::cli

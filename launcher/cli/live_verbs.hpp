@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+/// Verbs that look at a running scenario through its monitor.
+namespace gridspace::cli {
+
+struct GraphArguments {
+    std::filesystem::path run{"latest"};
+    std::string format{"text"}; ///< text, dot, json or svg
+    bool framework{false};
+};
+int graph(GraphArguments const& arguments);
+
+struct TopicArguments {
+    std::filesystem::path run{"latest"};
+    std::string topic;
+    bool json{false}, framework{false};
+};
+int topic_list(TopicArguments const& arguments);
+int topic_info(TopicArguments const& arguments);
+int topic_echo(TopicArguments const& arguments);
+int topic_hz(TopicArguments const& arguments);
+
+} // namespace gridspace::cli

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "monitor/app/api.hpp"
+#include "monitor/app/live_run.hpp"
+#include "monitor/web/server.hpp"
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace gridspace::monitor {
+
+/// Tells WebSocket clients what changes (docs/reference/rest_api.md, "Push"): the graph when it changes, the clock and
+/// newest values five times a second, and for each of a client's views the signals as they are to be drawn.
+class PushHub {
+  public:
+    PushHub(LiveRun const& run, Api const& api) : run_{run}, api_{api} {}
+
+    // From the server's thread.
+    void opened(web::ClientId client);
+    void closed(web::ClientId client);
+    void message(web::ClientId client, std::string const& text);
+
+    /// From the process's own thread, about every 50 ms.
+    void step(web::Server& server, std::chrono::steady_clock::time_point now);
+
+  private:
+    /// What a client wants drawn. Without a fixed begin it follows the newest sample.
+    struct View {
+        std::string id;
+        std::vector<std::string> names;
+        double from_s{0}, to_s{0}, window_s{0}; ///< window 0: from_s to to_s; negative: everything
+        std::size_t pixels{800};
+        bool asked{true}; ///< it has not been answered yet
+        std::int64_t newest_sent_ns{INT64_MIN};
+    };
+    struct Client {
+        bool fresh{true};
+        std::uint64_t graph_revision{0}, events_sent{0}, dropped_told{0};
+        std::size_t signals_told{0};
+        std::map<std::string, View> views;
+    };
+    [[nodiscard]] std::string values(std::size_t& count) const;
+    /// Empty when nothing has changed since the view was last sent.
+    [[nodiscard]] std::string series(View& view) const;
+
+    LiveRun const& run_;
+    Api const& api_;
+    std::mutex mutex_;
+    std::map<web::ClientId, Client> clients_;
+    std::chrono::steady_clock::time_point state_sent_, topics_sent_;
+};
+
+} // namespace gridspace::monitor

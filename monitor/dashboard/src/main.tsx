@@ -1,0 +1,163 @@
+import { render } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import "uplot/dist/uPlot.min.css";
+import "./style.css";
+import { GraphView } from "./graph";
+import { connect, connected, dropped, ended, events, graph, network, run, topics } from "./model";
+import { OneLine } from "./oneline";
+import { Plots } from "./plots";
+import { choice, choose, picked } from "./state";
+import { rate, stamp, time } from "./text";
+
+function Header() {
+  const r = run.value;
+  const alive = r?.processes.filter(p => p.state === "alive").length ?? 0, all = r?.processes.length ?? 0;
+  const lost = r?.processes.some(p => p.state === "lost");
+  const over = ended.value || r?.state === "final";
+  const part = r && r.duration_s > 0 ? Math.min(r.time_s / r.duration_s, 1) : 0;
+  const mode = !r ? "" : r.mode === "lockstep" ? `lockstep ${r.speed === "max" ? "max" : "x" + r.speed}` : "real time";
+  const dark = choice.value.theme ? choice.value.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  return (
+    <header>
+      <h1>Gridspace</h1>
+      <span>{r?.scenario}</span>
+      {mode && <span class="pill">{mode}{r!.factor > 0 ? ` · now x${r!.factor >= 10 ? Math.round(r!.factor) : r!.factor.toFixed(2)}` : ""}</span>}
+      <span class={`pill ${lost ? "bad" : all && alive === all ? "good" : ""}`} role="status">{lost ? "✕ " : ""}{alive} of {all} alive</span>
+      <div class="progress" role="progressbar" aria-valuenow={Math.round(part * 100)} aria-label="progress of the run"><i style={{ width: `${part * 100}%` }} /></div>
+      {r && <span class="time">t = {time(r.time_s, r.duration_s)}{r.duration_s > 0 ? ` of ${time(r.duration_s, r.duration_s)}` : ""}</span>}
+      <span class={connected.value ? "soft" : "pill bad"} role="status">{connected.value ? (dropped.value ? `dropped ${dropped.value}` : over ? "finished" : "live") : ended.value ? "run is over" : "connecting"}</span>
+      <button aria-label="light or dark" title="light or dark" onClick={() => choose({ theme: dark ? "light" : "dark" })}>{dark ? "☀" : "☾"}</button>
+    </header>
+  );
+}
+
+function Processes() {
+  const r = run.value;
+  const sign: Record<string, string> = { alive: "●", lost: "✕", ended: "○", expected: "…" };
+  return (
+    <table class="plain">
+      <thead><tr><th>process</th><th>host</th><th>state</th></tr></thead>
+      <tbody>
+        {r?.processes.map(p => (
+          <tr key={p.name} class={`state ${p.state}`}>
+            <td><button class="link" onClick={() => { picked.value = { kind: "process", name: p.name }; }}>{p.name}</button></td>
+            <td class="soft">{p.host}</td>
+            <td class="sign">{sign[p.state]} {p.state}{p.incarnation > 0 ? ` (restarted ${p.incarnation}x)` : ""}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Events() {
+  const whole = run.value?.duration_s || 1;
+  const jump = (t: number) => { const half = Math.max(whole / 200, 0.02); choose({ t0: Math.max(t - half, 0), t1: t + half }); };
+  const list = events.value.slice(-200).reverse();
+  return list.length === 0 ? <p class="empty">nothing has happened yet</p> : (
+    <table class="plain">
+      <tbody>
+        {list.map(e => (
+          <tr key={e.number} class={e.event === "fault" ? "bad" : ""}>
+            <td class="number"><button class="link" title="show this moment" onClick={() => jump(e.time_s)}>{stamp(e.time_s, whole)}</button></td>
+            <td class="soft">{e.source}</td><td>{e.text || e.event}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Topics() {
+  const list = topics.value.filter(t => choice.value.framework || !t.framework);
+  return (
+    <table class="plain">
+      <thead><tr><th>topic</th><th class="number">rate</th><th class="number">samples</th></tr></thead>
+      <tbody>
+        {list.map(t => (
+          <tr key={t.network + t.name}>
+            <td><button class="link" title={`${t.type}, ${t.writers} writers, ${t.readers} readers`} onClick={() => { picked.value = { kind: "topic", name: t.name }; }}>{t.name}</button></td>
+            <td class="number">{rate(t.samples_per_second)}</td><td class="number">{t.samples.toLocaleString("en")}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+interface Last { type: string; last: { process: string; key?: string; error?: string; fields?: Record<string, unknown> }[] }
+
+/** What is known of a topic or process that was clicked. */
+function Drawer() {
+  const p = picked.value, g = graph.value;
+  const [last, setLast] = useState<Last | null>(null);
+  const [idl, setIdl] = useState("");
+  useEffect(() => {
+    setLast(null);
+    setIdl("");
+    if (p?.kind !== "topic") return;
+    const path = `/api/v1/topics/${encodeURIComponent(p.name)}`;
+    const get = () => fetch(path + "/last").then(r => (r.ok ? r.json() : null)).then(setLast).catch(() => {});
+    fetch(path).then(r => (r.ok ? r.json() : null)).then(t => setIdl(t?.idl ?? "")).catch(() => {});
+    get();
+    const timer = setInterval(get, 500);
+    return () => clearInterval(timer);
+  }, [p?.kind, p?.name]);
+  useEffect(() => {
+    const close = (e: KeyboardEvent) => { if (e.key === "Escape") picked.value = null; };
+    addEventListener("keydown", close);
+    return () => removeEventListener("keydown", close);
+  }, []);
+  if (!p || !g) return null;
+  const process = g.processes.find(x => x.name === p.name);
+  const ends = g.endpoints.filter(e => (p.kind === "topic" ? e.topic === p.name : e.process === p.name) && (choice.value.framework || p.kind === "topic" || !g.topics.find(t => t.name === e.topic)?.framework));
+  const problems = g.edges.filter(e => (p.kind === "topic" ? e.topic : e.process) === p.name).flatMap(e => e.problems.map(x => `${e.process}, ${e.topic}: ${x}`));
+  return (
+    <aside class="drawer" aria-label={`${p.kind} ${p.name}`}>
+      <div class="tools"><h2>{p.kind} {p.name}</h2><button aria-label="close" onClick={() => { picked.value = null; }}>×</button></div>
+      {process && p.kind === "process" && <p>{process.program} on {process.host}, <b>{process.state}</b>, {process.addresses.join(", ")}</p>}
+      {problems.map(x => <p class="bad" key={x}>✕ {x}</p>)}
+      {last && <h3>Last samples</h3>}
+      {last?.last.map((s, i) => (
+        <table class="plain" key={(s.key ?? "") + i}>
+          <tbody>
+            {s.error && <tr><td class="bad">{s.error}</td></tr>}
+            {Object.entries(s.fields ?? {}).map(([name, value]) => <tr key={name}><td class="soft">{name}</td><td class="number">{String(value)}</td></tr>)}
+          </tbody>
+        </table>
+      ))}
+      <h3>Readers and writers</h3>
+      <table class="plain">
+        <tbody>
+          {ends.map(e => <tr key={e.id}><td>{e.writer ? "→" : "←"} {p.kind === "topic" ? e.process : e.topic}</td><td class="soft">{String(e.qos.reliability)}, {String(e.qos.durability)}</td></tr>)}
+        </tbody>
+      </table>
+      {idl && <><h3>IDL</h3><pre>{idl}</pre></>}
+    </aside>
+  );
+}
+
+function Panel({ title, note, area, children }: { title: string; note?: string; area: string; children: preact.ComponentChildren }) {
+  return <section class={`panel ${area}`} aria-label={title}><div class="head"><h2>{title}</h2><span>{note}</span></div>{children}</section>;
+}
+
+function App() {
+  const g = graph.value;
+  const broken = g?.edges.filter(e => !e.writes && e.problems.length).length ?? 0;
+  return (
+    <>
+      <Header />
+      <main>
+        <Panel area="space" title="Global data space" note={broken ? `${broken} mismatches` : `${g?.topics.filter(t => !t.framework).length ?? 0} topics`}><GraphView /></Panel>
+        <Panel area="line" title="One-line diagram" note={network.value ? "p.u., line to line" : ""}><OneLine /></Panel>
+        <Panel area="side" title="Processes"><div class="scroll"><Processes /></div><div class="head"><h2>Events</h2><span>{events.value.length || ""}</span></div><div class="scroll grow"><Events /></div></Panel>
+        <Panel area="waves" title="Signals"><Plots /></Panel>
+        <Panel area="topics" title="Topics" note="seen by the monitor"><div class="scroll"><Topics /></div></Panel>
+      </main>
+      <Drawer />
+    </>
+  );
+}
+
+connect();
+render(<App />, document.getElementById("app")!);

@@ -1,0 +1,114 @@
+// What the monitor tells, as signals that views depend on.
+import { signal } from "@preact/signals";
+
+export interface Process { name: string; program: string; host: string; state: string; incarnation: number; tick?: number }
+export interface Run {
+  scenario: string; mode: string; speed: string; state: string; time_s: number; duration_s: number; factor: number;
+  processes: Process[];
+}
+export interface GraphProcess extends Process { addresses: string[]; networks: string[] }
+export interface GraphTopic { name: string; network: string; type: string; framework: boolean; writers: number; readers: number }
+export interface Edge {
+  process: string; topic: string; network: string; writes: boolean; endpoints: number; matched: boolean; problems: string[];
+}
+export interface Wire { process: string; stream: string; kind: string; link: string; publishes: boolean }
+export interface Endpoint {
+  id: string; process: string; network: string; topic: string; type: string; writer: boolean; keyed: boolean;
+  qos: Record<string, unknown>;
+}
+export interface Graph {
+  revision: number; processes: GraphProcess[]; topics: GraphTopic[]; edges: Edge[]; wires: Wire[]; endpoints: Endpoint[];
+}
+export interface Bus { name: string; label: string; voltage_v: number; x?: number; y?: number }
+export interface Branch { name: string; label: string; from: string; to: string; kind: string }
+export interface Breaker { name: string; line: string; end: string }
+export interface Device { name: string; label: string; bus: string; kind: string }
+export interface Network { buses: Bus[]; branches: Branch[]; breakers: Breaker[]; devices: Device[] }
+export interface SignalInfo { name: string; unit: string; source: string }
+export interface TopicState {
+  name: string; network: string; type: string; framework: boolean; writers: number; readers: number; samples: number;
+  octets: number; samples_per_second: number;
+}
+export interface RunEvent { number: number; time_s: number; source: string; event: string; text: string }
+export interface Series { name: string; unit: string; t: Float64Array; v: Float64Array }
+export interface Drawn { t0: number; t1: number; series: Series[] }
+
+export const connected = signal(false);
+export const ended = signal(false); // it was connected once
+export const dropped = signal(0);
+export const run = signal<Run | null>(null);
+export const graph = signal<Graph | null>(null);
+export const network = signal<Network | null>(null);
+export const signals = signal<SignalInfo[]>([]);
+export const topics = signal<TopicState[]>([]);
+export const events = signal<RunEvent[]>([]);
+export const values = signal<Map<string, number>>(new Map());
+export const drawn = signal<Record<string, Drawn>>({});
+
+/** What a plot asks for: names, and either a window that follows the newest sample (negative: everything) or fixed ends. */
+export interface View { id: string; names: string[]; window_s: number; t0: number; t1: number; px: number }
+
+const views = new Map<string, View>();
+let socket: WebSocket | null = null;
+
+export function ask(view: View): void {
+  views.set(view.id, view);
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ op: "view", ...view }));
+}
+export function forget(id: string): void {
+  views.delete(id);
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ op: "view", id, names: [] }));
+}
+
+/** Length of the header, the header (JSON), then the times and values of each series as little-endian doubles. */
+function series(bytes: ArrayBuffer): void {
+  const length = new DataView(bytes).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
+  let at = 4 + length;
+  const take = (n: number) => {
+    const out = new Float64Array(bytes, at, n);
+    at += 8 * n;
+    return out;
+  };
+  const list: Series[] = header.series.map((s: { name: string; unit: string; points: number }) => ({
+    name: s.name, unit: s.unit, t: take(s.points), v: take(s.points),
+  }));
+  drawn.value = { ...drawn.value, [header.id]: { t0: header.t0, t1: header.t1, series: list } };
+}
+
+export function connect(): void {
+  socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws/v1`);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => {
+    connected.value = true;
+    ended.value = false;
+    events.value = [];
+    views.forEach(ask);
+  };
+  socket.onmessage = message => {
+    if (typeof message.data !== "string") return series(message.data);
+    const told = JSON.parse(message.data);
+    switch (told.op) {
+      case "state": {
+        run.value = told.run;
+        const list = signals.value;
+        const map = new Map<string, number>();
+        for (let i = 0; i < list.length && i < told.values.length; ++i)
+          if (told.values[i] !== null) map.set(list[i].name, told.values[i]);
+        values.value = map;
+        break;
+      }
+      case "graph": graph.value = told.graph; break;
+      case "network": network.value = told.network; break;
+      case "signals": signals.value = told.list.signals; break;
+      case "topics": topics.value = told.list.topics; break;
+      case "events": events.value = [...events.value, ...told.list.events].slice(-2000); break;
+      case "dropped": dropped.value = told.count; break;
+    }
+  };
+  socket.onclose = () => {
+    if (connected.value) ended.value = true;
+    connected.value = false;
+    setTimeout(connect, 1000);
+  };
+}

@@ -1,0 +1,34 @@
+// Numbers and times for people.
+export const fixed = (v: number | undefined, digits: number) => (v === undefined ? "–" : v.toFixed(digits));
+
+export function compact(v: number): string {
+  const a = Math.abs(v);
+  if (!isFinite(v)) return String(v);
+  if (a !== 0 && (a < 1e-3 || a >= 1e6)) return v.toExponential(3);
+  return v.toPrecision(5).replace(/\.?0+$/, "");
+}
+
+/** 2 h 05 min, 6.20 s: with as many digits as the whole length deserves. */
+export function time(s: number, whole: number): string {
+  if (whole >= 7200) {
+    const minutes = Math.floor(s / 60);
+    return `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, "0")} min`;
+  }
+  return whole >= 100 ? `${s.toFixed(1)} s` : `${s.toFixed(3)} s`;
+}
+
+/** For an axis and for events: 5.5131 s, or 4:12 h. */
+export function stamp(s: number, whole: number): string {
+  if (whole < 7200) return s.toFixed(whole < 100 ? 4 : 1);
+  const seconds = Math.round(s);
+  const two = (n: number) => String(n).padStart(2, "0");
+  return `${Math.floor(seconds / 3600)}:${two(Math.floor(seconds / 60) % 60)}:${two(seconds % 60)}`;
+}
+
+export const rate = (v: number) => (v >= 100 ? Math.round(v).toLocaleString("en") : v >= 10 ? v.toFixed(1) : v.toFixed(2)) + " /s";
+
+/** "bus.*.v_pu" against "bus.B1.v_pu"; * stands for anything. */
+export function matches(pattern: string, name: string): boolean {
+  const escaped = pattern.replace(/[.+?^${}()|[\]\\]/g, "\\$&").replace(/\*/g, ".*");
+  return new RegExp(`^${escaped}$`).test(name);
+}
