@@ -219,6 +219,11 @@ int main_function(int argc, char** argv) {
 
     add_wire_verbs(app, action);
     add_scl_verbs(app, action);
+    std::filesystem::path schema_root;
+    CLI::App* schema_verb = verb("schema", "write the JSON schemas and the reference page of the configuration files");
+    schema_verb->add_option("--write", schema_root, "root of the source tree")->required();
+    schema_verb->group(""); // for developers
+    schema_verb->callback([&] { action = [&] { return schema(schema_root); }; });
 
     std::string shell;
     CLI::App* completion_verb = verb("completion", "print a completion script");

@@ -5,12 +5,14 @@
 #include "common/config/yaml.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
+#include "launcher/schema/schema_pages.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -133,6 +135,22 @@ int signals(ScenarioArguments const& arguments, bool json) {
     }
     if (json) {
         fmt::print("{}\n", list.dump(2));
+    }
+    return 0;
+}
+
+int schema(std::filesystem::path const& root) {
+    std::error_code ignored;
+    std::filesystem::create_directories(root / "configs/schema", ignored);
+    for (auto const& [file, text] : {std::pair{"configs/schema/scenario.schema.json", launcher::scenario_schema()},
+                                     {"configs/schema/network.schema.json", launcher::network_schema()},
+                                     {"docs/reference/config.md", launcher::config_page()}}) {
+        std::ofstream stream{root / file, std::ios::trunc};
+        stream << text;
+        stream.close();
+        if (!stream) {
+            return print_error({ExitCode::environment, fmt::format("cannot write '{}'", (root / file).string()), ""});
+        }
     }
     return 0;
 }

@@ -64,6 +64,9 @@ struct ExportArguments {
 };
 int export_run(ExportArguments const& arguments);
 
+/// Writes configs/schema/*.json and docs/reference/config.md below `root`.
+int schema(std::filesystem::path const& root);
+
 int doctor(bool json);
 int version(bool json);
 

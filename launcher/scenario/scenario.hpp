@@ -90,6 +90,9 @@ struct Scenario {
 /// Events that act on processes, in the order in which they happen.
 [[nodiscard]] std::vector<sim::Event> process_events(Scenario const& scenario);
 
+/// The keys of a scenario file, for its schema; `processes` without the keys of the programs.
+void describe_scenario_keys(config::Fields& fields);
+
 struct LoadOptions {
     std::vector<std::string> set;            ///< --set a.b=c
     std::optional<double> speed;             ///< --speed; 0: max

@@ -206,6 +206,15 @@ void apply_options(Node& root, LoadOptions const& options, Diagnostics& diagnost
 
 } // namespace
 
+void describe_scenario_keys(config::Fields& fields) {
+    Scenario scenario;
+    Diagnostics ignored;
+    Node root = Node::map(), processes = Node::map();
+    processes.set("NAME", Node::map());
+    root.set("processes", std::move(processes));
+    describe_scenario(fields, scenario, root, ignored);
+}
+
 Process const* Scenario::find_process(std::string_view process) const {
     auto const it = std::find_if(processes.begin(), processes.end(), [&](Process const& p) { return p.name.name == process; });
     return it == processes.end() ? nullptr : &*it;

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/schema/schema_fields.hpp"
+#include "launcher/schema/schema_pages.hpp"
+
+#include <fstream>
+#include <gtest/gtest.h>
+
+namespace gridspace::launcher {
+namespace {
+
+std::string committed(std::string const& file) {
+    std::ifstream stream{std::string{GRIDSPACE_SOURCE_DIR "/"} + file};
+    return {std::istreambuf_iterator<char>{stream}, {}};
+}
+
+constexpr char const* kHowTo = "after a change of configuration keys: gridspace schema --write .";
+
+TEST(Schema, TheCommittedSchemaOfScenariosIsCurrent) {
+    EXPECT_TRUE(committed("configs/schema/scenario.schema.json") == scenario_schema()) << kHowTo;
+}
+TEST(Schema, TheCommittedSchemaOfNetworksIsCurrent) {
+    EXPECT_TRUE(committed("configs/schema/network.schema.json") == network_schema()) << kHowTo;
+}
+TEST(Schema, TheCommittedReferencePageIsCurrent) {
+    EXPECT_TRUE(committed("docs/reference/config.md") == config_page()) << kHowTo;
+}
+
+TEST(Schema, AKeyHasTheBoundsAndTheDefaultOfItsDescription) {
+    double value = 15;
+    auto const keys = keys_of([&](config::Fields& f) {
+        f.number("rated_current_a", value, {.doc = "cap", .above = 0});
+        f.object("rules", {.doc = "nested"},
+                 [&](config::Fields& r) { r.number("factor", value, {.required = true, .min = 0, .max = 1}); });
+    });
+    ASSERT_EQ(keys.size(), 2u);
+    EXPECT_EQ(keys[0].default_text, "15");
+    EXPECT_EQ(keys[0].above, 0);
+    EXPECT_FALSE(keys[0].min.has_value());
+    ASSERT_EQ(keys[1].children.size(), 1u);
+    EXPECT_TRUE(keys[1].children[0].required);
+    EXPECT_EQ(keys[1].children[0].max, 1);
+}
+
+} // namespace
+} // namespace gridspace::launcher
