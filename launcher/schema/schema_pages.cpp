@@ -110,7 +110,8 @@ Json properties_of(Keys const& keys) {
     for (SchemaKey const& key : keys) {
         properties[key.key] = schema_of(key);
     }
-    return Json{{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+    // A key that is not known here may still be removed: an extended file's process may be another program.
+    return Json{{"type", "object"}, {"properties", properties}, {"additionalProperties", Json{{"type", "null"}}}};
 }
 
 std::string finished(Json root, char const* title) {
@@ -186,6 +187,16 @@ std::string range_text(SchemaKey const& key) {
     return join(parts, ", ");
 }
 
+/// A default outside of its own bounds stands for "not given".
+std::string default_text(SchemaKey const& key) {
+    bool const number = key.kind == Kind::number || key.kind == Kind::integer;
+    if (key.default_text.empty() || (number && ((key.min && std::stod(key.default_text) < *key.min) ||
+                                                (key.above && std::stod(key.default_text) <= *key.above)))) {
+        return "";
+    }
+    return "`" + cell(key.default_text) + "`";
+}
+
 /// A table of keys, then one for each that has keys of its own.
 std::string tables(std::string const& path, Keys const& keys, Keys const& left_out = {}) {
     std::string out = "| key | value | range | default | meaning |\n|---|---|---|---|---|\n", nested;
@@ -196,8 +207,7 @@ std::string tables(std::string const& path, Keys const& keys, Keys const& left_o
             continue;
         }
         out += fmt::format("| `{}`{} | {} | {} | {} | {} |\n", key.key, key.required ? " **required**" : "",
-                           cell(kind_text(key)), range_text(key),
-                           key.default_text.empty() ? "" : "`" + cell(key.default_text) + "`", cell(key.doc));
+                           cell(kind_text(key)), range_text(key), default_text(key), cell(key.doc));
         if (!key.children.empty()) {
             std::string const name = (path.empty() ? "" : path + ".") + key.key +
                                      (key.kind == Kind::map    ? ".NAME"
