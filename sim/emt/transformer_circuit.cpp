@@ -53,6 +53,11 @@ Result<void> add_transformer(Circuit& c, Transformer const& t, Winding3 const& f
                              int from_switch, int to_switch) {
     double const w = 2 * std::numbers::pi * c.frequency_hz;
     bool const from_delta = t.from_winding == sim::Winding::delta, to_delta = t.to_winding == sim::Winding::delta;
+    if (t.saturation && t.magnetising_percent == 0) {
+        return fail(ExitCode::usage,
+                    fmt::format("transformer '{}' saturates but has no magnetising current", t.name.name),
+                    "give magnetising_percent");
+    }
     double const natural = from_delta == to_delta ? 0 : 30;
     if (std::abs(std::abs(t.phase_shift_deg) - natural) > 1e-6) {
         return fail(ExitCode::usage,
