@@ -8,7 +8,8 @@ import unittest
 
 from harness import CHILD_DIED, PACED, STALL, ScenarioTest, gridspace
 
-ENDS_WITHIN_S = 5  # promised; the clock starts at the signal
+ENDS_WITHIN_S = 5  # promised, on a machine with nothing else to do ...
+BUSY_MACHINE_S = 25  # ... which a test cannot know: this much more, and it hangs
 
 
 class Death(ScenarioTest):
@@ -18,7 +19,7 @@ class Death(ScenarioTest):
         os.kill(run.pid_of(victim), signal.SIGKILL)
         killed = time.monotonic()
         code = run.finish()
-        self.assertLess(time.monotonic() - killed, ENDS_WITHIN_S + 3, "report included")
+        self.assertLess(time.monotonic() - killed, ENDS_WITHIN_S + BUSY_MACHINE_S, "report included")
         self.assertEqual(code, CHILD_DIED, run.stderr())
         self.assertEqual(run.left_over(), {})
         return run
