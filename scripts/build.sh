@@ -63,6 +63,8 @@ ensure_programs() {
     return 3
   fi
   ensure_packages build || return
+  # Without Node the monitor serves a plain page: worth a try, not worth a failure.
+  ensure_packages dashboard || say "going on without the dashboard: the monitor serves a plain page"
   mkdir -p "$root/build"
   (
     flock 9

@@ -101,7 +101,7 @@ for tier in "${tiers[@]}"; do
   declare -F "tier_$tier" >/dev/null || { say "there is no tier '$tier'"; usage >&2; exit 2; }
 done
 
-groups=(build test)
+groups=(build dashboard test)
 case " ${tiers[*]} " in *" sanitizers "* | *" fuzz "* | *" tidy "*) groups+=(all) ;; esac
 ensure_packages "${groups[@]}" || exit
 mkdir -p "$root/build"
