@@ -55,7 +55,7 @@ export function GraphView() {
     const per = rates.get(name);
     const said = kind === "process" ? `${p?.program} on ${p?.host}: ${p?.state}` : per === undefined ? name : `${name}: ${rate(per)}`;
     return (
-      <g class={`node ${cls}${found(name) ? " found" : ""}${chosen === name ? " chosen" : ""}`} key={kind + name} tabIndex={0}
+      <g class={`node ${cls}${found(name) ? " found" : ""}${chosen === name ? " chosen" : ""}`} key={kind + name} tabindex={0}
         role="button" aria-label={`${kind} ${said}`} onClick={open} onKeyDown={e => { if (e.key === "Enter") open(); }}>
         <title>{said}</title>
         <rect x={x} y={y(list, name) - kBox / 2} width={w} height={kBox} rx={kind === "process" || streams.has(name) ? 5 : 15} />

@@ -3,7 +3,7 @@ import { network, values, type Branch, type Bus, type Device } from "./model";
 import { choose, choice } from "./state";
 import { fixed } from "./text";
 
-const kColumn = 152, kPad = 8, kStub = 14, kDevice = 25;
+const kColumn = 156, kPad = 8, kStub = 14, kDevice = 25;
 
 /** Places for buses that have none in the network file: by distance from the first, as far as branches reach. */
 function places(buses: Bus[], branches: Branch[]): Map<string, [number, number]> {
@@ -49,7 +49,7 @@ export function OneLine() {
   const rowHeight = ys.map(y => Math.max(...net.buses.filter(b => at.get(b.name)![1] === y).map(b => barOf(b.name))) + 52);
   const yOf = (y: number) => kPad + 14 + rowHeight.slice(0, ys.indexOf(y)).reduce((a, b) => a + b, 0);
   const hasSource = net.devices.some(d => d.kind === "source");
-  const xOf = (x: number) => kPad + (hasSource ? 50 : 16) + xs.indexOf(x) * kColumn;
+  const xOf = (x: number) => kPad + (hasSource ? 50 : 34) + xs.indexOf(x) * kColumn;
   const width = xOf(xs[xs.length - 1]) + kColumn - 2, height = yOf(ys[ys.length - 1]) + rowHeight[rowHeight.length - 1] - 20;
   const tapY = (bus: string, b: Branch) => // parallel lines side by side
     yOf(at.get(bus)![1]) + 16 + net.branches.filter(o => (o.from === b.from && o.to === b.to) || (o.from === b.to && o.to === b.from)).indexOf(b) * 9;
