@@ -134,7 +134,7 @@ class Follower {
         } else if (kind == "exit") {
             std::erase_if(outcome_.ends, [&](auto const& e) { return e.process == process; });
             outcome_.ends.push_back({process, line.value("how", ""), line.value("code", 0), line.value("cpu_s", 0.0)});
-            if (line.value("code", 0) != 0) {
+            if (line.value("code", 0) != 0 && !line.value("expected", false)) { // a planned kill is an event already
                 events_.write(time_s_, process, "exit", line.value("how", ""));
             }
         } else if (kind == "stroke") {
