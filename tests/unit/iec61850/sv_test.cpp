@@ -33,8 +33,9 @@ Buffer frame_of(std::string_view fields, std::string_view no_asdu = "800101", st
 constexpr std::string_view kPlain = "800178 82020001 830400000001 850102 870400000000";
 
 TEST(SvDecoder, ReadsTheFrameOfAnIndependentPeer) {
+    auto const frame = golden(); // what is decoded points into it
     SvFrame sut;
-    ASSERT_TRUE(decode_sv(golden(), sut));
+    ASSERT_TRUE(decode_sv(frame, sut));
     ASSERT_EQ(sut.count, 1);
     Asdu const& asdu = sut.asdus[0];
     EXPECT_EQ(asdu.sv_id, "TL11MU01");
