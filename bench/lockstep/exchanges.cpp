@@ -46,15 +46,15 @@ T must(Result<T> result) {
     }
 }
 
-std::string qos_file() {
-    return std::string{GRIDSPACE_SOURCE_DIR} + "/qos/member.xml";
+std::string qos_file(bool simulator = false) {
+    return std::string{GRIDSPACE_SOURCE_DIR} + (simulator ? "/qos/simulator.xml" : "/qos/member.xml");
 }
 
 bus::NodeConfig node_config(std::string const& name, int members, int domain) {
     bus::NodeConfig config;
     config.process = name;
     config.program = "bench";
-    config.qos = qos_file();
+    config.qos = qos_file(name == "sim");
     config.management = {domain, {"127.0.0.1"}};
     config.clock.mode = bus::ClockMode::lockstep;
     config.clock.quantum_s = Rational{1, 1000};
