@@ -232,7 +232,7 @@ class RelayAgent {
     void publish_age(bus::SignalPublisher& ages, std::int64_t index, std::int64_t unix_ns) {
         double const time_s = instant_of(index);
         double const age_ms = clock_.age_ms(unix_ns, time_s, settings_.wire.speed);
-        ages.row(node_.time_base().from_nanoseconds(static_cast<std::int64_t>(time_s * 1e9 + 0.5)), {&age_ms, 1});
+        ages.row(node_.time_base().from_nanoseconds(std::llround(time_s * 1e9)), {&age_ms, 1});
     }
 
     [[nodiscard]] std::uint64_t samples_of(std::size_t end) const { return inputs_->end(end).subscriber.counters().samples; }

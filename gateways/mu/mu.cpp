@@ -12,6 +12,7 @@
 #include "gateways/port/wire_port.hpp"
 
 #include <atomic>
+#include <cmath>
 #include <fmt/format.h>
 #include <protection.h>
 
@@ -153,7 +154,7 @@ class MergingUnit {
         for (Departure d; departures_.pop(d);) {
             double const time_s = static_cast<double>(d.index) / rate_hz_.to_double();
             double const age_ms = clock_.age_ms(d.unix_ns, time_s, settings_.wire.speed);
-            ages_->row(node_.time_base().from_nanoseconds(static_cast<std::int64_t>(time_s * 1e9 + 0.5)), {&age_ms, 1});
+            ages_->row(node_.time_base().from_nanoseconds(std::llround(time_s * 1e9)), {&age_ms, 1});
         }
     }
 

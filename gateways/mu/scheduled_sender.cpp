@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 
 namespace gridspace::gateways {
@@ -44,7 +45,7 @@ void ScheduledSender::loop() {
     }
     double const period_ns = 1e9 / params_.rate_hz;
     std::int64_t const start = now_ns() + static_cast<std::int64_t>(params_.buffer_s * 1e9);
-    auto const due = [&](std::uint64_t k) { return start + static_cast<std::int64_t>(static_cast<double>(k) * period_ns + 0.5); };
+    auto const due = [&](std::uint64_t k) { return start + std::llround(static_cast<double>(k) * period_ns); };
     std::uint64_t sent = 0;
     bool starving = false;
     for (std::uint64_t slot = 0; !stop_; ++slot) {
