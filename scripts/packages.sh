@@ -10,7 +10,7 @@ declare -A group_purpose=(
   [build]="compiling Gridspace and running scenarios"
   [dashboard]="building the browser dashboard"
   [test]="the tests and their judges (tshark, CycloneDDS)"
-  [all]="sanitizer and fuzz builds, static analysis, ngspice as judge, browser tests"
+  [all]="sanitizer and fuzz builds, static analysis, ngspice as judge"
   [arm64]="cross-compiling for ARM64 and running it in emulation"
 )
 declare -A group_packages=(
@@ -19,7 +19,7 @@ declare -A group_packages=(
            liblz4-dev zlib1g-dev ip|iproute2 procps util-linux"
   [dashboard]="node|nodejs npm|npm"
   [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark python3|python3 python3-yaml setpriv|util-linux node|nodejs npm|npm"
-  [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice chromium libbenchmark-dev"
+  [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev"
   [arm64]="g++-aarch64-linux-gnu qemu-user-static"
 )
 
