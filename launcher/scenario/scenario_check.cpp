@@ -152,6 +152,9 @@ std::vector<std::string> qos_roles() {
 }
 
 void check_programs(Scenario const& s, Diagnostics& diagnostics) {
+    if (s.record.comtrade.is_map()) {
+        diagnostics.warning(s.record.comtrade.where, "this build writes no COMTRADE files in a run", "`gridspace simulate --comtrade` does, offline");
+    }
     for (Process const& process : s.processes) {
         if (process.run_on != "native") {
             config::Node const* where = process.node.find("run_on");
