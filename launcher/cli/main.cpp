@@ -135,6 +135,7 @@ int main_function(int argc, char** argv) {
     powerflow_verb->add_option("NETWORK", powerflow_arguments.network, "network file")->required();
     powerflow_verb->add_flag("--json", powerflow_arguments.json, "as JSON");
     powerflow_verb->add_flag("--enforce-q-limits", powerflow_arguments.enforce_q_limits, "generators give up their voltage at their reactive limits");
+    powerflow_verb->add_flag("--three-phase", powerflow_arguments.three_phase, "unbalanced: voltages and currents by phase");
     powerflow_verb->callback([&] { action = [&] { return powerflow(powerflow_arguments); }; });
 
     SimulateArguments simulate_arguments;

@@ -8,6 +8,7 @@
 #include "launcher/schema/schema_pages.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/powerflow/power_flow.hpp"
+#include "sim/powerflow/three_phase.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -74,6 +75,49 @@ Json power_flow_json(sim::Network const& n, sim::PowerFlow const& flow) {
                             {"p_to_mw", b.p_to_kw / 1e3}, {"q_to_mvar", b.q_to_kvar / 1e3}, {"loss_mw", (b.p_from_kw + b.p_to_kw) / 1e3}});
     }
     return {{"converged", true}, {"iterations", flow.iterations}, {"mismatch_pu", flow.mismatch_pu}, {"buses", buses}, {"branches", branches}, {"losses_mw", flow.losses_kw / 1e3}};
+}
+
+int three_phase(sim::Network const& n, bool json) {
+    auto const flow = solve_three_phase(n, sim::SwitchState{n});
+    if (!flow) {
+        return print_error(flow.error());
+    }
+    auto const branch_of = [&](sim::ThreePhaseFlow::Branch const& b) {
+        return b.kind == sim::TwoPort::Kind::line ? n.lines[b.element].name.name : n.transformers[b.element].name.name;
+    };
+    if (json) {
+        auto const values = [](sim::Phases const& p) {
+            Json out = Json::array();
+            for (sim::Complex const x : p) {
+                out.push_back({std::abs(x), degrees(x)});
+            }
+            return out;
+        };
+        Json buses = Json::array(), branches = Json::array();
+        for (std::size_t i = 0; i < n.buses.size(); ++i) {
+            buses.push_back({{"name", n.buses[i].name.name}, {"v_v_deg", values(flow->buses[i])}});
+        }
+        for (auto const& b : flow->branches) {
+            branches.push_back({{"name", branch_of(b)}, {"from_a_deg", values(b.from)}, {"to_a_deg", values(b.to)}});
+        }
+        fmt::print("{}\n", Json{{"converged", true}, {"iterations", flow->iterations}, {"buses", buses}, {"branches", branches}}.dump(2));
+        return 0;
+    }
+    auto const row = [](std::string const& name, sim::Phases const& p) {
+        fmt::print("{:<20} {:>10.2f} {:>8.2f} {:>10.2f} {:>8.2f} {:>10.2f} {:>8.2f}\n", name, std::abs(p[0]), degrees(p[0]), std::abs(p[1]), degrees(p[1]),
+                   std::abs(p[2]), degrees(p[2]));
+    };
+    fmt::print("{}: converged in {} iterations\n\n{:<20} {:>10} {:>8} {:>10} {:>8} {:>10} {:>8}\n", n.name, flow->iterations, "bus (to earth)", "a, V", "deg", "b, V",
+               "deg", "c, V", "deg");
+    for (std::size_t i = 0; i < n.buses.size(); ++i) {
+        row(n.buses[i].name.name, flow->buses[i]);
+    }
+    fmt::print("\n{:<20} {:>10} {:>8} {:>10} {:>8} {:>10} {:>8}\n", "current into", "a, A", "deg", "b, A", "deg", "c, A", "deg");
+    for (auto const& b : flow->branches) {
+        row(branch_of(b) + ", from", b.from);
+        row(branch_of(b) + ", to", b.to);
+    }
+    return 0;
 }
 
 } // namespace
@@ -161,6 +205,9 @@ int powerflow(PowerFlowArguments const& arguments) {
     if (!network) {
         fmt::print(stderr, "{}\n", diagnostics.render());
         return static_cast<int>(ExitCode::usage);
+    }
+    if (arguments.three_phase) {
+        return three_phase(*network, arguments.json);
     }
     sim::PowerFlowOptions options;
     options.enforce_q_limits = arguments.enforce_q_limits;

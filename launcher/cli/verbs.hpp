@@ -43,7 +43,7 @@ int compare(CompareArguments const& arguments);
 
 struct PowerFlowArguments {
     std::filesystem::path network;
-    bool json{false}, enforce_q_limits{false};
+    bool json{false}, enforce_q_limits{false}, three_phase{false};
 };
 int powerflow(PowerFlowArguments const& arguments);
 

@@ -99,6 +99,12 @@ class Builder {
     }
 
     Result<void> line(Line const& l) {
+        if (LineType const* type = find(n_.line_types, l.type.name);
+            type != nullptr && !type->phase_r_ohm_per_km.empty()) {
+            return fail(ExitCode::usage,
+                        fmt::format("line '{}': the waveform solver has transposed lines only", l.name.name),
+                        "give its type r_ohm_per_km and x_ohm_per_km, and r0 and x0");
+        }
         LineTotals const t = line_totals(n_, l);
 
         NetworkCircuit::LineParts parts;
@@ -234,6 +240,11 @@ class Builder {
     }
 
     Result<void> load(Load const& l) {
+        if (!l.phase_p_kw.empty()) {
+            return fail(ExitCode::usage,
+                        fmt::format("load '{}': the waveform solver has balanced loads only", l.name.name),
+                        "give p_kw and q_kvar of all phases");
+        }
         out_.loads.push_back(star("load", l.name.name, l.bus, l.p_kw, load_q_kvar(l)));
         bool const constant_impedance = l.model == LoadModel::constant_impedance || l.model == LoadModel::dc_resistive;
         if (!constant_impedance || !l.scale.empty() || l.lag_s > 0) {

@@ -48,6 +48,9 @@ struct LineType : Element {
     std::optional<double> x_ohm_per_km, l_mh_per_km; ///< exactly one of the two
     double c_nf_per_km{0};
     std::optional<double> r0_ohm_per_km, x0_ohm_per_km, l0_mh_per_km, c0_nf_per_km;
+    /// Lower triangle of the phase impedance matrix: aa, ab, bb, ac, bc, cc; empty: from the sequences. The sequence values
+    /// are then those of the transposed line.
+    std::vector<double> phase_r_ohm_per_km, phase_x_ohm_per_km;
 };
 
 enum class LineModel { pi, bergeron };
@@ -177,6 +180,7 @@ struct Load : Element {
     LoadModel model{LoadModel::constant_power};
     double exponent_p{0}, exponent_q{0};
     std::array<double, 3> zip_p{0, 0, 1}, zip_q{0, 0, 1}; ///< shares of constant impedance, current, power
+    std::vector<double> phase_p_kw, phase_q_kvar; ///< a, b, c between phase and earth; empty: a third each
     double lag_s{0};
     Ref scale; ///< profile that multiplies p and q
 };

@@ -46,7 +46,8 @@ constexpr NumberSpec percent(std::string_view doc, bool required = false) {
 
 /// A section that maps names to elements: each is appended with its name.
 template <class T>
-void section(Fields& f, std::string_view key, std::string_view doc, std::vector<T>& elements, void (*one)(Fields&, T&)) {
+void section(Fields& f, std::string_view key, std::string_view doc, std::vector<T>& elements,
+             void (*one)(Fields&, T&)) {
     f.map(key, {.doc = doc}, [&](Ref const& name, Fields& e) {
         T element;
         element.name = name;
@@ -82,7 +83,11 @@ void source(Fields& f, Source& s) {
 }
 
 void line_type(Fields& f, LineType& t) {
-    f.number("r_ohm_per_km", t.r_ohm_per_km, not_negative("resistance, positive sequence", true));
+    f.numbers("phase_r_ohm_per_km", t.phase_r_ohm_per_km,
+              not_negative("resistances aa, ab, bb, ac, bc, cc, instead of sequences"));
+    f.numbers("phase_x_ohm_per_km", t.phase_x_ohm_per_km, any("reactances aa, ab, bb, ac, bc, cc"));
+    bool const by_phase = f.has("phase_r_ohm_per_km") || f.has("phase_x_ohm_per_km");
+    f.number("r_ohm_per_km", t.r_ohm_per_km, not_negative("resistance, positive sequence", !by_phase));
     f.number("x_ohm_per_km", t.x_ohm_per_km, not_negative("reactance at the base frequency"));
     f.number("l_mh_per_km", t.l_mh_per_km, not_negative("inductance, instead of a reactance"));
     f.number("c_nf_per_km", t.c_nf_per_km, not_negative("capacitance"));
@@ -90,7 +95,26 @@ void line_type(Fields& f, LineType& t) {
     f.number("x0_ohm_per_km", t.x0_ohm_per_km, not_negative("reactance, zero sequence"));
     f.number("l0_mh_per_km", t.l0_mh_per_km, not_negative("inductance, zero sequence"));
     f.number("c0_nf_per_km", t.c0_nf_per_km, not_negative("capacitance, zero sequence"));
-    if (t.x_ohm_per_km.has_value() == t.l_mh_per_km.has_value()) {
+    if (by_phase) {
+        if (t.phase_r_ohm_per_km.size() != 6 || t.phase_x_ohm_per_km.size() != 6) {
+            f.error("",
+                    fmt::format("line type '{}' needs six phase_r_ohm_per_km and six phase_x_ohm_per_km", t.name.name),
+                    "the lower triangle: aa, ab, bb, ac, bc, cc");
+            t.phase_r_ohm_per_km.clear();
+            t.phase_x_ohm_per_km.clear();
+        } else if (f.has("r_ohm_per_km") || t.x_ohm_per_km || t.l_mh_per_km || t.r0_ohm_per_km || t.x0_ohm_per_km ||
+                   t.l0_mh_per_km) {
+            f.error("phase_r_ohm_per_km",
+                    fmt::format("line type '{}' has both phase and sequence impedances", t.name.name));
+        } else {
+            auto const own = [](std::vector<double> const& m) { return (m[0] + m[2] + m[5]) / 3; };
+            auto const mutual = [](std::vector<double> const& m) { return (m[1] + m[3] + m[4]) / 3; };
+            t.r_ohm_per_km = own(t.phase_r_ohm_per_km) - mutual(t.phase_r_ohm_per_km);
+            t.x_ohm_per_km = own(t.phase_x_ohm_per_km) - mutual(t.phase_x_ohm_per_km);
+            t.r0_ohm_per_km = own(t.phase_r_ohm_per_km) + 2 * mutual(t.phase_r_ohm_per_km);
+            t.x0_ohm_per_km = own(t.phase_x_ohm_per_km) + 2 * mutual(t.phase_x_ohm_per_km);
+        }
+    } else if (t.x_ohm_per_km.has_value() == t.l_mh_per_km.has_value()) {
         f.error("", fmt::format("line type '{}' needs either x_ohm_per_km or l_mh_per_km", t.name.name));
     }
 }
@@ -145,6 +169,10 @@ void transformer(Fields& f, Transformer& t) {
         Transformer::Saturation& saturation = t.saturation.emplace();
         s.number("knee_pu", saturation.knee_pu, positive("flux linkage at the knee"));
         s.number("air_core_percent", saturation.air_core_percent, positive("reactance above the knee, of the rating"));
+        if (t.magnetising_percent == 0) {
+            s.error("", fmt::format("transformer '{}' saturates but has no magnetising current", t.name.name),
+                    "give magnetising_percent");
+        }
     });
 }
 
@@ -189,7 +217,8 @@ void ct(Fields& f, Ct& c) {
     f.reference("line", c.line, {.doc = "the line whose current it measures", .required = true});
     line_end(f, c.end);
     f.reference("type", c.type, {.doc = "CT type", .required = true});
-    f.choice<CtPolarity>("positive", c.positive, {{"from_to", CtPolarity::from_to}, {"into_line", CtPolarity::into_line}},
+    f.choice<CtPolarity>("positive", c.positive,
+                         {{"from_to", CtPolarity::from_to}, {"into_line", CtPolarity::into_line}},
                          {.doc = "direction that counts positive"});
 }
 
@@ -204,28 +233,30 @@ void machine_type(Fields& f, MachineType& t) {
     f.choice<MachineModel>("model", t.model, {{"full", MachineModel::full}, {"classical", MachineModel::classical}},
                            {.doc = "rotor circuits, or constant voltage behind xd1"});
     bool const full = t.model == MachineModel::full;
-    f.object("constants_pu", {.doc = "reactances and resistance on the machine's rating", .required = true}, [&](Fields& c) {
-        c.number("xd", t.pu.xd, positive("synchronous, d", full));
-        c.number("xq", t.pu.xq, positive("synchronous, q", full));
-        c.number("xd1", t.pu.xd1, positive("transient, d", true));
-        c.number("xd2", t.pu.xd2, positive("subtransient, d", full));
-        c.number("xq2", t.pu.xq2, positive("subtransient, q", full));
-        c.number("xl", t.pu.xl, positive("leakage", full));
-        c.number("x0", t.pu.x0, not_negative("zero sequence; 0: star point not earthed"));
-        c.number("ra", t.pu.ra, not_negative("armature resistance"));
-        auto const order = [&](std::string_view small_key, double small, std::string_view large_key, double large) {
-            if (full && small > 0 && large > 0 && small >= large) {
-                c.error(small_key, fmt::format("{} = {} of '{}' is not below {} = {}", small_key, shortest(small), t.name.name,
-                                               large_key, shortest(large)),
-                        "xl < xd2 <= xd1 <= xd and xl < xq2 <= xq");
-            }
-        };
-        order("xl", t.pu.xl, "xd2", t.pu.xd2);
-        order("xl", t.pu.xl, "xq2", t.pu.xq2);
-        order("xd2", t.pu.xd2, "xd1", t.pu.xd1 * (1 + 1e-12));
-        order("xd1", t.pu.xd1, "xd", t.pu.xd * (1 + 1e-12));
-        order("xq2", t.pu.xq2, "xq", t.pu.xq * (1 + 1e-12));
-    });
+    f.object(
+        "constants_pu", {.doc = "reactances and resistance on the machine's rating", .required = true}, [&](Fields& c) {
+            c.number("xd", t.pu.xd, positive("synchronous, d", full));
+            c.number("xq", t.pu.xq, positive("synchronous, q", full));
+            c.number("xd1", t.pu.xd1, positive("transient, d", true));
+            c.number("xd2", t.pu.xd2, positive("subtransient, d", full));
+            c.number("xq2", t.pu.xq2, positive("subtransient, q", full));
+            c.number("xl", t.pu.xl, positive("leakage", full));
+            c.number("x0", t.pu.x0, not_negative("zero sequence; 0: star point not earthed"));
+            c.number("ra", t.pu.ra, not_negative("armature resistance"));
+            auto const order = [&](std::string_view small_key, double small, std::string_view large_key, double large) {
+                if (full && small > 0 && large > 0 && small >= large) {
+                    c.error(small_key,
+                            fmt::format("{} = {} of '{}' is not below {} = {}", small_key, shortest(small), t.name.name,
+                                        large_key, shortest(large)),
+                            "xl < xd2 <= xd1 <= xd and xl < xq2 <= xq");
+                }
+            };
+            order("xl", t.pu.xl, "xd2", t.pu.xd2);
+            order("xl", t.pu.xl, "xq2", t.pu.xq2);
+            order("xd2", t.pu.xd2, "xd1", t.pu.xd1 * (1 + 1e-12));
+            order("xd1", t.pu.xd1, "xd", t.pu.xd * (1 + 1e-12));
+            order("xq2", t.pu.xq2, "xq", t.pu.xq * (1 + 1e-12));
+        });
     f.object("times_s", {.doc = "open-circuit time constants", .required = full}, [&](Fields& c) {
         c.number("td01", t.td01_s, positive("transient, d", full));
         c.number("td02", t.td02_s, positive("subtransient, d", full));
@@ -270,7 +301,10 @@ void generator(Fields& f, Generator& g) {
 
 void load(Fields& f, Load& l) {
     f.reference("bus", l.bus, {.doc = "its bus", .required = true});
-    f.number("p_kw", l.p_kw, any("active power at 1 p.u.", true));
+    f.numbers("phase_p_kw", l.phase_p_kw, any("active powers of phases a, b, c at 1 p.u., instead of p_kw"));
+    f.numbers("phase_q_kvar", l.phase_q_kvar, any("reactive powers of phases a, b, c at 1 p.u."));
+    bool const by_phase = f.has("phase_p_kw") || f.has("phase_q_kvar");
+    f.number("p_kw", l.p_kw, any("active power at 1 p.u.", !by_phase));
     NumberSpec factor = positive("lagging; instead of q_kvar");
     factor.max = 1;
     f.number("power_factor", l.power_factor, factor);
@@ -303,6 +337,19 @@ void load(Fields& f, Load& l) {
     shares("zip_q", l.zip_q, "shares of Q: constant impedance, current, power (zip)");
     f.number("lag_s", l.lag_s, not_negative("first-order lag of the power; 0: none"));
     f.reference("scale", l.scale, {.doc = "profile that multiplies the power"});
+    if (by_phase) {
+        if (l.phase_p_kw.size() != 3 || l.phase_q_kvar.size() != 3) {
+            f.error("", fmt::format("load '{}' needs three phase_p_kw and three phase_q_kvar", l.name.name),
+                    "[a, b, c]");
+            l.phase_p_kw.clear();
+            l.phase_q_kvar.clear();
+        } else if (f.has("p_kw") || f.has("q_kvar") || f.has("power_factor")) {
+            f.error("phase_p_kw", fmt::format("load '{}' has both powers by phase and of all phases", l.name.name));
+        } else {
+            l.p_kw = l.phase_p_kw[0] + l.phase_p_kw[1] + l.phase_p_kw[2];
+            l.q_kvar = l.phase_q_kvar[0] + l.phase_q_kvar[1] + l.phase_q_kvar[2];
+        }
+    }
     if (f.has("q_kvar") && f.has("power_factor")) {
         f.error("q_kvar", fmt::format("load '{}' has both q_kvar and power_factor", l.name.name));
     }
@@ -380,7 +427,8 @@ void profile(Fields& f, Profile& p) {
         f.error("", fmt::format("profile '{}' needs points (hours and values), a csv, or a half_sine", p.name.name));
     }
     if (p.hours.size() != p.values.size()) {
-        f.error("values", fmt::format("profile '{}' has {} hours and {} values", p.name.name, p.hours.size(), p.values.size()));
+        f.error("values",
+                fmt::format("profile '{}' has {} hours and {} values", p.name.name, p.hours.size(), p.values.size()));
     }
     for (std::size_t i = 1; i < p.hours.size(); ++i) {
         if (p.hours[i] <= p.hours[i - 1]) {

@@ -1,0 +1,341 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/powerflow/three_phase.hpp"
+
+#include "sim/powerflow/load_power.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/SparseLU>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace gridspace::sim {
+namespace {
+
+using Matrix3 = Eigen::Matrix3cd;
+
+/// What nothing connects to earth still needs a potential; far below any load.
+constexpr double kAnchorShare = 1e-12;
+
+/// Three coils: their ends, and the volts of one at nominal voltage.
+struct Coils {
+    std::array<std::pair<int, int>, 3> ends;
+    double rated_v{0};
+};
+
+class Feeder {
+  public:
+    Feeder(Network const& n, SwitchState const& state)
+        : n_{n}, state_{state}, omega_{2 * std::numbers::pi * n.frequency_hz} {
+        nodes_ = static_cast<int>(3 * n.buses.size());
+        for (Bus const& b : n.buses) {
+            phase_v_.push_back(b.voltage_v / std::sqrt(3.0));
+        }
+    }
+
+    Result<ThreePhaseFlow> solve(ThreePhaseOptions const& options) {
+        if (!n_.machines.empty()) {
+            return fail(
+                ExitCode::usage,
+                fmt::format("machine '{}': the three-phase power flow has no machines", n_.machines.front().name.name),
+                "use the balanced power flow, or a source");
+        }
+        for (Generator const& g : n_.generators) {
+            if (g.role == GeneratorRole::pv) {
+                return fail(
+                    ExitCode::usage,
+                    fmt::format("generator '{}': the three-phase power flow regulates no voltages", g.name.name),
+                    "give it role pq or slack");
+            }
+        }
+        for (std::size_t i = 0; i < n_.lines.size(); ++i) {
+            line(i);
+        }
+        for (std::size_t i = 0; i < n_.transformers.size(); ++i) {
+            if (auto ok = transformer(i); !ok) {
+                return std::unexpected{ok.error()};
+            }
+        }
+        sources();
+        for (Shunt const& s : n_.shunts) {
+            for (int k = 0; k < 3; ++k) {
+                int const node = node_of(s.bus) + k;
+                double const v = n_.buses[bus_of(s.bus)].voltage_v;
+                add(node, node, Complex{s.p_kw, s.q_kvar} * 1e3 / (v * v));
+            }
+        }
+        return iterate(options);
+    }
+
+  private:
+    std::size_t bus_of(Ref const& bus) const { return index_of(n_.buses, bus.name); }
+    int node_of(Ref const& bus) const { return static_cast<int>(3 * bus_of(bus)); }
+    void add(int i, int j, Complex y) {
+        if (i >= 0 && j >= 0) {
+            entries_.emplace_back(i, j, y);
+        }
+    }
+
+    void line(std::size_t index) {
+        Line const& l = n_.lines[index];
+        if (state_.line_out[index] || !state_.closed(n_, l.name.name, LineEnd::from) ||
+            !state_.closed(n_, l.name.name, LineEnd::to)) {
+            return;
+        }
+        LineTotals const t = line_totals(n_, l);
+        Matrix3 z;
+        LineType const* type = find(n_.line_types, l.type.name);
+        if (type != nullptr && !type->phase_r_ohm_per_km.empty()) {
+            constexpr int kPlace[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+            for (int i = 0; i < 3; ++i) {
+                for (int j = 0; j < 3; ++j) {
+                    auto const p = static_cast<std::size_t>(kPlace[i][j]);
+                    z(i, j) =
+                        Complex{type->phase_r_ohm_per_km[p], type->phase_x_ohm_per_km[p]} * l.length_km.value_or(0);
+                }
+            }
+        } else {
+            Complex const z1{t.r_ohm, omega_ * t.l_h}, z0{t.r0_ohm, omega_ * t.l0_h};
+            z = Matrix3::Constant((z0 - z1) / 3.0) + z1 * Matrix3::Identity();
+        }
+        Matrix3 const y = z.inverse();
+        Complex const c1{0, omega_ * t.c_f / 2}, c0{0, omega_ * t.c0_f / 2};
+        Matrix3 const shunt = Matrix3::Constant((c0 - c1) / 3.0) + c1 * Matrix3::Identity();
+        int const from = node_of(l.from), to = node_of(l.to);
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                add(from + i, from + j, y(i, j) + shunt(i, j));
+                add(to + i, to + j, y(i, j) + shunt(i, j));
+                add(from + i, to + j, -y(i, j));
+                add(to + i, from + j, -y(i, j));
+            }
+        }
+        lines_.push_back({index, y, shunt, from, to});
+    }
+
+    Coils coils(Ref const& bus, Winding connection, bool forward) {
+        Coils out;
+        int const node = node_of(bus);
+        double const v = n_.buses[bus_of(bus)].voltage_v;
+        int const neutral = connection == Winding::wye ? nodes_++ : -1;
+        out.rated_v = connection == Winding::delta ? v : v / std::sqrt(3.0);
+        for (int k = 0; k < 3; ++k) {
+            int const other = connection == Winding::delta ? node + (k + (forward ? 1 : 2)) % 3 : neutral;
+            out.ends[static_cast<std::size_t>(k)] = {node + k, other};
+        }
+        return out;
+    }
+
+    Result<void> transformer(std::size_t index) {
+        Transformer const& t = n_.transformers[index];
+        if (state_.transformer_out[index]) {
+            return {};
+        }
+        bool const from_delta = t.from_winding == Winding::delta, to_delta = t.to_winding == Winding::delta;
+        double const natural = from_delta == to_delta ? 0 : 30;
+        if (std::abs(std::abs(t.phase_shift_deg) - natural) > 1e-6) {
+            return fail(ExitCode::usage,
+                        fmt::format("transformer '{}' cannot shift by {} degrees with its windings", t.name.name,
+                                    t.phase_shift_deg),
+                        natural == 0 ? "two stars or two deltas have phase_shift_deg: 0"
+                                     : "a star and a delta have phase_shift_deg: 30 or -30");
+        }
+        bool const lags = t.phase_shift_deg > 0, both = from_delta && to_delta;
+        Coils const primary = coils(t.from, t.from_winding, both || !lags);
+        Coils const secondary = coils(t.to, t.to_winding, both || lags);
+        double const ratio = secondary.rated_v / (primary.rated_v * t.tap_ratio);
+        double const z_base = secondary.rated_v * secondary.rated_v / (t.rating_kva * 1e3 / 3);
+        Complex const y = 100.0 / (Complex{t.r_percent, t.x_percent} * z_base);
+        for (std::size_t k = 0; k < 3; ++k) {
+            std::array<int, 4> const nodes{primary.ends[k].first, primary.ends[k].second, secondary.ends[k].first,
+                                           secondary.ends[k].second};
+            std::array<double, 4> const weights{ratio, -ratio, -1, 1};
+            limbs_.push_back({index, y, nodes, weights});
+            for (std::size_t i = 0; i < 4; ++i) {
+                for (std::size_t j = 0; j < 4; ++j) {
+                    add(nodes[i], nodes[j], weights[i] * weights[j] * y);
+                }
+            }
+        }
+        return {};
+    }
+
+    void sources() {
+        auto const hold = [&](Ref const& bus, double pu, double angle_deg, Complex z1, Complex z0) {
+            int const node = node_of(bus);
+            Complex const e = std::polar(pu * phase_v_[bus_of(bus)], angle_deg * std::numbers::pi / 180);
+            // An ideal source is a very stiff one: 1e-9 of the base impedance.
+            double const least = 1e-9 * base_impedance(n_, n_.buses[bus_of(bus)]);
+            z1 = std::abs(z1) < least ? Complex{0, least} : z1;
+            z0 = std::abs(z0) < least ? Complex{0, least} : z0;
+            Complex const y1 = 1.0 / z1, mutual = (1.0 / z0 - y1) / 3.0;
+            for (int i = 0; i < 3; ++i) {
+                for (int j = 0; j < 3; ++j) {
+                    add(node + i, node + j, mutual + (i == j ? y1 : Complex{}));
+                }
+                sources_.emplace_back(
+                    node + i, y1 * e * std::polar(1.0, -i * 2 * std::numbers::pi / 3)); // balanced: no mutual part
+            }
+        };
+        for (Source const& s : n_.sources) {
+            Complex const z1{s.r_ohm, omega_ * s.l_mh * 1e-3};
+            hold(s.bus, s.voltage_pu, s.angle_deg, z1,
+                 {s.r0_ohm.value_or(s.r_ohm), omega_ * s.l0_mh.value_or(s.l_mh) * 1e-3});
+        }
+        for (Generator const& g : n_.generators) {
+            if (g.role == GeneratorRole::slack) {
+                hold(g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {});
+            }
+        }
+    }
+
+    /// Currents that loads draw at these voltages.
+    void draw(Eigen::VectorXcd const& v, Eigen::VectorXcd& i) const {
+        auto const consume = [&](int node, Complex power_va) {
+            if (std::abs(v[node]) > 0) {
+                i[node] -= std::conj(power_va / v[node]);
+            }
+        };
+        for (Load const& l : n_.loads) {
+            int const node = node_of(l.bus);
+            for (int k = 0; k < 3; ++k) {
+                auto const phase = static_cast<std::size_t>(k);
+                double const p = l.phase_p_kw.empty() ? l.p_kw / 3 : l.phase_p_kw[phase];
+                double const q = l.phase_q_kvar.empty() ? load_q_kvar(l) / 3 : l.phase_q_kvar[phase];
+                VoltagePower const f = load_factor(l, std::abs(v[node + k]) / phase_v_[bus_of(l.bus)]);
+                consume(node + k, 1e3 * Complex{p * f.p, q * f.q});
+            }
+        }
+        for (Pv const& pv : n_.pv) {
+            for (int k = 0; k < 3; ++k) {
+                double const p = pv.p_kw / 3;
+                consume(node_of(pv.bus) + k,
+                        -1e3 * Complex{p, -p * std::sqrt(1 - pv.power_factor * pv.power_factor) / pv.power_factor});
+            }
+        }
+        for (Generator const& g : n_.generators) {
+            for (int k = 0; k < 3 && g.role == GeneratorRole::pq; ++k) {
+                consume(node_of(g.bus) + k, -1e3 / 3 * Complex{g.p_kw, g.q_kvar});
+            }
+        }
+    }
+
+    Result<ThreePhaseFlow> iterate(ThreePhaseOptions const& options) {
+        double largest = 0;
+        for (auto const& e : entries_) {
+            largest = std::max(largest, std::abs(e.value()));
+        }
+        double smallest_diagonal = largest;
+        for (auto const& e : entries_) {
+            smallest_diagonal = e.row() == e.col() && std::abs(e.value()) > 0
+                                    ? std::min(smallest_diagonal, std::abs(e.value()))
+                                    : smallest_diagonal;
+        }
+        for (int k = 0; k < nodes_; ++k) {
+            entries_.emplace_back(k, k, kAnchorShare * largest + 1e-9 * smallest_diagonal);
+        }
+        Eigen::SparseMatrix<Complex> y(nodes_, nodes_);
+        y.setFromTriplets(entries_.begin(), entries_.end());
+        Eigen::SparseLU<Eigen::SparseMatrix<Complex>> factors{y};
+        if (factors.info() != Eigen::Success) {
+            return fail(ExitCode::usage, "the three-phase admittance matrix is singular",
+                        "is a part of the network without any element?");
+        }
+        Eigen::VectorXcd driven = Eigen::VectorXcd::Zero(nodes_);
+        for (auto const& [node, current] : sources_) {
+            driven[node] += current;
+        }
+        Eigen::VectorXcd v = factors.solve(driven);
+        ThreePhaseFlow out;
+        for (out.iterations = 1; out.iterations <= options.max_iterations; ++out.iterations) {
+            Eigen::VectorXcd i = driven;
+            draw(v, i);
+            Eigen::VectorXcd const next = factors.solve(i);
+            out.change_pu = 0;
+            for (std::size_t b = 0; b < n_.buses.size(); ++b) {
+                for (int k = 0; k < 3; ++k) {
+                    auto const node = static_cast<int>(3 * b) + k;
+                    out.change_pu = std::max(out.change_pu, std::abs(next[node] - v[node]) / phase_v_[b]);
+                }
+            }
+            v = next;
+            if (!(out.change_pu < 1e3)) {
+                break;
+            }
+            if (out.change_pu < options.tolerance_pu) {
+                results(v, out);
+                return out;
+            }
+        }
+        return fail(ExitCode::usage,
+                    fmt::format("the three-phase power flow does not converge: voltages still move by {:.3g} p.u.",
+                                out.change_pu),
+                    "the loads are more than the network can carry, or an impedance is wrong");
+    }
+
+    void results(Eigen::VectorXcd const& v, ThreePhaseFlow& out) const {
+        for (std::size_t b = 0; b < n_.buses.size(); ++b) {
+            auto const node = static_cast<int>(3 * b);
+            out.buses.push_back({v[node], v[node + 1], v[node + 2]});
+        }
+        for (LineParts const& l : lines_) {
+            Eigen::Vector3cd const from = v.segment<3>(l.from), to = v.segment<3>(l.to);
+            Eigen::Vector3cd const series = l.y * (from - to), i_from = series + l.shunt * from,
+                                   i_to = l.shunt * to - series;
+            out.branches.push_back(
+                {TwoPort::Kind::line, l.index, {i_from[0], i_from[1], i_from[2]}, {i_to[0], i_to[1], i_to[2]}});
+        }
+        for (std::size_t t = 0; t < limbs_.size(); t += 3) {
+            ThreePhaseFlow::Branch branch{TwoPort::Kind::transformer, limbs_[t].index, {}, {}};
+            int const from = node_of(n_.transformers[branch.element].from),
+                      to = node_of(n_.transformers[branch.element].to);
+            for (std::size_t k = t; k < t + 3; ++k) {
+                Complex i{};
+                for (std::size_t e = 0; e < 4; ++e) {
+                    i +=
+                        limbs_[k].nodes[e] < 0 ? Complex{} : limbs_[k].y * limbs_[k].weights[e] * v[limbs_[k].nodes[e]];
+                }
+                for (std::size_t e = 0; e < 4; ++e) {
+                    int const node = limbs_[k].nodes[e];
+                    if (node >= from && node < from + 3) {
+                        branch.from[static_cast<std::size_t>(node - from)] += limbs_[k].weights[e] * i;
+                    } else if (node >= to && node < to + 3) {
+                        branch.to[static_cast<std::size_t>(node - to)] += limbs_[k].weights[e] * i;
+                    }
+                }
+            }
+            out.branches.push_back(branch);
+        }
+    }
+
+    struct LineParts {
+        std::size_t index;
+        Matrix3 y, shunt;
+        int from, to;
+    };
+    struct Limb {
+        std::size_t index;
+        Complex y;
+        std::array<int, 4> nodes;
+        std::array<double, 4> weights;
+    };
+    Network const& n_;
+    SwitchState const& state_;
+    double omega_;
+    int nodes_{0};
+    std::vector<double> phase_v_;
+    std::vector<Eigen::Triplet<Complex>> entries_;
+    std::vector<std::pair<int, Complex>> sources_;
+    std::vector<LineParts> lines_;
+    std::vector<Limb> limbs_;
+};
+
+} // namespace
+
+Result<ThreePhaseFlow> solve_three_phase(Network const& network, SwitchState const& state,
+                                         ThreePhaseOptions const& options) {
+    return Feeder{network, state}.solve(options);
+}
+
+} // namespace gridspace::sim
