@@ -35,7 +35,9 @@ Json to_json(config::Diagnostics const& diagnostics) {
     return out;
 }
 
-double degrees(sim::Complex v) { return std::arg(v) * 180 / std::numbers::pi; }
+double degrees(sim::Complex v) {
+    return std::arg(v) * 180 / std::numbers::pi;
+}
 
 std::string branch_name(sim::Network const& n, sim::PowerFlow::BranchValue const& b) {
     return b.kind == sim::TwoPort::Kind::line ? n.lines[b.element].name.name : n.transformers[b.element].name.name;
@@ -49,16 +51,20 @@ std::pair<std::string, std::string> branch_ends(sim::Network const& n, sim::Powe
 }
 
 void print_power_flow(sim::Network const& n, sim::PowerFlow const& flow) {
-    fmt::print("{}: converged in {} iterations, largest mismatch {:.1e} p.u.\n\n", n.name, flow.iterations, flow.mismatch_pu);
+    fmt::print("{}: converged in {} iterations, largest mismatch {:.1e} p.u.\n\n", n.name, flow.iterations,
+               flow.mismatch_pu);
     fmt::print("{:<12} {:>10} {:>11} {:>14} {:>14}\n", "bus", "v, p.u.", "angle, deg", "p, kW", "q, kvar");
     for (std::size_t i = 0; i < n.buses.size(); ++i) {
         auto const& b = flow.buses[i];
-        fmt::print("{:<12} {:>10.6f} {:>11.5f} {:>14.4f} {:>14.4f}\n", n.buses[i].name.name, std::abs(b.v), degrees(b.v), b.p_kw, b.q_kvar);
+        fmt::print("{:<12} {:>10.6f} {:>11.5f} {:>14.4f} {:>14.4f}\n", n.buses[i].name.name, std::abs(b.v),
+                   degrees(b.v), b.p_kw, b.q_kvar);
     }
-    fmt::print("\n{:<12} {:<10} {:<10} {:>14} {:>14} {:>12}\n", "branch", "from", "to", "p from, kW", "q from, kvar", "loss, kW");
+    fmt::print("\n{:<12} {:<10} {:<10} {:>14} {:>14} {:>12}\n", "branch", "from", "to", "p from, kW", "q from, kvar",
+               "loss, kW");
     for (auto const& b : flow.branches) {
         auto const [from, to] = branch_ends(n, b);
-        fmt::print("{:<12} {:<10} {:<10} {:>14.4f} {:>14.4f} {:>12.4f}\n", branch_name(n, b), from, to, b.p_from_kw, b.q_from_kvar, b.p_from_kw + b.p_to_kw);
+        fmt::print("{:<12} {:<10} {:<10} {:>14.4f} {:>14.4f} {:>12.4f}\n", branch_name(n, b), from, to, b.p_from_kw,
+                   b.q_from_kvar, b.p_from_kw + b.p_to_kw);
     }
     fmt::print("\nlosses {:.4f} kW; p and q of a bus are its net injection (generation minus load)\n", flow.losses_kw);
 }
@@ -67,14 +73,25 @@ Json power_flow_json(sim::Network const& n, sim::PowerFlow const& flow) {
     Json buses = Json::array(), branches = Json::array();
     for (std::size_t i = 0; i < n.buses.size(); ++i) {
         auto const& b = flow.buses[i];
-        buses.push_back({{"name", n.buses[i].name.name}, {"v_pu", std::abs(b.v)}, {"angle_deg", degrees(b.v)}, {"p_mw", b.p_kw / 1e3}, {"q_mvar", b.q_kvar / 1e3}});
+        buses.push_back({{"name", n.buses[i].name.name},
+                         {"v_pu", std::abs(b.v)},
+                         {"angle_deg", degrees(b.v)},
+                         {"p_mw", b.p_kw / 1e3},
+                         {"q_mvar", b.q_kvar / 1e3}});
     }
     for (auto const& b : flow.branches) {
         auto const [from, to] = branch_ends(n, b);
-        branches.push_back({{"name", branch_name(n, b)}, {"from", from}, {"to", to}, {"p_from_mw", b.p_from_kw / 1e3}, {"q_from_mvar", b.q_from_kvar / 1e3},
-                            {"p_to_mw", b.p_to_kw / 1e3}, {"q_to_mvar", b.q_to_kvar / 1e3}, {"loss_mw", (b.p_from_kw + b.p_to_kw) / 1e3}});
+        branches.push_back({{"name", branch_name(n, b)},
+                            {"from", from},
+                            {"to", to},
+                            {"p_from_mw", b.p_from_kw / 1e3},
+                            {"q_from_mvar", b.q_from_kvar / 1e3},
+                            {"p_to_mw", b.p_to_kw / 1e3},
+                            {"q_to_mvar", b.q_to_kvar / 1e3},
+                            {"loss_mw", (b.p_from_kw + b.p_to_kw) / 1e3}});
     }
-    return {{"converged", true}, {"iterations", flow.iterations}, {"mismatch_pu", flow.mismatch_pu}, {"buses", buses}, {"branches", branches}, {"losses_mw", flow.losses_kw / 1e3}};
+    return {{"converged", true}, {"iterations", flow.iterations}, {"mismatch_pu", flow.mismatch_pu},
+            {"buses", buses},    {"branches", branches},          {"losses_mw", flow.losses_kw / 1e3}};
 }
 
 int three_phase(sim::Network const& n, bool json) {
@@ -100,19 +117,23 @@ int three_phase(sim::Network const& n, bool json) {
         for (auto const& b : flow->branches) {
             branches.push_back({{"name", branch_of(b)}, {"from_a_deg", values(b.from)}, {"to_a_deg", values(b.to)}});
         }
-        fmt::print("{}\n", Json{{"converged", true}, {"iterations", flow->iterations}, {"buses", buses}, {"branches", branches}}.dump(2));
+        fmt::print(
+            "{}\n",
+            Json{{"converged", true}, {"iterations", flow->iterations}, {"buses", buses}, {"branches", branches}}.dump(
+                2));
         return 0;
     }
     auto const row = [](std::string const& name, sim::Phases const& p) {
-        fmt::print("{:<20} {:>10.2f} {:>8.2f} {:>10.2f} {:>8.2f} {:>10.2f} {:>8.2f}\n", name, std::abs(p[0]), degrees(p[0]), std::abs(p[1]), degrees(p[1]),
-                   std::abs(p[2]), degrees(p[2]));
+        fmt::print("{:<20} {:>10.2f} {:>8.2f} {:>10.2f} {:>8.2f} {:>10.2f} {:>8.2f}\n", name, std::abs(p[0]),
+                   degrees(p[0]), std::abs(p[1]), degrees(p[1]), std::abs(p[2]), degrees(p[2]));
     };
-    fmt::print("{}: converged in {} iterations\n\n{:<20} {:>10} {:>8} {:>10} {:>8} {:>10} {:>8}\n", n.name, flow->iterations, "bus (to earth)", "a, V", "deg", "b, V",
-               "deg", "c, V", "deg");
+    fmt::print("{}: converged in {} iterations\n\n{:<20} {:>10} {:>8} {:>10} {:>8} {:>10} {:>8}\n", n.name,
+               flow->iterations, "bus (to earth)", "a, V", "deg", "b, V", "deg", "c, V", "deg");
     for (std::size_t i = 0; i < n.buses.size(); ++i) {
         row(n.buses[i].name.name, flow->buses[i]);
     }
-    fmt::print("\n{:<20} {:>10} {:>8} {:>10} {:>8} {:>10} {:>8}\n", "current into", "a, A", "deg", "b, A", "deg", "c, A", "deg");
+    fmt::print("\n{:<20} {:>10} {:>8} {:>10} {:>8} {:>10} {:>8}\n", "current into", "a, A", "deg", "b, A", "deg",
+               "c, A", "deg");
     for (auto const& b : flow->branches) {
         row(branch_of(b) + ", from", b.from);
         row(branch_of(b) + ", to", b.to);
@@ -146,7 +167,10 @@ int validate(ValidateArguments const& arguments) {
         }
         all_valid = all_valid && diagnostics.ok();
         if (arguments.json) {
-            json.push_back({{"file", file.string()}, {"kind", kind}, {"valid", diagnostics.ok()}, {"diagnostics", to_json(diagnostics)}});
+            json.push_back({{"file", file.string()},
+                            {"kind", kind},
+                            {"valid", diagnostics.ok()},
+                            {"diagnostics", to_json(diagnostics)}});
             continue;
         }
         if (diagnostics.errors() + diagnostics.warnings() > 0) {
@@ -171,9 +195,11 @@ int signals(ScenarioArguments const& arguments, bool json) {
     for (launcher::Process const& process : scenario->processes) {
         for (launcher::SignalUse const& s : process.settings->signals(*scenario, process)) {
             if (json) {
-                list.push_back({{"name", s.name}, {"unit", s.unit}, {"rate_hz", s.rate_hz}, {"process", process.name.name}});
+                list.push_back(
+                    {{"name", s.name}, {"unit", s.unit}, {"rate_hz", s.rate_hz}, {"process", process.name.name}});
             } else {
-                fmt::print("{:<36} {:<8} {}\n", s.name, s.unit.empty() ? "-" : s.unit, s.rate_hz > 0 ? fmt::format("{:.6g} Hz", s.rate_hz) : "on change");
+                fmt::print("{:<36} {:<8} {}\n", s.name, s.unit.empty() ? "-" : s.unit,
+                           s.rate_hz > 0 ? fmt::format("{:.6g} Hz", s.rate_hz) : "on change");
             }
         }
     }
@@ -209,12 +235,22 @@ int powerflow(PowerFlowArguments const& arguments) {
     if (arguments.three_phase) {
         return three_phase(*network, arguments.json);
     }
+    bool const unbalanced = std::any_of(network->loads.begin(), network->loads.end(),
+                                        [](sim::Load const& l) { return !l.phase_p_kw.empty(); }) ||
+                            std::any_of(network->line_types.begin(), network->line_types.end(),
+                                        [](sim::LineType const& t) { return !t.phase_r_ohm_per_km.empty(); });
+    if (unbalanced) {
+        fmt::print(stderr, "note: this network is not balanced, and this is the balanced power flow: lines transposed, "
+                           "a third of each load per phase (see --three-phase)\n");
+    }
     sim::PowerFlowOptions options;
     options.enforce_q_limits = arguments.enforce_q_limits;
     auto const flow = solve_power_flow(*network, sim::SwitchState{*network}, options);
     if (!flow) {
         if (arguments.json) {
-            fmt::print("{}\n", Json{{"converged", false}, {"message", flow.error().message}, {"hint", flow.error().remedy}}.dump(2));
+            fmt::print(
+                "{}\n",
+                Json{{"converged", false}, {"message", flow.error().message}, {"hint", flow.error().remedy}}.dump(2));
         }
         return print_error(flow.error());
     }

@@ -15,13 +15,24 @@ std::string node_name(Network const& n, std::size_t node) {
     return node < n.buses.size() ? fmt::format("bus '{}'", n.buses[node].name.name) : "the inside of a source";
 }
 
+/// Four digits in the unit in which they are read most easily.
+std::string apparent_power(double kva) {
+    if (kva >= 1e7) {
+        return fmt::format("{:.4g} GVA", kva * 1e-6);
+    }
+    if (kva >= 1e4) {
+        return fmt::format("{:.4g} MVA", kva * 1e-3);
+    }
+    return kva < 1 ? fmt::format("{:.4g} VA", kva * 1e3) : fmt::format("{:.4g} kVA", kva);
+}
+
 /// Why there is no solution: usually the network is asked for more than it can carry. The largest share of all powers that
 /// still has a solution, and the weakest bus there, say where to look.
 Error explain(Network const& n, PowerFlowProblem const& problem, PowerFlowOptions const& options,
               NewtonOutcome const& failed) {
-    std::string message = fmt::format("the power flow {} after {} iterations: at {} {:.4g} kVA do not balance",
+    std::string message = fmt::format("the power flow {} after {} iterations: at {} {} do not balance",
                                       failed.singular ? "is singular" : "does not converge", failed.iterations,
-                                      node_name(n, failed.worst_node), failed.mismatch * n.power_kva);
+                                      node_name(n, failed.worst_node), apparent_power(failed.mismatch * n.power_kva));
     PowerFlowOptions rough = options;
     rough.tolerance_pu = 1e-6;
     if (!newton(problem, rough, 0).converged) {

@@ -8,6 +8,7 @@
 #include <Eigen/SparseLU>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 #include <numbers>
 
 namespace gridspace::sim {
@@ -15,8 +16,9 @@ namespace {
 
 using Matrix3 = Eigen::Matrix3cd;
 
-/// What nothing connects to earth still needs a potential; far below any load.
-constexpr double kAnchorShare = 1e-12;
+/// What nothing connects to earth still needs a potential: an earth connection of this share of a node's own
+/// admittance.
+constexpr double kAnchorShare = 1e-10;
 
 /// Three coils: their ends, and the volts of one at nominal voltage.
 struct Coils {
@@ -35,6 +37,8 @@ class Feeder {
     }
 
     Result<ThreePhaseFlow> solve(ThreePhaseOptions const& options) {
+        hours_ = options.hours;
+        start_hour_of_day_ = options.start_hour_of_day;
         if (!n_.machines.empty()) {
             return fail(
                 ExitCode::usage,
@@ -57,7 +61,9 @@ class Feeder {
                 return std::unexpected{ok.error()};
             }
         }
-        sources();
+        if (auto ok = sources(); !ok) {
+            return std::unexpected{ok.error()};
+        }
         for (Shunt const& s : n_.shunts) {
             for (int k = 0; k < 3; ++k) {
                 int const node = node_of(s.bus) + k;
@@ -161,33 +167,54 @@ class Feeder {
         return {};
     }
 
-    void sources() {
-        auto const hold = [&](Ref const& bus, double pu, double angle_deg, Complex z1, Complex z0) {
+    Result<void> sources() {
+        auto const hold = [&](std::string const& name, Ref const& bus, double pu, double angle_deg, Complex z1,
+                              Complex z0) -> Result<void> {
             int const node = node_of(bus);
             Complex const e = std::polar(pu * phase_v_[bus_of(bus)], angle_deg * std::numbers::pi / 180);
-            // An ideal source is a very stiff one: 1e-9 of the base impedance.
-            double const least = 1e-9 * base_impedance(n_, n_.buses[bus_of(bus)]);
-            z1 = std::abs(z1) < least ? Complex{0, least} : z1;
-            z0 = std::abs(z0) < least ? Complex{0, least} : z0;
-            Complex const y1 = 1.0 / z1, mutual = (1.0 / z0 - y1) / 3.0;
             for (int i = 0; i < 3; ++i) {
+                Complex const phase = e * std::polar(1.0, -i * 2 * std::numbers::pi / 3);
+                if (z1 == Complex{}) {
+                    auto const [it, fresh] = held_.try_emplace(node + i, phase);
+                    if (!fresh && std::abs(it->second - phase) > 1e-9 * phase_v_[bus_of(bus)]) {
+                        return fail(ExitCode::usage,
+                                    fmt::format("'{}' holds bus '{}' at another voltage than somebody else does", name,
+                                                bus.name),
+                                    "give one of them an impedance");
+                    }
+                    continue;
+                }
+                Complex const y1 = 1.0 / z1, mutual = (1.0 / z0 - y1) / 3.0;
                 for (int j = 0; j < 3; ++j) {
                     add(node + i, node + j, mutual + (i == j ? y1 : Complex{}));
                 }
-                sources_.emplace_back(
-                    node + i, y1 * e * std::polar(1.0, -i * 2 * std::numbers::pi / 3)); // balanced: no mutual part
+                sources_.emplace_back(node + i, y1 * phase); // balanced: no mutual part
             }
+            return {};
         };
         for (Source const& s : n_.sources) {
-            Complex const z1{s.r_ohm, omega_ * s.l_mh * 1e-3};
-            hold(s.bus, s.voltage_pu, s.angle_deg, z1,
-                 {s.r0_ohm.value_or(s.r_ohm), omega_ * s.l0_mh.value_or(s.l_mh) * 1e-3});
+            if (auto ok = hold(s.name.name, s.bus, s.voltage_pu, s.angle_deg, {s.r_ohm, omega_ * s.l_mh * 1e-3},
+                               {s.r0_ohm.value_or(s.r_ohm), omega_ * s.l0_mh.value_or(s.l_mh) * 1e-3});
+                !ok) {
+                return ok;
+            }
         }
         for (Generator const& g : n_.generators) {
             if (g.role == GeneratorRole::slack) {
-                hold(g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {});
+                if (auto ok = hold(g.name.name, g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {}); !ok) {
+                    return ok;
+                }
             }
         }
+        if (held_.empty() && sources_.empty()) {
+            return fail(ExitCode::usage, "the three-phase power flow needs a source or a slack generator");
+        }
+        return {};
+    }
+
+    double scale(Ref const& name) const {
+        Profile const* profile = name.empty() ? nullptr : find(n_.profiles, name.name);
+        return profile == nullptr ? 1 : profile_value(*profile, hours_, start_hour_of_day_);
     }
 
     /// Currents that loads draw at these voltages.
@@ -199,17 +226,22 @@ class Feeder {
         };
         for (Load const& l : n_.loads) {
             int const node = node_of(l.bus);
+            double const times = scale(l.scale);
             for (int k = 0; k < 3; ++k) {
                 auto const phase = static_cast<std::size_t>(k);
-                double const p = l.phase_p_kw.empty() ? l.p_kw / 3 : l.phase_p_kw[phase];
-                double const q = l.phase_q_kvar.empty() ? load_q_kvar(l) / 3 : l.phase_q_kvar[phase];
+                double const p = (l.phase_p_kw.empty() ? l.p_kw / 3 : l.phase_p_kw[phase]) * times;
+                double const q = (l.phase_q_kvar.empty() ? load_q_kvar(l) / 3 : l.phase_q_kvar[phase]) * times;
                 VoltagePower const f = load_factor(l, std::abs(v[node + k]) / phase_v_[bus_of(l.bus)]);
                 consume(node + k, 1e3 * Complex{p * f.p, q * f.q});
             }
         }
         for (Pv const& pv : n_.pv) {
+            double all = pv.p_kw * scale(pv.scale);
+            if (pv.rating_kva > 0) {
+                all = std::min(all, pv.rating_kva * pv.power_factor);
+            }
             for (int k = 0; k < 3; ++k) {
-                double const p = pv.p_kw / 3;
+                double const p = all / 3;
                 consume(node_of(pv.bus) + k,
                         -1e3 * Complex{p, -p * std::sqrt(1 - pv.power_factor * pv.power_factor) / pv.power_factor});
             }
@@ -222,21 +254,19 @@ class Feeder {
     }
 
     Result<ThreePhaseFlow> iterate(ThreePhaseOptions const& options) {
-        double largest = 0;
+        std::vector<Eigen::Triplet<Complex>> places;
+        std::vector<double> own(static_cast<std::size_t>(nodes_), 0.0);
         for (auto const& e : entries_) {
-            largest = std::max(largest, std::abs(e.value()));
-        }
-        double smallest_diagonal = largest;
-        for (auto const& e : entries_) {
-            smallest_diagonal = e.row() == e.col() && std::abs(e.value()) > 0
-                                    ? std::min(smallest_diagonal, std::abs(e.value()))
-                                    : smallest_diagonal;
+            if (!held_.contains(e.row())) {
+                places.push_back(e);
+                own[static_cast<std::size_t>(e.row())] += e.row() == e.col() ? std::abs(e.value()) : 0;
+            }
         }
         for (int k = 0; k < nodes_; ++k) {
-            entries_.emplace_back(k, k, kAnchorShare * largest + 1e-9 * smallest_diagonal);
+            places.emplace_back(k, k, held_.contains(k) ? 1 : kAnchorShare * own[static_cast<std::size_t>(k)]);
         }
         Eigen::SparseMatrix<Complex> y(nodes_, nodes_);
-        y.setFromTriplets(entries_.begin(), entries_.end());
+        y.setFromTriplets(places.begin(), places.end());
         Eigen::SparseLU<Eigen::SparseMatrix<Complex>> factors{y};
         if (factors.info() != Eigen::Success) {
             return fail(ExitCode::usage, "the three-phase admittance matrix is singular",
@@ -246,11 +276,18 @@ class Feeder {
         for (auto const& [node, current] : sources_) {
             driven[node] += current;
         }
+        auto const hold = [&](Eigen::VectorXcd& rhs) {
+            for (auto const& [node, voltage] : held_) {
+                rhs[node] = voltage;
+            }
+        };
+        hold(driven);
         Eigen::VectorXcd v = factors.solve(driven);
         ThreePhaseFlow out;
         for (out.iterations = 1; out.iterations <= options.max_iterations; ++out.iterations) {
             Eigen::VectorXcd i = driven;
             draw(v, i);
+            hold(i);
             Eigen::VectorXcd const next = factors.solve(i);
             out.change_pu = 0;
             for (std::size_t b = 0; b < n_.buses.size(); ++b) {
@@ -323,7 +360,9 @@ class Feeder {
     Network const& n_;
     SwitchState const& state_;
     double omega_;
+    double hours_{0}, start_hour_of_day_{0};
     int nodes_{0};
+    std::map<int, Complex> held_; ///< voltages of ideal sources, by node
     std::vector<double> phase_v_;
     std::vector<Eigen::Triplet<Complex>> entries_;
     std::vector<std::pair<int, Complex>> sources_;

@@ -29,6 +29,8 @@ struct ThreePhaseFlow {
 struct ThreePhaseOptions {
     double tolerance_pu{1e-9};
     int max_iterations{500};
+    double hours{0};             ///< time at which profiles are read
+    double start_hour_of_day{0}; ///< of simulated time 0
 };
 
 /// Unbalanced power flow of a distribution network: phase impedance matrices, transformers with their connections,

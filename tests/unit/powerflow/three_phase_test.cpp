@@ -69,6 +69,16 @@ TEST(ThreePhasePowerFlow, ABalancedNetworkHasTheVoltagesOfTheBalancedPowerFlow) 
     }
 }
 
+TEST(ThreePhasePowerFlow, TwoSourcesThatHoldDifferentVoltagesAtOnePlaceAreAnError) {
+    Network n = shipped("ieee4_wye_wye.yaml");
+    n.generators.push_back(n.generators.front());
+    EXPECT_TRUE(solve_three_phase(n, SwitchState{n}).has_value()); // the same voltage twice contradicts nothing
+    n.generators.back().voltage_setpoint_pu = 1.01;
+    auto const flow = solve_three_phase(n, SwitchState{n});
+    ASSERT_FALSE(flow.has_value());
+    EXPECT_THAT(flow.error().message, testing::HasSubstr("holds bus 'N1' at another voltage"));
+}
+
 TEST(ThreePhasePowerFlow, MoreThanTheFeederCanCarryIsAnError) {
     Network n = shipped("ieee4_wye_wye.yaml");
     for (double& p : n.loads[0].phase_p_kw) {
