@@ -36,6 +36,10 @@ BlockReasons wrong_with(EndSample const& s, RelayParams const& params) {
 
 } // namespace
 
+bool usable(EndSample const& sample, RelayParams const& params) {
+    return wrong_with(sample, params) == 0;
+}
+
 LineRelay::LineRelay(RelayParams const& params)
     : params_{params}, element_{params.element}, events_{params.event_capacity} {
     output_.blocked = kFilling;

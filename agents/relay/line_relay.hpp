@@ -30,6 +30,9 @@ struct TripPermission {
     bool granted{true};
 };
 
+/// Whether the relay would decide by this sample: present, of good quality, synchronised, not for a test.
+[[nodiscard]] bool usable(EndSample const& sample, RelayParams const& params);
+
 struct RelayOutput {
     std::int64_t index{0};
     bool evaluated{false}; ///< the window was full and nothing blocked: `values` belong to this index

@@ -3,12 +3,15 @@
 //
 // gridspace-relay: line differential protection; two streams of sampled values in, a trip by GOOSE out.
 #include "agents/relay/current_inputs.hpp"
+#include "agents/relay/guarded_relay.hpp"
+#include "agents/relay/intrusion_output.hpp"
 #include "agents/relay/relay_program.hpp"
 #include "agents/relay/trip_publisher.hpp"
 #include "bus/daemon.hpp"
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
+#include "ids/forecaster/model_file.hpp"
 
 #include <array>
 #include <cmath>
@@ -82,8 +85,10 @@ class RelayAgent {
         }
         params->from_positive = config.from_positive;
         params->to_positive = config.to_positive;
-        relay_ = std::make_unique<LineRelay>(*params);
         rate_hz_ = from->rate_hz.to_double();
+        if (auto ok = make_relay(*params, from->rate_hz); !ok) {
+            return ok;
+        }
         auto inputs = CurrentInputs::create(*from, *to, config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6));
         if (!inputs) {
             return std::unexpected{inputs.error()};
@@ -100,6 +105,28 @@ class RelayAgent {
         }
         trip_ = std::move(*publisher);
         return open_signals();
+    }
+
+    Result<void> make_relay(RelayParams const& params, Rational rate_hz) {
+        if (!settings_.relay.ids) {
+            relay_ = std::make_unique<GuardedRelay>(params);
+            return {};
+        }
+        auto const model = ids::load_model(settings_.relay.ids->model);
+        if (!model) {
+            return std::unexpected{model.error()};
+        }
+        auto const detector = ids::make_detector_params(*settings_.relay.ids, *model, rate_hz.to_double(), settings_.relay.frequency_hz);
+        if (!detector) {
+            return std::unexpected{detector.error()};
+        }
+        relay_ = std::make_unique<GuardedRelay>(params, *model, *detector);
+        auto output = IntrusionOutput::create(node_, run_, settings_.relay, rate_hz);
+        if (!output) {
+            return std::unexpected{output.error()};
+        }
+        intrusion_ = std::move(*output);
+        return {};
     }
 
     Result<void> open_signals() {
@@ -162,6 +189,9 @@ class RelayAgent {
         started_ = true;
         for (bus::SignalPublisher* signals : all_signals()) {
             signals->announce(now);
+        }
+        if (intrusion_ != nullptr) {
+            intrusion_->announce(now);
         }
         trip_->announce(now);
         now_ns_ = node_.lockstep() ? clock_.of(now) : clock_.now();
@@ -238,7 +268,7 @@ class RelayAgent {
     [[nodiscard]] std::uint64_t samples_of(std::size_t end) const { return inputs_->end(end).subscriber.counters().samples; }
 
     void pair(LineSample const& sample) {
-        RelayOutput const& out = relay_->step(sample);
+        RelayOutput const& out = intrusion_ == nullptr ? relay_->step(sample) : guarded(sample);
         if (decision_ages_ != nullptr && sample.from.present && sample.to.present) {
             publish_age(*decision_ages_, sample.index, clock_.utc_ns(0));
         }
@@ -254,12 +284,23 @@ class RelayAgent {
         }
     }
 
+    /// Detector and relay, the detector's time taken.
+    RelayOutput const& guarded(LineSample const& sample) {
+        std::int64_t const before = processor_time_ns();
+        relay_->judge(sample);
+        std::int64_t const took_ns = processor_time_ns() - before;
+        RelayOutput const& out = relay_->decide(sample);
+        double const instant_s = instant_of(sample.index);
+        intrusion_->sample(*relay_->detector(), std::llround(instant_s * rate_hz_), std::llround(instant_s * 1e9), now(), took_ns);
+        return out;
+    }
+
     [[nodiscard]] SimTime now() const { return node_.lockstep() ? clock_.at_or_after(now_ns_) : node_.latest_time(); }
 
     void publish_state() {
         std::array<double, 3> const row{pickup_ ? 1.0 : 0.0, tripped_ ? 1.0 : 0.0, blocked_ ? 1.0 : 0.0};
         state_signals_->row(now(), row);
-        relay_->events().drain([&](RelayEvent const& event) {
+        relay_->relay().events().drain([&](RelayEvent const& event) {
             std::string text = fmt::format("sample {}", event.index);
             if (event.phases != 0) {
                 text += fmt::format(", phases {}, {:.1f} {:.1f} {:.1f} A", phase_names(event.phases), event.differential_a[0],
@@ -306,6 +347,10 @@ class RelayAgent {
             return;
         }
         counter_signals_->row(time, row);
+        if (intrusion_ != nullptr) {
+            intrusion_->report(*relay_->detector(), time);
+            intrusion_->flush(time, final);
+        }
         for (bus::SignalPublisher* signals : all_signals()) {
             signals->flush();
         }
@@ -317,7 +362,8 @@ class RelayAgent {
     WireClock clock_;
     bus::TickGrid grid_;
     std::int64_t latency_ns_;
-    std::unique_ptr<LineRelay> relay_;
+    std::unique_ptr<GuardedRelay> relay_;
+    std::unique_ptr<IntrusionOutput> intrusion_; ///< with a detector
     std::unique_ptr<CurrentInputs> inputs_;
     std::unique_ptr<WirePort> port_;
     std::unique_ptr<TripPublisher> trip_;

@@ -3,13 +3,18 @@
 #pragma once
 
 #include "agents/relay/relay_config.hpp"
+#include "ids/detector/detector_config.hpp"
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace gridspace::relay {
 
 using config::Ref;
+
+/// Counters of a guarded stream, by the last part of their signals' names; in the order of ids::GuardCounters.
+inline constexpr std::array<char const*, 7> kIdsCounters{"samples", "flagged", "open_flagged", "replaced", "filled", "restarts", "unusable"};
 
 /// gridspace-relay: two streams of sampled currents in, a trip by GOOSE out.
 struct RelayConfig {
@@ -19,6 +24,7 @@ struct RelayConfig {
     std::string trip_field{"status"};
     enum class TripOutput { enabled, blocked } trip_output{TripOutput::enabled};
     RelayLogicConfig logic;
+    std::optional<ids::DetectorConfig> ids; ///< the intrusion detector in front of it
     double partner_timeout_ms{20}; ///< how long the sample of one end waits for the other
     Rational latency_us{900};      ///< lockstep: from a frame to the message
     double frequency_hz{60};       ///< of the network; the launcher takes it from there

@@ -7,6 +7,7 @@
 #include <catalog.h>
 #include <clock.h>
 #include <ev_charging.h>
+#include <intrusion.h>
 #include <protection.h>
 #include <signals.h>
 
@@ -18,6 +19,7 @@ Codec const* find_codec(std::string_view type_name) {
         &codec_of<BusMeasurement>(), &codec_of<ChargingRequest>(), &codec_of<ChargingDecision>(),
         &codec_of<LineCurrents>(),   &codec_of<TripCommand>(),     &codec_of<BreakerStatus>(),
         &codec_of<SignalCatalog>(),  &codec_of<SignalFrame>(),     &codec_of<TypeCatalogEntry>(),
+        &codec_of<IdsVerdict>(),     &codec_of<AttackLabel>(),
     };
     for (Codec const* codec : kAll) {
         if (codec->type_name == type_name) {

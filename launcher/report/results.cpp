@@ -5,6 +5,7 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
+#include "launcher/report/wall_clock.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 
 #include <algorithm>
@@ -185,6 +186,7 @@ Result<Results> read_results(fs::path const& folder) {
     if (auto ok = read_recording(folder, out); !ok) {
         return std::unexpected{ok.error()};
     }
+    add_wall_clock_values(folder, out.outcome.simulated_s, out.signals);
     judge_all(folder, out);
     return out;
 }

@@ -57,6 +57,11 @@ bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Da
             clock.downstream.push_back(member.name);
         }
     }
+    for (auto const& [topic, writers] : flow.writers) { // what is said about the studied network does not travel on it
+        if (writers.front().use.type == "IdsVerdict" || writers.front().use.type == "AttackLabel") {
+            node.management_topics.push_back(topic);
+        }
+    }
     node.expected_writers = flow.expected_writers(node.process);
     node.expected_readers = flow.expected_readers(node.process);
     return node;

@@ -7,6 +7,7 @@
 #include "gateways/breaker/breaker_config.hpp"
 #include "gateways/mu/mu_config.hpp"
 #include "gateways/port/wire_config.hpp"
+#include "ids/forecaster/model_file.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_use.hpp"
 #include "sim/gateway/gateway_config.hpp"
@@ -175,6 +176,7 @@ class RelaySettings final : public ProcessSettings {
                 diagnostics.error(process.name.where, params.error().message, params.error().remedy, static_cast<int>(process.name.name.size()));
             }
         }
+        check_detector(process, from, diagnostics);
         if (process.node.find("positive") == nullptr) {
             config_.from_positive = polarity(s, config_.from_stream).value_or(config_.from_positive);
             config_.to_positive = polarity(s, config_.to_stream).value_or(config_.to_positive);
@@ -183,6 +185,9 @@ class RelaySettings final : public ProcessSettings {
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
         std::vector<TopicUse> out;
         add_signals(out);
+        if (config_.ids && !config_.ids->verdicts.empty()) {
+            out.push_back({config_.ids->verdicts, "IdsVerdict"});
+        }
         return out;
     }
     [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
@@ -210,6 +215,9 @@ class RelaySettings final : public ProcessSettings {
         }
         out.push_back({"stream." + config_.trip.name + ".interval_ms", "ms", 0});
         out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0});
+        if (config_.ids) {
+            add_detector_signals("ids." + process.name.name + ".", out);
+        }
         return out;
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
@@ -221,12 +229,54 @@ class RelaySettings final : public ProcessSettings {
         positive.set("from", Node::scalar(word(config_.from_positive)));
         positive.set("to", Node::scalar(word(config_.to_positive)));
         node.set("positive", std::move(positive));
+        if (Node* detector = node.find("ids"); detector != nullptr && config_.ids) {
+            detector->set("model", Node::quoted_text(std::filesystem::absolute(config_.ids->model).lexically_normal().string()));
+        }
         return node;
     }
 
   private:
     [[nodiscard]] Rational frequency() const {
         return Rational::parse(shortest(config_.frequency_hz)).value_or(Rational{60});
+    }
+
+    /// The model must be there, undamaged, and made for the streams.
+    void check_detector(Process const& process, Stream const* stream, Diagnostics& diagnostics) const {
+        if (!config_.ids || config_.ids->model.empty()) {
+            return;
+        }
+        Node const* section = process.node.find("ids");
+        Node const* written = section == nullptr ? nullptr : section->find("model");
+        auto const where = written == nullptr ? process.name.where : written->where;
+        auto const complain = [&](Error const& error) {
+            diagnostics.error(where, error.message, error.remedy, written == nullptr ? 1 : static_cast<int>(written->text.size()));
+        };
+        auto const model = ids::load_model(config_.ids->model);
+        if (!model) {
+            complain(model.error());
+        } else if (stream != nullptr) {
+            if (auto const params = ids::make_detector_params(*config_.ids, *model, stream->rate_hz.to_double(), config_.frequency_hz); !params) {
+                complain(params.error());
+            }
+        }
+    }
+
+    void add_detector_signals(std::string const& prefix, std::vector<SignalUse>& out) const {
+        for (char const* name : {"alarm", "alarm_reasons", "granted"}) {
+            out.push_back({prefix + name, "", 0});
+        }
+        out.push_back({prefix + "alarms", "", 1});
+        for (Ref const* stream : {&config_.from_stream, &config_.to_stream}) {
+            std::string const own = prefix + stream->name + ".";
+            out.push_back({own + "locked_out", "", 0});
+            for (char const* name : relay::kIdsCounters) {
+                out.push_back({own + name, "", 1});
+            }
+            out.push_back({own + "sigma_percent", "%", 1});
+        }
+        for (char const* name : {"time_us_p50", "time_us_p99", "time_us_max"}) {
+            out.push_back({prefix + name, "us", 0});
+        }
     }
 
     /// Which way the transformer behind a stream counts: stream <- merging unit <- topic <- transformer. Nothing when the
