@@ -181,6 +181,12 @@ int main_function(int argc, char** argv) {
     IdsStudyArguments ids_study_arguments;
     add_ids_verbs(app, action, ids_train_arguments, ids_evaluate_arguments, ids_study_arguments);
 
+    MonitorArguments monitor_arguments;
+    CLI::App* monitor_verb = verb("monitor", "look at a finished run in the dashboard");
+    monitor_verb->add_option("RUN", monitor_arguments.run, "run folder (default: latest)");
+    monitor_verb->add_option("--listen", monitor_arguments.listen, "address and port (port 0: a free one)");
+    monitor_verb->callback([&] { action = [&] { return monitor(monitor_arguments); }; });
+
     GraphArguments graph_arguments;
     bool graph_dot = false, graph_json = false, graph_svg = false;
     CLI::App* graph_verb = verb("graph", "who talks to whom in a running scenario");

@@ -56,6 +56,12 @@ struct SimulateArguments {
 };
 int simulate(SimulateArguments const& arguments);
 
+struct MonitorArguments {
+    std::filesystem::path run{"latest"};
+    std::string listen{"127.0.0.1:0"};
+};
+int monitor(MonitorArguments const& arguments);
+
 int report(std::filesystem::path const& run, bool json);
 
 struct ExportArguments {

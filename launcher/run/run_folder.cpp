@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_folder.hpp"
 
+#include "launcher/scenario/monitor_settings.hpp"
+
 #include "common/version.hpp"
 
 #include <array>
@@ -122,6 +124,9 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         processes[process.name] = {{"program", process.program}, {"host", process.host}, {"member", process.is_member}};
     }
     if (auto ok = write_text(plan.folder / "scenario.resolved.yaml", to_yaml(scenario.resolved)); !ok) {
+        return ok;
+    }
+    if (auto ok = write_text(plan.folder / "monitor.yaml", to_yaml(recorded_monitor(scenario))); !ok) {
         return ok;
     }
     fs::copy_file(scenario.simulation.network, plan.folder / ("network" + scenario.simulation.network.extension().string()),

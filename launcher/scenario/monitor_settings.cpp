@@ -72,10 +72,33 @@ void add_network(Node& run, sim::Network const& network) {
 
 } // namespace
 
-Node monitored_run(Scenario const& scenario) {
+namespace {
+
+Node faults_of(std::vector<sim::Event> const& events) {
+    Node faults = Node::sequence();
+    for (sim::Event const& event : events) {
+        if (!event.fault || !event.at_s) {
+            continue;
+        }
+        Node node = entry({{"name", event.name.name}, {"line", event.fault->line}, {"bus", event.fault->bus}});
+        node.set("position_percent", Node::scalar(shortest(event.fault->position_percent)));
+        node.set("at_s", Node::scalar(shortest(event.at_s->to_double())));
+        if (event.clear_after_ms) {
+            node.set("until_s",
+                     Node::scalar(shortest(event.at_s->to_double() + event.clear_after_ms->to_double() / 1000)));
+        }
+        faults.items.push_back(std::move(node));
+    }
+    return faults;
+}
+
+} // namespace
+
+Node monitored_run(Scenario const& scenario, std::string const& folder) {
     Node run = entry({{"mode", scenario.clock.mode == bus::ClockMode::lockstep ? "lockstep" : "realtime"},
                       {"speed", scenario.clock.speed > 0 ? shortest(scenario.clock.speed) : "max"},
-                      {"events", "../events.ndjson"}}); // beside the folder of the process files
+                      {"events", folder + "/events.ndjson"},
+                      {"graph", folder + "/graph.json"}});
     run.set("duration_s", Node::scalar(shortest(scenario.simulation.duration().to_double())));
     Node processes = Node::sequence(), wires = Node::sequence();
     for (Process const& process : scenario.processes) {
@@ -99,7 +122,21 @@ Node monitored_run(Scenario const& scenario) {
     if (scenario.network) {
         add_network(run, *scenario.network);
     }
+    run.set("faults", faults_of(scenario.events));
     return run;
+}
+
+Node recorded_monitor(Scenario const& scenario) {
+    Node management = Node::map(), bus = Node::map(), settings = Node::map();
+    management.set("domain", Node::scalar("0")); // it is not joined
+    bus.set("management", std::move(management));
+    settings.set("scenario", Node::quoted_text(scenario.name));
+    settings.set("recording", Node::quoted_text("data.mcap"));
+    settings.set("run", monitored_run(scenario, "."));
+    Node out = entry({{"process", "monitor"}, {"program", "gridspace-monitor"}});
+    out.set("bus", std::move(bus));
+    out.set("settings", std::move(settings));
+    return out;
 }
 
 } // namespace gridspace::launcher

@@ -4,11 +4,17 @@
 
 #include "common/config/node.hpp"
 
+#include <string>
+
 namespace gridspace::launcher {
 
 struct Scenario;
 
 /// What gridspace-monitor is told about the run: its `run:` settings (monitor/app/run_plan.hpp).
-[[nodiscard]] config::Node monitored_run(Scenario const& scenario);
+/// `folder`: the run folder as seen from the file that the settings go to.
+[[nodiscard]] config::Node monitored_run(Scenario const& scenario, std::string const& folder);
+
+/// The configuration of a gridspace-monitor that shows the run when it is over (`gridspace monitor RUN`).
+[[nodiscard]] config::Node recorded_monitor(Scenario const& scenario);
 
 } // namespace gridspace::launcher

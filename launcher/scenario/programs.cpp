@@ -301,7 +301,7 @@ class MonitorSettings final : public ProcessSettings {
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = own_settings(process);
         node.set("scenario", Node::quoted_text(s.name));
-        node.set("run", monitored_run(s));
+        node.set("run", monitored_run(s, ".."));
         return node;
     }
 

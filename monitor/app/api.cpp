@@ -64,7 +64,7 @@ std::string Api::health() const {
 std::string Api::run() const {
     std::lock_guard const lock{run_.mutex};
     RunClock const& clock = run_.clock;
-    graph::Snapshot const graph = run_.graph.snapshot();
+    graph::Snapshot const graph = run_.snapshot();
     Json processes = Json::array();
     for (graph::Process const& process : graph.processes) {
         Json entry{{"name", process.name},
@@ -81,6 +81,7 @@ std::string Api::run() const {
     Json out{{"scenario", run_.plan.scenario},
              {"mode", run_.plan.mode},
              {"speed", run_.plan.speed},
+             {"recorded", run_.recorded},
              {"state", clock.state},
              {"time_s", clock.time_s},
              {"duration_s", run_.plan.duration_s},
@@ -94,7 +95,7 @@ std::string Api::run() const {
 
 std::string Api::graph() const {
     std::lock_guard const lock{run_.mutex};
-    return graph::to_json(run_.graph.snapshot());
+    return graph::to_json(run_.snapshot());
 }
 
 std::string Api::network() const {
@@ -117,13 +118,36 @@ std::string Api::network() const {
     for (auto const& d : plan.devices) {
         devices.push_back({{"name", d.name}, {"label", d.label}, {"bus", d.bus}, {"kind", d.kind}});
     }
-    return text({{"buses", buses}, {"branches", branches}, {"breakers", breakers}, {"devices", devices}});
+    Json faults = Json::array();
+    for (auto const& fault : plan.faults) {
+        Json entry{{"name", fault.name}, {"at_s", fault.at_s}};
+        if (fault.line.empty()) {
+            entry["bus"] = fault.bus;
+        } else {
+            entry["line"] = fault.line;
+            entry["position_percent"] = fault.position_percent;
+        }
+        if (fault.until_s) {
+            entry["until_s"] = *fault.until_s;
+        }
+        faults.push_back(std::move(entry));
+    }
+    return text(
+        {{"buses", buses}, {"branches", branches}, {"breakers", breakers}, {"devices", devices}, {"faults", faults}});
 }
 
 std::string Api::topics() const {
     std::lock_guard const lock{run_.mutex};
     Json out = Json::array();
-    for (graph::Topic const& topic : run_.graph.snapshot().topics) {
+    std::vector<graph::Topic> topics = run_.snapshot().topics;
+    for (auto const& [key, state] : run_.topics) { // of a recorded run nobody may have seen who read it
+        bool const known = std::any_of(topics.begin(), topics.end(),
+                                       [&](auto const& t) { return t.network == key.first && t.name == key.second; });
+        if (!known) {
+            topics.push_back({state.topic, state.network, state.type, bus::is_management_topic(state.topic), 0, 0});
+        }
+    }
+    for (graph::Topic const& topic : topics) {
         Json entry{{"name", topic.name},           {"network", topic.network}, {"type", topic.type},
                    {"framework", topic.framework}, {"writers", topic.writers}, {"readers", topic.readers}};
         auto const it = run_.topics.find({topic.network, topic.name});
@@ -262,7 +286,7 @@ web::Response Api::answer(web::Request const& request) const {
     }
     if (path == "/api/v1/graph.dot" || path == "/api/v1/graph.svg") {
         std::unique_lock lock{run_.mutex};
-        graph::Snapshot const snapshot = run_.graph.snapshot();
+        graph::Snapshot const snapshot = run_.snapshot();
         lock.unlock();
         bool const framework = request.target.query.contains("framework");
         web::Response response;

@@ -71,9 +71,11 @@ void LiveRun::decode(std::string const& topic, std::string const& process, std::
             clock.seen = true;
             clock.tick = sample.tick();
             clock.time_s = static_cast<double>(sample.time_ns()) * 1e-9;
-            clock.state = sample.state() == CLOCK_FINAL     ? "final"
-                          : sample.state() == CLOCK_ABORTED ? "aborted"
-                                                            : "running";
+            if (!recorded) {
+                clock.state = sample.state() == CLOCK_FINAL     ? "final"
+                              : sample.state() == CLOCK_ABORTED ? "aborted"
+                                                                : "running";
+            }
         }
     } else if (topic == "clock_ack") {
         ClockAck sample;

@@ -39,7 +39,7 @@ struct RunClock {
     bool seen{false};
     std::uint64_t tick{0};
     double time_s{0};
-    std::string state{"waiting"}; ///< waiting, running, final, aborted
+    std::string state{"waiting"}; ///< waiting, running, final, aborted; loading, recorded
     double factor{0};             ///< simulated seconds per second of wall clock, lately
 };
 
@@ -65,6 +65,8 @@ struct LiveRun {
 
     mutable std::mutex mutex;
     graph::GraphModel graph;
+    bool recorded{false};                          ///< a finished run
+    std::optional<graph::Snapshot> recorded_graph; ///< of a recorded run: as its monitor saw it
     RunClock clock;
     std::map<std::pair<std::string, std::string>, TopicState> topics; ///< by (network, topic)
     std::map<std::string, std::string> idl;                           ///< by type name
@@ -77,6 +79,8 @@ struct LiveRun {
 
     void on_sample(std::string const& network, std::string const& topic, std::string const& type, std::string process,
                    std::span<std::byte const> cdr, std::int64_t source_ns);
+    /// The graph as it is, or as it was recorded. Mutex held.
+    [[nodiscard]] graph::Snapshot snapshot() const { return recorded_graph ? *recorded_graph : graph.snapshot(); }
     /// Rates and pace; about twice a second, with the mutex not held.
     void measure(std::chrono::duration<double> since_last);
     void add_event(RunEvent event); ///< mutex held

@@ -10,11 +10,15 @@
 #include "monitor/app/event_tail.hpp"
 #include "monitor/app/pages.hpp"
 #include "monitor/app/push.hpp"
+#include "monitor/app/recorded_run.hpp"
 #include "monitor/app/run_plan.hpp"
+#include "monitor/graph/graph_text.hpp"
 #include "monitor/web/server.hpp"
 
 #include <condition_variable>
+#include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <sys/socket.h>
 
 namespace gridspace::monitor {
@@ -53,6 +57,29 @@ class Stop {
     bool asked_{false};
 };
 
+/// Writes the graph into the run folder when it has changed while the run was running, so that the recorded run shows
+/// who talked to whom. Returns the revision that is on disk.
+std::uint64_t keep_graph(LiveRun const& live, std::uint64_t kept) {
+    graph::Snapshot snapshot;
+    {
+        std::lock_guard const lock{live.mutex};
+        if (live.plan.graph.empty() || live.clock.state != "running" || live.graph.revision() == kept) {
+            return kept;
+        }
+        snapshot = live.snapshot();
+    }
+    std::filesystem::path part = live.plan.graph;
+    part += ".part";
+    std::ofstream stream{part};
+    stream << graph::to_json(snapshot) << '\n';
+    stream.close();
+    std::error_code error;
+    if (stream) {
+        std::filesystem::rename(part, live.plan.graph, error);
+    }
+    return snapshot.revision;
+}
+
 Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     auto socket = socket_to_serve_on(config);
     if (!socket) {
@@ -63,9 +90,16 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     run.on_stop([&stop] { stop.ask(); });
 
     LiveRun live{config.run};
-    auto tap = BusTap::join(run.bus, live);
-    if (!tap) {
-        return std::unexpected{tap.error()};
+    std::unique_ptr<BusTap> tap;
+    std::unique_ptr<RecordedRun> recorded;
+    if (config.recording.empty()) {
+        auto joined = BusTap::join(run.bus, live);
+        if (!joined) {
+            return std::unexpected{joined.error()};
+        }
+        tap = std::move(*joined);
+    } else {
+        recorded = std::make_unique<RecordedRun>(config.recording, live);
     }
     web::Server* serving = nullptr;
     Api const api{live, [&serving] { return serving == nullptr ? web::ServerCounters{} : serving->counters(); }};
@@ -91,13 +125,17 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     log::info("http://{}", address);
 
     EventTail events{config.run.events};
+    std::uint64_t kept = 0;
     auto measured = std::chrono::steady_clock::now();
     do {
-        (*tap)->follow();
+        if (tap != nullptr) {
+            tap->follow();
+        }
         events.read(live);
         auto const now = std::chrono::steady_clock::now();
-        if (now - measured >= std::chrono::milliseconds{500}) {
+        if (tap != nullptr && now - measured >= std::chrono::milliseconds{500}) {
             live.measure(now - measured);
+            kept = keep_graph(live, kept);
             measured = now;
         }
         hub.step(**server, now);

@@ -31,6 +31,10 @@ double number(Json const& json, char const* key, double otherwise) {
     return json.contains(key) && json[key].is_number() ? json[key].get<double>() : otherwise;
 }
 
+std::int64_t ns(double seconds) {
+    return static_cast<std::int64_t>(std::clamp(seconds * 1e9, -9e18, 9e18));
+}
+
 void append(std::string& out, std::vector<double> const& numbers) {
     static_assert(std::endian::native == std::endian::little, "the format is little-endian");
     out.append(reinterpret_cast<char const*>(numbers.data()), numbers.size() * sizeof(double));
@@ -50,9 +54,15 @@ void PushHub::closed(web::ClientId client) {
 
 void PushHub::message(web::ClientId client, std::string const& text) {
     Json const json = Json::parse(text, nullptr, false);
-    if (!json.is_object() || !json.contains("op") || json["op"] != "view" || !json.contains("id") ||
-        !json["id"].is_string()) {
+    if (!json.is_object() || !json.contains("op")) {
         return; // what we do not understand is not answered
+    }
+    if (json["op"] == "seek") {
+        seek(client, number(json, "t", NAN));
+        return;
+    }
+    if (json["op"] != "view" || !json.contains("id") || !json["id"].is_string()) {
+        return;
     }
     View view;
     view.id = json["id"].get<std::string>().substr(0, 64);
@@ -77,19 +87,34 @@ void PushHub::message(web::ClientId client, std::string const& text) {
     }
 }
 
-std::string PushHub::values(std::size_t& count) const {
+void PushHub::seek(web::ClientId client, double at_s) {
+    std::lock_guard const lock{mutex_};
+    auto const it = clients_.find(client);
+    if (it == clients_.end()) {
+        return;
+    }
+    Client& looking = it->second;
+    looking.at_s = std::isfinite(at_s) ? std::optional{at_s} : std::nullopt;
+    looking.moved = true;
+    for (auto& [id, view] : looking.views) {
+        view.asked = view.asked || view.window_s > 0; // it ends where the client looks
+    }
+}
+
+std::string PushHub::values(std::optional<double> at_s, std::size_t& count) const {
     std::lock_guard const lock{run_.mutex};
     Json out = Json::array();
     for (auto const& [key, window] : run_.signals) {
         for (std::size_t c = 0; window != nullptr && c < window->columns().size(); ++c) {
-            out.push_back(window->empty() ? Json{nullptr} : Json(window->newest(c)));
+            double const value = at_s ? window->value_at(c, ns(*at_s)) : window->empty() ? NAN : window->newest(c);
+            out.push_back(std::isnan(value) ? Json{nullptr} : Json(value));
         }
     }
     count = out.size();
     return out.dump();
 }
 
-std::string PushHub::series(View& view) const {
+std::string PushHub::series(View& view, std::optional<double> at_s) const {
     Json header{{"op", "series"}, {"id", view.id}, {"series", Json::array()}};
     std::string numbers;
     std::lock_guard const lock{run_.mutex};
@@ -102,11 +127,10 @@ std::string PushHub::series(View& view) const {
     if (newest == INT64_MIN || (!view.asked && newest == view.newest_sent_ns)) {
         return {};
     }
-    auto const ns = [](double s) { return static_cast<std::int64_t>(std::clamp(s * 1e9, -9e18, 9e18)); };
     std::int64_t from = ns(view.from_s), to = ns(view.to_s);
     if (view.window_s != 0) {
-        to = newest;
-        from = view.window_s < 0 ? 0 : newest - ns(view.window_s);
+        to = at_s && view.window_s > 0 ? std::min(newest, ns(*at_s)) : newest;
+        from = view.window_s < 0 ? 0 : to - ns(view.window_s);
     } else if (!view.asked && view.newest_sent_ns > to) {
         return {}; // a fixed view that nothing new can change
     }
@@ -148,8 +172,11 @@ void PushHub::step(web::Server& server, std::chrono::steady_clock::time_point no
         events = run_.events_seen;
     }
     std::size_t signals = 0;
-    std::string const newest = values(signals);
-    auto const state = share(fmt::format(R"({{"op":"state","run":{},"values":{}}})", api_.run(), newest));
+    auto const state_at = [&](std::optional<double> at_s) {
+        std::string const held = values(at_s, signals);
+        return share(fmt::format(R"({{"op":"state","run":{},"values":{}}})", api_.run(), held));
+    };
+    auto const newest = state_at(std::nullopt);
     std::shared_ptr<std::string const> topics, graph, names, network; // made when somebody needs them
     for (auto& [id, client] : clients_) {
         if (client.fresh) {
@@ -170,13 +197,17 @@ void PushHub::step(web::Server& server, std::chrono::steady_clock::time_point no
             server.push(id, share(wrapped("events", "list", api_.events(client.events_sent, 10'000))), false);
             client.events_sent = events;
         }
-        server.push(id, state, false);
+        if (!client.at_s) {
+            server.push(id, newest, false);
+        } else if (std::exchange(client.moved, false)) {
+            server.push(id, state_at(client.at_s), false);
+        }
         if (topics_due || client.fresh) {
             topics = topics == nullptr ? share(wrapped("topics", "list", api_.topics())) : topics;
             server.push(id, topics, false);
         }
         for (auto& [name, view] : client.views) {
-            if (std::string bytes = series(view); !bytes.empty()) {
+            if (std::string bytes = series(view, client.at_s); !bytes.empty()) {
                 server.push(id, share(std::move(bytes)), true);
             }
         }

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,13 +41,17 @@ class PushHub {
     };
     struct Client {
         bool fresh{true};
+        bool moved{false};          ///< it has not been told what held there
+        std::optional<double> at_s; ///< the instant that the client looks at, of a recorded run
         std::uint64_t graph_revision{0}, events_sent{0}, dropped_told{0};
         std::size_t signals_told{0};
         std::map<std::string, View> views;
     };
-    [[nodiscard]] std::string values(std::size_t& count) const;
+    void seek(web::ClientId client, double at_s);
+    /// The newest values, or those that held at an instant.
+    [[nodiscard]] std::string values(std::optional<double> at_s, std::size_t& count) const;
     /// Empty when nothing has changed since the view was last sent.
-    [[nodiscard]] std::string series(View& view) const;
+    [[nodiscard]] std::string series(View& view, std::optional<double> at_s) const;
 
     LiveRun const& run_;
     Api const& api_;

@@ -19,6 +19,7 @@ void describe_run(config::Fields& f, RunPlan& run) {
     f.text("speed", run.speed, {.doc = "simulated seconds per second, or max"});
     f.number("duration_s", run.duration_s, {.doc = "simulated time at which the run ends", .min = 0});
     f.file("events", run.events, {.doc = "the log of events that the launcher writes"});
+    f.file("graph", run.graph, {.doc = "where the graph is kept for the recorded run"});
     list(f, "processes", "who takes part", run.processes, [](config::Fields& p, RunPlan::Process& out) {
         p.text("name", out.name, {.required = true});
         p.text("program", out.program);
@@ -57,12 +58,21 @@ void describe_run(config::Fields& f, RunPlan& run) {
         d.text("bus", out.bus);
         d.text("kind", out.kind);
     });
+    list(f, "faults", "that the scenario applies", run.faults, [](config::Fields& e, RunPlan::Fault& out) {
+        e.text("name", out.name, {.required = true});
+        e.text("line", out.line);
+        e.text("bus", out.bus);
+        e.number("position_percent", out.position_percent);
+        e.number("at_s", out.at_s);
+        e.number("until_s", out.until_s);
+    });
 }
 
 } // namespace
 
 void describe(config::Fields& f, MonitorConfig& config) {
     f.text("listen", config.listen, {.doc = "address and port, when no socket is handed over"});
+    f.file("recording", config.recording, {.doc = "the recording of a finished run, which is shown instead of a bus"});
     f.references("allow_hosts", config.allow_hosts, {.doc = "names beyond localhost under which it may be reached"});
     f.text("scenario", config.run.scenario, {.doc = "name of the scenario"});
     f.object("run", {.doc = "the run; filled in by `gridspace run`"},

@@ -16,6 +16,7 @@ struct RunPlan {
     std::string scenario, mode, speed;
     double duration_s{0};         ///< 0: not known
     std::filesystem::path events; ///< events.ndjson of the run, which the launcher writes
+    std::filesystem::path graph;  ///< graph.json of the run: the monitor keeps what it has seen, for the recorded run
 
     struct Process {
         std::string name, program, host;
@@ -44,14 +45,22 @@ struct RunPlan {
     struct Device {
         std::string name, label, bus, kind;
     };
+    /// A fault on a line, or at a bus.
+    struct Fault {
+        std::string name, line, bus;
+        double position_percent{50}, at_s{0};
+        std::optional<double> until_s;
+    };
     std::vector<Bus> buses;
     std::vector<Branch> branches;
     std::vector<Breaker> breakers;
     std::vector<Device> devices;
+    std::vector<Fault> faults;
 };
 
 /// Settings of gridspace-monitor.
 struct MonitorConfig {
+    std::filesystem::path recording;      ///< data.mcap of a finished run; then no bus is joined
     std::string listen{"127.0.0.1:0"};    ///< when no socket is handed over
     std::vector<config::Ref> allow_hosts; ///< names beyond those of this machine under which it may be reached
     RunPlan run;

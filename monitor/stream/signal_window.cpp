@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gridspace::stream {
 namespace {
@@ -82,6 +83,22 @@ SignalWindow::Bucket const& SignalWindow::bucket(Level const& level, std::size_t
 
 std::int64_t SignalWindow::oldest_ns() const {
     return empty() ? 0 : bucket(levels_.back(), 0).first_ns;
+}
+
+double SignalWindow::value_at(std::size_t column, std::int64_t time_ns) const {
+    for (Level const& level : levels_) {
+        std::size_t const count = kept(level);
+        if (count == 0 || column >= columns_.size() || bucket(level, 0).first_ns > time_ns) {
+            continue; // a coarser one reaches further back
+        }
+        std::size_t low = 0, high = count; // the last bucket that begins at or before the instant
+        while (high - low > 1) {
+            std::size_t const middle = (low + high) / 2;
+            (bucket(level, middle).first_ns <= time_ns ? low : high) = middle;
+        }
+        return level.low[static_cast<std::size_t>((level.begun - count + low) % capacity_) * columns_.size() + column];
+    }
+    return std::numeric_limits<double>::quiet_NaN();
 }
 
 Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t to_ns, std::size_t pixels) const {

@@ -38,6 +38,8 @@ class SignalWindow {
     [[nodiscard]] std::int64_t newest_ns() const { return newest_ns_; }
     [[nodiscard]] std::int64_t oldest_ns() const; ///< as far back as the coarsest level goes
     [[nodiscard]] double newest(std::size_t column) const { return newest_[column]; }
+    /// The value that held at an instant (the lowest of a bucket where only buckets are left); NaN before the first.
+    [[nodiscard]] double value_at(std::size_t column, std::int64_t time_ns) const;
     [[nodiscard]] std::uint64_t rows() const { return count_; }
 
     /// The signal between two instants, with the last point before and the first after them, so that lines reach the

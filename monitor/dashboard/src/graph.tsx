@@ -27,7 +27,7 @@ export function GraphView() {
   const arrows: Arrow[] = [
     ...g.edges.filter(e => visible(e.process) && (framework || !hidden.has(e.topic)))
       .map(e => ({ process: e.process, middle: e.topic, out: e.writes, problems: e.problems })),
-    ...g.wires.map(w => ({ process: w.process, middle: w.stream, out: w.publishes, problems: [] })),
+    ...g.wires.filter(w => visible(w.process)).map(w => ({ process: w.process, middle: w.stream, out: w.publishes, problems: [] })),
   ];
   const streams = new Set(g.wires.map(w => w.stream));
   const processes = g.processes.map(p => p.name).filter(visible);

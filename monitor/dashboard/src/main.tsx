@@ -8,6 +8,8 @@ import { OneLine } from "./oneline";
 import { Plots } from "./plots";
 import { choice, choose, picked } from "./state";
 import { rate, stamp, time } from "./text";
+import { position, Transport } from "./transport";
+import { Wire } from "./wire";
 
 function Header() {
   const r = run.value;
@@ -21,11 +23,11 @@ function Header() {
     <header>
       <h1>Gridspace</h1>
       <span>{r?.scenario}</span>
-      {mode && <span class="pill">{mode}{r!.factor > 0 ? ` · now x${r!.factor >= 10 ? Math.round(r!.factor) : r!.factor.toFixed(2)}` : ""}</span>}
-      <span class={`pill ${lost ? "bad" : all && alive === all ? "good" : ""}`} role="status">{lost ? "✕ " : ""}{alive} of {all} alive</span>
-      <div class="progress" role="progressbar" aria-valuenow={Math.round(part * 100)} aria-label="progress of the run"><i style={{ width: `${part * 100}%` }} /></div>
-      {r && <span class="time">t = {time(r.time_s, r.duration_s)}{r.duration_s > 0 ? ` of ${time(r.duration_s, r.duration_s)}` : ""}</span>}
-      <span class={connected.value ? "soft" : "pill bad"} role="status">{connected.value ? (dropped.value ? `dropped ${dropped.value}` : over ? "finished" : "live") : ended.value ? "run is over" : "connecting"}</span>
+      {mode && <span class={`pill${r!.mode !== "lockstep" && r!.state === "running" && r!.factor > 0 && r!.factor < 0.95 * (Number(r!.speed) || 1) ? " bad" : ""}`}>{mode}{r!.factor > 0 ? ` · now x${r!.factor >= 10 ? Math.round(r!.factor) : r!.factor.toFixed(2)}` : ""}</span>}
+      <span class={`pill ${lost ? "bad" : all && alive === all ? "good" : ""}`} role="status">{lost ? "✕ " : ""}{alive} of {all} {r?.recorded ? "took part" : "alive"}</span>
+      {r?.recorded && r.state === "recorded" ? <Transport /> : <><div class="progress" role="progressbar" aria-valuenow={Math.round(part * 100)} aria-label="progress of the run"><i style={{ width: `${part * 100}%` }} /></div>
+      {r && <span class="time">t = {time(r.time_s, r.duration_s)}{r.duration_s > 0 ? ` of ${time(r.duration_s, r.duration_s)}` : ""}</span>}</>}
+      <span class={connected.value ? "soft" : "pill bad"} role="status">{connected.value ? (dropped.value ? `dropped ${dropped.value}` : r?.recorded ? r.state : over ? "finished" : "live") : ended.value ? "run is over" : "connecting"}</span>
       <button aria-label="light or dark" title="light or dark" onClick={() => choose({ theme: dark ? "light" : "dark" })}>{dark ? "☀" : "☾"}</button>
     </header>
   );
@@ -52,15 +54,19 @@ function Processes() {
 
 function Events() {
   const whole = run.value?.duration_s || 1;
-  const jump = (t: number) => { const half = Math.max(whole / 200, 0.02); choose({ t0: Math.max(t - half, 0), t1: t + half }); };
+  const jump = (t: number) => {
+    if (run.value?.recorded) choose({ at: t });
+    const half = Math.max(whole / 200, 0.02);
+    choose({ t0: Math.max(t - half, 0), t1: t + half });
+  };
   const list = events.value.slice(-200).reverse();
   return list.length === 0 ? <p class="empty">nothing has happened yet</p> : (
     <table class="plain">
       <tbody>
         {list.map(e => (
-          <tr key={e.number} class={e.event === "fault" ? "bad" : ""}>
+          <tr key={e.number} class={`${e.event === "fault" ? "bad" : ""}${run.value?.recorded && e.time_s > position() ? " later" : ""}`}>
             <td class="number"><button class="link" title="show this moment" onClick={() => jump(e.time_s)}>{stamp(e.time_s, whole)}</button></td>
-            <td class="soft">{e.source}</td><td>{e.text || e.event}</td>
+            <td class="soft source">{e.source}</td><td>{e.event === "event" || !e.text ? "" : `${e.event}: `}{e.text || e.event}</td>
           </tr>
         ))}
       </tbody>
@@ -152,6 +158,7 @@ function App() {
         <Panel area="line" title="One-line diagram" note={network.value ? "p.u., line to line" : ""}><OneLine /></Panel>
         <Panel area="side" title="Processes"><div class="scroll"><Processes /></div><div class="head"><h2>Events</h2><span>{events.value.length || ""}</span></div><div class="scroll grow"><Events /></div></Panel>
         <Panel area="waves" title="Signals"><Plots /></Panel>
+        {(g?.wires.length ?? 0) > 0 && <Panel area="wire" title="Wire timing" note="SMV and GOOSE"><Wire /></Panel>}
         <Panel area="topics" title="Topics" note="seen by the monitor"><div class="scroll"><Topics /></div></Panel>
       </main>
       <Drawer />

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 
 export interface Process { name: string; program: string; host: string; state: string; incarnation: number; tick?: number }
 export interface Run {
-  scenario: string; mode: string; speed: string; state: string; time_s: number; duration_s: number; factor: number;
+  scenario: string; mode: string; speed: string; recorded: boolean; state: string; time_s: number; duration_s: number; factor: number;
   processes: Process[];
 }
 export interface GraphProcess extends Process { addresses: string[]; networks: string[] }
@@ -23,7 +23,8 @@ export interface Bus { name: string; label: string; voltage_v: number; x?: numbe
 export interface Branch { name: string; label: string; from: string; to: string; kind: string }
 export interface Breaker { name: string; line: string; end: string }
 export interface Device { name: string; label: string; bus: string; kind: string }
-export interface Network { buses: Bus[]; branches: Branch[]; breakers: Breaker[]; devices: Device[] }
+export interface Fault { name: string; line?: string; bus?: string; position_percent?: number; at_s: number; until_s?: number }
+export interface Network { buses: Bus[]; branches: Branch[]; breakers: Breaker[]; devices: Device[]; faults: Fault[] }
 export interface SignalInfo { name: string; unit: string; source: string }
 export interface TopicState {
   name: string; network: string; type: string; framework: boolean; writers: number; readers: number; samples: number;
@@ -58,6 +59,11 @@ export function ask(view: View): void {
 export function forget(id: string): void {
   views.delete(id);
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ op: "view", id, names: [] }));
+}
+
+/** Of a recorded run: the instant whose values are wanted; null: the end. */
+export function seek(at: number | null): void {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ op: "seek", t: at }));
 }
 
 /** Length of the header, the header (JSON), then the times and values of each series as little-endian doubles. */

@@ -1,7 +1,8 @@
 // The one-line diagram: voltages by band, breakers by shape, flows, what hangs on the buses.
-import { network, values, type Branch, type Bus, type Device } from "./model";
+import { network, run, values, type Branch, type Bus, type Device, type Fault } from "./model";
 import { choose, choice } from "./state";
 import { fixed } from "./text";
+import { position as instant } from "./transport";
 
 const kColumn = 156, kPad = 8, kStub = 14, kDevice = 25;
 
@@ -45,7 +46,7 @@ export function OneLine() {
   const xs = [...new Set(shown.map(p => p[0]))].sort((a, b) => a - b), ys = [...new Set(shown.map(p => p[1]))].sort((a, b) => a - b);
   const devices = (bus: string) => net.devices.filter(d => d.bus === bus && d.kind !== "source");
   const horizontal = (b: Branch) => at.get(b.from)![0] !== at.get(b.to)![0];
-  const barOf = (bus: string) => 34 + Math.max(devices(bus).length, 1) * kDevice;
+  const barOf = (bus: string) => 46 + Math.max(devices(bus).length, 1) * kDevice;
   const rowHeight = ys.map(y => Math.max(...net.buses.filter(b => at.get(b.name)![1] === y).map(b => barOf(b.name))) + 52);
   const yOf = (y: number) => kPad + 14 + rowHeight.slice(0, ys.indexOf(y)).reduce((a, b) => a + b, 0);
   const hasSource = net.devices.some(d => d.kind === "source");
@@ -56,6 +57,15 @@ export function OneLine() {
 
   const position = (name: string) => now.get(`breaker.${name}.position`); // double point: 1 open, 2 closed
   const plot = (pattern: string) => choose({ plots: [pattern, ...choice.value.plots.filter(p => p !== pattern)].slice(0, 3) });
+
+  const t = run.value?.recorded ? instant() : (run.value?.time_s ?? 0);
+  const applied = (net.faults ?? []).filter(f => t >= f.at_s && (f.until_s === undefined || t < f.until_s));
+  const bolt = (f: Fault, x: number, y: number) => (
+    <g key={f.name} class="fault" role="img" aria-label={`fault ${f.name}`}>
+      <title>{`${f.name}, since ${f.at_s} s`}</title>
+      <path d={`M${x + 4} ${y - 22}L${x - 6} ${y - 6}H${x + 3}L${x - 3} ${y + 8}L${x + 8} ${y - 10}H${x - 1}L${x + 9} ${y - 22}z`} />
+    </g>
+  );
 
   const branch = (b: Branch) => {
     const breakers = net.breakers.filter(c => c.line === b.name);
@@ -73,6 +83,7 @@ export function OneLine() {
         <path d={`M${x1} ${y1}L${x2} ${y2}`} />
         {horizontal(b) && <text x={(x1 + x2) / 2} y={(y1 + y2) / 2 - 7} class="small middle">{text}</text>}
         {!horizontal(b) && <text x={x1 + 7} y={(y1 + y2) / 2 + 4} class="small">{text}</text>}
+        {applied.filter(f => f.line === b.name).map(f => bolt(f, x1 + (x2 - x1) * (f.position_percent ?? 50) / 100, 18 + y1 + (y2 - y1) * (f.position_percent ?? 50) / 100))}
         {breakers.map(c => {
           const from = c.end === "from", p = position(c.name);
           const dx = Math.sign(x2 - x1) * 28, x = from ? x1 + dx : x2 - dx, y = from ? y1 : y2;
@@ -92,7 +103,7 @@ export function OneLine() {
 
   const device = (d: Device, i: number, x: number, y: number) => {
     const p = now.get(`${d.kind}.${d.name}.p_kw`), soc = now.get(`ev.${d.name}.soc_percent`), amps = now.get(`ev.${d.name}.current_a`);
-    const yd = y + 40 + i * kDevice, xd = x + kStub;
+    const yd = y + 54 + i * kDevice, xd = x + kStub;
     const source = d.kind === "machine" || d.kind === "generator" || d.kind === "pv";
     const says = d.kind === "ev" ? `${d.label} ${fixed(soc, 1)} % ${fixed(amps, 1)} A` : `${d.label}${p !== undefined ? ` ${p.toFixed(1)} kW` : ""}`;
     return (
@@ -115,13 +126,16 @@ export function OneLine() {
         {net.buses.map(b => {
           const x = xOf(at.get(b.name)![0]), y = yOf(at.get(b.name)![1]);
           const v = now.get(`bus.${b.name}.v_pu`), state = band(v);
+          const tied = net.branches.some(o => (o.from === b.name || o.to === b.name) && at.has(o.from) && at.has(o.to) && !horizontal(o)
+            && at.get(o.from === b.name ? o.to : o.from)![1] < at.get(b.name)![1]); // a branch comes from above
           const source = net.devices.find(d => d.bus === b.name && d.kind === "source");
           return (
             <g key={b.name} class={`bus ${state}`} onClick={() => plot("bus.*.v_pu")}>
               <title>{`bus ${b.label}, ${b.voltage_v} V${v !== undefined ? `: ${v.toFixed(4)} p.u., ${fixed(now.get(`bus.${b.name}.angle_deg`), 2)} deg` : ""}`}</title>
               <path d={`M${x} ${y}V${y + barOf(b.name)}`} class="bar" />
-              <text x={x} y={y - 8} class="middle">{b.label} <tspan class="value">{v !== undefined ? v.toFixed(3) + mark[state] : ""}</tspan></text>
+              <text x={tied ? x - 7 : x} y={y - 8} class={tied ? "end" : "middle"}>{b.label} <tspan class="value">{v !== undefined ? v.toFixed(3) + mark[state] : ""}</tspan></text>
               {source && <g class="device source"><path d={`M${x} ${y + 16}H${x - 22}`} /><rect x={x - 44} y={y + 7} width={22} height={18} /><text x={x - 33} y={y + 20} class="tiny middle">grid</text></g>}
+              {applied.filter(f => f.bus === b.name).map(f => bolt(f, x, y + 20))}
               {devices(b.name).map((d, i) => device(d, i, x, y))}
             </g>
           );

@@ -1,7 +1,7 @@
 // Waveforms: each plot shows the signals of a pattern; all share the time axis and the cursor.
 import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
-import { ask, drawn, events, forget, run, signals, type Drawn } from "./model";
+import { ask, drawn, events, forget, network, run, signals, type Drawn } from "./model";
 import { choice, choose } from "./state";
 import { compact, matches, stamp } from "./text";
 
@@ -28,7 +28,9 @@ export function patternOf(name: string): string {
 const kFirst = ["bus.*.v_pu", "ev.*.soc_percent", "line.TL*.from.i.*", "line.*.from.i_a", "machine.*.frequency_hz", "bus.*.frequency_hz", "ev.*.current_a"];
 export function defaults(names: string[]): string[] {
   const patterns = new Set(names.map(patternOf));
-  const threePhase = [...patterns].filter(p => p.endsWith(".i.*")).slice(0, 1);
+  const faulty = network.value?.faults?.find(f => f.line)?.line; // what the scenario is about
+  const threePhase = [...patterns].filter(p => p.endsWith(".i.*"))
+    .sort((a, b) => Number(b === `line.${faulty}.from.i.*`) - Number(a === `line.${faulty}.from.i.*`)).slice(0, 1);
   const usual = kFirst.filter(p => patterns.has(p));
   const out = [...new Set([...threePhase, ...(threePhase.length ? usual.filter(p => p.includes("frequency")).slice(0, 1) : []), ...usual])].slice(0, 2);
   return out.length ? out : [...patterns].slice(0, 2);
@@ -57,7 +59,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string): u
       y: { range: (_u, lo, hi) => { const pad = (hi - lo) * 0.08 || Math.abs(hi) * 0.02 || 1; return [lo - pad, hi + pad]; } },
     },
     axes: [
-      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at) => at.map(t => stamp(t, whole)), space: 90, size: 34,
+      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at, _i, _s, incr) => at.map(t => (whole < 7200 ? t.toFixed(Math.max(0, Math.ceil(-Math.log10(incr) - 1e-9))) : stamp(t, whole))), space: 90, size: 34,
         incrs: whole >= 7200 ? [1, 5, 10, 30, 60, 300, 600, 900, 1800, 3600, 7200, 14400, 28800, 86400] : undefined },
       { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, size: 62, values: (_u, at) => at.map(compact) },
     ],
@@ -93,6 +95,12 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string): u
           const x = u.valToPos(e.time_s, "x", true);
           if (x >= left && x <= left + width) stroke(e.event === "fault" ? css("--bad") : ink, x, top, x, top + h);
         }
+        if (run.value?.recorded && choice.value.at !== null) { // where one looks
+          const x = u.valToPos(choice.value.at, "x", true);
+          u.ctx.setLineDash([]);
+          u.ctx.lineWidth = 2;
+          if (x >= left && x <= left + width) stroke(css("--accent"), x, top, x, top + h);
+        }
         u.ctx.restore();
       }],
       setSelect: [u => {
@@ -121,6 +129,7 @@ function Plot({ pattern, index }: { pattern: string; index: number }) {
     return () => forget(id);
   }, [key, window, t0, t1]);
   const d = drawn.value[id];
+  useEffect(() => { plot.current?.redraw(false); }, [choice.value.at]);
   useEffect(() => {
     const node = holder.current;
     if (!node || !d || !d.series.length) return;

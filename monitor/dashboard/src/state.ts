@@ -5,11 +5,12 @@ export interface Choice {
   plots: string[]; // patterns: bus.*.v_pu
   window: string;  // seconds, or "all"
   t0: number | null; t1: number | null; // a stretch that was picked with the mouse
+  at: number | null; // of a recorded run: the instant that is shown; null: its end
   framework: boolean; observers: boolean; // shown in the graph
   find: string; // marked in the graph
   theme: string; // "", light, dark
 }
-const initial: Choice = { plots: [], window: "all", t0: null, t1: null, framework: false, observers: false, find: "", theme: "" };
+const initial: Choice = { plots: [], window: "all", t0: null, t1: null, at: null, framework: false, observers: false, find: "", theme: "" };
 
 function read(): Choice {
   const q = new URLSearchParams(location.hash.slice(1));
@@ -17,7 +18,7 @@ function read(): Choice {
   return {
     plots: q.get("plots")?.split(";").filter(Boolean) ?? initial.plots,
     window: q.get("window") ?? initial.window,
-    t0: time("t0"), t1: time("t1"),
+    t0: time("t0"), t1: time("t1"), at: time("at"),
     framework: q.has("framework"), observers: q.has("observers"),
     find: q.get("find") ?? "", theme: q.get("theme") ?? "",
   };
@@ -34,6 +35,7 @@ effect(() => {
   if (c.plots.length) q.set("plots", c.plots.join(";"));
   if (c.window !== initial.window) q.set("window", c.window);
   if (c.t0 !== null && c.t1 !== null) { q.set("t0", String(c.t0)); q.set("t1", String(c.t1)); }
+  if (c.at !== null) q.set("at", String(Number(c.at.toPrecision(9))));
   if (c.framework) q.set("framework", "1");
   if (c.observers) q.set("observers", "1");
   if (c.find) q.set("find", c.find);

@@ -145,5 +145,28 @@ TEST(GraphText, IsJsonWithHostileNamesIntact) {
     EXPECT_THAT(to_svg(sut.snapshot(), true), Not(HasSubstr("<script>")));
 }
 
+TEST(GraphText, IsReadBackAsItWasKeptInTheRunFolder) {
+    GraphModel model = pair();
+    auto mismatched = endpoint("r2", "p2", false);
+    mismatched.topic = "decisions";
+    mismatched.qos = {true, bus::Durability::transient_local, 0.5, bus::Liveliness::manual_by_topic, 3, true, {"b"}};
+    model.endpoint_found("data", mismatched);
+    model.wire({"mu21", "SMV21", "smv", "process_bus", true});
+    model.participant_gone("p1", false);
+    std::string const kept = to_json(model.snapshot());
+    auto const read = from_json(kept);
+    ASSERT_TRUE(read);
+    EXPECT_EQ(to_json(*read), kept);
+}
+
+TEST(GraphText, OfAnotherKindIsNotAGraph) {
+    std::string const kept = to_json(pair().snapshot());
+    EXPECT_FALSE(from_json(""));
+    EXPECT_FALSE(from_json("[]"));
+    EXPECT_FALSE(from_json(kept.substr(0, kept.size() / 2)));
+    EXPECT_FALSE(
+        from_json(R"({"revision":1,"processes":[{"name":3}],"topics":[],"edges":[],"wires":[],"endpoints":[]})"));
+}
+
 } // namespace
 } // namespace gridspace::graph

@@ -66,6 +66,21 @@ TEST(SignalWindow, LeavesOutRowsThatCameTwiceOrHaveAnotherWidth) {
     EXPECT_EQ(sut.newest(0), 1.0);
 }
 
+TEST(SignalWindow, KnowsTheValueThatHeldAtAnInstant) {
+    SignalWindow const sut = ramp(5, 100);
+    EXPECT_TRUE(std::isnan(sut.value_at(0, -1)));
+    EXPECT_EQ(sut.value_at(0, 0), 0);
+    EXPECT_EQ(sut.value_at(1, 2'999'999'999), -2);
+    EXPECT_EQ(sut.value_at(1, 3'000'000'000), -3);
+    EXPECT_EQ(sut.value_at(0, 99'000'000'000), 4);
+}
+
+TEST(SignalWindow, KnowsWhatHeldLongAgoToTheBucket) {
+    SignalWindow const sut = ramp(1000, 32);
+    EXPECT_EQ(sut.value_at(0, 990'000'000'000), 990); // still there as it came
+    EXPECT_NEAR(sut.value_at(0, 600'000'000'000), 600, 16);
+}
+
 TEST(SignalWindow, AnswersForNothingWhenThereIsNothing) {
     SignalWindow const sut{{{"x", ""}}, 10};
     EXPECT_TRUE(sut.plot(0, 0, 10, 10).values.empty());

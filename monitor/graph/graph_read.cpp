@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/graph/graph_text.hpp"
+#include "monitor/graph/match.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace gridspace::graph {
+namespace {
+
+using Json = nlohmann::json;
+
+/// The one of `all` that has this name; the first when none has.
+template <class E>
+E named(std::string const& name, std::initializer_list<E> all) {
+    for (E const e : all) {
+        if (name == name_of(e)) {
+            return e;
+        }
+    }
+    return *all.begin();
+}
+
+double duration(Json const& json) {
+    return json.is_number() ? json.get<double>() : -1;
+}
+
+bus::EndpointQos qos_of(Json const& json) {
+    using bus::Durability;
+    using bus::Liveliness;
+    bus::EndpointQos qos;
+    qos.reliable = json.at("reliability") == "reliable";
+    qos.durability =
+        named(json.at("durability").get<std::string>(),
+              {Durability::volatile_, Durability::transient_local, Durability::transient, Durability::persistent});
+    qos.deadline_s = duration(json.at("deadline_s"));
+    qos.liveliness = named(json.at("liveliness").get<std::string>(),
+                           {Liveliness::automatic, Liveliness::manual_by_participant, Liveliness::manual_by_topic});
+    qos.lease_s = duration(json.at("lease_s"));
+    qos.exclusive = json.at("ownership") == "exclusive";
+    json.at("partitions").get_to(qos.partitions);
+    return qos;
+}
+
+} // namespace
+
+std::optional<Snapshot> from_json(std::string const& text) try {
+    Json const json = Json::parse(text);
+    Snapshot out;
+    json.at("revision").get_to(out.revision);
+    for (Json const& p : json.at("processes")) {
+        out.processes.push_back({p.at("name"), p.at("program"), p.at("host"),
+                                 named(p.at("state").get<std::string>(), {ProcessState::expected, ProcessState::alive,
+                                                                          ProcessState::ended, ProcessState::lost}),
+                                 p.at("incarnation"), p.at("addresses"), p.at("networks")});
+    }
+    for (Json const& t : json.at("topics")) {
+        out.topics.push_back(
+            {t.at("name"), t.at("network"), t.at("type"), t.at("framework"), t.at("writers"), t.at("readers")});
+    }
+    for (Json const& e : json.at("edges")) {
+        out.edges.push_back({e.at("process"), e.at("topic"), e.at("network"), e.at("writes"), e.at("endpoints"),
+                             e.at("matched"), e.at("problems")});
+    }
+    for (Json const& w : json.at("wires")) {
+        out.wires.push_back({w.at("process"), w.at("stream"), w.at("kind"), w.at("link"), w.at("publishes")});
+    }
+    for (Json const& e : json.at("endpoints")) {
+        Endpoint endpoint;
+        endpoint.endpoint = {e.at("id"),         "", e.at("topic"), e.at("type"), e.at("writer"), e.at("keyed"),
+                             qos_of(e.at("qos"))};
+        endpoint.network = e.at("network");
+        endpoint.process = e.at("process");
+        out.endpoints.push_back(std::move(endpoint));
+    }
+    return out;
+} catch (Json::exception const&) {
+    return std::nullopt;
+}
+
+} // namespace gridspace::graph
