@@ -12,6 +12,7 @@ namespace gridspace::gateways {
 void describe_wire(config::Fields& f, WireConfig& wire) {
     f.object("wire", {.doc = "its port", .required = true}, [&](config::Fields& w) {
         w.text("link", wire.link, {.doc = "name of the link"});
+        w.text("receive_link", wire.receive_link, {.doc = "name of the piece of cable that frames come from, when something sits in it"});
         w.text("interface", wire.interface, {.doc = "network interface", .required = true});
         w.number("speed", wire.speed, {.doc = "of the simulation clock, in real time", .above = 0});
     });

@@ -32,7 +32,7 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
         }
         port->receiver_ = std::make_unique<ethernet::Port>(std::move(*receiver));
         for (std::uint16_t const ethertype : ethertypes.receive) {
-            port->readers_[ethertype] = std::make_unique<bus::WireReader>(node, config.link, ethertype);
+            port->readers_[ethertype] = std::make_unique<bus::WireReader>(node, config.receive_link.empty() ? config.link : config.receive_link, ethertype);
         }
         port->thread_ = std::thread{[raw = port.get()] { raw->receive_loop(); }};
     }

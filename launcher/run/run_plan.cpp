@@ -145,6 +145,7 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     plan.namespaces = options.namespaces;
     plan.links = scenario.links;
     plan.ports = plan_ports(scenario);
+    plan.cut_ins = placed_cut_ins(scenario);
     plan.duration_s = scenario.simulation.duration().to_double();
     plan.lockstep = scenario.clock.mode == bus::ClockMode::lockstep;
     plan.start_timeout_s = scenario.clock.start_timeout_s;
@@ -185,6 +186,9 @@ std::string to_text(RunPlan const& plan) {
                 }
             }
         }
+    }
+    for (PlacedCutIn const& cut_in : plan.cut_ins) {
+        out += fmt::format("  {} sits between {} and {}\n", cut_in.process, cut_in.host, cut_in.link);
     }
     out += "\nprocesses\n";
     for (PlannedProcess const& process : plan.processes) {

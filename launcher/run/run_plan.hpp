@@ -3,6 +3,7 @@
 #pragma once
 
 #include "launcher/run/addresses.hpp"
+#include "launcher/scenario/cut_ins.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <filesystem>
@@ -42,6 +43,7 @@ struct RunPlan {
     std::vector<std::string> hosts;
     std::vector<Link> links;
     std::vector<Port> ports;
+    std::vector<PlacedCutIn> cut_ins;
     std::vector<PlannedProcess> processes; ///< the simulator last: everybody else is there when it starts to wait
     std::vector<std::vector<PlannedStroke>> holds; ///< by index of the simulator's hold
     double duration_s{0};

@@ -105,6 +105,28 @@ Result<void> VirtualNetwork::ip(int netns, std::string const& batch) const {
     return {};
 }
 
+std::string VirtualNetwork::cable(RunPlan const& plan, Port const& port, std::string const& switch_end,
+                                  std::map<std::string, std::string>& inside) const {
+    struct End {
+        std::string interface, host;
+    };
+    // From the host to the switch: each piece of the cable ends where somebody sits in it.
+    std::string commands;
+    End near{fmt::format("{} address {}", port.interface, port.mac), port.host};
+    for (PlacedCutIn const& cut_in : plan.cut_ins) {
+        if (cut_in.host != port.host || cut_in.link != port.link) {
+            continue;
+        }
+        commands += fmt::format("link add {} netns /proc/self/fd/{} type veth peer name {} netns /proc/self/fd/{}\n", cut_in.host_interface,
+                                hosts_.at(cut_in.process_host), near.interface, hosts_.at(near.host));
+        for (std::string const& interface : {cut_in.host_interface, cut_in.switch_interface}) {
+            inside[cut_in.process_host] += fmt::format("link set {} promisc on up\n", interface);
+        }
+        near = {cut_in.switch_interface, cut_in.process_host};
+    }
+    return commands + fmt::format("link add {} type veth peer name {} netns /proc/self/fd/{}\n", switch_end, near.interface, hosts_.at(near.host));
+}
+
 Result<void> VirtualNetwork::build(RunPlan const& plan) {
     own_ = ::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC);
     if (own_ < 0) {
@@ -131,8 +153,7 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
         Port const& port = plan.ports[p];
         auto const link = static_cast<std::size_t>(std::find(links.begin(), links.end(), port.link) - links.begin());
         std::string const outer = switch_port_name(p);
-        core += fmt::format("link add {} type veth peer name {} address {} netns /proc/self/fd/{}\n", outer, port.interface, port.mac,
-                            hosts_.at(port.host));
+        core += cable(plan, port, outer, inside);
         core += fmt::format("link set {} master {} up\n", outer, bridge_name(link));
         std::string& commands = inside[port.host];
         if (!port.address.empty()) {

@@ -4,6 +4,7 @@
 
 #include "bus/topics.hpp"
 #include "common/text.hpp"
+#include "launcher/scenario/cut_ins.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <algorithm>
@@ -39,9 +40,9 @@ std::vector<std::string> sources_of(Dataflow const& flow, Scenario const& scenar
         }
     }
     Process const* process = scenario.find_process(member);
-    for (WireUse const& received : process->settings->receives(scenario, *process)) {
+    for (WireUse const& received : wires_received(scenario, *process)) {
         for (Process const& sender : scenario.processes) {
-            std::vector<WireUse> const sent = sender.settings->sends(scenario, sender);
+            std::vector<WireUse> const sent = wires_sent(scenario, sender);
             bool const heard = std::any_of(sent.begin(), sent.end(), [&](WireUse const& use) {
                 return use.link == received.link && use.ethertype == received.ethertype;
             });

@@ -29,6 +29,14 @@ struct WireUse {
     std::string link;
     std::uint16_t ethertype{0};
     std::string stream; ///< its name in the scenario; empty: every frame of the ethertype
+    bool at_switch{false}; ///< receiving side: at the ports of the switch, not at the host's end of its cable
+};
+
+/// A process that sits in the cable between a host and a switch: frames of the directions that it takes go through its hands,
+/// the others pass untouched.
+struct CutInUse {
+    config::Ref host, link;
+    bool from_host{false}, to_host{false};
 };
 
 /// A signal that a process publishes.
@@ -50,6 +58,8 @@ class ProcessSettings {
     /// In lockstep a frame makes its receivers work in the same tick.
     [[nodiscard]] virtual std::vector<WireUse> sends(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<WireUse> receives(Scenario const&, Process const&) const { return {}; }
+    /// Must not ask for what is sent or received through cut-ins.
+    [[nodiscard]] virtual std::vector<CutInUse> cut_ins(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<SignalUse> signals(Scenario const&, Process const&) const { return {}; }
     /// Takes part in the barrier in lockstep.
     [[nodiscard]] virtual bool is_member() const { return true; }

@@ -233,7 +233,7 @@ class RecorderSettings final : public ProcessSettings {
         std::vector<WireUse> out;
         for (std::string const& link : captured_links(s, process)) {
             for (std::uint16_t const ethertype : {iec61850::kSvEthertype, iec61850::kGooseEthertype}) {
-                out.push_back({link, ethertype, ""});
+                out.push_back({link, ethertype, "", true});
             }
         }
         return out;
@@ -365,6 +365,7 @@ constexpr std::array kPrograms{
     Program{"gridspace-mu", "merging unit", "merging_unit", read_merging_unit},
     Program{"gridspace-relay", "line differential relay", "relay", read_relay},
     Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
+    Program{"gridspace-link", "impairments of a cable", "member", read_link},
     Program{"gridspace-mcca", "microgrid control agent", "mcca", MccaSettings::read},
     Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
     Program{"gridspace-monitor", "monitor and dashboard", "monitor", MonitorSettings::read},

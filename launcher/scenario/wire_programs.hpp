@@ -12,5 +12,6 @@ namespace gridspace::launcher {
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_merging_unit(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_breaker(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_relay(config::Fields& f);
+[[nodiscard]] std::unique_ptr<ProcessSettings> read_link(config::Fields& f);
 
 } // namespace gridspace::launcher

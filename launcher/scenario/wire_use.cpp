@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 #include "launcher/run/addresses.hpp"
+#include "launcher/scenario/cut_ins.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -63,7 +64,11 @@ config::Node wire_settings(Scenario const& scenario, Process const& process) {
     if (scenario.clock.mode == bus::ClockMode::realtime && scenario.clock.speed > 0) {
         node.set("speed", config::Node::scalar(shortest(scenario.clock.speed)));
     }
-    node.set("link", config::Node::quoted_text(link));
+    std::string const sent_on = piece_sent_on(scenario, process.host.name, link), received_on = piece_received_on(scenario, process.host.name, link);
+    node.set("link", config::Node::quoted_text(sent_on));
+    if (received_on != sent_on) {
+        node.set("receive_link", config::Node::quoted_text(received_on));
+    }
     if (!process.interface.empty()) {
         node.set("interface", config::Node::quoted_text(process.interface));
         return node;

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/cut_ins.hpp"
+
+#include "common/text.hpp"
+#include "gateways/iec61850/frame.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Node;
+using Way = PlacedCutIn::Way;
+
+/// string<32> of WireLedgerEntry.
+constexpr std::size_t kLongestPiece = 32;
+
+std::string piece_from(std::string const& host, std::string const& link) {
+    return host + ">" + link;
+}
+std::string piece_to(std::string const& host, std::string const& link) {
+    return link + ">" + host;
+}
+
+/// Ethertypes that the processes of a host send or receive on a link.
+std::vector<std::uint16_t> ethertypes_of(Scenario const& scenario, std::string const& host, std::string const& link,
+                                         bool sent) {
+    std::vector<std::uint16_t> out;
+    for (Process const& process : scenario.processes) {
+        if (process.settings == nullptr || process.host.name != host) {
+            continue;
+        }
+        for (WireUse const& use :
+             sent ? process.settings->sends(scenario, process) : process.settings->receives(scenario, process)) {
+            if (use.link == link && !use.at_switch && std::find(out.begin(), out.end(), use.ethertype) == out.end()) {
+                out.push_back(use.ethertype);
+            }
+        }
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+}
+
+/// Names the pieces of one cable in one direction: `first` where frames enter it, `last` where they leave it.
+void name_pieces(std::vector<std::optional<Way>*> const& ways, std::string const& first, std::string const& last) {
+    std::string const stem = first.find('>') != std::string::npos ? first : last;
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+        (*ways[i])->in = i == 0 ? first : fmt::format("{}.{}", stem, i);
+        (*ways[i])->out = i + 1 == ways.size() ? last : fmt::format("{}.{}", stem, i + 1);
+    }
+}
+
+Node way_settings(Way const& way) {
+    Node node = Node::map();
+    node.set("in", Node::quoted_text(way.in));
+    node.set("out", Node::quoted_text(way.out));
+    for (std::uint16_t const ethertype : way.ethertypes) {
+        node.set(ethertype == iec61850::kSvEthertype ? "smv" : "goose", Node::scalar("true"));
+    }
+    return node;
+}
+
+std::vector<WireUse> with_pieces(Scenario const& scenario, Process const& process, std::vector<WireUse> uses,
+                                 bool sent) {
+    for (WireUse& use : uses) {
+        if (!use.at_switch) {
+            use.link = sent ? piece_sent_on(scenario, process.host.name, use.link)
+                            : piece_received_on(scenario, process.host.name, use.link);
+        }
+    }
+    for (PlacedCutIn const& cut_in : placed_cut_ins(scenario)) {
+        if (cut_in.process != process.name.name) {
+            continue;
+        }
+        for (auto const* way : {&cut_in.from_host, &cut_in.to_host}) {
+            if (way->has_value()) {
+                for (std::uint16_t const ethertype : (*way)->ethertypes) {
+                    uses.push_back({sent ? (*way)->out : (*way)->in, ethertype, ""});
+                }
+            }
+        }
+    }
+    return uses;
+}
+
+} // namespace
+
+std::vector<PlacedCutIn> placed_cut_ins(Scenario const& scenario) {
+    std::vector<PlacedCutIn> out;
+    for (Process const& process : scenario.processes) {
+        if (process.settings == nullptr) {
+            continue;
+        }
+        for (CutInUse const& use : process.settings->cut_ins(scenario, process)) {
+            PlacedCutIn cut_in;
+            cut_in.process = process.name.name;
+            cut_in.process_host = process.host.name;
+            cut_in.host = use.host.name;
+            cut_in.link = use.link.name;
+            cut_in.host_interface = fmt::format("cut{}_host", out.size());
+            cut_in.switch_interface = fmt::format("cut{}_switch", out.size());
+            if (use.from_host) {
+                cut_in.from_host = Way{"", "", ethertypes_of(scenario, cut_in.host, cut_in.link, true)};
+            }
+            if (use.to_host) {
+                cut_in.to_host = Way{"", "", ethertypes_of(scenario, cut_in.host, cut_in.link, false)};
+            }
+            out.push_back(std::move(cut_in));
+        }
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        auto const same_cable = [&](PlacedCutIn const& other) {
+            return other.host == out[i].host && other.link == out[i].link;
+        };
+        if (std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(i), same_cable)) {
+            continue; // named with the first one of the cable
+        }
+        std::vector<std::optional<Way>*> from, to;
+        for (PlacedCutIn& cut_in : out) {
+            if (!same_cable(cut_in)) {
+                continue;
+            }
+            if (cut_in.from_host) {
+                from.push_back(&cut_in.from_host);
+            }
+            if (cut_in.to_host) {
+                to.insert(to.begin(), &cut_in.to_host); // the one next to the switch sees it first
+            }
+        }
+        name_pieces(from, piece_from(out[i].host, out[i].link), out[i].link);
+        name_pieces(to, out[i].link, piece_to(out[i].host, out[i].link));
+    }
+    return out;
+}
+
+std::string piece_sent_on(Scenario const& scenario, std::string const& host, std::string const& link) {
+    auto const all = placed_cut_ins(scenario);
+    bool const cut = std::any_of(all.begin(), all.end(),
+                                 [&](PlacedCutIn const& c) { return c.host == host && c.link == link && c.from_host; });
+    return cut ? piece_from(host, link) : link;
+}
+
+std::string piece_received_on(Scenario const& scenario, std::string const& host, std::string const& link) {
+    auto const all = placed_cut_ins(scenario);
+    bool const cut = std::any_of(all.begin(), all.end(),
+                                 [&](PlacedCutIn const& c) { return c.host == host && c.link == link && c.to_host; });
+    return cut ? piece_to(host, link) : link;
+}
+
+std::vector<WireUse> wires_sent(Scenario const& scenario, Process const& process) {
+    return with_pieces(scenario, process, process.settings->sends(scenario, process), true);
+}
+
+std::vector<WireUse> wires_received(Scenario const& scenario, Process const& process) {
+    return with_pieces(scenario, process, process.settings->receives(scenario, process), false);
+}
+
+Node cut_in_settings(Scenario const& scenario, Process const& process) {
+    Node list = Node::sequence();
+    for (PlacedCutIn const& cut_in : placed_cut_ins(scenario)) {
+        if (cut_in.process != process.name.name) {
+            continue;
+        }
+        Node node = Node::map();
+        node.set("host", Node::quoted_text(cut_in.host));
+        node.set("link", Node::quoted_text(cut_in.link));
+        node.set("host_interface", Node::quoted_text(cut_in.host_interface));
+        node.set("switch_interface", Node::quoted_text(cut_in.switch_interface));
+        if (cut_in.from_host) {
+            node.set("from_host", way_settings(*cut_in.from_host));
+        }
+        if (cut_in.to_host) {
+            node.set("to_host", way_settings(*cut_in.to_host));
+        }
+        list.items.push_back(std::move(node));
+    }
+    return list;
+}
+
+void check_cut_ins(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+    std::vector<std::string> hosts, links;
+    for (Host const& host : scenario.hosts) {
+        hosts.push_back(host.name.name);
+    }
+    for (Link const& link : scenario.links) {
+        links.push_back(link.name.name);
+    }
+    auto const width = [](Ref const& ref) { return static_cast<int>(ref.name.size()); };
+    auto const must_be = [&](Ref const& ref, std::vector<std::string> const& names, std::string_view kind) {
+        if (std::find(names.begin(), names.end(), ref.name) != names.end()) {
+            return true;
+        }
+        auto const near = nearest_spelling(ref.name, names);
+        diagnostics.error(ref.where,
+                          fmt::format("process '{}' sits in a cable of the {} '{}', which does not exist",
+                                      process.name.name, kind, ref.name),
+                          near ? fmt::format("did you mean '{}'?", *near)
+                               : fmt::format("there are: {}", join(names, ", ")),
+                          width(ref));
+        return false;
+    };
+    for (CutInUse const& use : process.settings->cut_ins(scenario, process)) {
+        bool const host_is_there = must_be(use.host, hosts, "host");
+        if (!must_be(use.link, links, "link") || !host_is_there) {
+            continue;
+        }
+        Host const& host = *std::find_if(scenario.hosts.begin(), scenario.hosts.end(),
+                                         [&](Host const& h) { return h.name == use.host; });
+        Link const& link = *std::find_if(scenario.links.begin(), scenario.links.end(),
+                                         [&](Link const& l) { return l.name == use.link; });
+        if (std::find(host.links.begin(), host.links.end(), use.link) == host.links.end()) {
+            diagnostics.error(use.link.where,
+                              fmt::format("process '{}' sits between '{}' and '{}', and there is no cable",
+                                          process.name.name, use.host.name, use.link.name),
+                              fmt::format("host '{}' is not plugged into that link", use.host.name), width(use.link));
+            continue;
+        }
+        if (!link.ipv4.empty()) {
+            diagnostics.error(
+                use.link.where,
+                fmt::format("process '{}' sits in a cable of '{}', which carries IP", process.name.name, use.link.name),
+                "places for impairments and attacks are on links of raw frames, without ipv4", width(use.link));
+        }
+        if (piece_from(use.host.name, use.link.name).size() + 3 > kLongestPiece) {
+            diagnostics.error(use.host.where,
+                              fmt::format("the names '{}' and '{}' are too long for a place between them",
+                                          use.host.name, use.link.name),
+                              fmt::format("together at most {} characters", kLongestPiece - 4), width(use.host));
+        }
+        if (use.host == process.host) {
+            diagnostics.error(
+                use.host.where,
+                fmt::format("process '{}' sits in a cable of its own host '{}'", process.name.name, use.host.name),
+                "give it a host of its own: hosts: {NAME: {links: []}}", width(use.host));
+        }
+        if (scenario.clock.mode != bus::ClockMode::lockstep) {
+            continue;
+        }
+        for (bool const sent : {true, false}) {
+            if ((sent ? use.from_host : use.to_host) &&
+                ethertypes_of(scenario, use.host.name, use.link.name, sent).empty()) {
+                diagnostics.error(use.host.where,
+                                  fmt::format("process '{}' handles what '{}' {} '{}', and that is nothing",
+                                              process.name.name, use.host.name, sent ? "sends on" : "receives from",
+                                              use.link.name),
+                                  fmt::format("the other direction is `direction: {}`", sent ? "to_host" : "from_host"),
+                                  width(use.host));
+            }
+        }
+    }
+}
+
+} // namespace gridspace::launcher
