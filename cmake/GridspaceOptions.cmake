@@ -3,6 +3,7 @@
 # Build options and the compile flags that every target of ours carries.
 
 option(GRIDSPACE_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(GRIDSPACE_DEVICES_ONLY "Only what runs on a board: agents, gateways, detector, recorder; no simulator, monitor, launcher" OFF)
 option(GRIDSPACE_BENCH "Build the benchmarks" OFF)
 option(GRIDSPACE_FUZZ "Build the libFuzzer targets (needs clang)" OFF)
 set(GRIDSPACE_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")

@@ -13,7 +13,7 @@ source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 
 contributor_tiers=(lint build unit integration scenarios)
-all_tiers=("${contributor_tiers[@]}" sanitizers fuzz tidy)
+all_tiers=("${contributor_tiers[@]}" arm64 sanitizers fuzz tidy)
 
 usage() {
   cat <<'EOF'
@@ -24,6 +24,7 @@ usage: ./gridspace test [--all] [--only TIER[,TIER...]]
   integration  real processes, DDS, namespaces and frames
   scenarios    the scenarios of configs/ as tests, compared from run to run
 with --all also
+  arm64        cross-compiled for ARM64: unit tests and scenarios in emulation
   sanitizers   unit tests and a scenario under ASan and UBSan (clang)
   fuzz         every fuzz target for a short while
   tidy         clang-tidy on the files that changed since the last commit of main
@@ -67,6 +68,14 @@ tier_scenarios() {
   python3 "$root/tests/scenarios/run_scenarios.py" --gridspace "$root/build/release/bin/gridspace" ${everything:+--all}
 }
 
+
+tier_arm64() {
+  local log=$root/build/arm64-tier.log status=0
+  "$root/scripts/arm64.sh" test >"$log" || status=$?
+  note=$(grep '^ARM64' "$log" | sed 's/^ARM64 //' | paste -sd';')
+  [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
 
 tier_sanitizers() {
   configure asan && build asan all || return

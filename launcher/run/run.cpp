@@ -3,6 +3,7 @@
 #include "launcher/run/run.hpp"
 
 #include "launcher/run/domain_lock.hpp"
+#include "launcher/run/emulation.hpp"
 #include "launcher/run/event_log.hpp"
 #include "launcher/run/listening.hpp"
 #include "launcher/run/monitor_client.hpp"
@@ -188,6 +189,9 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     if (!options.namespaces && has_raw_frames(scenario)) {
         return fail(ExitCode::usage, "this scenario exchanges raw frames, and those need hosts with interfaces of their own",
                     "run it without --no-namespaces");
+    }
+    if (auto ok = check_emulators(scenario); !ok) {
+        return std::unexpected{ok.error()};
     }
     auto folder = make_run_folder(scenario.name, options.parent, options.out);
     if (!folder) {

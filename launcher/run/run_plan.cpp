@@ -3,8 +3,10 @@
 #include "launcher/run/run_plan.hpp"
 
 #include "common/text.hpp"
+#include "launcher/run/emulation.hpp"
 #include "launcher/run/installation.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/run_on.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -45,8 +47,8 @@ bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Da
     clock.quantum_s = scenario.quantum_s();
     clock.tick_s = scenario.tick_s();
     clock.epoch_unix_s = parse_utc(scenario.simulation.epoch).value_or(0);
-    clock.member_timeout_s = scenario.clock.member_timeout_s;
-    clock.start_timeout_s = scenario.clock.start_timeout_s;
+    clock.member_timeout_s = scenario.clock.member_timeout_s * patience(scenario);
+    clock.start_timeout_s = scenario.clock.start_timeout_s * patience(scenario);
     clock.simulator = scenario.simulator()->name.name;
     for (bus::MemberPlan const& member : flow.members) {
         clock.members.push_back(member.name);
@@ -112,6 +114,7 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
     out.program = process.program.name;
     out.host = process.host.name;
     out.cpu = process.cpu;
+    out.run_on = parse_run_on(process.run_on).value_or(RunOn{});
     out.is_simulator = &process == scenario.simulator();
     out.is_member = process.settings->is_member();
     out.is_observer = !out.is_member && !out.is_simulator;
@@ -127,7 +130,12 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
 
     out.command = process.settings->command();
     if (out.command.empty()) {
-        out.command = {program_file(out.program).string(), "--config", out.config_file.string(), "--log-level", options.log_level};
+        bool const native = out.run_on.kind == RunOn::Kind::native;
+        out.command = {native ? program_file(out.program).string() : out.program, "--config", out.config_file.string(), "--log-level",
+                       options.log_level};
+    }
+    if (out.run_on.kind == RunOn::Kind::qemu_user) {
+        out.command = qemu_user_command(std::move(out.command));
     }
     bus::NodeConfig const node = node_config(scenario, process, flow, plan, options);
     out.environment = environment_of(node);
@@ -148,8 +156,8 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     plan.cut_ins = placed_cut_ins(scenario);
     plan.duration_s = scenario.simulation.duration().to_double();
     plan.lockstep = scenario.clock.mode == bus::ClockMode::lockstep;
-    plan.start_timeout_s = scenario.clock.start_timeout_s;
-    plan.member_timeout_s = scenario.clock.member_timeout_s;
+    plan.start_timeout_s = scenario.clock.start_timeout_s * patience(scenario);
+    plan.member_timeout_s = scenario.clock.member_timeout_s * patience(scenario);
     for (Host const& host : scenario.hosts) {
         plan.hosts.push_back(host.name.name);
     }

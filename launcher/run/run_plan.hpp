@@ -4,6 +4,7 @@
 
 #include "launcher/run/addresses.hpp"
 #include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/run_on.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <filesystem>
@@ -21,6 +22,7 @@ struct PlannedProcess {
     std::vector<std::string> command;
     std::map<std::string, std::string> environment;
     std::optional<std::int64_t> cpu;
+    RunOn run_on;
     std::filesystem::path log_file;
     bool is_simulator{false};
     bool is_member{false};                ///< its end before the run's is a failure, also with exit code 0

@@ -32,8 +32,6 @@ struct Link {
     double delay_us{0};
 };
 
-enum class RunOn { native, qemu_user, qemu_system, ssh };
-
 struct Process {
     Ref name;
     Ref program;

@@ -7,6 +7,7 @@
 #include "launcher/run/addresses.hpp"
 #include "launcher/run/installation.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/run_on.hpp"
 #include "sim/app/engine_factory.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
@@ -155,13 +156,8 @@ void check_programs(Scenario const& s, Diagnostics& diagnostics) {
     if (s.record.comtrade.is_map()) {
         diagnostics.warning(s.record.comtrade.where, "this build writes no COMTRADE files in a run", "`gridspace simulate --comtrade` does, offline");
     }
+    check_run_on(s, diagnostics);
     for (Process const& process : s.processes) {
-        if (process.run_on != "native") {
-            config::Node const* where = process.node.find("run_on");
-            diagnostics.error(where == nullptr ? process.name.where : where->where,
-                              fmt::format("process '{}' runs on '{}'", process.name.name, process.run_on),
-                              "this build runs processes natively; `run_on: native`");
-        }
         if (process.program.name != "exec" && !process.qos.empty() && !std::filesystem::exists(qos_file(process.qos.name))) {
             auto const near = nearest_spelling(process.qos.name, qos_roles());
             diagnostics.error(process.qos.where, fmt::format("there is no QoS role '{}'", process.qos.name),

@@ -4,8 +4,9 @@
 """Runs every shipped scenario by its README command and judges it by its exit code.
 
 scenarios.json beside this file says for each what must come out: the exit code (1 where the failing expectation is the test), whether
-a second run must compare as identical to the first, and which scenarios only --all runs. A scenario file that it does not mention is
-a failure: nothing is skipped silently.
+a second run must compare as identical to the first, which scenarios only --all runs, and which belong to the tier arm64 (processes in
+emulation: `--arm64` runs these and no others, and compares each with the same scenario run natively). A scenario file that it does not
+mention is a failure: nothing is skipped silently.
 """
 import argparse
 import json
@@ -20,9 +21,10 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def run(gridspace, scenario, out, environment):
+def run(gridspace, scenario, out, environment, settings=()):
     began = time.monotonic()
-    done = subprocess.run([gridspace, "run", scenario, "--out", out, "--quiet"], env=environment, capture_output=True, text=True, timeout=600)
+    options = [word for setting in settings for word in ("--set", setting)]
+    done = subprocess.run([gridspace, "run", scenario, "--out", out, "--quiet", *options], env=environment, capture_output=True, text=True, timeout=600)
     return done.returncode, time.monotonic() - began, done.stdout + done.stderr
 
 
@@ -31,6 +33,7 @@ def main():
     parser.add_argument("--gridspace", required=True)
     parser.add_argument("--all", action="store_true", help="also the scenarios that are marked so")
     parser.add_argument("--sanitizer", action="store_true", help="a sanitizer build: one run of each, and its reports are failures")
+    parser.add_argument("--arm64", action="store_true", help="the scenarios with emulated processes, and no others")
     parser.add_argument("--keep", type=pathlib.Path, help="keep the run folders here")
     arguments = parser.parse_args()
 
@@ -47,7 +50,13 @@ def main():
     ran = 0
     for file in files:
         plan = wanted.get(file.stem)
-        if plan is None or (arguments.sanitizer and plan.get("sanitizer") is False):
+        if plan is None:
+            continue
+        if arguments.arm64 != ("arm64" in plan):
+            if not arguments.arm64:
+                print(f"{file.stem:32} not in this tier (runs in the tier arm64)")
+            continue
+        if (arguments.sanitizer and plan.get("sanitizer") is False):
             continue
         if "not_yet" in plan:
             print(f"{file.stem:32} NOT RUN: {plan['not_yet']}")
@@ -55,10 +64,12 @@ def main():
         if plan.get("only_all") and not arguments.all and not arguments.sanitizer:
             print(f"{file.stem:32} not in this tier (runs with --all)")
             continue
-        outs = [folder / f"{file.stem}_{i}" for i in range(2 if plan.get("repeat") and not arguments.sanitizer else 1)]
+        outs = [folder / f"{file.stem}_{i}" for i in range(2 if (plan.get("repeat") or "arm64" in plan) and not arguments.sanitizer else 1)]
         for out in outs:
             shutil.rmtree(out, ignore_errors=True)
-            code, wall, text = run(arguments.gridspace, file, out, environment)
+            # The emulated run comes first, its native twin second.
+            settings = plan["arm64"]["native"] if "arm64" in plan and out is outs[1] else []
+            code, wall, text = run(arguments.gridspace, file, out, environment, settings)
             ran += 1
             good = code == plan["exit"]
             for log in sorted((out / "logs").glob("*")) if (out / "logs").exists() else []:

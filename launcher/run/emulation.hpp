@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "launcher/scenario/scenario.hpp"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gridspace::launcher {
+
+/// What ARM64 programs and their libraries are needed from, on the machine that runs a scenario.
+struct Arm64Files {
+    std::filesystem::path programs; ///< GRIDSPACE_ARM64_BIN, or build/arm64/bin beside this build
+    std::filesystem::path root;     ///< GRIDSPACE_ARM64_ROOT, or build/arm64-sysroot: an ARM64 root file system
+};
+[[nodiscard]] Arm64Files arm64_files();
+
+/// The command that runs an ARM64 program with its arguments under qemu-user. The program is found in arm64_files()
+/// unless its name has a slash. Nothing is checked.
+[[nodiscard]] std::vector<std::string> qemu_user_command(std::vector<std::string> command);
+
+/// Emulators, programs and libraries that the scenario's processes run on are there; if not, what is missing and what
+/// makes it.
+[[nodiscard]] Result<void> check_emulators(Scenario const& scenario);
+
+/// The processor that an executable file is for: "x86-64", "ARM64", another's number; empty for what is no ELF file.
+[[nodiscard]] std::string machine_of(std::filesystem::path const& file);
+
+} // namespace gridspace::launcher

@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# ./gridspace arm64 VERB: agents, gateways, recorder and detector for ARM64 boards.
+set -uo pipefail
+root=$(dirname "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")")
+# shellcheck source=scripts/packages.sh
+source "$root/scripts/packages.sh"
+# shellcheck source=scripts/build.sh
+source "$root/scripts/build.sh"
+# shellcheck source=scripts/arm64_packages.sh
+source "$root/scripts/arm64_packages.sh"
+
+usage() {
+  cat <<'EOT'
+usage: ./gridspace arm64 VERB
+  build      cross-compiles what runs on a board: build/arm64/bin
+  test       the same with its unit tests, which run under qemu-user; then the counts
+EOT
+}
+
+# Compiler, emulator and the libraries of the target.
+prepare() {
+  ensure_packages build arm64 || return
+  # shellcheck disable=SC2086 # a list of names
+  arm64_unpack "$root/build/arm64-sysroot" $arm64_build_packages
+}
+
+# The dashboard's tests of the tree apart, these are all unit tests that do not need the simulator, the monitor or the launcher.
+# What is left out stands in tests/arm64/left_out.txt; anything else that is missing is a mistake.
+check_left_out() {
+  local found=$root/build/arm64/tests_left_out.txt
+  if ! diff <(grep -v '^#' "$root/tests/arm64/left_out.txt" | sort) <(grep . "$found" | sort) >&2; then
+    say "the test programs that the build for ARM64 leaves out (>) are not those of tests/arm64/left_out.txt (<)"
+    return 1
+  fi
+}
+
+# test: every unit test under qemu-user. Counts on standard output; fails on a failure, and on a skip that is not allowed.
+run_unit_tests() {
+  local log=$root/build/ctest-arm64.log status=0 began=$SECONDS
+  ctest --test-dir "$root/build/arm64" -L unit -j "$(nproc)" --output-on-failure --no-tests=error --timeout 300 >"$log" 2>&1 || status=$?
+  local total failed skipped unexpected
+  read -r failed total < <(sed -n 's/^[0-9]*% tests passed, \([0-9]*\) tests\? failed out of \([0-9]*\).*/\1 \2/p' "$log")
+  skipped=$(grep -c '\*\*\*Skipped' "$log")
+  if [ "$status" -ne 0 ]; then
+    grep -vE '^ *[0-9]+/[0-9]+ Test +#.*Passed|^ +Start +[0-9]+:' "$log" | head -n 200
+    echo "the whole output: $log"
+  fi
+  unexpected=$(sed -nE 's/.*Test +#[0-9]+: ([^ ]+) \.*\*\*\*Skipped.*/\1/p' "$log" | grep -vxFf <(awk '!/^#/ {print $1}' "$root/tests/allowed_skips.txt"))
+  [ -z "$unexpected" ] || { echo "not expected to be skipped: $unexpected"; status=1; }
+  echo "ARM64 under qemu-user: ${total:-0} tests run, ${failed:-all} failed, $skipped skipped, $(grep -c . "$root/build/arm64/tests_left_out.txt") programs left out (tests/arm64/left_out.txt), $((SECONDS - began)) s"
+  return "$status"
+}
+
+case ${1:-} in
+  build)
+    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 programs && say "built: $root/build/arm64/bin"
+    ;;
+  test)
+    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && check_left_out && build arm64 all && run_unit_tests
+    ;;
+  '' | -h | --help) usage ;;
+  *)
+    say "arm64 has no verb '$1'"
+    usage >&2
+    exit 2
+    ;;
+esac
