@@ -16,7 +16,7 @@ usage() {
   cat <<'EOT'
 usage: ./gridspace arm64 VERB
   build      cross-compiles what runs on a board: build/arm64/bin
-  test       the same with its unit tests, which run under qemu-user; then the counts
+  test       the same with its unit tests, which run under qemu-user, and the scenarios with emulated processes; then the counts
 EOT
 }
 
@@ -54,12 +54,26 @@ run_unit_tests() {
   return "$status"
 }
 
+# The scenarios with emulated processes, each compared with its native twin.
+run_scenarios() {
+  local log=$root/build/arm64-scenarios.log status=0 began=$SECONDS
+  python3 "$root/tests/scenarios/run_scenarios.py" --gridspace "$root/build/release/bin/gridspace" --arm64 >"$log" 2>&1 || status=$?
+  cat "$log"
+  echo "ARM64 scenarios: $(tail -n 1 "$log"), $(grep -c identical: "$log") compared as identical, $((SECONDS - began)) s"
+  return "$status"
+}
+
 case ${1:-} in
   build)
     prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 programs && say "built: $root/build/arm64/bin"
     ;;
   test)
-    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && check_left_out && build arm64 all && run_unit_tests
+    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && check_left_out && build arm64 all || exit
+    ensure_programs || exit
+    worst=0
+    run_unit_tests || worst=1
+    run_scenarios || worst=1
+    exit "$worst"
     ;;
   '' | -h | --help) usage ;;
   *)
