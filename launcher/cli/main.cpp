@@ -170,10 +170,15 @@ int main_function(int argc, char** argv) {
     report_verb->callback([&] { action = [&] { return report(report_run, report_json); }; });
 
     ExportArguments export_arguments;
-    CLI::App* export_verb = verb("export", "write a recording as tables");
+    CLI::App* export_verb = verb("export", "write a recording as tables, or as disturbance records");
     export_verb->add_option("RUN", export_arguments.run, "run folder, or latest")->required();
     export_verb->add_flag("--csv", export_arguments.csv, "CSV: one table per topic (the default)");
-    export_verb->add_option("--out", export_arguments.out, "folder (default: RUN/csv)");
+    export_verb->add_flag("--comtrade", export_arguments.comtrade, "COMTRADE (IEEE C37.111-2013), ASCII and BINARY, around each trigger");
+    export_verb->add_option("--trigger", export_arguments.trigger, "COMTRADE: relay2.trip, a signal that rises, or an event (default: record.comtrade of the scenario)");
+    export_verb->add_option("--before-ms", export_arguments.before_ms, "COMTRADE: begin before the trigger")->check(CLI::Range(0.0, 60000.0));
+    export_verb->add_option("--after-ms", export_arguments.after_ms, "COMTRADE: end after the trigger")->check(CLI::Range(0.001, 60000.0));
+    export_verb->add_option("--signals", export_arguments.signals, "COMTRADE: further analog channels (patterns)")->delimiter(',');
+    export_verb->add_option("--out", export_arguments.out, "folder (default: RUN/csv, RUN/comtrade)");
     export_verb->callback([&] { action = [&] { return export_run(export_arguments); }; });
 
     IdsTrainArguments ids_train_arguments;

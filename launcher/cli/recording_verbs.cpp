@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Verbs that look at finished runs: compare, report, export.
+#include "common/config/yaml.hpp"
 #include "common/time.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
+#include "launcher/report/comtrade_output.hpp"
 #include "launcher/report/html_report.hpp"
 #include "launcher/report/results.hpp"
 #include "recorder/compare/compare.hpp"
@@ -39,6 +41,42 @@ std::filesystem::path capture_of(std::filesystem::path const& written) { return 
 std::filesystem::path recording_of(std::filesystem::path const& written) {
     std::filesystem::path const folder = run_folder(written);
     return std::filesystem::is_directory(folder) ? folder / "data.mcap" : folder;
+}
+
+/// Disturbance records of a finished run, as the scenario asks for them or as the arguments say.
+int export_comtrade(ExportArguments const& arguments) {
+    auto const results = launcher::read_results(run_folder(arguments.run));
+    if (!results) {
+        return print_error(results.error());
+    }
+    config::Diagnostics diagnostics;
+    auto const scenario = config::load_yaml(results->folder / "scenario.resolved.yaml", diagnostics);
+    if (!scenario) {
+        return print_error({ExitCode::usage, diagnostics.render(), ""});
+    }
+    launcher::ComtradeSettings settings = launcher::comtrade_settings(*scenario).value_or(launcher::ComtradeSettings{});
+    if (!arguments.trigger.empty()) {
+        settings.trigger.name = arguments.trigger;
+    }
+    if (settings.trigger.empty()) {
+        return print_error({ExitCode::usage, "the scenario has no record.comtrade, and no --trigger was given", "for example --trigger relay2.trip"});
+    }
+    settings.before_ms = arguments.before_ms.value_or(settings.before_ms);
+    settings.after_ms = arguments.after_ms.value_or(settings.after_ms);
+    for (std::string const& pattern : arguments.signals) {
+        settings.signals.push_back({pattern, {}});
+    }
+    auto const written = write_comtrade_records(*results, *scenario, settings, arguments.out.empty() ? results->folder / "comtrade" : arguments.out);
+    if (!written) {
+        return print_error(written.error());
+    }
+    for (std::string const& note : written->notes) {
+        fmt::print(stderr, "note: {}\n", note);
+    }
+    for (std::filesystem::path const& file : written->files) {
+        fmt::print("{}\n", file.string());
+    }
+    return static_cast<int>(written->files.empty() ? ExitCode::usage : ExitCode::ok);
 }
 
 } // namespace
@@ -120,6 +158,12 @@ int report(std::filesystem::path const& run, bool json) {
 }
 
 int export_run(ExportArguments const& arguments) {
+    if (arguments.comtrade) {
+        int const code = export_comtrade(arguments);
+        if (code != 0 || !arguments.csv) {
+            return code;
+        }
+    }
     std::filesystem::path const folder = run_folder(arguments.run);
     Json const manifest = manifest_of(folder);
     std::int64_t epoch = 0;

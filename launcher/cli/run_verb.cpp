@@ -3,6 +3,7 @@
 #include "common/text.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
+#include "launcher/report/comtrade_output.hpp"
 #include "launcher/report/html_report.hpp"
 #include "launcher/report/results.hpp"
 #include "launcher/run/run.hpp"
@@ -82,10 +83,18 @@ int run(RunArguments const& arguments) {
         return print_error(finished.error());
     }
     print_cause(*finished);
-    auto const results = read_results(finished->folder);
+    auto results = read_results(finished->folder);
     if (!results) {
         return print_error(results.error());
     }
+    auto const comtrade = write_comtrade_of_run(*results);
+    if (!comtrade) {
+        return print_error(comtrade.error());
+    }
+    for (std::filesystem::path const& file : comtrade->files) {
+        results->comtrade.push_back(file.filename().string());
+    }
+    results->notes.insert(results->notes.end(), comtrade->notes.begin(), comtrade->notes.end());
     if (auto ok = write_summary(*results); !ok) {
         return print_error(ok.error());
     }

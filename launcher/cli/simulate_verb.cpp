@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <unistd.h>
@@ -48,7 +49,7 @@ class Output {
         ComtradeHeader header;
         header.line_frequency_hz = frequency_hz;
         header.sample_rate_hz = rate_hz;
-        header.trigger_s = trigger_s;
+        header.trigger_unix_ns = std::llround(trigger_s * 1e9); // simulated time 0 is 1970: a network alone has no epoch
         for (std::size_t const c : columns_) {
             sim::SignalDef const& s = engine_.signals()[c];
             std::string const tail = s.name.substr(s.name.rfind('.') + 1);

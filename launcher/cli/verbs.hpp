@@ -66,7 +66,10 @@ int report(std::filesystem::path const& run, bool json);
 
 struct ExportArguments {
     std::filesystem::path run, out;
-    bool csv{true};
+    bool csv{false}, comtrade{false};
+    std::string trigger;                      ///< comtrade: these override what the scenario says
+    std::optional<double> before_ms, after_ms;
+    std::vector<std::string> signals;
 };
 int export_run(ExportArguments const& arguments);
 

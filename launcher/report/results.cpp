@@ -188,6 +188,13 @@ Result<Results> read_results(fs::path const& folder) {
     }
     add_wall_clock_values(folder, out.outcome.simulated_s, out.signals);
     judge_all(folder, out);
+    std::error_code none;
+    for (auto const& file : fs::directory_iterator{folder / "comtrade", none}) {
+        if (file.path().extension() == ".cfg") {
+            out.comtrade.push_back(file.path().filename().string());
+        }
+    }
+    std::sort(out.comtrade.begin(), out.comtrade.end());
     return out;
 }
 
@@ -217,9 +224,11 @@ Result<void> write_summary(Results const& r) {
                        {"exit", r.exit_code()},
                        {"cause", r.outcome.cause},
                        {"overruns", r.outcome.overruns},
+                       {"notes", r.notes},
                        {"expectations", expectations},
                        {"processes", processes},
-                       {"topics", topics}};
+                       {"topics", topics},
+                       {"comtrade", r.comtrade}};
     std::error_code ignored;
     fs::create_directories(r.folder / "report", ignored);
     std::ofstream stream{r.folder / "report" / "summary.json", std::ios::trunc};
@@ -251,6 +260,12 @@ std::string to_text(Results const& r, bool colour) {
     }
     if (!r.recording_note.empty()) {
         out += fmt::format("recording: {}\n", r.recording_note);
+    }
+    for (std::string const& note : r.notes) {
+        out += fmt::format("note: {}\n", note);
+    }
+    if (!r.comtrade.empty()) {
+        out += fmt::format("comtrade: {}\n", join(r.comtrade, " "));
     }
     double const speed = r.outcome.wall_s > 0 ? r.outcome.simulated_s / r.outcome.wall_s : 0;
     out += fmt::format("{} simulated in {}{}{}\n", human_duration(r.outcome.simulated_s), human_duration(r.outcome.wall_s),

@@ -36,6 +36,8 @@ struct Results {
     std::vector<ProcessRow> processes;
     std::string recording_note; ///< when the recording is not complete
     SignalStore signals;        ///< all that were recorded
+    std::vector<std::string> comtrade; ///< disturbance records in RUN/comtrade
+    std::vector<std::string> notes;    ///< what the user should know
 
     [[nodiscard]] bool passed() const; ///< no expectation failed that is not advisory
     /// The exit code of `gridspace run`: that of the run, or 1 when an expectation failed.

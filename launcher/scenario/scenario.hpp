@@ -5,6 +5,7 @@
 #include "bus/node_config.hpp"
 #include "common/config/fields.hpp"
 #include "gateways/streams/stream.hpp"
+#include "launcher/scenario/comtrade_settings.hpp"
 #include "launcher/scenario/program.hpp"
 #include "sim/app/sim_config.hpp"
 #include "sim/events/event.hpp"
@@ -59,7 +60,7 @@ struct RecordSettings {
     bool samples{true};
     std::string frames{"none"};
     std::vector<std::string> signals{"*"};
-    config::Node comtrade;
+    std::optional<ComtradeSettings> comtrade;
 };
 
 /// A scenario as it was written, resolved (extends, defaults, --set) and read.

@@ -153,9 +153,6 @@ std::vector<std::string> qos_roles() {
 }
 
 void check_programs(Scenario const& s, Diagnostics& diagnostics) {
-    if (s.record.comtrade.is_map()) {
-        diagnostics.warning(s.record.comtrade.where, "this build writes no COMTRADE files in a run", "`gridspace simulate --comtrade` does, offline");
-    }
     check_run_on(s, diagnostics);
     for (Process const& process : s.processes) {
         if (process.program.name != "exec" && !process.qos.empty() && !std::filesystem::exists(qos_file(process.qos.name))) {
@@ -206,6 +203,7 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
         s.simulator() != nullptr && s.network) {
         check_dataflow(s, diagnostics);
         check_expectations(s, diagnostics);
+        check_comtrade(s, diagnostics);
     }
 }
 

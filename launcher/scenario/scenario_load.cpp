@@ -67,7 +67,10 @@ void describe_record(Fields& f, RecordSettings& r) {
     for (Ref& pattern : patterns) {
         r.signals.push_back(std::move(pattern.name));
     }
-    f.raw("comtrade", r.comtrade, {.doc = "waveform files around trips"});
+    ComtradeSettings comtrade;
+    if (f.object("comtrade", {.doc = "waveform files around trips, in RUN/comtrade"}, [&](Fields& c) { describe(c, comtrade); })) {
+        r.comtrade = std::move(comtrade);
+    }
 }
 
 void describe_process(Fields& f, Process& p) {

@@ -3,30 +3,18 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "recorder/comtrade/comtrade_header.hpp"
 
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace gridspace {
 
-struct ComtradeChannel {
-    std::string name, phase, unit;
-};
-struct ComtradeHeader {
-    std::string station{"gridspace"}, device{"simulation"};
-    std::vector<ComtradeChannel> analog, digital;
-    double line_frequency_hz{60};
-    double sample_rate_hz{0};
-    std::int64_t start_unix_s{0}; ///< UTC of the first sample
-    double trigger_s{0};          ///< after it
-};
-
-/// A waveform file pair NAME.cfg and NAME.dat, IEEE C37.111-2013 (IEC 60255-24), data in float32. Rows go to the .dat
-/// as they come; finish() writes the .cfg, which says how many there were.
+/// A waveform file pair NAME.cfg and NAME.dat in float32, written as the rows come: for runs of any length. finish()
+/// writes the .cfg, which says how many rows there were. A record that is known as a whole: comtrade_record.hpp.
 class ComtradeWriter {
   public:
     /// `file` with or without one of the two extensions.

@@ -1,0 +1,251 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/report/comtrade_output.hpp"
+
+#include "common/config/yaml.hpp"
+#include "common/text.hpp"
+#include "recorder/comtrade/comtrade_record.hpp"
+#include "sim/app/sim_config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Node;
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostRecords = 20; // of one run
+
+/// Instants at which the trigger came, in nanoseconds of simulated time.
+std::vector<std::int64_t> instants_of(Results const& r, Node const& scenario, ComtradeSettings const& settings) {
+    std::vector<std::int64_t> out;
+    for (std::string const& name : settings.trigger_signals()) {
+        auto const it = r.signals.find(name);
+        if (it == r.signals.end()) {
+            continue;
+        }
+        bool set = true; // set from the beginning is no rise
+        for (std::size_t i = 0; i < it->second.values.size(); ++i) {
+            bool const now = it->second.values[i] != 0;
+            if (now && !set) {
+                out.push_back(it->second.times_ns[i]);
+            }
+            set = now;
+        }
+        return out;
+    }
+    Node const* events = scenario.find("events");
+    Node const* event = events == nullptr ? nullptr : events->find(settings.trigger.name);
+    if (Node const* at = event == nullptr ? nullptr : event->find("at_s")) {
+        if (auto const seconds = config::number_of(*at); seconds && *seconds <= r.outcome.simulated_s) {
+            out.push_back(std::llround(*seconds * 1e9));
+        }
+    }
+    return out;
+}
+
+std::string trigger_signal(Results const& r, ComtradeSettings const& settings) {
+    for (std::string const& name : settings.trigger_signals()) {
+        if (r.signals.contains(name)) {
+            return name;
+        }
+    }
+    return {};
+}
+
+double rate_hz(Node const& scenario) {
+    sim::SimulationConfig simulation;
+    config::Diagnostics ignored; // the run was started with it
+    if (Node const* node = scenario.find("simulation")) {
+        config::read_fields(*node, "simulation", ignored, [&](config::Fields& f) { describe(f, simulation); });
+    }
+    return sim::signal_rate_hz(simulation).to_double();
+}
+
+/// Of the network file in the run folder; 60 where that is not a YAML file that says otherwise.
+double line_frequency_hz(fs::path const& folder) {
+    config::Diagnostics ignored;
+    auto const network = config::load_yaml(folder / "network.yaml", ignored);
+    Node const* base = network ? network->find("base") : nullptr;
+    Node const* frequency = base == nullptr ? nullptr : base->find("frequency_hz");
+    return frequency == nullptr ? 60 : config::number_of(*frequency).value_or(60);
+}
+
+/// "ct.CT21.i.a" is channel "CT21 Ia", phase A; "breaker.CB3.pole.a" is the auxiliary contact "CB3 52a A"; others keep
+/// their name.
+ComtradeChannel channel_of(std::string const& signal, std::string const& unit, bool digital) {
+    std::vector<std::string> const parts = split(signal, '.');
+    ComtradeChannel out{signal, "", unit};
+    if (parts.size() == 4 && parts[3].size() == 1) {
+        out.phase = std::string(1, static_cast<char>(std::toupper(parts[3][0])));
+        out.circuit = parts[1];
+        if (parts[0] == "ct" || parts[0] == "bus") {
+            out.name = fmt::format("{} {}{}", parts[1], parts[0] == "ct" ? 'I' : 'V', parts[3]);
+        } else if (digital && parts[2] == "pole") {
+            out.name = fmt::format("{} 52a {}", parts[1], out.phase);
+            out.normally_set = true;
+        }
+    } else if (digital && parts.size() == 3 && parts[0] == "relay") {
+        out.name = parts[1] + " " + parts[2];
+        out.circuit = parts[1];
+    }
+    return out;
+}
+
+class RecordMaker {
+  public:
+    RecordMaker(SignalStore const& signals, double rate, std::int64_t first, std::size_t rows)
+        : signals_{signals}, rate_{rate}, first_{first}, rows_{rows} {}
+
+    /// All signals that match, each once; false when there is none.
+    bool add(std::string const& pattern, bool digital) {
+        bool any = false;
+        for (auto const& [name, series] : signals_) {
+            if (!matches_glob(pattern, name)) {
+                continue;
+            }
+            any = true;
+            if (std::find(taken_.begin(), taken_.end(), name) == taken_.end()) {
+                taken_.push_back(name);
+                digital ? add_digital(name, series) : add_analog(name, series);
+            }
+        }
+        return any;
+    }
+    ComtradeRecord record;
+
+  private:
+    /// What a signal holds at the instant of a row; not a number before its first value.
+    std::vector<double> sampled(SignalSeries const& series) const {
+        std::vector<double> out(rows_, std::nan(""));
+        std::size_t next = 0;
+        for (std::size_t row = 0; row < rows_; ++row) {
+            std::int64_t const t =
+                std::llround(static_cast<double>(first_ + static_cast<std::int64_t>(row)) / rate_ * 1e9);
+            while (next < series.times_ns.size() && series.times_ns[next] <= t) {
+                ++next;
+            }
+            if (next > 0) {
+                out[row] = series.values[next - 1];
+            }
+        }
+        return out;
+    }
+    void add_analog(std::string const& name, SignalSeries const& series) {
+        record.header.analog.push_back(channel_of(name, series.unit, false));
+        record.analog.push_back(sampled(series));
+    }
+    void add_digital(std::string const& name, SignalSeries const& series) {
+        constexpr double kClosed = 2; // of a double point
+        bool const pole = name.starts_with("breaker.");
+        std::vector<bool> values;
+        for (double const v : sampled(series)) {
+            values.push_back(pole ? v == kClosed : std::isfinite(v) && v != 0);
+        }
+        record.header.digital.push_back(channel_of(name, "", true));
+        record.digital.push_back(std::move(values));
+    }
+
+    SignalStore const& signals_;
+    double rate_;
+    std::int64_t first_;
+    std::size_t rows_;
+    std::vector<std::string> taken_;
+};
+
+/// The name of a trigger as a file name.
+std::string file_name(std::string text) {
+    std::replace_if(
+        text.begin(), text.end(),
+        [](char c) { return !(std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-'); }, '_');
+    return text;
+}
+
+} // namespace
+
+std::optional<ComtradeSettings> comtrade_settings(Node const& scenario) {
+    Node const* record = scenario.find("record");
+    Node const* node = record == nullptr ? nullptr : record->find("comtrade");
+    if (node == nullptr || !node->is_map()) {
+        return std::nullopt;
+    }
+    ComtradeSettings out;
+    config::Diagnostics ignored;
+    config::read_fields(*node, "record.comtrade", ignored, [&](config::Fields& f) { describe(f, out); });
+    return out;
+}
+
+Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scenario, ComtradeSettings const& settings,
+                                              fs::path const& folder) {
+    ComtradeOutput out;
+    std::vector<std::int64_t> instants = instants_of(r, scenario, settings);
+    if (instants.empty()) {
+        out.notes.push_back(fmt::format("'{}' did not happen: nothing to write", settings.trigger.name));
+        return out;
+    }
+    if (instants.size() > kMostRecords) {
+        out.notes.push_back(fmt::format("'{}' happened {} times: the first {} are written", settings.trigger.name,
+                                        instants.size(), kMostRecords));
+        instants.resize(kMostRecords);
+    }
+    std::error_code error;
+    fs::create_directories(folder, error);
+    double const rate = rate_hz(scenario);
+    ComtradeChannels const usual = usual_channels(scenario, trigger_signal(r, settings));
+    for (std::size_t n = 0; n < instants.size(); ++n) {
+        double const trigger_s = static_cast<double>(instants[n]) / 1e9;
+        double const from_s = std::max(0.0, trigger_s - settings.before_ms / 1e3),
+                     to_s = std::min(r.outcome.simulated_s, trigger_s + settings.after_ms / 1e3);
+        auto const first = static_cast<std::int64_t>(std::ceil(from_s * rate - 1e-6)),
+                   last = static_cast<std::int64_t>(std::floor(to_s * rate + 1e-6));
+        RecordMaker maker{r.signals, rate, first,
+                          static_cast<std::size_t>(std::max<std::int64_t>(0, last - first + 1))};
+        std::vector<std::pair<std::string, bool>> wanted;
+        for (std::string const& pattern : usual.analog) {
+            wanted.emplace_back(pattern, false);
+        }
+        for (config::Ref const& pattern : settings.signals) {
+            wanted.emplace_back(comtrade_pattern(pattern.name), false);
+        }
+        for (std::string const& pattern : usual.digital) {
+            wanted.emplace_back(pattern, true);
+        }
+        for (auto const& [pattern, digital] : wanted) {
+            if (!maker.add(pattern, digital) && n == 0) {
+                out.notes.push_back(fmt::format("no recorded signal matches '{}'", pattern));
+            }
+        }
+        ComtradeHeader& header = maker.record.header;
+        header.station = r.scenario;
+        header.device = settings.trigger.name.substr(0, settings.trigger.name.find('.'));
+        header.line_frequency_hz = line_frequency_hz(r.folder);
+        header.sample_rate_hz = rate;
+        std::int64_t const epoch_ns = r.epoch_unix_s * 1'000'000'000;
+        header.start_unix_ns = epoch_ns + std::llround(static_cast<double>(first) / rate * 1e9);
+        header.trigger_unix_ns = epoch_ns + instants[n];
+        for (auto const& [format, ending] :
+             {std::pair{ComtradeFormat::ascii, "ascii"}, {ComtradeFormat::binary, "binary"}}) {
+            auto const file =
+                write_comtrade(folder / fmt::format("{}_{}_{}", file_name(settings.trigger.name), n + 1, ending),
+                               maker.record, format);
+            if (!file) {
+                return std::unexpected{file.error()};
+            }
+            out.files.push_back(*file);
+        }
+    }
+    return out;
+}
+
+Result<ComtradeOutput> write_comtrade_of_run(Results const& r) {
+    config::Diagnostics ignored;
+    auto const scenario = config::load_yaml(r.folder / "scenario.resolved.yaml", ignored);
+    auto const settings = scenario ? comtrade_settings(*scenario) : std::nullopt;
+    return settings ? write_comtrade_records(r, *scenario, *settings, r.folder / "comtrade")
+                    : Result<ComtradeOutput>{ComtradeOutput{}};
+}
+
+} // namespace gridspace::launcher
