@@ -23,10 +23,11 @@ std::array<double, 3> modes(double const* phases) {
 BergeronWaves::BergeronWaves(BergeronLine const& l, double step_s)
     : z_{l.z1 + l.r1 / 4, l.z1 + l.r1 / 4, l.z0 + l.r0 / 4},
       h_{(l.z1 - l.r1 / 4) / z_[0], (l.z1 - l.r1 / 4) / z_[0], (l.z0 - l.r0 / 4) / z_[2]}, tau_{l.tau1, l.tau1, l.tau0},
-      step_s_{step_s} {
-    // Events cut steps: more entries than a travel time has steps, with room for many of them.
+      surge_{l.z1, l.z1, l.z0}, r_{l.r1, l.r1, l.r0}, step_s_{step_s} {
+    // Events cut steps: more entries than a travel time has steps, with room for many of them. A cut of the line looks
+    // back two travel times.
     auto const steps = static_cast<std::size_t>(std::ceil(std::max(l.tau1, l.tau0) / step_s));
-    past_.resize(2 * steps + 256);
+    past_.resize(4 * steps + 256);
 }
 
 PhaseMatrix BergeronWaves::conductance() const {
@@ -47,7 +48,7 @@ BergeronWaves::Steady BergeronWaves::steady(double w) const {
     return {ComplexPhaseMatrix::sequence(own1, own0), ComplexPhaseMatrix::sequence(cross1, cross0)};
 }
 
-void BergeronWaves::start(double w, std::array<Complex, 2> const& v, std::array<Complex, 2> const& i) {
+void BergeronWaves::start(double w, Phasors const& v, Phasors const& i) {
     written_ = 0;
     std::size_t const count = past_.size() / 2;
     for (std::size_t n = 0; n < count; ++n) {
@@ -55,16 +56,16 @@ void BergeronWaves::start(double w, std::array<Complex, 2> const& v, std::array<
         std::array<double, 6> volts{}, amperes{};
         for (std::size_t end = 0; end < 2; ++end) {
             for (std::size_t k = 0; k < 3; ++k) {
-                Complex const turn = std::polar(1.0, w * t - static_cast<double>(k) * 2 * std::numbers::pi / 3);
-                volts[3 * end + k] = (v[end] * turn).real();
-                amperes[3 * end + k] = (i[end] * turn).real();
+                Complex const turn = std::polar(1.0, w * t);
+                volts[3 * end + k] = (v[end][k] * turn).real();
+                amperes[3 * end + k] = (i[end][k] * turn).real();
             }
         }
         leave(t, volts.data(), amperes.data());
     }
 }
 
-double BergeronWaves::at(double t, std::size_t end, std::size_t mode) const {
+BergeronWaves::Found BergeronWaves::find(double t, std::size_t end, std::size_t mode) const {
     std::size_t const size = past_.size();
     std::size_t newer = written_ - 1;
     std::size_t const oldest = written_ > size ? written_ - size : 0;
@@ -82,7 +83,41 @@ double BergeronWaves::at(double t, std::size_t end, std::size_t mode) const {
     Wave const& b = past_[newer % size];
     Wave const& a = past_[(newer > oldest ? newer - 1 : newer) % size];
     double const share = b.t > a.t ? std::clamp((t - a.t) / (b.t - a.t), 0.0, 1.0) : 1;
-    return a.f[end][mode] + share * (b.f[end][mode] - a.f[end][mode]);
+    return {a.f[end][mode] + share * (b.f[end][mode] - a.f[end][mode]),
+            a.i[end][mode] + share * (b.i[end][mode] - a.i[end][mode])};
+}
+
+BergeronWaves::Inside BergeronWaves::inside(double t, double x) const {
+    std::array<double, 3> volts{}, amperes{};
+    for (std::size_t m = 0; m < 3; ++m) {
+        // F = v/Z + h i  ->  the wave v + Zc i that left an end
+        auto const left = [&](double when, std::size_t end) {
+            Found const w = find(when, end, m);
+            return z_[m] * w.f + (surge_[m] - h_[m] * z_[m]) * w.i;
+        };
+        double const forth = left(t - x * tau_[m], 0) * std::exp(-x * r_[m] / (2 * surge_[m]));
+        double const back = left(t - (1 - x) * tau_[m], 1) * std::exp(-(1 - x) * r_[m] / (2 * surge_[m]));
+        volts[m] = (forth + back) / 2;
+        amperes[m] = (forth - back) / (2 * surge_[m]);
+    }
+    return {to_phases({volts[0], volts[1], volts[2]}), to_phases({amperes[0], amperes[1], amperes[2]})};
+}
+
+void BergeronWaves::continue_from(BergeronWaves const& whole, double t_now, double x0, double x1) {
+    written_ = 0;
+    std::size_t const count = past_.size() / 2;
+    for (std::size_t n = 0; n < count; ++n) {
+        double const t = t_now - static_cast<double>(count - 1 - n) * step_s_;
+        Inside const near = whole.inside(t, x0), far = whole.inside(t, x1);
+        std::array<double, 6> volts{}, amperes{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            volts[k] = near.v[k];
+            volts[3 + k] = far.v[k];
+            amperes[k] = near.i[k];
+            amperes[3 + k] = -far.i[k];
+        }
+        leave(t, volts.data(), amperes.data());
+    }
 }
 
 void BergeronWaves::history(double t, double* out) const {
@@ -104,6 +139,7 @@ void BergeronWaves::leave(double t, double const* v, double const* i) {
         auto const volts = modes(v + 3 * end), amperes = modes(i + 3 * end);
         for (std::size_t k = 0; k < 3; ++k) {
             wave.f[end][k] = volts[k] / z_[k] + h_[k] * amperes[k];
+            wave.i[end][k] = amperes[k];
         }
     }
 }

@@ -23,14 +23,23 @@ class BergeronWaves {
         ComplexPhaseMatrix own, cross;
     };
     [[nodiscard]] Steady steady(double w) const;
-    /// Fills the past of a steady state: phasors of phase a at both ends (from, to), voltages and currents into the
-    /// line.
-    void start(double w, std::array<std::complex<double>, 2> const& v, std::array<std::complex<double>, 2> const& i);
+    /// Fills the past of a steady state: phasors at both ends (from, to), voltages and currents into the line.
+    using Phasors = std::array<std::array<std::complex<double>, 3>, 2>; ///< by end and phase
+    void start(double w, Phasors const& v, Phasors const& i);
 
     /// Currents I of both ends (3 phases each, from then to) for a step that ends at t.
     void history(double t, double* out) const;
     /// After a step that ended at t: voltages and currents of both ends.
     void leave(double t, double const* v, double const* i);
+
+    /// Voltages and currents (towards `to`) at a share x of the length, at an instant of the past or t_now; the losses
+    /// are taken as spread along the line.
+    struct Inside {
+        std::array<double, 3> v, i;
+    };
+    [[nodiscard]] Inside inside(double t, double x) const;
+    /// Fills the past of a piece of another line, between shares x0 and x1 of its length.
+    void continue_from(BergeronWaves const& whole, double t_now, double x0, double x1);
 
     /// For going back to an earlier instant.
     [[nodiscard]] std::size_t mark() const { return written_; }
@@ -39,10 +48,15 @@ class BergeronWaves {
   private:
     struct Wave {
         double t{0};
-        std::array<std::array<double, 3>, 2> f{}; ///< by end and mode
+        std::array<std::array<double, 3>, 2> f{}, i{}; ///< by end and mode: what left, and the current
     };
-    [[nodiscard]] double at(double t, std::size_t end, std::size_t mode) const;
+    struct Found {
+        double f{0}, i{0};
+    };
+    [[nodiscard]] Found find(double t, std::size_t end, std::size_t mode) const;
+    [[nodiscard]] double at(double t, std::size_t end, std::size_t mode) const { return find(t, end, mode).f; }
     std::array<double, 3> z_, h_, tau_; ///< by mode
+    std::array<double, 3> surge_, r_;   ///< by mode: surge impedance, resistance
     double step_s_;
     std::vector<Wave> past_; ///< ring
     std::size_t written_{0};

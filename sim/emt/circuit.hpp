@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sim/emt/matrix3.hpp"
 #include "sim/emt/phase_matrix.hpp"
 #include "sim/machines/machine_data.hpp"
 
@@ -24,6 +25,15 @@ struct RlBranch {
 struct CapacitorBranch {
     int from{kEarth}, to{kEarth};
     PhaseMatrix c;
+};
+
+/// Phases that are coupled unequally: v = R i + L di/dt, or i = C dv/dt. A line that is not transposed, a load by
+/// phase.
+struct CoupledBranch {
+    enum class Kind { inductive, capacitive } kind{Kind::inductive};
+    int from{kEarth}, to{kEarth};
+    Matrix3 r{}, l{}; ///< inductive
+    Matrix3 c{};      ///< capacitive
 };
 
 /// One resistance and inductance driven by a weighted sum of node voltages: v = sum w_k v_k = r i + l di/dt, and w_k i
@@ -66,6 +76,7 @@ struct CurrentTerm {
     enum class Kind {
         rl,
         capacitor,
+        coupled,
         winding,
         core,
         bergeron_from,
@@ -116,6 +127,7 @@ struct Circuit {
     std::vector<std::string> triples{"earth"}; ///< names for messages
     std::vector<RlBranch> rl;
     std::vector<CapacitorBranch> capacitors;
+    std::vector<CoupledBranch> coupled;
     std::vector<Winding> windings;
     std::vector<SaturableCore> cores;
     std::vector<BergeronLine> bergeron;

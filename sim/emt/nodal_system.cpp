@@ -43,6 +43,21 @@ std::vector<int> weighted_slots(Elements const& elements, Topology const& t) {
     return slots_of(nodes, t);
 }
 
+StepCoefficients::Coupled coupled_coefficients(CoupledBranch const& b, double h) {
+    StepCoefficients::Coupled out;
+    if (b.kind == CoupledBranch::Kind::capacitive) {
+        out.g = combined(2 / h, b.c, 0.0, b.c);
+        out.v_trapezoid = out.v_euler = combined(-1.0, out.g, 0.0, out.g);
+        out.i_trapezoid = diagonal(-1.0, -1.0, -1.0);
+        return out;
+    }
+    out.g = inverse(combined(1.0, b.r, 2 / h, b.l));
+    out.v_trapezoid = out.g;
+    out.i_trapezoid = product(out.g, combined(2 / h, b.l, -1.0, b.r));
+    out.i_euler = product(out.g, combined(2 / h, b.l, 0.0, b.l));
+    return out;
+}
+
 } // namespace
 
 void fill_coefficients(Circuit const& c, double h, StepCoefficients& out) {
@@ -62,6 +77,10 @@ void fill_coefficients(Circuit const& c, double h, StepCoefficients& out) {
     for (CapacitorBranch const& b : c.capacitors) {
         out.capacitor_g.push_back(PhaseMatrix::sequence(2 * b.c.one / h, 2 * b.c.zero() / h));
     }
+    out.coupled.clear();
+    for (CoupledBranch const& b : c.coupled) {
+        out.coupled.push_back(coupled_coefficients(b, h));
+    }
     out.winding_g.clear();
     out.winding_trapezoid.clear();
     out.winding_euler.clear();
@@ -78,6 +97,9 @@ Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits c
     Admittances<double> y;
     y.rl = rl_g;
     y.capacitors = capacitor_g;
+    for (Coupled const& b : coupled) {
+        y.coupled.push_back(b.g);
+    }
     y.windings = winding_g;
     for (EmtMachine const& m : machine_models) {
         y.machines.push_back(m.conductance(h));
@@ -92,6 +114,17 @@ Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits c
 }
 
 void NodalSystem::solve(double* b, double* x) const {
+    if (update) {
+        update->base->solve(b, x);
+        std::array<double, Update::kMostRank> seen{};
+        for (std::size_t k = 0; k < update->rank; ++k) {
+            for (auto const& [slot, weight] : update->columns[k]) {
+                seen[k] += slot < topology.unknowns ? weight * x[slot] : 0;
+            }
+        }
+        update->subtract(seen, x);
+        return;
+    }
     auto const n = static_cast<std::size_t>(topology.unknowns);
     if (!dense) {
         std::copy(b, b + n, x);
@@ -110,20 +143,29 @@ void NodalSystem::solve(double* b, double* x) const {
 
 void NodalSystem::add_column(int slot, double value, double* x) const {
     auto const n = static_cast<std::size_t>(topology.unknowns);
+    if (update) {
+        update->base->add_column(slot, value, x);
+        std::array<double, Update::kMostRank> seen{};
+        for (std::size_t k = 0; k < update->rank; ++k) {
+            seen[k] = value * update->w[k * n + static_cast<std::size_t>(slot)];
+        }
+        update->subtract(seen, x);
+        return;
+    }
     double const* const column = inverse.data() + static_cast<std::size_t>(slot) * n;
     for (std::size_t i = 0; i < n; ++i) {
         x[i] += column[i] * value;
     }
 }
 
-Result<std::unique_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits const& bits,
+Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits const& bits,
                                                  StepCoefficients const& coefficients,
                                                  std::vector<EmtMachine> const& machines) {
     auto topology = make_topology(c, bits);
     if (!topology) {
         return std::unexpected{topology.error()};
     }
-    auto system = std::make_unique<NodalSystem>();
+    auto system = std::make_shared<NodalSystem>();
     system->bits = bits;
     system->h = coefficients.h;
     system->topology = std::move(*topology);
@@ -145,6 +187,8 @@ Result<std::unique_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits co
     system->rl_to = triple_slots(c.rl, t, [](RlBranch const& b) { return b.to; });
     system->capacitor_from = triple_slots(c.capacitors, t, [](CapacitorBranch const& b) { return b.from; });
     system->capacitor_to = triple_slots(c.capacitors, t, [](CapacitorBranch const& b) { return b.to; });
+    system->coupled_from = triple_slots(c.coupled, t, [](CoupledBranch const& b) { return b.from; });
+    system->coupled_to = triple_slots(c.coupled, t, [](CoupledBranch const& b) { return b.to; });
     system->bergeron_from = triple_slots(c.bergeron, t, [](BergeronLine const& b) { return b.from; });
     system->bergeron_to = triple_slots(c.bergeron, t, [](BergeronLine const& b) { return b.to; });
     system->machine = triple_slots(c.machines, t, [](MachinePort const& m) { return m.node; });

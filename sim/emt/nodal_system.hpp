@@ -7,6 +7,7 @@
 #include "sim/emt/topology.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace gridspace::sim::emt {
@@ -18,6 +19,11 @@ struct StepCoefficients {
     double h{0};
     std::vector<PhaseMatrix> rl_g, rl_trapezoid, rl_euler; ///< i' = g v' + (g v + trapezoid i), or + euler i
     std::vector<PhaseMatrix> capacitor_g;
+    /// i' = g v' + history; history = v_past v + i_past i, one pair for each rule.
+    struct Coupled {
+        Matrix3 g{}, v_trapezoid{}, i_trapezoid{}, v_euler{}, i_euler{};
+    };
+    std::vector<Coupled> coupled;
     std::vector<double> winding_g, winding_trapezoid, winding_euler;
     Admittances<double> admittances(Circuit const& circuit, SwitchBits const& bits,
                                     std::vector<EmtMachine> const& machines) const;
@@ -35,17 +41,34 @@ struct NodalSystem {
     std::vector<double> inverse; ///< column-major
     Ldlt<double> factors;
     // slots of elements' nodes, in element order
-    std::vector<int> rl_from, rl_to, capacitor_from, capacitor_to, winding, core, machine, injection, bergeron_from,
-        bergeron_to;
+    std::vector<int> rl_from, rl_to, capacitor_from, capacitor_to, coupled_from, coupled_to, winding, core, machine,
+        injection, bergeron_from, bergeron_to;
     std::uint64_t last_used{0};
+    /// What a system that differs little from another adds to its solution (nodal_update.cpp).
+    struct Update {
+        static constexpr std::size_t kMostRank = 6;
+        std::shared_ptr<NodalSystem const> base;
+        std::size_t rank{0};
+        std::vector<std::vector<std::pair<int, double>>> columns; ///< of U: slots and weights
+        std::vector<double> w;                                    ///< A^-1 U, column-major
+        std::array<std::array<double, kMostRank>, kMostRank> c{};
+        /// x -= W C seen
+        void subtract(std::array<double, kMostRank> const& seen, double* x) const;
+    };
+    std::optional<Update> update;
 
     /// x := A^-1 b over the unknowns; `b` is spoilt. Allocates nothing.
     void solve(double* b, double* x) const;
     /// x += A^-1 e_slot value, for a dense system only.
     void add_column(int slot, double value, double* x) const;
 };
-[[nodiscard]] Result<std::unique_ptr<NodalSystem>> make_system(Circuit const& circuit, SwitchBits const& bits,
+[[nodiscard]] Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& circuit, SwitchBits const& bits,
                                                                StepCoefficients const& coefficients,
                                                                std::vector<EmtMachine> const& machines);
+
+/// The system of `bits` by a low-rank change of another of the same step; nothing when they differ in poles, by more
+/// than a few fault phases and cores, or so that a part loses its connection to earth.
+[[nodiscard]] std::shared_ptr<NodalSystem>
+update_system(Circuit const& circuit, std::shared_ptr<NodalSystem> const& base, SwitchBits const& bits);
 
 } // namespace gridspace::sim::emt

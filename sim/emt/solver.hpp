@@ -22,13 +22,13 @@ class Solver {
     Solver(Circuit circuit, double step_s);
 
     /// Steady state at time 0 with these terminal currents of machines (positive sequence phasors, A peak, out of the
-    /// machine) and voltages (V peak), by machine, and injected currents (A peak, phase a), by injection; every other
+    /// machine) and voltages (V peak), by machine, and injected currents (A peak, by phase), by injection; every other
     /// element follows from the network equations.
     struct MachineStart {
         std::complex<double> v, i;
     };
     [[nodiscard]] Result<void> start(std::vector<MachineStart> const& machines,
-                                     std::vector<std::complex<double>> const& injections = {});
+                                     std::vector<std::array<std::complex<double>, 3>> const& injections = {});
 
     /// Simulates from t() to `t_end`, which is `h` away.
     [[nodiscard]] Result<void> advance(double t_end, double h);
@@ -48,6 +48,15 @@ class Solver {
     /// Splits an RL branch in two at a share of its length, with the same current in both; returns the second part's
     /// index.
     [[nodiscard]] int split_rl(int branch, double share, std::string const& name);
+    /// Cuts a travelling-wave line in two at a share of its length, with the waves that are on their way. A piece that
+    /// a wave passes in less than a step becomes an RL branch, with its capacitance at the cut.
+    struct WaveParts {
+        int near_index{0}, far_index{0}; ///< of Bergeron lines or rl branches
+        bool near_is_wave{true}, far_is_wave{true};
+    };
+    [[nodiscard]] WaveParts split_wave(int line, double share, std::string const& name);
+    /// The same for a coupled inductive branch.
+    [[nodiscard]] int split_coupled(int branch, double share, std::string const& name);
     void set_source_frequency(std::size_t source, double frequency_hz);
     void set_source_amplitude(std::size_t source, double amplitude_v);
 
@@ -78,7 +87,7 @@ class Solver {
     /// What a trial step changes.
     struct Dynamics {
         std::vector<double> v; ///< by slot
-        std::vector<double> rl_v, rl_i, capacitor_v, capacitor_i, winding_v, winding_i;
+        std::vector<double> rl_v, rl_i, capacitor_v, capacitor_i, coupled_v, coupled_i, winding_v, winding_i;
         std::vector<double> core_flux, core_v, core_i;
         std::vector<double> wave_i;          ///< 6 per Bergeron line
         std::vector<std::size_t> wave_marks; ///< of waves_, when saved
@@ -123,17 +132,20 @@ class Solver {
     bool armed_{false}, waiting_{false};
     Dynamics state_, saved_;
     std::vector<BergeronWaves> waves_;
-    std::vector<double> wave_history_, rl_history_, capacitor_history_, winding_history_, core_history_, rhs_,
-        correction_, injected_;
+    std::vector<double> wave_history_, rl_history_, capacitor_history_, coupled_history_, winding_history_,
+        core_history_, rhs_, correction_, injected_;
     std::vector<double> watched_before_, watched_after_; ///< currents of armed poles at both ends of a segment
     StepCoefficients usual_, other_;
     StepCoefficients const* coefficients_{nullptr};
-    std::vector<std::unique_ptr<NodalSystem>> cache_; ///< of the usual step
-    std::unique_ptr<NodalSystem> odd_;                ///< of another step
+    std::vector<std::shared_ptr<NodalSystem>> cache_; ///< of the usual step
+    std::shared_ptr<NodalSystem> odd_;                ///< of another step
     NodalSystem* system_{nullptr};
     std::uint64_t uses_{0};
     std::vector<double> source_phase_, source_since_; ///< phase at, s
     double limit_v_{0};                               ///< voltages beyond are divergence
+
+    /// Nothing is cut shorter than this share of the usual step.
+    static constexpr double kLeastSegment = 1e-5;
 };
 
 } // namespace gridspace::sim::emt

@@ -25,7 +25,7 @@ ComplexPhaseMatrix impedance_inverse(PhaseMatrix const& r, PhaseMatrix const& l,
 } // namespace
 
 Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
-                           std::vector<Complex> const& injection_starts) {
+                           std::vector<std::array<Complex, 3>> const& injection_starts) {
     t_ = 0;
     if (auto ok = use(step_s_); !ok) {
         return ok;
@@ -39,6 +39,16 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
     }
     for (CapacitorBranch const& b : circuit_.capacitors) {
         y.capacitors.push_back(ComplexPhaseMatrix::sequence({0, w * b.c.one}, {0, w * b.c.zero()}));
+    }
+    for (CoupledBranch const& b : circuit_.coupled) {
+        Matrix3Of<Complex> impedance{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                impedance[i][j] = b.kind == CoupledBranch::Kind::capacitive ? Complex{0, w * b.c[i][j]}
+                                                                            : Complex{b.r[i][j], w * b.l[i][j]};
+            }
+        }
+        y.coupled.push_back(b.kind == CoupledBranch::Kind::capacitive ? impedance : inverse(impedance));
     }
     for (Winding const& b : circuit_.windings) {
         y.windings.push_back(1.0 / Complex{b.r, w * b.l});
@@ -82,7 +92,7 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
     }
     for (std::size_t i = 0; i < injection_starts.size(); ++i) {
         for (int k = 0; k < 3; ++k) {
-            Complex const current = phase_of(injection_starts[i], k);
+            Complex const current = injection_starts[i][static_cast<std::size_t>(k)];
             rhs[slot(circuit_.injections[i].node + k)] += current;
             injected_[3 * i + static_cast<std::size_t>(k)] = current.real();
         }
@@ -112,16 +122,33 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
         set_branch(circuit_.capacitors[b].from, circuit_.capacitors[b].to, y.capacitors[b], &state_.capacitor_v[3 * b],
                    &state_.capacitor_i[3 * b]);
     }
+    for (std::size_t b = 0; b < circuit_.coupled.size(); ++b) {
+        std::array<Complex, 3> d;
+        for (int k = 0; k < 3; ++k) {
+            d[static_cast<std::size_t>(k)] =
+                v[slot(circuit_.coupled[b].from + k)] - v[slot(circuit_.coupled[b].to + k)];
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            auto const& row = y.coupled[b][k];
+            state_.coupled_v[3 * b + k] = d[k].real();
+            state_.coupled_i[3 * b + k] = (row[0] * d[0] + row[1] * d[1] + row[2] * d[2]).real();
+        }
+    }
     for (std::size_t b = 0; b < waves_.size(); ++b) {
-        std::array<Complex, 2> volts, amperes;
+        BergeronWaves::Phasors volts, amperes;
         std::array<int, 2> const nodes{circuit_.bergeron[b].from, circuit_.bergeron[b].to};
+        std::array<Complex, 2> sum{};
         for (std::size_t end = 0; end < 2; ++end) {
-            volts[end] = v[slot(nodes[end])];
+            for (int k = 0; k < 3; ++k) {
+                volts[end][static_cast<std::size_t>(k)] = v[slot(nodes[end] + k)];
+                sum[end] += v[slot(nodes[end] + k)];
+            }
         }
         for (std::size_t end = 0; end < 2; ++end) {
-            amperes[end] = y.bergeron[b].one * volts[end] + crosses[b].one * volts[1 - end];
-            for (int k = 0; k < 3; ++k) {
-                state_.wave_i[6 * b + 3 * end + static_cast<std::size_t>(k)] = phase_of(amperes[end], k).real();
+            for (std::size_t k = 0; k < 3; ++k) {
+                amperes[end][k] = y.bergeron[b].one * volts[end][k] + y.bergeron[b].mutual * sum[end] +
+                                  crosses[b].one * volts[1 - end][k] + crosses[b].mutual * sum[1 - end];
+                state_.wave_i[6 * b + 3 * end + k] = amperes[end][k].real();
             }
         }
         waves_[b].start(w0, volts, amperes);

@@ -68,6 +68,20 @@ void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
             rhs[system_->capacitor_to[3 * b + k]] += history;
         }
     }
+    for (std::size_t b = 0; b < circuit_.coupled.size(); ++b) {
+        StepCoefficients::Coupled const& past = c.coupled[b];
+        Matrix3 const& of_v = trapezoid ? past.v_trapezoid : past.v_euler;
+        Matrix3 const& of_i = trapezoid ? past.i_trapezoid : past.i_euler;
+        double const* v = state_.coupled_v.data() + 3 * b;
+        double const* i = state_.coupled_i.data() + 3 * b;
+        for (std::size_t k = 0; k < 3; ++k) {
+            double const history = of_v[k][0] * v[0] + of_v[k][1] * v[1] + of_v[k][2] * v[2] + of_i[k][0] * i[0] +
+                                   of_i[k][1] * i[1] + of_i[k][2] * i[2];
+            coupled_history_[3 * b + k] = history;
+            rhs[system_->coupled_from[3 * b + k]] -= history;
+            rhs[system_->coupled_to[3 * b + k]] += history;
+        }
+    }
     for (std::size_t w = 0; w < circuit_.windings.size(); ++w) {
         double const history = trapezoid
                                    ? c.winding_g[w] * state_.winding_v[w] + c.winding_trapezoid[w] * state_.winding_i[w]
@@ -128,6 +142,17 @@ void Solver::currents(StepCoefficients const& c) {
         double const common = g.mutual * (v[0] + v[1] + v[2]);
         for (std::size_t k = 0; k < 3; ++k) {
             state_.capacitor_i[3 * b + k] = g.one * v[k] + common + capacitor_history_[3 * b + k];
+        }
+    }
+    for (std::size_t b = 0; b < circuit_.coupled.size(); ++b) {
+        Matrix3 const& g = c.coupled[b].g;
+        double* const v = state_.coupled_v.data() + 3 * b;
+        for (std::size_t k = 0; k < 3; ++k) {
+            v[k] = x[system_->coupled_from[3 * b + k]] - x[system_->coupled_to[3 * b + k]];
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            state_.coupled_i[3 * b + k] =
+                g[k][0] * v[0] + g[k][1] * v[1] + g[k][2] * v[2] + coupled_history_[3 * b + k];
         }
     }
     for (std::size_t w = 0; w < circuit_.windings.size(); ++w) {

@@ -44,6 +44,18 @@ class Stamper {
         }
     }
 
+    void between(int a, int b, Matrix3Of<S> const& g) {
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                S const value = g[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+                add(a + i, a + j, value);
+                add(b + i, b + j, value);
+                add(a + i, b + j, -value);
+                add(b + i, a + j, -value);
+            }
+        }
+    }
+
     void weighted(std::array<int, 4> const& nodes, std::array<double, 4> const& weights, S g) {
         for (std::size_t i = 0; i < 4; ++i) {
             for (std::size_t j = 0; j < 4; ++j) {
@@ -133,6 +145,9 @@ Assembly<S> assemble(Circuit const& c, Topology const& topology, SwitchBits cons
     }
     for (std::size_t i = 0; i < c.capacitors.size(); ++i) {
         stamp.between(c.capacitors[i].from, c.capacitors[i].to, y.capacitors[i]);
+    }
+    for (std::size_t i = 0; i < c.coupled.size(); ++i) {
+        stamp.between(c.coupled[i].from, c.coupled[i].to, y.coupled[i]);
     }
     for (std::size_t i = 0; i < c.machines.size(); ++i) {
         stamp.between(c.machines[i].node, kEarth, y.machines[i]);

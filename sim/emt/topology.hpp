@@ -39,6 +39,7 @@ template <class S>
 struct Admittances {
     std::vector<PhaseMatrixOf<S>> rl, capacitors, machines, bergeron;
     std::vector<S> windings, cores;
+    std::vector<Matrix3Of<S>> coupled;
 };
 
 template <class S>

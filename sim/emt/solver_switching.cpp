@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/emt/solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+/// Poles, fault phases and iron cores: when they change state inside a step, and what that does.
+namespace gridspace::sim::emt {
+namespace {
+
+/// A pole without current opens at once; rounding noise is no current.
+constexpr double kNoCurrentA = 1e-7;
+
+} // namespace
+
+bool Solver::watching() const {
+    return armed_ || !circuit_.cores.empty();
+}
+
+void Solver::remember_currents(std::vector<double>& out) const {
+    double* o = out.data();
+    for (std::size_t s = 0; s < switches_.size(); ++s) {
+        for (int k = 0; k < 3; ++k) {
+            *o++ = switches_[s].armed[static_cast<std::size_t>(k)] ? switch_current(s, k) : 0;
+        }
+    }
+    for (std::size_t f = 0; f < fault_armed_.size(); ++f) {
+        for (int k = 0; k < 3; ++k) {
+            *o++ = fault_armed_[f][static_cast<std::size_t>(k)] ? fault_current(f, k) : 0;
+        }
+    }
+}
+
+namespace {
+
+/// Where a current that was `before` and is `after` has its zero, as a share of the segment; 2 when it has none.
+double zero_share(double before, double after) {
+    if (std::abs(before) <= kNoCurrentA) {
+        return 0;
+    }
+    return before * after <= 0 ? before / (before - after) : 2;
+}
+
+/// Where the flux of a core leaves its segment; 2 when it does not.
+double knee_share(double before, double after, double knee, int segment) {
+    double const level = segment == 0 ? (after > 0 ? knee : -knee) : segment * knee;
+    bool const leaves = segment == 0 ? std::abs(after) > knee : segment * after < knee;
+    return leaves ? std::clamp((level - before) / (after - before), 0.0, 1.0) : 2;
+}
+
+} // namespace
+
+Solver::Crossing Solver::first_crossing() const {
+    Crossing first;
+    auto const consider = [&](double share) {
+        if (share <= 1 && share < first.share) {
+            first = {share, true};
+        }
+    };
+    std::size_t o = 0;
+    for (SwitchControl const& s : switches_) {
+        for (std::size_t k = 0; k < 3; ++k, ++o) {
+            if (s.armed[k]) {
+                consider(zero_share(watched_before_[o], watched_after_[o]));
+            }
+        }
+    }
+    for (auto const& armed : fault_armed_) {
+        for (std::size_t k = 0; k < 3; ++k, ++o) {
+            if (armed[k]) {
+                consider(zero_share(watched_before_[o], watched_after_[o]));
+            }
+        }
+    }
+    for (std::size_t c = 0; c < circuit_.cores.size(); ++c) {
+        consider(knee_share(saved_.core_flux[c], state_.core_flux[c], circuit_.cores[c].knee, bits_.segment[c]));
+    }
+    return first;
+}
+
+void Solver::open_crossed(double share) {
+    constexpr double kTogether = 1e-9; // currents that are each other's negative cross at one instant
+    std::size_t o = 0;
+    armed_ = false;
+    for (std::size_t s = 0; s < switches_.size(); ++s) {
+        for (std::size_t k = 0; k < 3; ++k, ++o) {
+            if (switches_[s].armed[k] && zero_share(watched_before_[o], watched_after_[o]) <= share + kTogether) {
+                switches_[s].armed[k] = false;
+                bits_.closed[s][k] = false;
+                auto const& closed = bits_.closed[s];
+                if (!closed[0] && !closed[1] && !closed[2]) {
+                    switches_[s].opened_at = t_;
+                }
+            }
+            armed_ = armed_ || switches_[s].armed[k];
+        }
+    }
+    for (std::size_t f = 0; f < fault_armed_.size(); ++f) {
+        for (std::size_t k = 0; k < 3; ++k, ++o) {
+            if (fault_armed_[f][k] && zero_share(watched_before_[o], watched_after_[o]) <= share + kTogether) {
+                fault_armed_[f][k] = false;
+                bits_.faulted[f][k] = false;
+            }
+            armed_ = armed_ || fault_armed_[f][k];
+        }
+    }
+    for (std::size_t c = 0; c < circuit_.cores.size(); ++c) {
+        auto& segment = bits_.segment[c];
+        double const flux = state_.core_flux[c], knee = circuit_.cores[c].knee;
+        constexpr double kAtKnee = 1e-6;
+        if (segment == 0 && std::abs(flux) >= knee * (1 - kAtKnee)) {
+            segment = flux > 0 ? 1 : -1;
+        } else if (segment != 0 && segment * flux <= knee * (1 + kAtKnee)) {
+            // It enters the other slope only when it moves there: the crossing said so.
+            bool const leaves = segment * saved_.core_flux[c] > segment * flux;
+            segment = leaves ? static_cast<signed char>(0) : segment;
+        }
+    }
+    switched();
+}
+
+void Solver::switched() {
+    restart_ = modified_ = true;
+}
+
+void Solver::part_contacts() {
+    if (!waiting_) {
+        return;
+    }
+    waiting_ = false;
+    for (std::size_t i = 0; i < switches_.size(); ++i) {
+        SwitchControl& s = switches_[i];
+        if (s.part_at <= t_ + kLeastSegment * step_s_) {
+            s.part_at = std::numeric_limits<double>::infinity();
+            if (s.at_once) {
+                bits_.closed[i] = {false, false, false};
+                s.opened_at = t_;
+                switched();
+            } else {
+                s.armed = bits_.closed[i];
+                armed_ = true;
+            }
+        }
+        waiting_ = waiting_ || s.part_at < std::numeric_limits<double>::infinity();
+    }
+}
+
+void Solver::open_switch(std::size_t index, double after_s, bool at_once) {
+    auto const& closed = bits_.closed[index];
+    if (!closed[0] && !closed[1] && !closed[2]) {
+        return;
+    }
+    SwitchControl& s = switches_[index];
+    if (s.part_at < std::numeric_limits<double>::infinity() || s.armed != std::array{false, false, false}) {
+        return; // on its way
+    }
+    s.part_at = t_ + after_s;
+    s.at_once = at_once;
+    waiting_ = true;
+}
+
+void Solver::close_switch(std::size_t index) {
+    SwitchControl& s = switches_[index];
+    s.part_at = std::numeric_limits<double>::infinity();
+    s.armed = {};
+    if (bits_.closed[index] != std::array{true, true, true}) {
+        bits_.closed[index] = {true, true, true};
+        switched();
+    }
+}
+
+bool Solver::opening(std::size_t index) const {
+    SwitchControl const& s = switches_[index];
+    return s.part_at < std::numeric_limits<double>::infinity() || s.armed != std::array{false, false, false};
+}
+
+void Solver::apply_fault(std::size_t fault) {
+    bits_.faulted[fault] = circuit_.faults[fault].phases;
+    fault_armed_[fault] = {};
+    switched();
+}
+
+void Solver::clear_fault(std::size_t fault) {
+    fault_armed_[fault] = bits_.faulted[fault];
+    armed_ = true;
+}
+
+} // namespace gridspace::sim::emt
