@@ -235,11 +235,7 @@ int powerflow(PowerFlowArguments const& arguments) {
     if (arguments.three_phase) {
         return three_phase(*network, arguments.json);
     }
-    bool const unbalanced = std::any_of(network->loads.begin(), network->loads.end(),
-                                        [](sim::Load const& l) { return !l.phase_p_kw.empty(); }) ||
-                            std::any_of(network->line_types.begin(), network->line_types.end(),
-                                        [](sim::LineType const& t) { return !t.phase_r_ohm_per_km.empty(); });
-    if (unbalanced) {
+    if (is_unbalanced(*network)) {
         fmt::print(stderr, "note: this network is not balanced, and this is the balanced power flow: lines transposed, "
                            "a third of each load per phase (see --three-phase)\n");
     }

@@ -191,6 +191,9 @@ int simulate(SimulateArguments const& a) {
         return static_cast<int>(ExitCode::usage);
     }
     bool const emt = a.solver == "emt";
+    if (emt && a.fixed_step) {
+        return print_error({ExitCode::usage, "--fixed-step is for phasors: waveforms always have fixed steps", "leave it out"});
+    }
     auto const until = parse_duration(a.until);
     auto const step = Rational::parse(a.step.empty() ? (emt ? "1/48000" : "1/1000") : a.step);
     if (!until) {
@@ -205,6 +208,7 @@ int simulate(SimulateArguments const& a) {
     sim::SimulationConfig simulation;
     simulation.solver = emt ? sim::SolverKind::emt : sim::SolverKind::phasor;
     simulation.step_s = *step;
+    simulation.fixed_step = a.fixed_step;
     // Every step and every event is a whole number of quanta: nothing is rounded to a grid.
     Rational quantum = *step;
     try {

@@ -19,7 +19,7 @@ struct ScenarioArguments {
 
 struct RunArguments {
     ScenarioArguments scenario;
-    bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false}, allow_control{false};
+    bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false};
     std::filesystem::path out, parent{"runs"}, junit;
     std::string log_level{"info"};
 };
@@ -50,6 +50,7 @@ int powerflow(PowerFlowArguments const& arguments);
 struct SimulateArguments {
     std::filesystem::path network, events, csv, comtrade;
     std::string solver{"emt"}, until{"1"}, step;
+    bool fixed_step{false};
     std::vector<std::string> signals; ///< patterns; empty: the usual ones
     std::int64_t every{1};
     bool timing{false}, quiet{false}, list_signals{false};

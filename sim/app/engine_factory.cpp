@@ -35,7 +35,9 @@ Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, 
         return emt::make_emt_engine(std::move(network),
                                     {base, base.nearest(simulation.step_s), start_hour_of_day(simulation)});
     }
-    return phasor::make_phasor_engine(std::move(network), {base, start_hour_of_day(simulation)});
+    phasor::PhasorOptions options{.time_base = base, .start_hour_of_day = start_hour_of_day(simulation)};
+    options.fixed_step_s = simulation.fixed_step ? simulation.step_s.to_double() : 0;
+    return phasor::make_phasor_engine(std::move(network), options);
 }
 
 std::vector<SignalDef> engine_signals(SimulationConfig const& simulation, Network const& network) {

@@ -46,6 +46,11 @@ void describe(config::Fields& f, SimulationConfig& s) {
     f.choice<SolverKind>("solver", s.solver, {{"phasor", SolverKind::phasor}, {"emt", SolverKind::emt}},
                          {.doc = "balanced phasors, or waveforms", .required = true});
     f.fraction("step_s", s.step_s, {.doc = "time step; fractions like 1/48000 are exact", .required = true, .above = 0});
+    f.choice<bool>("integration", s.fixed_step, {{"adaptive", false}, {"fixed_step", true}},
+                   {.doc = "phasor: steps chosen by the integrator, or of step_s with bounded work, for real time"});
+    if (s.fixed_step && s.solver == SolverKind::emt) {
+        f.error("integration", "waveforms always have steps of step_s", "leave it out");
+    }
     f.fraction("duration_s", s.duration_s, {.doc = "simulated time", .above = 0});
     f.fraction("duration_h", s.duration_h, {.doc = "simulated time", .above = 0});
     f.text("epoch", s.epoch, {.doc = "UTC of simulated time 0"});

@@ -23,6 +23,7 @@ struct SimulationConfig {
     config::Node network_changes;          ///< laid over the network file
     SolverKind solver{SolverKind::phasor};
     Rational step_s{1};
+    bool fixed_step{false};                ///< phasors in steps of step_s, not in steps of the integrator's choice
     std::optional<Rational> duration_s, duration_h;
     std::string epoch{"2020-01-01T00:00:00Z"};
     config::Node gateways;                 ///< `per_bus`, or a map of line gateways

@@ -117,7 +117,8 @@ void check_set(Event const& e, Ref const& path, Network const& n, bool waveform,
         std::string name;
         std::vector<std::string> elements, parameters;
     };
-    std::vector<Section> sections{{"loads", names_of(n.loads), {"p_kw"}}};
+    std::vector<Section> sections{{"loads", names_of(n.loads), {"p_kw"}},
+                                  {"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}}};
     if (waveform) {
         sections = {{"loads", names_of(n.loads), {"p_kw", "q_kvar", "power_factor"}},
                     {"sources", names_of(n.sources), {"voltage_pu", "frequency_hz"}},

@@ -38,21 +38,28 @@ struct DaeOptions {
     std::size_t dense_up_to{40}; ///< unknowns; beyond that KLU
 };
 
-/// SUNDIALS IDA with a dense or a KLU linear solver [Hindmarsh et al., ACM TOMS 31(3), 2005].
-class DaeSolver {
+/// Follows a problem through time.
+class DaeIntegrator {
   public:
-    DaeSolver(DaeProblem& problem, DaeOptions options);
-    ~DaeSolver();
-
+    virtual ~DaeIntegrator() = default;
     /// Starts (again) at t: the differential part of y holds; the algebraic part and y' are computed to be consistent.
-    [[nodiscard]] Result<void> restart(double t, std::span<double> y, std::span<double> yp);
+    [[nodiscard]] virtual Result<void> restart(double t, std::span<double> y, std::span<double> yp) = 0;
 
     struct Stop {
         double t{0};
         std::vector<int> events; ///< which crossed zero; empty: the time was reached
     };
     /// Integrates to `until`, never beyond, or to an event before it. y and yp are what holds there.
-    [[nodiscard]] Result<Stop> advance(double until, std::span<double> y, std::span<double> yp);
+    [[nodiscard]] virtual Result<Stop> advance(double until, std::span<double> y, std::span<double> yp) = 0;
+};
+
+/// SUNDIALS IDA with a dense or a KLU linear solver [Hindmarsh et al., ACM TOMS 31(3), 2005].
+class DaeSolver final : public DaeIntegrator {
+  public:
+    DaeSolver(DaeProblem& problem, DaeOptions options);
+    ~DaeSolver() override;
+    [[nodiscard]] Result<void> restart(double t, std::span<double> y, std::span<double> yp) override;
+    [[nodiscard]] Result<Stop> advance(double until, std::span<double> y, std::span<double> yp) override;
 
     [[nodiscard]] long steps() const;
 

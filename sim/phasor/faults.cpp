@@ -3,6 +3,7 @@
 #include "sim/phasor/faults.hpp"
 
 #include "common/text.hpp"
+#include "sim/phasor/sequence_networks.hpp"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +19,8 @@ constexpr double kLeastShare = 1e-6;
 
 /// A line with a fault admittance inside, seen from its buses: nodes `from`, fault, `to`, of which open ends and the
 /// fault are eliminated (Kron).
-void put_on_line(Network const& n, SwitchState const& switches, ApplyFault const& fault, TwoPort& port) {
+void put_on_line(Network const& n, SwitchState const& switches, ApplyFault const& fault, Complex y_fault,
+                 TwoPort& port) {
     Line const& line = n.lines[port.element];
     LineTotals const t = line_totals(n, line);
     double const omega = 2 * std::numbers::pi * n.frequency_hz;
@@ -27,7 +29,6 @@ void put_on_line(Network const& n, SwitchState const& switches, ApplyFault const
     Complex const half{0, omega * t.c_f / 2 * z_base};
     double const share = std::clamp(fault.position_percent / 100, kLeastShare, 1 - kLeastShare);
     Complex const near = series / share, far = series / (1 - share);
-    Complex const y_fault = z_base / std::max(fault.resistance_ohm, kLeastOhm);
     std::array<std::array<Complex, 3>, 3> y{}; // from, to, fault
     y[0][0] = near + half;
     y[1][1] = far + half;
@@ -59,18 +60,28 @@ void put_on_line(Network const& n, SwitchState const& switches, ApplyFault const
     port.tt = y[1][1];
 }
 
+bool balanced(ApplyFault const& f) {
+    return f.type == FaultType::three_phase_ground || f.type == FaultType::three_phase;
+}
+
 } // namespace
 
 Result<void> Faults::apply(Network const& n, ApplyFault const& f) {
-    if (f.type != FaultType::three_phase_ground && f.type != FaultType::three_phase) {
-        return fail(ExitCode::usage, fmt::format("fault '{}' is unbalanced, and phasors are balanced", f.name),
-                    "use `solver: emt`");
-    }
     if (f.line.empty() ? find(n.buses, f.bus) == nullptr : find(n.lines, f.line) == nullptr) {
         return fail(ExitCode::usage, fmt::format("there is no {} '{}'", f.line.empty() ? "bus" : "line",
                                                  f.line.empty() ? f.bus : f.line));
     }
+    if (!(f.position_percent >= 0 && f.position_percent <= 100)) {
+        return fail(ExitCode::usage,
+                    fmt::format("a fault at {} % of line '{}' is not on it", shortest(f.position_percent), f.line));
+    }
     for (auto const& [name, other] : active_) {
+        if (name != f.name && !(balanced(f) && balanced(other))) {
+            return fail(
+                ExitCode::usage,
+                fmt::format("faults '{}' and '{}' are there together, and one of them is unbalanced", name, f.name),
+                "phasors know one unbalanced fault at a time; use `solver: emt`");
+        }
         if (!f.line.empty() && other.line == f.line && name != f.name) {
             return fail(ExitCode::usage, fmt::format("line '{}' already has the fault '{}'", f.line, name),
                         "use `solver: emt`");
@@ -88,20 +99,31 @@ Result<void> Faults::clear(std::string const& name) {
     return {};
 }
 
-void Faults::enter(Network const& n, SwitchState const& switches, std::vector<TwoPort>& branches,
-                   std::vector<Complex>& shunts) const {
+Result<void> Faults::enter(Network const& n, SwitchState const& switches, std::set<std::string> const& out,
+                           std::vector<TwoPort>& branches, std::vector<Complex>& shunts) const {
     for (auto const& [name, f] : active_) {
+        std::string const& bus_name = f.line.empty() ? f.bus : find(n.lines, f.line)->from.name;
+        double const z_base = base_impedance(n, *find(n.buses, bus_name));
+        double const r = std::max(f.resistance_ohm, kLeastOhm) / z_base;
+        Complex y = 1 / r;
+        if (!balanced(f)) {
+            auto const z = sequence_impedances(n, switches, out, f);
+            if (!z) {
+                return std::unexpected{z.error()};
+            }
+            y = 1.0 / positive_sequence_fault(f.type, *z, r);
+        }
         if (f.line.empty()) {
-            std::size_t const bus = index_of(n.buses, f.bus);
-            shunts[bus] += base_impedance(n, n.buses[bus]) / std::max(f.resistance_ohm, kLeastOhm);
+            shunts[index_of(n.buses, f.bus)] += y;
             continue;
         }
         for (TwoPort& b : branches) {
             if (b.kind == TwoPort::Kind::line && n.lines[b.element].name.name == f.line) {
-                put_on_line(n, switches, f, b);
+                put_on_line(n, switches, f, y, b);
             }
         }
     }
+    return {};
 }
 
 } // namespace gridspace::sim::phasor

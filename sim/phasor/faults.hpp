@@ -7,21 +7,24 @@
 #include "sim/powerflow/two_port.hpp"
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace gridspace::sim::phasor {
 
-/// Balanced short circuits in a phasor network. One fault per line at a time.
+/// Short circuits in a phasor network: balanced ones, one per line at a time; or a single unbalanced one, which is what
+/// its sequence networks make of it.
 class Faults {
   public:
-    /// Fails for unbalanced faults, unknown places and a second fault on a line.
+    /// Fails for unknown places, a second fault on a line, and anything besides an unbalanced fault.
     [[nodiscard]] Result<void> apply(Network const& network, ApplyFault const& fault);
     /// Fails when there is no such fault.
     [[nodiscard]] Result<void> clear(std::string const& name);
-    /// Puts the faults into branches and shunts (by bus).
-    void enter(Network const& network, SwitchState const& switches, std::vector<TwoPort>& branches,
-               std::vector<Complex>& shunts) const;
+    /// Puts the faults into branches and shunts (by bus). `out`: elements that were disconnected.
+    [[nodiscard]] Result<void> enter(Network const& network, SwitchState const& switches,
+                                     std::set<std::string> const& out, std::vector<TwoPort>& branches,
+                                     std::vector<Complex>& shunts) const;
 
   private:
     std::map<std::string, ApplyFault> active_, known_;

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/phasor/machine_component.hpp"
 
+#include "common/text.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 
 namespace gridspace::sim::phasor {
@@ -73,8 +76,43 @@ Complex MachineComponent::flow(double, std::span<double const> states, Complex v
     State d;
     machines::derivative(data_, set_, x, s.id, s.iq, s.v, d);
     d[machines::kAngle] = w0_ * x[machines::kSpeed];
+    if (has_event()) {
+        // Here the limits are events: between them the equations are smooth.
+        double const target = data_.avr->ka * (set_.v_ref - x[machines::kVmeas]);
+        d[machines::kEfd] = at_limit_ != 0 ? 0 : (target - x[machines::kEfd]) / data_.avr->ta_s;
+    }
     std::copy(d.begin(), d.end(), dx.begin());
     return s.i * to_network_;
+}
+
+Result<void> MachineComponent::check_field(std::span<double const> x) const {
+    double const efd = x[machines::kEfd];
+    if (has_event() && (efd > data_.avr->efd_max_pu || efd < data_.avr->efd_min_pu)) {
+        return fail(
+            ExitCode::usage,
+            fmt::format("machine '{}' needs a field voltage of {:.3f} p.u. at the start, outside its limits {} to {}",
+                        name_, efd, shortest(data_.avr->efd_min_pu), shortest(data_.avr->efd_max_pu)),
+            "ask it for less reactive power (voltage_setpoint_pu), or widen efd_min_pu and efd_max_pu");
+    }
+    return {};
+}
+
+double MachineComponent::event(double, std::span<double const> x) const {
+    double const efd = x[machines::kEfd];
+    if (at_limit_ == 0) {
+        return std::min(data_.avr->efd_max_pu - efd, efd - data_.avr->efd_min_pu);
+    }
+    return at_limit_ * (data_.avr->ka * (set_.v_ref - x[machines::kVmeas]) - efd);
+}
+
+void MachineComponent::on_event(std::span<double> x) {
+    double& efd = x[machines::kEfd];
+    if (at_limit_ != 0) {
+        at_limit_ = 0;
+        return;
+    }
+    at_limit_ = data_.avr->efd_max_pu - efd < efd - data_.avr->efd_min_pu ? 1 : -1;
+    efd = at_limit_ > 0 ? data_.avr->efd_max_pu : data_.avr->efd_min_pu;
 }
 
 std::vector<SignalDef> MachineComponent::signals() const {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/result.hpp"
 #include "sim/machines/synchronous_machine.hpp"
 #include "sim/phasor/component.hpp"
 
@@ -19,7 +20,13 @@ class MachineComponent final : public Component {
     Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
     [[nodiscard]] std::vector<SignalDef> signals() const override;
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
+    /// The field voltage reaches a limit, or leaves it.
+    [[nodiscard]] bool has_event() const override { return data_.avr.has_value() && !data_.classical; }
+    [[nodiscard]] double event(double t, std::span<double const> x) const override;
+    void on_event(std::span<double> x) override;
     void set_connected(bool connected) { connected_ = connected; }
+    /// Fails when the field voltage of the start is outside its limits.
+    [[nodiscard]] Result<void> check_field(std::span<double const> x) const;
     machines::Setpoints& setpoints() { return set_; }
     [[nodiscard]] machines::MachineData const& data() const { return data_; }
     [[nodiscard]] std::string const& name() const { return name_; }
@@ -37,6 +44,7 @@ class MachineComponent final : public Component {
     machines::Setpoints set_;
     double w0_, to_network_; ///< own rating over the network's base
     double base_hz_;
+    int at_limit_{0}; ///< -1 lower, 1 upper
     Complex start_power_;
     bool connected_{true};
 };

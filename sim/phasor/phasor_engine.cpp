@@ -5,6 +5,7 @@
 #include "common/text.hpp"
 #include "sim/phasor/components.hpp"
 #include "sim/phasor/faults.hpp"
+#include "sim/phasor/fixed_step_solver.hpp"
 #include "sim/phasor/machine_component.hpp"
 #include "sim/phasor/network_dae.hpp"
 #include "sim/powerflow/power_flow.hpp"
@@ -15,13 +16,14 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 namespace gridspace::sim::phasor {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 /// Double-point values of IEC 61850-7-3: intermediate 0, off 1, on 2, bad 3.
-constexpr double kOpen = 1, kClosed = 2;
+constexpr double kIntermediate = 0, kOpen = 1, kClosed = 2;
 
 class PhasorEngine final : public Engine {
   public:
@@ -51,7 +53,14 @@ class PhasorEngine final : public Engine {
         for (std::size_t k = 0; k < components_.size(); ++k) {
             components_[k]->start(0, flow->buses[components_[k]->bus()].v, dae_->states_of(k, std::span{y_}));
         }
-        set_topology();
+        if (auto ok = set_topology(); !ok) {
+            return ok;
+        }
+        for (MachineComponent const* m : machines_) {
+            if (auto ok = m->check_field(dae_->states_of(component_index(m), std::span<double const>{y_})); !ok) {
+                return ok;
+            }
+        }
         return restart();
     }
 
@@ -63,11 +72,18 @@ class PhasorEngine final : public Engine {
             }
         }
         while (t_ < target) {
-            auto const stop = solver_->advance(target, y_, yp_);
+            double const next = pending_.empty() ? target : std::min(target, pending_.begin()->first);
+            if (next <= t_) {
+                if (auto ok = open_breakers(); !ok) {
+                    return ok;
+                }
+                continue;
+            }
+            auto const stop = solver_->advance(next, y_, yp_);
             if (!stop) {
                 return std::unexpected{stop.error()};
             }
-            t_ = stop->events.empty() ? target : stop->t;
+            t_ = stop->events.empty() ? next : stop->t;
             if (!stop->events.empty()) {
                 for (int const k : stop->events) {
                     components_[static_cast<std::size_t>(k)]->on_event(
@@ -103,9 +119,28 @@ class PhasorEngine final : public Engine {
         if (i == network_.breakers.size()) {
             return fail(ExitCode::usage, fmt::format("there is no breaker '{}'", a.breaker));
         }
+        std::erase_if(pending_, [&](auto const& p) { return p.second == i; });
+        double const mechanism_s = find(network_.breaker_types, network_.breakers[i].type.name)->mechanism_ms * 1e-3;
+        if (!a.close && switches_.breaker_closed[i] && mechanism_s > 0) {
+            pending_.emplace(t_ + mechanism_s, i);
+            return {};
+        }
         switches_.breaker_closed[i] = a.close;
-        set_topology();
-        return {};
+        return set_topology();
+    }
+    /// Contacts that part now.
+    Result<void> open_breakers() {
+        while (!pending_.empty() && pending_.begin()->first <= t_) {
+            switches_.breaker_closed[pending_.begin()->second] = false;
+            pending_.erase(pending_.begin());
+        }
+        if (auto ok = set_topology(); !ok) {
+            return ok;
+        }
+        return restart();
+    }
+    [[nodiscard]] bool opening(std::size_t breaker) const {
+        return std::any_of(pending_.begin(), pending_.end(), [&](auto const& p) { return p.second == breaker; });
     }
     Result<void> act(SetParameter const& a) {
         std::vector<std::string> const path = split(a.path, '.');
@@ -139,8 +174,8 @@ class PhasorEngine final : public Engine {
     Result<void> act(Disconnect const& a) {
         if (auto const it = switchable_.find(a.element); it != switchable_.end()) {
             it->second();
-            input_changed_ = true;
-            return {};
+            out_.insert(a.element);
+            return set_topology();
         }
         if (std::size_t const i = index_of(network_.lines, a.element); i < network_.lines.size()) {
             switches_.line_out[i] = true;
@@ -151,22 +186,15 @@ class PhasorEngine final : public Engine {
                                                      "generator with given power, line or transformer",
                                                      a.element));
         }
-        set_topology();
-        return {};
+        return set_topology();
     }
     Result<void> act(ApplyFault const& a) {
         auto ok = faults_.apply(network_, a);
-        if (ok) {
-            set_topology();
-        }
-        return ok;
+        return ok ? set_topology() : ok;
     }
     Result<void> act(ClearFault const& a) {
         auto ok = faults_.clear(a.name);
-        if (ok) {
-            set_topology();
-        }
-        return ok;
+        return ok ? set_topology() : ok;
     }
 
     Scale scale_of(Ref const& name) const {
@@ -233,13 +261,15 @@ class PhasorEngine final : public Engine {
     }
 
     /// Admittances and bus rules for the switches as they are now; the solver starts anew.
-    void set_topology() {
+    Result<void> set_topology() {
         std::vector<TwoPort> branches = two_ports(network_, switches_);
         std::vector<Complex> shunts(network_.buses.size());
         for (Shunt const& s : network_.shunts) {
             shunts[bus_of(s.bus)] += Complex{s.p_kw, s.q_kvar} / network_.power_kva;
         }
-        faults_.enter(network_, switches_, branches, shunts);
+        if (auto ok = faults_.enter(network_, switches_, out_, branches, shunts); !ok) {
+            return ok;
+        }
         std::vector<BusRule> rules(network_.buses.size());
         std::vector<bool> fed(network_.buses.size(), false);
         for (Source const& s : network_.sources) {
@@ -249,7 +279,7 @@ class PhasorEngine final : public Engine {
             }
         }
         for (Machine const& m : network_.machines) {
-            fed[bus_of(m.bus)] = true;
+            fed[bus_of(m.bus)] = fed[bus_of(m.bus)] || !out_.contains(m.name.name);
         }
         for (Generator const& g : network_.generators) {
             BusRule& rule = rules[bus_of(g.bus)];
@@ -264,8 +294,12 @@ class PhasorEngine final : public Engine {
         mark_dead(branches, fed, rules);
         dae_->set_network(branches, shunts, rules);
         branches_ = std::move(branches);
-        solver_ =
-            std::make_unique<DaeSolver>(*dae_, DaeOptions{options_.relative_tolerance, options_.absolute_tolerance});
+        if (options_.fixed_step_s > 0) {
+            solver_ = std::make_unique<FixedStepSolver>(*dae_, options_.fixed_step_s);
+        } else {
+            solver_ = std::make_unique<DaeSolver>(*dae_,
+                                                  DaeOptions{options_.relative_tolerance, options_.absolute_tolerance});
+        }
         for (std::size_t i = 0; i < rules.size(); ++i) {
             // A bus that comes back to life starts near nominal voltage.
             if (rules[i].kind != BusRule::Kind::dead && std::abs(dae_->voltage(i, y_)) < 0.01) {
@@ -273,6 +307,7 @@ class PhasorEngine final : public Engine {
             }
         }
         input_changed_ = true;
+        return {};
     }
 
     void mark_dead(std::vector<TwoPort> const& branches, std::vector<bool> fed, std::vector<BusRule>& rules) const {
@@ -361,8 +396,9 @@ class PhasorEngine final : public Engine {
             branch_signals(TwoPort::Kind::transformer, "transformer." + t.name.name, i, amperes(t.from), amperes(t.to));
         }
         for (std::size_t i = 0; i < network_.breakers.size(); ++i) {
-            signal("breaker." + network_.breakers[i].name.name + ".position", "dpc",
-                   [this, i] { return switches_.breaker_closed[i] ? kClosed : kOpen; });
+            signal("breaker." + network_.breakers[i].name.name + ".position", "dpc", [this, i] {
+                return opening(i) ? kIntermediate : switches_.breaker_closed[i] ? kClosed : kOpen;
+            });
         }
         for (std::size_t k = 0; k < components_.size(); ++k) {
             std::vector<SignalDef> const own = components_[k]->signals();
@@ -414,7 +450,9 @@ class PhasorEngine final : public Engine {
     std::map<std::string, LoadComponent*> loads_;
     std::map<std::string, std::function<void()>> switchable_;
     std::unique_ptr<NetworkDae> dae_;
-    std::unique_ptr<DaeSolver> solver_;
+    std::unique_ptr<DaeIntegrator> solver_;
+    std::multimap<double, std::size_t> pending_; ///< breakers that will part, by time
+    std::set<std::string> out_;                  ///< disconnected elements
     std::vector<TwoPort> branches_;
     std::vector<double> y_, yp_;
     double t_{0};

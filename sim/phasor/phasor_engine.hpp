@@ -14,6 +14,8 @@ struct PhasorOptions {
     double start_hour_of_day{0}; ///< of simulated time 0
     double relative_tolerance{1e-8};
     double absolute_tolerance{1e-9};
+    /// Length of fixed steps, s; 0: IDA chooses its own.
+    double fixed_step_s{0};
 };
 
 /// Balanced phasor simulation: the network's algebraic equations together with the components' states, as one DAE
