@@ -44,7 +44,12 @@ Result<void> EmtEngine::apply(Action const& action) {
 }
 
 Result<void> EmtEngine::act(SetChargingCurrent const& a) {
-    return fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
+    std::size_t const i = index_of(network_.evs, a.ev);
+    if (i == network_.evs.size()) {
+        return fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
+    }
+    evs_[i].reference_a = std::clamp(a.current_a, 0.0, network_.evs[i].max_current_a);
+    return {};
 }
 
 Result<void> EmtEngine::act(SwitchBreaker const& a) {
@@ -60,6 +65,64 @@ Result<void> EmtEngine::act(SwitchBreaker const& a) {
         solver_.open_switch(index, type.mechanism_ms * 1e-3, type.opens == BreakerType::Opens::at_once);
     }
     return {};
+}
+
+int EmtEngine::far_node(NetworkCircuit::LineParts::Section const& section) const {
+    using Kind = NetworkCircuit::LineParts::Section::Kind;
+    Circuit const& c = solver_.circuit();
+    auto const i = static_cast<std::size_t>(section.index);
+    return section.kind == Kind::rl ? c.rl[i].to : section.kind == Kind::coupled ? c.coupled[i].to : c.bergeron[i].to;
+}
+
+/// Cuts a section of a line in two and returns the node between them.
+Result<int> EmtEngine::cut(NetworkCircuit::LineParts& line, std::size_t s, double place, std::string const& name) {
+    using Section = NetworkCircuit::LineParts::Section;
+    Section& first = line.sections[s];
+    Section second = first;
+    double const share = (place - first.start) / (first.end - first.start);
+    switch (first.kind) {
+    case Section::Kind::rl:
+        second.index = solver_.split_rl(first.index, share, name);
+        break;
+    case Section::Kind::coupled:
+        second.index = solver_.split_coupled(first.index, share, name);
+        break;
+    case Section::Kind::wave: {
+        auto const parts = solver_.split_wave(first.index, share, name);
+        first.index = parts.near_index;
+        second.index = parts.far_index;
+        first.kind = parts.near_is_wave ? Section::Kind::wave : Section::Kind::rl;
+        second.kind = parts.far_is_wave ? Section::Kind::wave : Section::Kind::rl;
+        break;
+    }
+    }
+    second.start = place;
+    first.end = place;
+    int const middle = far_node(first);
+    line.sections.insert(line.sections.begin() + static_cast<std::ptrdiff_t>(s) + 1, second);
+    // What flows at the ends of the line is now that of the outermost sections.
+    auto const terms_of = [&](int index) -> std::vector<CurrentTerm>& {
+        return solver_.circuit().switches[static_cast<std::size_t>(index)].terms;
+    };
+    auto const series = [](CurrentTerm const& t) {
+        using Kind = CurrentTerm::Kind;
+        return t.kind == Kind::rl || t.kind == Kind::coupled || t.kind == Kind::bergeron_from ||
+               t.kind == Kind::bergeron_to;
+    };
+    auto const outermost = [](Section const& section, bool at_from) -> CurrentTerm {
+        using Kind = CurrentTerm::Kind;
+        if (section.kind == Section::Kind::wave) {
+            return {at_from ? Kind::bergeron_from : Kind::bergeron_to, section.index, 1};
+        }
+        return {section.kind == Section::Kind::rl ? Kind::rl : Kind::coupled, section.index, at_from ? 1.0 : -1.0};
+    };
+    for (CurrentTerm& term : terms_of(line.from_switch)) {
+        term = series(term) ? outermost(line.sections.front(), true) : term;
+    }
+    for (CurrentTerm& term : terms_of(line.to_switch)) {
+        term = series(term) ? outermost(line.sections.back(), false) : term;
+    }
+    return middle;
 }
 
 Result<int> EmtEngine::fault_place(ApplyFault const& a) {
@@ -86,34 +149,13 @@ Result<int> EmtEngine::fault_place(ApplyFault const& a) {
     if (place >= 1 - kSamePlace) {
         return line.to_node;
     }
-    if (line.sections.empty()) {
-        return fail(ExitCode::usage,
-                    fmt::format("line '{}' is a travelling-wave line: faults inside have no model", a.line),
-                    "use `model: pi`, or make it two lines with a bus at the fault");
-    }
     for (std::size_t s = 0; s < line.sections.size(); ++s) {
         auto& section = line.sections[s];
-        Circuit const& c = solver_.circuit();
         if (std::abs(place - section.end) <= kSamePlace) {
-            return c.rl[static_cast<std::size_t>(section.rl)].to;
+            return far_node(section);
         }
         if (place > section.start && place < section.end) {
-            double const share = (place - section.start) / (section.end - section.start);
-            int const second = solver_.split_rl(section.rl, share,
-                                                fmt::format("line '{}' at {} %", a.line, shortest(a.position_percent)));
-            int const middle = solver_.circuit().rl[static_cast<std::size_t>(second)].from;
-            if (s + 1 == line.sections.size()) {
-                // The current at the far end is now that of the second part.
-                for (CurrentTerm& term : solver_.circuit().switches[static_cast<std::size_t>(line.to_switch)].terms) {
-                    if (term.kind == CurrentTerm::Kind::rl && term.index == section.rl) {
-                        term.index = second;
-                    }
-                }
-            }
-            NetworkCircuit::LineParts::Section const rest{second, place, section.end};
-            section.end = place;
-            line.sections.insert(line.sections.begin() + static_cast<std::ptrdiff_t>(s) + 1, rest);
-            return middle;
+            return cut(line, s, place, fmt::format("line '{}' at {} %", a.line, shortest(a.position_percent)));
         }
     }
     return fail(ExitCode::usage, fmt::format("line '{}' has no place at {} %", a.line, shortest(a.position_percent)));
@@ -169,6 +211,12 @@ Result<void> EmtEngine::act(Disconnect const& a) {
     for (std::size_t f = 0; f < followers_.size(); ++f) {
         if (std::find(it->second.begin(), it->second.end(), parts_.followers[f].breaker) != it->second.end()) {
             followers_[f].trip();
+            phase_followers_[f].trip();
+            if (parts_.followers[f].kind == NetworkCircuit::Follower::Kind::ev) {
+                EvState& ev = evs_[parts_.followers[f].element];
+                ev.full = true; // of no more use: it charges nothing
+                ev.current_a = 0;
+            }
             std::fill_n(solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f), 3, 0.0);
         }
     }
@@ -180,6 +228,10 @@ Result<void> EmtEngine::act(Disconnect const& a) {
 
 Result<void> EmtEngine::set_load(std::size_t index, std::string const& parameter, SetParameter const& a) {
     Load& load = network_.loads[index];
+    if (!load.phase_p_kw.empty()) {
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be set: the load has powers by phase", a.path),
+                    "disconnect it and connect another, or describe it with p_kw");
+    }
     if (parameter == "p_kw") {
         load.p_kw = a.value;
     } else if (parameter == "q_kvar") {

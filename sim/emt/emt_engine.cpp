@@ -4,10 +4,12 @@
 
 #include "common/text.hpp"
 #include "sim/powerflow/power_flow.hpp"
+#include "sim/powerflow/three_phase.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 
 namespace gridspace::sim::emt {
 
@@ -15,10 +17,14 @@ EmtEngine::EmtEngine(Network network, NetworkCircuit parts, EmtOptions options)
     : network_{std::move(network)}, parts_{std::move(parts)}, options_{options},
       solver_{parts_.circuit, options_.time_base.seconds(options_.step)} {
     plls_.assign(network_.buses.size(), Pll{network_.frequency_hz});
+    add_instruments();
     define_signals();
 }
 
 Result<void> EmtEngine::initialise() {
+    if (is_unbalanced(network_)) {
+        return initialise_unbalanced();
+    }
     PowerFlowOptions options;
     options.start_hour_of_day = options_.start_hour_of_day;
     auto const flow = solve_power_flow(network_, SwitchState{network_}, options);
@@ -32,11 +38,39 @@ Result<void> EmtEngine::initialise() {
         std::complex<double> const s{flow->machines[m].p_kw * 1e3, flow->machines[m].q_kvar * 1e3};
         starts.push_back({v, v == 0.0 ? 0.0 : std::conj(s * 2.0 / (3.0 * v))});
     }
-    std::vector<std::complex<double>> bus_v;
+    std::complex<double> const turn = std::polar(1.0, 2 * std::numbers::pi / 3);
+    std::vector<BusPhases> bus_v;
     for (auto const& bus : flow->buses) {
-        bus_v.push_back(bus.v);
+        bus_v.push_back({bus.v, bus.v / turn, bus.v * turn});
     }
-    if (auto ok = solver_.start(starts, start_followers(bus_v)); !ok) {
+    std::vector<double> generator_kvar;
+    for (auto const& unit : flow->generators) {
+        generator_kvar.push_back(unit.q_kvar);
+    }
+    return begin(starts, start_followers(bus_v, generator_kvar));
+}
+
+Result<void> EmtEngine::initialise_unbalanced() {
+    ThreePhaseOptions options;
+    options.start_hour_of_day = options_.start_hour_of_day;
+    auto const flow = solve_three_phase(network_, SwitchState{network_}, options);
+    if (!flow) {
+        return std::unexpected{flow.error()};
+    }
+    std::vector<BusPhases> bus_v;
+    for (std::size_t i = 0; i < network_.buses.size(); ++i) {
+        BusPhases v = flow->buses[i];
+        for (auto& phase : v) {
+            phase *= std::numbers::sqrt2 / parts_.bus_peak_v[i];
+        }
+        bus_v.push_back(v);
+    }
+    return begin({}, start_followers(bus_v, std::vector<double>(network_.generators.size(), 0.0)));
+}
+
+Result<void> EmtEngine::begin(std::vector<Solver::MachineStart> const& starts,
+                              std::vector<BusPhases> const& injections) {
+    if (auto ok = solver_.start(starts, injections); !ok) {
         return ok;
     }
     if (auto const floating = solver_.floating_nodes(); !floating.empty()) {
@@ -59,6 +93,7 @@ Result<void> EmtEngine::initialise() {
     }
     now_ = {};
     start_plls();
+    start_instruments();
     return {};
 }
 
@@ -84,7 +119,7 @@ Result<void> EmtEngine::advance(SimTime until) {
 
 Result<void> EmtEngine::step(double t_end, double h) {
     for (std::size_t f = 0; f < followers_.size(); ++f) {
-        auto const i = followers_[f].currents(h);
+        auto const i = parts_.followers[f].by_phase ? phase_followers_[f].currents(h) : followers_[f].currents(h);
         std::copy(i.begin(), i.end(), solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f));
     }
     if (auto ok = solver_.advance(t_end, h); !ok) {
@@ -94,11 +129,11 @@ Result<void> EmtEngine::step(double t_end, double h) {
         Space const v = bus_voltage(i);
         plls_[i].step(v.alpha, v.beta, h);
     }
-    for (std::size_t f = 0; f < followers_.size(); ++f) {
-        int const node = parts_.followers[f].node;
-        Space const v =
-            to_space(solver_.node_voltage(node), solver_.node_voltage(node + 1), solver_.node_voltage(node + 2));
-        followers_[f].step(v, wanted(f, t_end, followers_[f].voltage_pu(), demand_[f], h), h);
+    step_followers(t_end, h);
+    for (Instrument& i : instruments_) {
+        if (i.transformer.dynamic()) {
+            i.transformer.step(instrument_input(i), h);
+        }
     }
     return {};
 }
@@ -117,11 +152,6 @@ std::complex<double> EmtEngine::switch_power(std::size_t bus, std::size_t index)
     Space const v = bus_voltage(bus), i = switch_space(index);
     return {1.5e-3 * (v.alpha * i.alpha + v.beta * i.beta + 2 * v.zero * i.zero),
             1.5e-3 * (v.beta * i.alpha - v.alpha * i.beta)};
-}
-
-double EmtEngine::ct_current(CtReading const& ct, int phase) const {
-    double const amperes = ct.factor * solver_.switch_current(ct.switch_index, phase);
-    return ct.quantum_a > 0 ? std::round(amperes / ct.quantum_a) * ct.quantum_a : amperes;
 }
 
 Result<std::unique_ptr<Engine>> make_emt_engine(Network network, EmtOptions options) {

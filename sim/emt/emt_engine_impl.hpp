@@ -4,7 +4,9 @@
 
 #include "sim/emt/emt_engine.hpp"
 #include "sim/emt/grid_following.hpp"
+#include "sim/emt/instrument_transformer.hpp"
 #include "sim/emt/network_circuit.hpp"
+#include "sim/emt/phase_following.hpp"
 #include "sim/emt/pll.hpp"
 #include "sim/emt/solver.hpp"
 
@@ -13,11 +15,17 @@
 
 namespace gridspace::sim::emt {
 
-/// What a CT's secondary shows, as primary amperes: polarity, ratio error, quantum.
-struct CtReading {
-    std::size_t switch_index{0};
-    double factor{1};    ///< sign and ratio error
-    double quantum_a{0}; ///< 0: not quantised
+/// An instrument transformer and what it is connected to.
+struct Instrument {
+    InstrumentTransformer transformer;
+    bool current{true};
+    std::size_t at{0}; ///< switch of a CT, first node of a VT
+};
+
+/// Battery of an electric vehicle, behind its converter.
+struct EvState {
+    double current_a{0}, reference_a{0}, soc_percent{0};
+    bool full{false};
 };
 
 /// The waveform solver behind the interface of all engines. signals: emt_signals.cpp; actions: emt_actions.cpp.
@@ -39,14 +47,33 @@ class EmtEngine final : public Engine {
     [[nodiscard]] Result<void> act(SetParameter const& a);
     [[nodiscard]] Result<void> act(Disconnect const& a);
     [[nodiscard]] Result<int> fault_place(ApplyFault const& a);
+    [[nodiscard]] int far_node(NetworkCircuit::LineParts::Section const& section) const;
+    [[nodiscard]] Result<int> cut(NetworkCircuit::LineParts& line, std::size_t section, double place,
+                                  std::string const& name);
     [[nodiscard]] Result<void> set_load(std::size_t load, std::string const& parameter, SetParameter const& a);
     [[nodiscard]] Result<void> step(double t_end, double h);
+    [[nodiscard]] Result<void> initialise_unbalanced();
+    [[nodiscard]] Result<void> begin(std::vector<Solver::MachineStart> const& machines,
+                                     std::vector<std::array<std::complex<double>, 3>> const& injections);
     void start_plls();
     [[nodiscard]] double scale(Ref const& profile, double t) const;
     /// Power that a follower is to put into the network (W, var) at voltage v (p.u.); `lagged` is its state.
     [[nodiscard]] std::complex<double> wanted(std::size_t follower, double t, double v, std::complex<double>& lagged,
-                                              double h) const;
-    [[nodiscard]] std::vector<std::complex<double>> start_followers(std::vector<std::complex<double>> const& bus_v);
+                                              double h);
+    /// The same by phase, of a load.
+    [[nodiscard]] PhaseFollowing::Powers wanted_by_phase(std::size_t follower, double t, double h);
+    /// Powers of a load beyond its star of impedances, kVA; `phase` 0 to 2, or 3: all of it.
+    [[nodiscard]] std::complex<double> beyond_star(Load const& load, std::size_t phase, double t, double v,
+                                                   std::complex<double>& lagged, double h) const;
+    void charge(std::size_t ev, double h);
+    void step_followers(double t_end, double h);
+    /// Voltages by bus and phase, p.u. of nominal; reactive powers of generators that hold a voltage, kvar.
+    using BusPhases = std::array<std::complex<double>, 3>;
+    [[nodiscard]] std::vector<BusPhases> start_followers(std::vector<BusPhases> const& bus_v,
+                                                         std::vector<double> const& generator_kvar);
+    void add_instruments();
+    void start_instruments();
+    [[nodiscard]] std::array<double, 3> instrument_input(Instrument const& i) const;
 
     void signal(std::string name, std::string unit, std::function<double()> read);
     void phases(std::string const& prefix, std::string const& unit, std::function<double(int)> read);
@@ -54,10 +81,10 @@ class EmtEngine final : public Engine {
     void bus_signals();
     void branch_signals();
     void unit_signals();
+    void converter_signals();
 
     [[nodiscard]] Space bus_voltage(std::size_t bus) const;
     [[nodiscard]] Space switch_space(std::size_t index) const;
-    [[nodiscard]] double ct_current(CtReading const& ct, int phase) const;
     /// Instantaneous powers in kW and kvar of currents flowing from a bus into a switch.
     [[nodiscard]] std::complex<double> switch_power(std::size_t bus, std::size_t index) const;
 
@@ -68,7 +95,12 @@ class EmtEngine final : public Engine {
     SimTime now_;
     std::vector<Pll> plls_; ///< by bus
     std::vector<GridFollowing> followers_;
-    std::vector<std::complex<double>> demand_; ///< by follower: what it follows, with the lag of its load
+    std::vector<PhaseFollowing> phase_followers_; ///< by follower; used where it is by phase
+    std::vector<std::array<std::complex<double>, 3>>
+        demand_;                         ///< by follower: what it follows, with the lag of its load
+    std::vector<double> regulated_kvar_; ///< by follower: of a generator that holds a voltage
+    std::vector<EvState> evs_;
+    std::vector<Instrument> instruments_; ///< CTs, then VTs
     std::map<std::string, std::size_t> faults_;
     std::vector<SignalDef> signals_;
     std::vector<std::function<double()>> readers_;

@@ -37,6 +37,7 @@ void EmtEngine::define_signals() {
     bus_signals();
     branch_signals();
     unit_signals();
+    converter_signals();
 }
 
 void EmtEngine::bus_signals() {
@@ -90,15 +91,30 @@ void EmtEngine::branch_signals() {
         phases(prefix + ".pole", "dpc", [this, s](int k) { return solver_.pole_closed(s, k) ? kClosed : kOpen; });
         signal(prefix + ".opened_s", "s", [this, s] { return solver_.opened_at(s); });
     }
+    auto const instrument = [&](std::string const& prefix, std::string const& quantity, std::string const& unit,
+                                std::size_t i, bool saturates) {
+        phases(prefix + quantity, unit, [this, i](int k) {
+            Instrument const& sensor = instruments_[i];
+            auto const phase = static_cast<std::size_t>(k);
+            if (sensor.transformer.dynamic()) {
+                return sensor.transformer.value(phase);
+            }
+            return sensor.transformer.shown(sensor.current ? solver_.switch_current(sensor.at, k)
+                                                           : solver_.node_voltage(static_cast<int>(sensor.at) + k));
+        });
+        if (saturates) {
+            phases(prefix + ".flux_pu", "p.u.",
+                   [this, i](int k) { return instruments_[i].transformer.flux_pu(static_cast<std::size_t>(k)); });
+        }
+    };
+    std::size_t next = 0;
     for (Ct const& ct : network_.cts) {
-        CtType const& type = *find(network_.ct_types, ct.type.name);
-        NetworkCircuit::LineParts const& line = parts_.lines[index_of(network_.lines, ct.line.name)];
-        CtReading reading;
-        bool const at_from = ct.end == LineEnd::from;
-        reading.switch_index = static_cast<std::size_t>(at_from ? line.from_switch : line.to_switch);
-        reading.factor = (at_from || ct.positive == CtPolarity::into_line ? 1 : -1) * (1 + type.error_percent / 100);
-        reading.quantum_a = type.quantum_ma * 1e-3;
-        phases("ct." + ct.name.name + ".i", "A", [this, reading](int k) { return ct_current(reading, k); });
+        instrument("ct." + ct.name.name, ".i", "A", next++,
+                   find(network_.ct_types, ct.type.name)->saturation.has_value());
+    }
+    for (Vt const& vt : network_.vts) {
+        instrument("vt." + vt.name.name, ".v", "V", next++,
+                   find(network_.vt_types, vt.type.name)->saturation.has_value());
     }
 }
 
@@ -121,6 +137,19 @@ void EmtEngine::unit_signals() {
         });
         phases(prefix + ".i", "A", [machine](int k) { return machine().current_a(k); });
     }
+    if (!network_.machines.empty()) {
+        signal("system.coi_hz", "Hz", [this] {
+            double weighted = 0, weight = 0;
+            for (EmtMachine const& m : solver_.machines()) {
+                weighted += m.data().h * m.data().rating_kva * m.frequency_hz();
+                weight += m.data().h * m.data().rating_kva;
+            }
+            return weighted / weight;
+        });
+    }
+}
+
+void EmtEngine::converter_signals() {
     auto const consumer = [&](std::string const& prefix, Ref const& bus_ref, int index, double sign) {
         std::size_t const bus = index_of(network_.buses, bus_ref.name);
         auto const s = static_cast<std::size_t>(index);
@@ -134,25 +163,59 @@ void EmtEngine::unit_signals() {
     for (NetworkCircuit::Follower const& f : parts_.followers) {
         if (f.kind == NetworkCircuit::Follower::Kind::pv) {
             consumer("pv." + network_.pv[f.element].name.name, network_.pv[f.element].bus, f.breaker, -1);
+        } else if (f.kind == NetworkCircuit::Follower::Kind::ev) {
+            std::size_t const e = f.element;
+            std::string const prefix = "ev." + network_.evs[e].name.name;
+            consumer(prefix, network_.evs[e].bus, f.breaker, 1);
+            signal(prefix + ".soc_percent", "%", [this, e] { return evs_[e].soc_percent; });
+            signal(prefix + ".current_a", "A", [this, e] { return evs_[e].current_a; });
+            signal(prefix + ".reference_a", "A", [this, e] { return evs_[e].reference_a; });
         } else if (f.kind == NetworkCircuit::Follower::Kind::generator) {
             consumer("generator." + network_.generators[f.element].name.name, network_.generators[f.element].bus,
                      f.breaker, -1);
         }
     }
+    // An ideal source gives what everything else at its bus takes.
+    auto const rest_of_bus = [this](std::size_t bus, std::size_t own, int k) {
+        int const node = parts_.bus_node[bus];
+        double sum = 0;
+        Circuit const& c = solver_.circuit();
+        for (std::size_t s = 0; s < c.switches.size(); ++s) {
+            sum += s != own && c.switches[s].outer == node ? solver_.switch_current(s, k) : 0;
+        }
+        for (std::size_t f = 0; f < c.faults.size(); ++f) {
+            sum += c.faults[f].node == node ? solver_.fault_current(f, k) : 0;
+        }
+        return sum;
+    };
+    auto const ideal = [&](std::string const& prefix, Ref const& bus_ref, int breaker) {
+        std::size_t const bus = index_of(network_.buses, bus_ref.name);
+        auto const own = static_cast<std::size_t>(breaker);
+        auto const power = [this, bus, own, rest_of_bus]() -> std::complex<double> {
+            Space const i = to_space(rest_of_bus(bus, own, 0), rest_of_bus(bus, own, 1), rest_of_bus(bus, own, 2));
+            Space const v = bus_voltage(bus);
+            return {1.5e-3 * (v.alpha * i.alpha + v.beta * i.beta + 2 * v.zero * i.zero),
+                    1.5e-3 * (v.beta * i.alpha - v.alpha * i.beta)};
+        };
+        auto const closed = [this, own] { return solver_.pole_closed(own, 0) ? 1.0 : 0.0; };
+        signal(prefix + ".p_kw", "kW", [power, closed] { return closed() * power().real(); });
+        signal(prefix + ".q_kvar", "kvar", [power, closed] { return closed() * power().imag(); });
+        phases(prefix + ".i", "A",
+               [bus, own, rest_of_bus, closed](int k) { return closed() * rest_of_bus(bus, own, k); });
+    };
     for (std::size_t i = 0; i < network_.sources.size(); ++i) {
+        std::string const prefix = "source." + network_.sources[i].name.name;
         if (parts_.sources[i].impedance >= 0) {
-            consumer("source." + network_.sources[i].name.name, network_.sources[i].bus, parts_.sources[i].breaker, -1);
+            consumer(prefix, network_.sources[i].bus, parts_.sources[i].breaker, -1);
+        } else {
+            ideal(prefix, network_.sources[i].bus, parts_.sources[i].breaker);
         }
     }
-    if (!network_.machines.empty()) {
-        signal("system.coi_hz", "Hz", [this] {
-            double weighted = 0, weight = 0;
-            for (EmtMachine const& m : solver_.machines()) {
-                weighted += m.data().h * m.data().rating_kva * m.frequency_hz();
-                weight += m.data().h * m.data().rating_kva;
-            }
-            return weighted / weight;
-        });
+    std::size_t slack = 0;
+    for (Generator const& g : network_.generators) {
+        if (g.role == GeneratorRole::slack) {
+            ideal("generator." + g.name.name, g.bus, parts_.slack_generators[slack++].breaker);
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 #include "sim/emt/network_circuit.hpp"
 
 #include "sim/emt/transformer_circuit.hpp"
+#include "sim/powerflow/three_phase.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -41,17 +42,13 @@ class Builder {
             source(s);
         }
         for (Generator const& g : n_.generators) {
-            if (auto ok = generator(g); !ok) {
-                return std::unexpected{ok.error()};
-            }
+            generator(g);
         }
         for (Machine const& m : n_.machines) {
             machine(m);
         }
         for (Load const& l : n_.loads) {
-            if (auto ok = load(l); !ok) {
-                return std::unexpected{ok.error()};
-            }
+            load(l);
         }
         for (Shunt const& s : n_.shunts) {
             out_.shunts.push_back(star("shunt", s.name.name, s.bus, s.p_kw, -s.q_kvar));
@@ -65,18 +62,15 @@ class Builder {
             double const rating = n_.pv[i].rating_kva > 0 ? n_.pv[i].rating_kva : n_.pv[i].p_kw / n_.pv[i].power_factor;
             converter(NetworkCircuit::Follower::Kind::pv, "PV", i, n_.pv[i].name.name, n_.pv[i].bus, rating);
         }
-        if (!n_.evs.empty()) {
-            return missing("EV", n_.evs.front().name.name);
+        for (std::size_t i = 0; i < n_.evs.size(); ++i) {
+            Ev const& ev = n_.evs[i];
+            converter(NetworkCircuit::Follower::Kind::ev, "EV", i, ev.name.name, ev.bus,
+                      ev.max_current_a * ev.battery_v / ev.efficiency / 1e3);
         }
         return std::move(out_);
     }
 
   private:
-    static std::unexpected<Error> missing(std::string_view kind, std::string const& name) {
-        return fail(ExitCode::usage, fmt::format("{} '{}': the waveform solver has no model of it yet", kind, name),
-                    "use `solver: phasor`, or take it out");
-    }
-
     std::size_t bus_of(Ref const& bus) const { return index_of(n_.buses, bus.name); }
 
     /// A triple behind a switch at a bus, so that the element can be taken out of service.
@@ -99,12 +93,8 @@ class Builder {
     }
 
     Result<void> line(Line const& l) {
-        if (LineType const* type = find(n_.line_types, l.type.name);
-            type != nullptr && !type->phase_r_ohm_per_km.empty()) {
-            return fail(ExitCode::usage,
-                        fmt::format("line '{}': the waveform solver has transposed lines only", l.name.name),
-                        "give its type r_ohm_per_km and x_ohm_per_km, and r0 and x0");
-        }
+        LineType const* const type = find(n_.line_types, l.type.name);
+        bool const by_phase = type != nullptr && !type->phase_r_ohm_per_km.empty();
         LineTotals const t = line_totals(n_, l);
 
         NetworkCircuit::LineParts parts;
@@ -128,6 +118,11 @@ class Builder {
         parts.from_node = end(LineEnd::from, l.from, parts.from_switch);
         parts.to_node = end(LineEnd::to, l.to, parts.to_switch);
         if (l.model == LineModel::bergeron) {
+            if (by_phase) {
+                return fail(ExitCode::usage,
+                            fmt::format("line '{}': travelling waves need a transposed line", l.name.name),
+                            "use `model: pi`, or give its type r_ohm_per_km, x_ohm_per_km, r0 and x0");
+            }
             if (t.l_h <= 0 || t.c_f <= 0 || t.l0_h <= 0 || t.c0_f <= 0) {
                 return fail(ExitCode::usage,
                             fmt::format("line '{}': a travelling wave needs inductance and capacitance", l.name.name),
@@ -138,15 +133,31 @@ class Builder {
             c_.bergeron.push_back({parts.from_node, parts.to_node, std::sqrt(t.l_h / t.c_f), std::sqrt(t.l0_h / t.c0_f),
                                    std::sqrt(t.l_h * t.c_f), std::sqrt(t.l0_h * t.c0_f), t.r_ohm, t.r0_ohm,
                                    l.name.name});
+            parts.sections.push_back(
+                {NetworkCircuit::LineParts::Section::Kind::wave, static_cast<int>(c_.bergeron.size()) - 1, 0, 1});
             out_.terminals[l.name.name] = {parts.from_switch, parts.to_switch};
             out_.lines.push_back(std::move(parts));
             return {};
         }
-        int const series = rl(parts.from_node, parts.to_node, PhaseMatrix::sequence(t.r_ohm, t.r0_ohm),
-                              PhaseMatrix::sequence(t.l_h, t.l0_h));
-        parts.sections.push_back({series, 0, 1});
-        flows(parts.from_switch, Kind::rl, static_cast<std::size_t>(series), 1);
-        flows(parts.to_switch, Kind::rl, static_cast<std::size_t>(series), -1);
+        if (by_phase) {
+            double const km = l.length_km.value_or(0), w = 2 * std::numbers::pi * n_.frequency_hz;
+            c_.coupled.push_back({CoupledBranch::Kind::inductive,
+                                  parts.from_node,
+                                  parts.to_node,
+                                  full(type->phase_r_ohm_per_km, km),
+                                  full(type->phase_x_ohm_per_km, km / w),
+                                  {}});
+            parts.sections.push_back(
+                {NetworkCircuit::LineParts::Section::Kind::coupled, static_cast<int>(c_.coupled.size()) - 1, 0, 1});
+            flows(parts.from_switch, Kind::coupled, c_.coupled.size() - 1, 1);
+            flows(parts.to_switch, Kind::coupled, c_.coupled.size() - 1, -1);
+        } else {
+            int const series = rl(parts.from_node, parts.to_node, PhaseMatrix::sequence(t.r_ohm, t.r0_ohm),
+                                  PhaseMatrix::sequence(t.l_h, t.l0_h));
+            parts.sections.push_back({NetworkCircuit::LineParts::Section::Kind::rl, series, 0, 1});
+            flows(parts.from_switch, Kind::rl, static_cast<std::size_t>(series), 1);
+            flows(parts.to_switch, Kind::rl, static_cast<std::size_t>(series), -1);
+        }
         if (t.c_f > 0 || t.c0_f > 0) {
             PhaseMatrix const half = PhaseMatrix::sequence(t.c_f / 2, t.c0_f / 2);
             flows(parts.from_switch, Kind::capacitor,
@@ -190,18 +201,17 @@ class Builder {
                                             PhaseMatrix::sequence(l, s.l0_mh ? *s.l0_mh * 1e-3 : l), s.harmonics));
     }
 
-    Result<void> generator(Generator const& g) {
-        if (g.role == GeneratorRole::pv) {
-            return missing("generator with role pv", g.name.name);
-        }
-        if (g.role == GeneratorRole::pq) {
+    void generator(Generator const& g) {
+        if (g.role != GeneratorRole::slack) {
+            // The reactive power of one that holds a voltage is not known here: without a rating nothing limits it.
+            double const rating =
+                g.role == GeneratorRole::pq ? std::max(g.rating_kva, std::hypot(g.p_kw, g.q_kvar)) : g.rating_kva;
             converter(NetworkCircuit::Follower::Kind::generator, "generator", index_of(n_.generators, g.name.name),
-                      g.name.name, g.bus, std::max(g.rating_kva, std::hypot(g.p_kw, g.q_kvar)));
-            return {};
+                      g.name.name, g.bus, rating);
+            return;
         }
         out_.slack_generators.push_back(
             ideal_source("generator", g.name.name, g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {}, {}));
-        return {};
     }
 
     void machine(Machine const& m) {
@@ -239,20 +249,40 @@ class Builder {
         return parts;
     }
 
-    Result<void> load(Load const& l) {
-        if (!l.phase_p_kw.empty()) {
-            return fail(ExitCode::usage,
-                        fmt::format("load '{}': the waveform solver has balanced loads only", l.name.name),
-                        "give p_kw and q_kvar of all phases");
+    /// A load by phase: three resistances, and an inductance or capacitance beside each.
+    NetworkCircuit::LoadParts star_by_phase(Load const& l) {
+        std::size_t const b = bus_of(l.bus);
+        NetworkCircuit::LoadParts parts;
+        parts.node = terminal(fmt::format("load '{}'", l.name.name), out_.bus_node[b], parts.breaker);
+        std::array<StarElements, 3> e;
+        for (std::size_t k = 0; k < 3; ++k) {
+            e[k] = star_elements(3 * l.phase_p_kw[k], 3 * l.phase_q_kvar[k], n_.buses[b].voltage_v, n_.frequency_hz);
         }
-        out_.loads.push_back(star("load", l.name.name, l.bus, l.p_kw, load_q_kvar(l)));
+        auto const add = [&](CoupledBranch branch) {
+            flows(parts.breaker, Kind::coupled, c_.coupled.size(), 1);
+            c_.coupled.push_back(branch);
+        };
+        using Branch = CoupledBranch::Kind;
+        add({Branch::inductive, parts.node, kEarth, diagonal(e[0].r_ohm, e[1].r_ohm, e[2].r_ohm), {}, {}});
+        if (std::min({e[0].l_h, e[1].l_h, e[2].l_h}) < kNothing) {
+            add({Branch::inductive, parts.node, kEarth, {}, diagonal(e[0].l_h, e[1].l_h, e[2].l_h), {}});
+        }
+        if (std::max({e[0].c_f, e[1].c_f, e[2].c_f}) > 0) {
+            add({Branch::capacitive, parts.node, kEarth, {}, {}, diagonal(e[0].c_f, e[1].c_f, e[2].c_f)});
+        }
+        out_.terminals[l.name.name] = {parts.breaker};
+        return parts;
+    }
+
+    void load(Load const& l) {
+        out_.loads.push_back(l.phase_p_kw.empty() ? star("load", l.name.name, l.bus, l.p_kw, load_q_kvar(l))
+                                                  : star_by_phase(l));
         bool const constant_impedance = l.model == LoadModel::constant_impedance || l.model == LoadModel::dc_resistive;
         if (!constant_impedance || !l.scale.empty() || l.lag_s > 0) {
             NetworkCircuit::LoadParts const& parts = out_.loads.back();
             follower({NetworkCircuit::Follower::Kind::load, static_cast<std::size_t>(&l - n_.loads.data()),
-                      bus_of(l.bus), parts.node, parts.breaker, 0});
+                      bus_of(l.bus), parts.node, parts.breaker, 0, 0, unbalanced_});
         }
-        return {};
     }
 
     void follower(NetworkCircuit::Follower const& f) {
@@ -264,12 +294,13 @@ class Builder {
     void converter(NetworkCircuit::Follower::Kind kind, std::string const& word, std::size_t element,
                    std::string const& name, Ref const& bus, double rating_kva) {
         constexpr double kOverload = 1.2;
-        NetworkCircuit::Follower f{kind, element, bus_of(bus), 0, 0, 0};
+        NetworkCircuit::Follower f{kind, element, bus_of(bus), 0, 0, 0, 0, false};
         f.node = terminal(fmt::format("{} '{}'", word, name), out_.bus_node[f.bus], f.breaker);
         f.max_peak_a = kOverload * 2 * rating_kva * 1e3 / (3 * out_.bus_peak_v[f.bus]);
-        // Its filter leaves a path for what is not its current.
+        // Its filter leaves a path for what is not its current; the converter draws what the filter gives.
+        f.filter_kvar = 1e-3 * (rating_kva > 0 ? rating_kva : n_.power_kva);
         capacitor(f.node, kEarth,
-                  same(1e-3 * rating_kva * 1e3 / (n_.buses[f.bus].voltage_v * n_.buses[f.bus].voltage_v) /
+                  same(f.filter_kvar * 1e3 / (n_.buses[f.bus].voltage_v * n_.buses[f.bus].voltage_v) /
                        (2 * std::numbers::pi * n_.frequency_hz)));
         flows(f.breaker, Kind::capacitor, c_.capacitors.size() - 1, 1);
         out_.terminals[name] = {f.breaker};
@@ -290,7 +321,19 @@ class Builder {
         return add_transformer(c_, t, from, to, parts.from_switch, parts.to_switch);
     }
 
+    static Matrix3 full(std::vector<double> const& lower, double times) {
+        constexpr std::size_t kPlace[3][3] = {{0, 1, 3}, {1, 2, 4}, {3, 4, 5}};
+        Matrix3 m{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                m[i][j] = lower[kPlace[i][j]] * times;
+            }
+        }
+        return m;
+    }
+
     Network const& n_;
+    bool unbalanced_{is_unbalanced(n_)};
     NetworkCircuit out_;
     Circuit& c_{out_.circuit};
 };

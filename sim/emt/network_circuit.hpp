@@ -16,7 +16,8 @@ namespace gridspace::sim::emt {
 struct NetworkCircuit {
     struct LineParts {
         struct Section {
-            int rl{0};
+            enum class Kind { rl, coupled, wave } kind{Kind::rl};
+            int index{0};            ///< of the branch or travelling-wave line
             double start{0}, end{1}; ///< shares of the length
         };
         std::vector<Section> sections; ///< along the line; faults cut them
@@ -24,16 +25,18 @@ struct NetworkCircuit {
         int from_switch{0}, to_switch{0};
     };
     struct LoadParts {
-        int resistance{-1}, inductance{-1}, capacitance{-1}; ///< rl, rl, capacitor branch
+        int resistance{-1}, inductance{-1}, capacitance{-1}; ///< rl, rl, capacitor branch; -1 for a load by phase
         int node{0}, breaker{0};
     };
     /// A converter, or what a load draws beyond a constant impedance.
     struct Follower {
-        enum class Kind { load, pv, generator } kind{Kind::load};
-        std::size_t element{0}; ///< index in the network's loads, PV or generators
+        enum class Kind { load, pv, generator, ev } kind{Kind::load};
+        std::size_t element{0}; ///< index in the network's loads, PV, generators or EVs
         std::size_t bus{0};
         int node{0}, breaker{0};
         double max_peak_a{0};
+        double filter_kvar{0}; ///< what its filter gives at nominal voltage
+        bool by_phase{false};  ///< holds powers phase by phase, not of the positive sequence
     };
     struct SourceParts {
         int source{0};

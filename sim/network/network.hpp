@@ -103,12 +103,49 @@ struct Breaker : Element {
     bool closed{true};
 };
 
+enum class InstrumentFilter { none, butterworth2 };
+
+/// Two-slope core of a current transformer and what it drives, seen from its secondary.
+struct CtSaturation {
+    double knee_v{0};         ///< r.m.s. secondary voltage at base frequency at which the core leaves its first slope
+    double magnetising_ma{0}; ///< r.m.s. secondary current there
+    double winding_ohm{0}, burden_ohm{0};
+    double air_core_mh{0};       ///< inductance beyond the knee
+    double remanence_percent{0}; ///< of the flux at the knee, at the start, in every phase
+};
+
 struct CtType : Element {
     std::string ratio{"1:1"};
     double primary_a{1}, secondary_a{1}; ///< of the ratio
     double error_percent{0};
-    std::string filter{"none"};
+    InstrumentFilter filter{InstrumentFilter::none};
+    double cutoff_hz{0};  ///< of the filter
     double quantum_ma{0}; ///< values are rounded to whole quanta; 0: not
+    std::optional<CtSaturation> saturation;
+};
+
+/// Two-slope core of a voltage transformer, seen from its primary.
+struct VtSaturation {
+    double knee_pu{1.9};      ///< flux linkage at the knee, of that of nominal voltage
+    double magnetising_ma{0}; ///< r.m.s. primary current there
+    double winding_ohm{0};    ///< of the primary
+    double air_core_mh{0};    ///< inductance beyond the knee
+};
+
+struct VtType : Element {
+    std::string ratio{"1:1"};
+    double primary_v{1}, secondary_v{1};
+    double error_percent{0};
+    InstrumentFilter filter{InstrumentFilter::none};
+    double cutoff_hz{0};
+    double quantum_mv{0}; ///< primary values are rounded to whole quanta; 0: not
+    std::optional<VtSaturation> saturation;
+};
+
+/// Voltage transformers of the three phases, phase to earth, at a bus.
+struct Vt : Element {
+    Ref bus;
+    Ref type;
 };
 
 enum class CtPolarity { from_to, into_line };
@@ -234,6 +271,8 @@ struct Network {
     std::vector<Breaker> breakers;
     std::vector<CtType> ct_types;
     std::vector<Ct> cts;
+    std::vector<VtType> vt_types;
+    std::vector<Vt> vts;
     std::vector<MachineType> machine_types;
     std::vector<Machine> machines;
     std::vector<Generator> generators;

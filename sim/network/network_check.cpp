@@ -67,6 +67,7 @@ void check_names(Network const& n, Diagnostics& diagnostics) {
     add(n.transformers, "transformer");
     add(n.breakers, "breaker");
     add(n.cts, "CT");
+    add(n.vts, "VT");
     add(n.machines, "machine");
     add(n.generators, "generator");
     add(n.loads, "load");
@@ -99,6 +100,20 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
         if (t.r_ohm == 0 && t.l_h == 0) {
             diagnostics.error(line.name.where, fmt::format("{} has no impedance", owner),
                               "make it one bus, or give it a small resistance", width(line.name));
+        } else if (t.r0_ohm == 0 && t.l0_h == 0) {
+            diagnostics.error(line.name.where, fmt::format("{} has no zero sequence impedance", owner),
+                              "leave out r0_ohm and l0_mh (x0_ohm) to take those of the positive sequence",
+                              width(line.name));
+        }
+    }
+    for (Source const& s : n.sources) {
+        bool const impedance = s.r_ohm != 0 || s.l_mh != 0;
+        bool const zero = s.r0_ohm.value_or(s.r_ohm) != 0 || s.l0_mh.value_or(s.l_mh) != 0;
+        if (impedance != zero) {
+            diagnostics.error(s.name.where,
+                              fmt::format("source '{}' has a {} sequence impedance but no {} sequence impedance",
+                                          s.name.name, impedance ? "positive" : "zero", impedance ? "zero" : "positive"),
+                              "give both, or neither", width(s.name));
         }
     }
     for (Transformer const& t : n.transformers) {
@@ -199,6 +214,7 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     check_line_ends(n, n.breakers, "breaker", diagnostics);
     check_line_ends(n, n.cts, "CT", diagnostics);
     at_bus(n, n.sources, "source", diagnostics);
+    at_bus(n, n.vts, "VT", diagnostics);
     at_bus(n, n.machines, "machine", diagnostics);
     at_bus(n, n.generators, "generator", diagnostics);
     at_bus(n, n.loads, "load", diagnostics);
@@ -210,6 +226,9 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     }
     for (Ct const& c : n.cts) {
         must_exist(n.ct_types, c.type, "CT type", fmt::format("CT '{}'", c.name.name), diagnostics);
+    }
+    for (Vt const& v : n.vts) {
+        must_exist(n.vt_types, v.type, "VT type", fmt::format("VT '{}'", v.name.name), diagnostics);
     }
     for (Machine const& m : n.machines) {
         must_exist(n.machine_types, m.type, "machine type", fmt::format("machine '{}'", m.name.name), diagnostics);

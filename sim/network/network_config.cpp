@@ -197,20 +197,70 @@ void breaker(Fields& f, Breaker& b) {
     f.choice<bool>("state", b.closed, {{"closed", true}, {"open", false}}, {.doc = "state at the start"});
 }
 
-void ct_type(Fields& f, CtType& t) {
-    f.text("ratio", t.ratio, {.doc = "primary:secondary, in A"});
-    std::size_t const colon = t.ratio.find(':');
-    auto const part = [](std::string_view text, double& value) {
-        auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        return error == std::errc{} && end == text.data() + text.size() && value > 0;
+/// Primary and secondary value of an instrument transformer.
+void ratio(Fields& f, std::string& text, double& primary, double& secondary, std::string_view doc,
+           std::string const& example) {
+    f.text("ratio", text, {.doc = doc});
+    std::size_t const colon = text.find(':');
+    auto const part = [](std::string_view digits, double& value) {
+        auto const [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        return error == std::errc{} && end == digits.data() + digits.size() && value > 0;
     };
-    if (colon == std::string::npos || !part(std::string_view{t.ratio}.substr(0, colon), t.primary_a) ||
-        !part(std::string_view{t.ratio}.substr(colon + 1), t.secondary_a)) {
-        f.error("ratio", fmt::format("'{}' is not a ratio", t.ratio), "for example \"400:5\"");
+    if (colon == std::string::npos || !part(std::string_view{text}.substr(0, colon), primary) ||
+        !part(std::string_view{text}.substr(colon + 1), secondary)) {
+        f.error("ratio", fmt::format("'{}' is not a ratio", text), example);
     }
-    f.number("error_percent", t.error_percent, any("ratio error"));
-    f.text("filter", t.filter, {.doc = "anti-alias filter: none, or butterworth2 with cutoff"});
+}
+
+void instrument_filter(Fields& f, std::string const& name, double& error_percent, InstrumentFilter& filter,
+                       double& cutoff_hz) {
+    f.number("error_percent", error_percent, any("ratio error"));
+    f.choice<InstrumentFilter>(
+        "filter", filter, {{"none", InstrumentFilter::none}, {"butterworth2", InstrumentFilter::butterworth2}},
+        {.doc = "anti-alias filter"});
+    f.number("cutoff_hz", cutoff_hz, positive("of the filter, -3 dB"));
+    if ((filter == InstrumentFilter::none) != !f.has("cutoff_hz")) {
+        f.error(f.has("cutoff_hz") ? "cutoff_hz" : "filter",
+                filter == InstrumentFilter::none ? fmt::format("'{}' has a cutoff_hz but no filter", name)
+                                                 : fmt::format("the filter of '{}' needs cutoff_hz", name),
+                "filter: butterworth2 with cutoff_hz, or neither");
+    }
+}
+
+void ct_type(Fields& f, CtType& t) {
+    ratio(f, t.ratio, t.primary_a, t.secondary_a, "primary:secondary, in A", "for example \"400:5\"");
+    instrument_filter(f, t.name.name, t.error_percent, t.filter, t.cutoff_hz);
     f.number("quantum_ma", t.quantum_ma, not_negative("values are rounded to whole quanta; 0: not"));
+    f.object("saturation", {.doc = "two-slope core, seen from the secondary"}, [&](Fields& s) {
+        CtSaturation& core = t.saturation.emplace();
+        s.number("knee_v", core.knee_v, positive("r.m.s. secondary voltage at the knee, at base frequency", true));
+        s.number("magnetising_ma", core.magnetising_ma, positive("r.m.s. secondary current at the knee", true));
+        s.number("winding_ohm", core.winding_ohm, positive("resistance of the secondary winding", true));
+        s.number("burden_ohm", core.burden_ohm, not_negative("resistance of leads and relay", true));
+        s.number("air_core_mh", core.air_core_mh, positive("inductance beyond the knee", true));
+        NumberSpec remanence = any("flux at the start, of that at the knee");
+        remanence.min = -100;
+        remanence.max = 100;
+        s.number("remanence_percent", core.remanence_percent, remanence);
+    });
+}
+
+void vt_type(Fields& f, VtType& t) {
+    ratio(f, t.ratio, t.primary_v, t.secondary_v, "primary:secondary, in V", "for example \"12470:120\"");
+    instrument_filter(f, t.name.name, t.error_percent, t.filter, t.cutoff_hz);
+    f.number("quantum_mv", t.quantum_mv, not_negative("primary values are rounded to whole quanta; 0: not"));
+    f.object("saturation", {.doc = "two-slope core, seen from the primary"}, [&](Fields& s) {
+        VtSaturation& core = t.saturation.emplace();
+        s.number("knee_pu", core.knee_pu, positive("flux linkage at the knee, of that of nominal voltage"));
+        s.number("magnetising_ma", core.magnetising_ma, positive("r.m.s. primary current at the knee", true));
+        s.number("winding_ohm", core.winding_ohm, positive("resistance of the primary winding", true));
+        s.number("air_core_mh", core.air_core_mh, positive("inductance beyond the knee", true));
+    });
+}
+
+void vt(Fields& f, Vt& v) {
+    f.reference("bus", v.bus, {.doc = "the bus whose voltage it measures", .required = true});
+    f.reference("type", v.type, {.doc = "VT type", .required = true});
 }
 
 void ct(Fields& f, Ct& c) {
@@ -460,6 +510,8 @@ void describe(Fields& f, Network& n) {
     section(f, "breakers", "breakers at line ends", n.breakers, breaker);
     section(f, "ct_types", "current transformer data", n.ct_types, ct_type);
     section(f, "cts", "current transformers at line ends", n.cts, ct);
+    section(f, "vt_types", "voltage transformer data", n.vt_types, vt_type);
+    section(f, "vts", "voltage transformers at buses", n.vts, vt);
     section(f, "machine_types", "synchronous machine data", n.machine_types, machine_type);
     section(f, "machines", "synchronous machines", n.machines, machine);
     section(f, "generators", "generators without dynamics", n.generators, generator);

@@ -6,6 +6,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -224,6 +225,17 @@ class Feeder {
                 i[node] -= std::conj(power_va / v[node]);
             }
         };
+        // A converter: balanced currents that carry its power at the positive sequence voltage.
+        auto const convert = [&](int node, Complex power_kva) {
+            Complex const turn = std::polar(1.0, 2 * std::numbers::pi / 3);
+            Complex const v1 = (v[node] + turn * v[node + 1] + turn * turn * v[node + 2]) / 3.0;
+            if (std::abs(v1) > 0) {
+                Complex const current = std::conj(power_kva * 1e3 / 3.0 / v1);
+                i[node] += current;
+                i[node + 1] += current / turn;
+                i[node + 2] += current * turn;
+            }
+        };
         for (Load const& l : n_.loads) {
             int const node = node_of(l.bus);
             double const times = scale(l.scale);
@@ -236,19 +248,15 @@ class Feeder {
             }
         }
         for (Pv const& pv : n_.pv) {
-            double all = pv.p_kw * scale(pv.scale);
+            double p = pv.p_kw * scale(pv.scale);
             if (pv.rating_kva > 0) {
-                all = std::min(all, pv.rating_kva * pv.power_factor);
+                p = std::min(p, pv.rating_kva * pv.power_factor);
             }
-            for (int k = 0; k < 3; ++k) {
-                double const p = all / 3;
-                consume(node_of(pv.bus) + k,
-                        -1e3 * Complex{p, -p * std::sqrt(1 - pv.power_factor * pv.power_factor) / pv.power_factor});
-            }
+            convert(node_of(pv.bus), {p, -p * std::sqrt(1 - pv.power_factor * pv.power_factor) / pv.power_factor});
         }
         for (Generator const& g : n_.generators) {
-            for (int k = 0; k < 3 && g.role == GeneratorRole::pq; ++k) {
-                consume(node_of(g.bus) + k, -1e3 / 3 * Complex{g.p_kw, g.q_kvar});
+            if (g.role == GeneratorRole::pq) {
+                convert(node_of(g.bus), {g.p_kw, g.q_kvar});
             }
         }
     }
@@ -371,6 +379,12 @@ class Feeder {
 };
 
 } // namespace
+
+bool is_unbalanced(Network const& n) {
+    return std::any_of(n.loads.begin(), n.loads.end(), [](Load const& l) { return !l.phase_p_kw.empty(); }) ||
+           std::any_of(n.line_types.begin(), n.line_types.end(),
+                       [](LineType const& t) { return !t.phase_r_ohm_per_km.empty(); });
+}
 
 Result<ThreePhaseFlow> solve_three_phase(Network const& network, SwitchState const& state,
                                          ThreePhaseOptions const& options) {

@@ -14,6 +14,9 @@ namespace gridspace::sim {
 /// Phasors of phases a, b, c: volts to earth, or amperes.
 using Phases = std::array<Complex, 3>;
 
+/// Whether phases differ: line types with phase impedances, or loads by phase.
+[[nodiscard]] bool is_unbalanced(Network const& network);
+
 struct ThreePhaseFlow {
     struct Branch {
         TwoPort::Kind kind{TwoPort::Kind::line};
@@ -34,7 +37,7 @@ struct ThreePhaseOptions {
 };
 
 /// Unbalanced power flow of a distribution network: phase impedance matrices, transformers with their connections,
-/// loads by phase between phase and earth. Sources and slack generators hold the voltage. Fixed point on the factored
+/// loads by phase between phase and earth; converters inject currents of positive sequence. Sources and slack generators hold the voltage. Fixed point on the factored
 /// nodal admittance [Chen et al., IEEE Trans. Power Deliv. 6(3), 1991]. Fails when it does not converge, or on machines
 /// and regulated generators.
 [[nodiscard]] Result<ThreePhaseFlow> solve_three_phase(Network const& network, SwitchState const& state,
