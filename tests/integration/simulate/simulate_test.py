@@ -25,7 +25,7 @@ def simulate(*arguments):
 
 
 def read_csv(path):
-    rows = list(csv.reader(path.open()))
+    rows = list(csv.reader(path.read_text().splitlines()))
     return rows[0], [[float(x) for x in row] for row in rows[1:]]
 
 
