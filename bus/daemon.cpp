@@ -8,11 +8,12 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstdlib>
 #include <cstdio>
 #include <fmt/format.h>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <poll.h>
 #include <pthread.h>
 #include <sys/prctl.h>
 #include <thread>
@@ -179,16 +180,76 @@ Result<std::vector<std::string>> StatusReporter::hold(std::uint64_t index, bool 
         return answers;
     }
     send(Json{{"status", "hold"}, {"index", index}}.dump());
-    std::string line;
-    while (wait && std::getline(std::cin, line)) {
-        if (line == "go") {
+    while (wait && !input_ended_) {
+        auto line = read_line(std::chrono::seconds{1});
+        if (!line) {
+            continue;
+        }
+        if (*line == "go") {
             return answers;
         }
-        answers.push_back(line);
+        if (*line == "pause" || *line == "continue" || line->starts_with("step ")) {
+            take_pause(*line);
+        } else {
+            answers.push_back(std::move(*line));
+        }
     }
     return wait ? fail(ExitCode::child_died, "the launcher did not let the run go on after a held tick")
                 : Result<std::vector<std::string>>{std::move(answers)};
 }
+
+std::optional<std::string> StatusReporter::read_line(std::chrono::milliseconds patience) {
+    std::size_t end = input_.find('\n');
+    if (end == std::string::npos) {
+        pollfd ready{STDIN_FILENO, POLLIN, 0};
+        if (input_ended_ || ::poll(&ready, 1, static_cast<int>(patience.count())) <= 0) {
+            return std::nullopt;
+        }
+        char buffer[512];
+        ssize_t const size = ::read(STDIN_FILENO, buffer, sizeof buffer);
+        input_ended_ = size <= 0;
+        input_.append(buffer, static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+        end = input_.find('\n');
+    }
+    if (end == std::string::npos) {
+        return std::nullopt;
+    }
+    std::string line = input_.substr(0, end);
+    input_.erase(0, end + 1);
+    return line;
+}
+
+void StatusReporter::take_pause(std::string const& line) {
+    paused_ = line == "pause";
+    steps_left_ = line.starts_with("step ") ? std::strtoull(line.c_str() + 5, nullptr, 10) : 0;
+}
+
+std::chrono::steady_clock::duration StatusReporter::pause_if_asked(double time_s, std::atomic<bool> const& stop) {
+    if (fd_ < 0 || input_ended_) {
+        return {};
+    }
+    while (auto line = read_line(std::chrono::milliseconds{0})) {
+        take_pause(*line);
+    }
+    if (steps_left_ > 0 && --steps_left_ == 0) {
+        paused_ = true;
+    }
+    if (!paused_) {
+        return {};
+    }
+    auto const begin = std::chrono::steady_clock::now();
+    send(Json{{"status", "paused"}, {"time_s", time_s}}.dump());
+    while (paused_ && !stop && !input_ended_) {
+        if (auto line = read_line(std::chrono::milliseconds{100})) {
+            take_pause(*line);
+        }
+    }
+    paused_ = false;
+    send(Json{{"status", "resumed"}, {"time_s", time_s}}.dump());
+    return std::chrono::steady_clock::now() - begin;
+}
+
+void StatusReporter::control(std::string_view action) { send(Json{{"status", "control"}, {"action", action}}.dump()); }
 
 int run_daemon(Daemon const& daemon, int argc, char** argv) {
     SignalWatcher signals; // before anything else: an interrupt during start-up is orderly too

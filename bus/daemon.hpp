@@ -10,6 +10,7 @@
 #include <atomic>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -28,12 +29,23 @@ class StatusReporter {
     /// "Between tick and tick, the launcher has to act." With `wait`, returns what it answers on standard input: lines like
     /// "drop ev1", "rejoin ev1" or "restarted ev1 2".
     [[nodiscard]] Result<std::vector<std::string>> hold(std::uint64_t index, bool wait);
+    /// "A tick is done": when the launcher has asked for a pause, waits until it says "continue" or "step N". Meanwhile
+    /// nobody works, and no deadline runs. Returns early when `stop` is set; how long it has waited.
+    std::chrono::steady_clock::duration pause_if_asked(double time_s, std::atomic<bool> const& stop);
+    /// "My user wants this": pause, continue, "step 3" or stop, from the monitor.
+    void control(std::string_view action);
 
   private:
     void send(std::string const& line);
+    /// A line of standard input, or nothing within `patience`. `input_ended_` is set when there will be no more.
+    [[nodiscard]] std::optional<std::string> read_line(std::chrono::milliseconds patience);
+    void take_pause(std::string const& line);
     int fd_;
     std::mutex mutex_;
     std::chrono::steady_clock::time_point last_progress_;
+    std::string input_; // of standard input, beyond the lines that were taken
+    bool input_ended_{false}, paused_{false};
+    std::uint64_t steps_left_{0};
 };
 
 /// What a daemon gets to run with.

@@ -16,6 +16,8 @@ class Pacer {
 
     /// Simulated time 0 is now.
     void start();
+    /// After a pause of this length, everything is due so much later.
+    void skip(std::chrono::steady_clock::duration pause) { start_ += pause; }
     /// Waits until simulated time `time_s` is due. False when it was due already (an overrun), by `late()`.
     bool wait(double time_s, std::atomic<bool> const& stop);
     [[nodiscard]] std::chrono::nanoseconds late() const { return late_; }

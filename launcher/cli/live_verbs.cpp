@@ -74,6 +74,13 @@ void print_graph(Json const& graph, bool framework) {
 
 } // namespace
 
+int control(ControlArguments const& arguments) {
+    std::string const action =
+        arguments.action == "step" ? fmt::format("step {}", arguments.ticks) : arguments.action;
+    auto const done = launcher::control_run(run_folder(arguments.run), action);
+    return done ? 0 : print_error(done.error());
+}
+
 int graph(GraphArguments const& arguments) {
     std::string const query = arguments.framework ? "?framework=1" : "";
     if (arguments.format == "text") {

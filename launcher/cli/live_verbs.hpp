@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -14,6 +15,13 @@ struct GraphArguments {
     bool framework{false};
 };
 int graph(GraphArguments const& arguments);
+
+struct ControlArguments {
+    std::filesystem::path run{"latest"};
+    std::string action; ///< pause, continue, step or stop
+    std::int64_t ticks{1};
+};
+int control(ControlArguments const& arguments);
 
 struct TopicArguments {
     std::filesystem::path run{"latest"};

@@ -107,6 +107,7 @@ int main_function(int argc, char** argv) {
     run_verb->add_flag("--quiet", run_arguments.quiet, "print nothing but errors");
     run_verb->add_flag("--no-namespaces", run_arguments.no_namespaces, "everything on the loopback interface");
     run_verb->add_flag("--no-deadlines", run_arguments.no_deadlines, "wait for ever (a debugger is attached)");
+    run_verb->add_flag("--allow-control", run_arguments.allow_control, "pause, continue, step and stop it from the dashboard and the command line");
     run_verb->add_option("--log-level", run_arguments.log_level, "of the processes")->check(CLI::IsMember({"debug", "info", "warning", "error"}));
     run_verb->callback([&] { action = [&] { return run(run_arguments); }; });
 
@@ -224,6 +225,21 @@ int main_function(int argc, char** argv) {
     topic_command("info", "its type, readers and writers, IDL", true, topic_info);
     topic_command("echo", "its newest samples, decoded", true, topic_echo);
     topic_command("hz", "how often it is written", true, topic_hz);
+
+    ControlArguments control_arguments;
+    auto const control_verb = [&](char const* name, char const* description) {
+        CLI::App* command = verb(name, description);
+        command->add_option("RUN", control_arguments.run, "run folder (default: latest), started with --allow-control");
+        command->callback([&, name] {
+            control_arguments.action = name;
+            action = [&] { return control(control_arguments); };
+        });
+        return command;
+    };
+    control_verb("pause", "let a lockstep run wait after its present tick");
+    control_verb("continue", "let a paused run go on");
+    control_verb("step", "let a paused run go on for some ticks")->add_option("--ticks", control_arguments.ticks, "how many")->check(CLI::PositiveNumber);
+    control_verb("stop", "end a run");
 
     bool doctor_json = false;
     CLI::App* doctor_verb = verb("doctor", "look at what this machine allows, and what helps");

@@ -19,7 +19,7 @@ struct ScenarioArguments {
 
 struct RunArguments {
     ScenarioArguments scenario;
-    bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false};
+    bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false}, allow_control{false};
     std::filesystem::path out, parent{"runs"}, junit;
     std::string log_level{"info"};
 };

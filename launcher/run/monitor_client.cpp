@@ -7,11 +7,14 @@
 #include <arpa/inet.h>
 #include <cerrno>
 #include <cstring>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <netinet/in.h>
+#include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/time.h>
+#include <unistd.h>
 
 namespace gridspace::launcher {
 namespace {
@@ -65,12 +68,14 @@ Result<std::string> monitor_address(std::filesystem::path const& run) {
                 "`gridspace run` prints both");
 }
 
-Result<std::string> ask_monitor(std::string const& address, std::string const& path) {
+namespace {
+
+/// Sends a request and returns the body of its answer.
+Result<std::string> talk(std::string const& address, std::string const& request) {
     auto fd = connect_to(address);
     if (!fd) {
         return std::unexpected{fd.error()};
     }
-    std::string const request = fmt::format("GET {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", path);
     std::string answer;
     char buffer[65536];
     ssize_t size = ::send(fd->get(), request.data(), request.size(), MSG_NOSIGNAL);
@@ -83,10 +88,54 @@ Result<std::string> ask_monitor(std::string const& address, std::string const& p
     }
     std::string body = answer.substr(head + 4);
     int const status = std::atoi(answer.c_str() + 9);
-    if (status != 200) {
+    if (status / 100 != 2) {
         return fail(ExitCode::usage, fmt::format("the monitor says {}: {}", status, body));
     }
     return body;
+}
+
+constexpr char const* kToken = "control.token";
+
+} // namespace
+
+Result<std::string> ask_monitor(std::string const& address, std::string const& path) {
+    return talk(address, fmt::format("GET {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", path));
+}
+
+Result<void> write_control_token(std::filesystem::path const& folder) {
+    std::uint8_t secret[16];
+    std::string text;
+    if (::getrandom(secret, sizeof secret, 0) != sizeof secret) {
+        return fail(ExitCode::environment, "the kernel gives no random numbers for the control token");
+    }
+    for (std::uint8_t const octet : secret) {
+        text += fmt::format("{:02x}", octet);
+    }
+    text += '\n';
+    UniqueFd const fd{::open((folder / kToken).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600)};
+    if (fd.get() < 0 || ::write(fd.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
+        return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", (folder / kToken).string(), std::strerror(errno)));
+    }
+    return {};
+}
+
+Result<void> control_run(std::filesystem::path const& folder, std::string const& action) {
+    auto const address = monitor_address(folder);
+    if (!address) {
+        return std::unexpected{address.error()};
+    }
+    std::ifstream stream{folder / kToken};
+    std::string token;
+    if (!std::getline(stream, token)) {
+        return fail(ExitCode::usage, fmt::format("run '{}' may not be controlled", folder.string()),
+                    "start it with `gridspace run --allow-control`");
+    }
+    std::string const body = fmt::format(R"({{"action":"{}"}})", action);
+    auto const answer = talk(*address, fmt::format("POST /api/v1/control HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
+                                                   "Authorization: Bearer {}\r\nContent-Type: application/json\r\n"
+                                                   "Content-Length: {}\r\n\r\n{}",
+                                                   token, body.size(), body));
+    return answer ? Result<void>{} : std::unexpected{answer.error()};
 }
 
 } // namespace gridspace::launcher

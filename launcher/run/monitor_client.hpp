@@ -15,6 +15,12 @@ void note_monitor(std::filesystem::path const& folder, std::string const& addres
 /// "127.0.0.1:8080" of the run's monitor: from the folder, or as it is when `run` is an address or URL already.
 [[nodiscard]] Result<std::string> monitor_address(std::filesystem::path const& run);
 
+/// Makes the secret of a run that may be controlled: RUN/control.token, for its owner only.
+[[nodiscard]] Result<void> write_control_token(std::filesystem::path const& folder);
+
+/// Asks the monitor of a run to pause, continue, "step 3" or stop it.
+[[nodiscard]] Result<void> control_run(std::filesystem::path const& folder, std::string const& action);
+
 /// The body of GET `path`. An error names the address when nobody answers, and what the monitor said when it refuses.
 [[nodiscard]] Result<std::string> ask_monitor(std::string const& address, std::string const& path);
 

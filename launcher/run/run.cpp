@@ -165,6 +165,10 @@ class Follower {
             events_.write(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
                           line.value("text", ""));
             progress_.event(line.value("time_s", 0.0), line.value("source", process), line.value("text", ""));
+        } else if (status == "paused" || status == "resumed") {
+            time_s_ = line.value("time_s", 0.0);
+            events_.write(time_s_, "launcher", status, fmt::format("the run is {}", status));
+            progress_.note(fmt::format("the run is {} at {} s", status, time_s_));
         } else if (status == "serving") {
             progress_.note(fmt::format("{}: {}", process, line.value("url", "")));
         }
@@ -204,7 +208,12 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         return std::unexpected{events.error()};
     }
 
-    PlanOptions plan_options{*folder, options.namespaces, 0, options.log_level};
+    PlanOptions plan_options{*folder, options.namespaces, 0, options.log_level, options.allow_control};
+    if (options.allow_control) {
+        if (auto ok = write_control_token(*folder); !ok) {
+            return std::unexpected{ok.error()};
+        }
+    }
     RunPlan plan = make_plan(scenario, plan_options);
     std::map<std::string, int> listen_fds;
     auto const closer = [&] {

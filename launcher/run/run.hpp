@@ -16,6 +16,7 @@ struct RunOptions {
     Progress::Style style{Progress::Style::plain};
     bool namespaces{true};                ///< false: --no-namespaces
     std::string log_level{"info"};
+    bool allow_control{false};            ///< --allow-control
 };
 
 struct FinishedRun {

@@ -128,6 +128,10 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
     out.config.set("bus", to_node(node_config(scenario, process, flow, plan, options)));
     out.config.set("settings", process.settings->settings(scenario, process));
 
+    if (options.allow_control && out.program == "gridspace-monitor") {
+        out.config.find("settings")->set("control_token", Node::quoted_text("../control.token"));
+    }
+
     out.command = process.settings->command();
     if (out.command.empty()) {
         bool const native = out.run_on.kind == RunOn::Kind::native;
@@ -156,6 +160,7 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     plan.cut_ins = placed_cut_ins(scenario);
     plan.duration_s = scenario.simulation.duration().to_double();
     plan.lockstep = scenario.clock.mode == bus::ClockMode::lockstep;
+    plan.allow_control = options.allow_control;
     plan.start_timeout_s = scenario.clock.start_timeout_s * patience(scenario);
     plan.member_timeout_s = scenario.clock.member_timeout_s * patience(scenario);
     for (Host const& host : scenario.hosts) {

@@ -50,6 +50,7 @@ struct RunPlan {
     std::vector<std::vector<PlannedStroke>> holds; ///< by index of the simulator's hold
     double duration_s{0};
     bool lockstep{true};
+    bool allow_control{false}; ///< pause, continue, step and stop through the monitor
     double start_timeout_s{30}, member_timeout_s{10};
 };
 
@@ -58,6 +59,7 @@ struct PlanOptions {
     bool namespaces{true};         ///< false: everything on the loopback interface
     int domain{0};                 ///< first of two DDS domains for the run (without namespaces)
     std::string log_level{"info"};
+    bool allow_control{false};     ///< the monitor is given the token that RUN/control.token holds
 };
 
 [[nodiscard]] RunPlan make_plan(Scenario const& scenario, PlanOptions const& options);

@@ -224,6 +224,8 @@ class Supervisor {
             }
         } else if (what == "hold") {
             strike(w, status.value("index", std::size_t{0}));
+        } else if (what == "control") {
+            control(w, status.value("action", ""));
         }
         status["kind"] = "status";
         status["process"] = w.plan.name;
@@ -270,6 +272,23 @@ class Supervisor {
                          fmt::format("{}: {}", w.plan.name, w.reported->message), w.reported->remedy};
             }
             fail_with(std::move(error));
+        }
+    }
+
+    /// What a user asks for in the dashboard. Only the monitor may, and only when the run was started so.
+    void control(Watched const& from, std::string const& action) {
+        if (!plan_.allow_control || !from.plan.is_observer) {
+            return;
+        }
+        if (action == "stop") {
+            fail_with({ExitCode::interrupted, fmt::format("stopped through {}", from.plan.name), ""});
+            return;
+        }
+        auto const sim =
+            std::find_if(watched_.begin(), watched_.end(), [](Watched const& w) { return w.plan.is_simulator; });
+        if (plan_.lockstep && sim != watched_.end() && sim->running) {
+            std::string const line = action + "\n";
+            [[maybe_unused]] auto const written = ::write(sim->child.control_fd, line.data(), line.size());
         }
     }
 

@@ -82,6 +82,7 @@ std::string Api::run() const {
              {"mode", run_.plan.mode},
              {"speed", run_.plan.speed},
              {"recorded", run_.recorded},
+             {"control", !token_.empty()},
              {"state", clock.state},
              {"time_s", clock.time_s},
              {"duration_s", run_.plan.duration_s},
@@ -268,8 +269,43 @@ std::string Api::events(std::uint64_t after, std::size_t most) const {
     return text({{"events", std::move(out)}});
 }
 
+void Api::allow_control(std::string token, std::function<void(std::string const&)> act) {
+    token_ = std::move(token);
+    act_ = std::move(act);
+}
+
+web::Response Api::control(web::Request const& request) const {
+    constexpr std::string_view kBearer = "Bearer ";
+    if (!request.authorization.starts_with(kBearer) ||
+        !web::same_secret(std::string_view{request.authorization}.substr(kBearer.size()), token_)) {
+        return problem(401, "the token is missing or wrong", "it is in the file control.token of the run folder");
+    }
+    Json const body = Json::parse(request.body, nullptr, false);
+    std::string const action = body.is_object() && body.contains("action") && body["action"].is_string()
+                                   ? body["action"].get<std::string>()
+                                   : std::string{};
+    auto const is_step = [&] {
+        std::uint64_t ticks = 0;
+        char const* const begin = action.data() + 5;
+        auto const [end, error] = std::from_chars(begin, action.data() + action.size(), ticks);
+        return error == std::errc{} && end == action.data() + action.size() && ticks > 0;
+    };
+    bool const stop = action == "stop", step = action.starts_with("step ") && is_step();
+    if (!stop && !step && action != "pause" && action != "continue") {
+        return problem(400, "what shall be done?", R"({"action": "pause"}, or "continue", "step 3", "stop")");
+    }
+    if (!stop && run_.plan.mode != "lockstep") {
+        return problem(409, "a run in real time cannot be halted", R"(only {"action": "stop"} works here)");
+    }
+    act_(action);
+    return json_response(text({{"accepted", action}}), 202);
+}
+
 web::Response Api::answer(web::Request const& request) const {
     std::string const& path = request.target.path;
+    if (request.method == "POST" && path == "/api/v1/control" && !token_.empty()) {
+        return control(request);
+    }
     if (request.method == "POST") {
         web::Response refused = problem(405, "nothing here can be changed");
         refused.allow = "GET, HEAD";

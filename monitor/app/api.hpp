@@ -16,6 +16,8 @@ class Api {
   public:
     /// `counters` tells about the server itself.
     Api(LiveRun const& run, std::function<web::ServerCounters()> counters);
+    /// From now on whoever knows `token` may have `act` called with pause, continue, "step 3" or stop.
+    void allow_control(std::string token, std::function<void(std::string const& action)> act);
     [[nodiscard]] web::Response answer(web::Request const& request) const;
 
     // What is pushed, too; JSON texts.
@@ -28,11 +30,14 @@ class Api {
     [[nodiscard]] std::string events(std::uint64_t after, std::size_t most) const;
 
   private:
+    [[nodiscard]] web::Response control(web::Request const& request) const;
     [[nodiscard]] web::Response topic(std::string const& rest) const;
     [[nodiscard]] web::Response signal_query(web::Target const& target) const;
 
     LiveRun const& run_;
     std::function<web::ServerCounters()> counters_;
+    std::string token_; ///< empty: nobody may control the run
+    std::function<void(std::string const&)> act_;
 };
 
 } // namespace gridspace::monitor

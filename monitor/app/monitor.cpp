@@ -8,6 +8,7 @@
 #include "monitor/app/api.hpp"
 #include "monitor/app/bus_tap.hpp"
 #include "monitor/app/event_tail.hpp"
+#include "monitor/app/foxglove.hpp"
 #include "monitor/app/pages.hpp"
 #include "monitor/app/push.hpp"
 #include "monitor/app/recorded_run.hpp"
@@ -102,7 +103,16 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         recorded = std::make_unique<RecordedRun>(config.recording, live);
     }
     web::Server* serving = nullptr;
-    Api const api{live, [&serving] { return serving == nullptr ? web::ServerCounters{} : serving->counters(); }};
+    Api api{live, [&serving] { return serving == nullptr ? web::ServerCounters{} : serving->counters(); }};
+    if (!config.control_token.empty() && config.recording.empty()) {
+        std::ifstream stream{config.control_token};
+        std::string token;
+        if (!std::getline(stream, token) || token.size() < 16) {
+            return fail(ExitCode::usage, fmt::format("'{}' holds no token", config.control_token.string()),
+                        "a line of at least 16 characters that nobody can guess");
+        }
+        api.allow_control(token, [&run](std::string const& action) { run.status.control(action); });
+    }
     web::Server::Options options;
     for (config::Ref const& host : config.allow_hosts) {
         options.sites.hosts.push_back(host.name);
@@ -113,10 +123,23 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         return page ? std::move(*page) : api.answer(request);
     };
     PushHub hub{live, api};
-    handlers.accepts_push = [](std::string const& path) { return path == "/ws/v1"; };
-    handlers.opened = [&hub](web::ClientId client, std::string const&) { hub.opened(client); };
-    handlers.closed = [&hub](web::ClientId client) { hub.closed(client); };
-    handlers.message = [&hub](web::ClientId client, std::string const& text) { hub.message(client, text); };
+    FoxgloveHub foxglove{live};
+    handlers.accepts_push = [](std::string const& path, std::vector<std::string> const& offered) {
+        auto chosen = FoxgloveHub::choose(offered);
+        return chosen || path != "/ws/v1" ? chosen : std::optional{std::string{}};
+    };
+    handlers.opened = [&](web::ClientId client, std::string const&, std::string const& protocol) {
+        protocol.empty() ? hub.opened(client) : foxglove.opened(client);
+    };
+    // A hub that does not know the client does nothing.
+    handlers.closed = [&](web::ClientId client) {
+        hub.closed(client);
+        foxglove.closed(client);
+    };
+    handlers.message = [&](web::ClientId client, std::string const& text) {
+        hub.message(client, text);
+        foxglove.message(client, text);
+    };
     auto server = web::Server::start(std::move(*socket), options, std::move(handlers));
     if (!server) {
         return std::unexpected{server.error()};
@@ -139,6 +162,7 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
             measured = now;
         }
         hub.step(**server, now);
+        foxglove.step(**server);
     } while (!stop.wait(kPeriod));
     run.on_stop({});
     return {};

@@ -73,6 +73,8 @@ void describe_run(config::Fields& f, RunPlan& run) {
 void describe(config::Fields& f, MonitorConfig& config) {
     f.text("listen", config.listen, {.doc = "address and port, when no socket is handed over"});
     f.file("recording", config.recording, {.doc = "the recording of a finished run, which is shown instead of a bus"});
+    f.file("control_token", config.control_token,
+           {.doc = "file with the secret of whoever may control the run; written by `gridspace run --allow-control`"});
     f.references("allow_hosts", config.allow_hosts, {.doc = "names beyond localhost under which it may be reached"});
     f.text("scenario", config.run.scenario, {.doc = "name of the scenario"});
     f.object("run", {.doc = "the run; filled in by `gridspace run`"},

@@ -62,6 +62,7 @@ struct RunPlan {
 struct MonitorConfig {
     std::filesystem::path recording;      ///< data.mcap of a finished run; then no bus is joined
     std::string listen{"127.0.0.1:0"};    ///< when no socket is handed over
+    std::filesystem::path control_token;  ///< file with the secret of whoever may control the run; none: nobody may
     std::vector<config::Ref> allow_hosts; ///< names beyond those of this machine under which it may be reached
     RunPlan run;
 };

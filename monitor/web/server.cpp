@@ -55,7 +55,7 @@ class PushSession final : public Closable, public std::enable_shared_from_this<P
     PushSession(ServerImpl& server, Stream&& stream, ClientId id)
         : server_{server}, socket_{std::move(stream)}, id_{id} {}
     ~PushSession() override;
-    void open(http::request<http::string_body> const& request, std::string path);
+    void open(http::request<http::string_body> const& request, std::string path, std::string protocol);
     void push(Push message);
     void close() override { beast::get_lowest_layer(socket_).close(); }
     [[nodiscard]] ClientId id() const { return id_; }
@@ -70,7 +70,7 @@ class PushSession final : public Closable, public std::enable_shared_from_this<P
     beast::flat_buffer buffer_;
     std::deque<Push> waiting_;
     std::size_t waiting_octets_{0};
-    bool writing_{false}, opened_{false};
+    bool writing_{false}, opened_{false}, protocol_{false};
 };
 
 /// One HTTP connection.
@@ -217,7 +217,7 @@ PushSession::~PushSession() {
     }
 }
 
-void PushSession::open(http::request<http::string_body> const& request, std::string path) {
+void PushSession::open(http::request<http::string_body> const& request, std::string path, std::string protocol) {
     server_.enter(this);
     beast::get_lowest_layer(socket_).expires_never();
     auto timeout = websocket::stream_base::timeout::suggested(beast::role_type::server);
@@ -226,14 +226,21 @@ void PushSession::open(http::request<http::string_body> const& request, std::str
     timeout.keep_alive_pings = true;
     socket_.set_option(timeout);
     socket_.read_message_max(server_.options_.limits.body_octets);
-    socket_.async_accept(request, [self = shared_from_this(), path = std::move(path)](beast::error_code error) {
+    protocol_ = !protocol.empty();
+    if (protocol_) {
+        socket_.set_option(websocket::stream_base::decorator([protocol](websocket::response_type& response) {
+            response.set(http::field::sec_websocket_protocol, protocol);
+        }));
+    }
+    socket_.async_accept(request, [self = shared_from_this(), path = std::move(path),
+                                   protocol = std::move(protocol)](beast::error_code error) {
         if (error) {
             return;
         }
         self->opened_ = true;
         self->server_.enter_client(self);
         if (self->server_.handlers_.opened) {
-            self->server_.handlers_.opened(self->id_, path);
+            self->server_.handlers_.opened(self->id_, path, protocol);
         }
         self->read();
     });
@@ -259,8 +266,8 @@ void PushSession::push(Push message) {
     waiting_.push_back(std::move(message));
     // The one at the front may be on its way already.
     std::size_t const first = writing_ ? 1 : 0;
-    while (waiting_.size() > first + 1 &&
-           (waiting_.size() > limits.push_messages || waiting_octets_ > limits.push_octets)) {
+    while (waiting_.size() > first + 1 && (waiting_.size() > (protocol_ ? limits.push_samples : limits.push_messages) ||
+                                           waiting_octets_ > limits.push_octets)) {
         waiting_octets_ -= waiting_[first].text->size();
         waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(first));
         server_.count_drop(id_);
@@ -353,10 +360,17 @@ void HttpSession::on_request() {
         return refuse(400, "the path is not a plain one");
     }
     if (websocket::is_upgrade(request)) {
-        if (!server_.handlers_.accepts_push || !server_.handlers_.accepts_push(target->path)) {
+        std::vector<std::string> offered;
+        for (auto const& protocol : http::token_list{request[http::field::sec_websocket_protocol]}) {
+            offered.push_back(text_of(protocol));
+        }
+        auto chosen =
+            server_.handlers_.accepts_push ? server_.handlers_.accepts_push(target->path, offered) : std::nullopt;
+        if (!chosen) {
             return refuse(404, "no WebSocket here");
         }
-        std::make_shared<PushSession>(server_, std::move(stream_), server_.next_client_++)->open(request, target->path);
+        std::make_shared<PushSession>(server_, std::move(stream_), server_.next_client_++)
+            ->open(request, target->path, std::move(*chosen));
         return;
     }
     if (request.method() != http::verb::get && request.method() != http::verb::head &&

@@ -10,7 +10,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace gridspace::web {
 
@@ -38,10 +40,11 @@ struct Limits {
     std::size_t header_octets{8 * 1024};
     std::size_t body_octets{64 * 1024};
     std::size_t push_octets{4 * 1024 * 1024}; ///< per WebSocket client that does not read; then the oldest are dropped
-    std::size_t push_messages{32};
-    std::chrono::seconds request_time{5};   ///< from the first octet to the last
-    std::chrono::seconds idle_time{60};     ///< between two requests
-    std::chrono::seconds response_time{10}; ///< a client that takes longer to read is dropped
+    std::size_t push_messages{32};            ///< of the same
+    std::size_t push_samples{4096};           ///< of a client with a subprotocol, which gets every sample by itself
+    std::chrono::seconds request_time{5};     ///< from the first octet to the last
+    std::chrono::seconds idle_time{60};       ///< between two requests
+    std::chrono::seconds response_time{10};   ///< a client that takes longer to read is dropped
 };
 
 using ClientId = std::uint64_t;
@@ -49,8 +52,10 @@ using ClientId = std::uint64_t;
 /// Called on the server's thread: must answer at once.
 struct Handlers {
     std::function<Response(Request const&)> request;
-    std::function<bool(std::string const& path)> accepts_push; ///< a WebSocket may be opened there
-    std::function<void(ClientId, std::string const& path)> opened;
+    /// A WebSocket may be opened there: the subprotocol that is chosen among those offered, or an empty one for none.
+    std::function<std::optional<std::string>(std::string const& path, std::vector<std::string> const& offered)>
+        accepts_push;
+    std::function<void(ClientId, std::string const& path, std::string const& protocol)> opened;
     std::function<void(ClientId, std::string const& text)> message;
     std::function<void(ClientId)> closed;
 };

@@ -145,6 +145,9 @@ class SimApp {
             if (stop_) {
                 return fail(ExitCode::interrupted, "stopped");
             }
+            if (node_.lockstep()) {
+                pacer_.skip(run_.status.pause_if_asked(node_.time_base().seconds(end), stop_));
+            }
             if (auto ok = hold_for_launcher(end); !ok) {
                 return ok;
             }

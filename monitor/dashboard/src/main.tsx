@@ -2,6 +2,7 @@ import { render } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
+import { Control } from "./control";
 import { GraphView } from "./graph";
 import { connect, connected, dropped, ended, events, graph, network, run, topics } from "./model";
 import { OneLine } from "./oneline";
@@ -27,6 +28,7 @@ function Header() {
       <span class={`pill ${lost ? "bad" : all && alive === all ? "good" : ""}`} role="status">{lost ? "✕ " : ""}{alive} of {all} {r?.recorded ? "took part" : "alive"}</span>
       {r?.recorded && r.state === "recorded" ? <Transport /> : <><div class="progress" role="progressbar" aria-valuenow={Math.round(part * 100)} aria-label="progress of the run"><i style={{ width: `${part * 100}%` }} /></div>
       {r && <span class="time">t = {time(r.time_s, r.duration_s)}{r.duration_s > 0 ? ` of ${time(r.duration_s, r.duration_s)}` : ""}</span>}</>}
+      {r?.control && connected.value && <Control />}
       <span class={connected.value ? "soft" : "pill bad"} role="status">{connected.value ? (dropped.value ? `dropped ${dropped.value}` : r?.recorded ? r.state : over ? "finished" : "live") : ended.value ? "run is over" : "connecting"}</span>
       <button aria-label="light or dark" title="light or dark" onClick={() => choose({ theme: dark ? "light" : "dark" })}>{dark ? "☀" : "☾"}</button>
     </header>

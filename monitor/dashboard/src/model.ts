@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 
 export interface Process { name: string; program: string; host: string; state: string; incarnation: number; tick?: number }
 export interface Run {
-  scenario: string; mode: string; speed: string; recorded: boolean; state: string; time_s: number; duration_s: number; factor: number;
+  scenario: string; mode: string; speed: string; recorded: boolean; control: boolean; state: string; time_s: number; duration_s: number; factor: number;
   processes: Process[];
 }
 export interface GraphProcess extends Process { addresses: string[]; networks: string[] }

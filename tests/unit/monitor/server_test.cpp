@@ -36,8 +36,13 @@ class ServerTest : public testing::Test {
             response.body = request.method + " " + request.target.path + " " + request.body;
             return response;
         };
-        handlers.accepts_push = [](std::string const& path) { return path == "/ws/v1"; };
-        handlers.opened = [this](ClientId id, std::string const&) { client_ = id; };
+        handlers.accepts_push = [](std::string const& path,
+                                   std::vector<std::string> const& offered) -> std::optional<std::string> {
+            return !offered.empty()   ? std::optional{offered.back()}
+                   : path == "/ws/v1" ? std::optional{std::string{}}
+                                      : std::nullopt;
+        };
+        handlers.opened = [this](ClientId id, std::string const&, std::string const&) { client_ = id; };
         handlers.closed = [this](ClientId) { ++closed_; };
         auto server = Server::start(std::move(*socket), {{}, limits}, std::move(handlers));
         ASSERT_TRUE(server.has_value());
@@ -185,6 +190,16 @@ TEST_F(ServerTest, DropsAClientThatNeverFinishesItsRequest) {
     UniqueFd const fd = connect();
     send(fd, "GET / HT");
     EXPECT_EQ(receive(fd), "");
+}
+
+TEST_F(ServerTest, ChoosesASubprotocolAmongThoseThatAreOffered) {
+    start();
+    UniqueFd const fd = connect();
+    send(fd, std::string{"GET / HTTP/1.1\r\n"} + kHost +
+                 "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                 "Sec-WebSocket-Protocol: something.else, foxglove.websocket.v1\r\n"
+                 "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+    EXPECT_THAT(receive(fd, "\r\n\r\n"), HasSubstr("Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
 }
 
 TEST_F(ServerTest, PushesToAWebSocket) {
