@@ -69,6 +69,8 @@ bool PayloadType::getKey(void* data, rtps::InstanceHandle_t* handle, bool) {
     // A reader does not tell keys apart here: one instance, in a history that is deep enough for all of them.
     if (out->direction == Direction::outgoing && out->sample != nullptr && out->codec->key != nullptr) {
         out->codec->key(out->sample, key);
+    } else if (out->direction == Direction::outgoing && out->key_hash != nullptr) {
+        key = *out->key_hash;
     }
     std::memcpy(handle->value, key.data(), key.size());
     return true;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bus/codec.hpp"
+#include "bus/key_hash.hpp"
 
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <string>
@@ -19,6 +20,7 @@ struct Outgoing {
     Codec const* codec{nullptr};
     void const* sample{nullptr};
     std::span<std::byte const> cdr;
+    KeyHash const* key_hash{nullptr}; ///< of ready CDR
 };
 
 /// What a reader gets from Fast DDS: the CDR as it was sent.

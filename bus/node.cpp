@@ -20,6 +20,10 @@ Participant& Node::Core::network_of(std::string const& topic) {
 }
 
 SimTime Node::Core::time_now() const {
+    if (!has_clock()) {
+        auto const utc = std::chrono::system_clock::now().time_since_epoch();
+        return base.from_nanoseconds(std::chrono::duration_cast<std::chrono::nanoseconds>(utc).count() - epoch_ns);
+    }
     if (lockstep() || is_simulator() || !clock_seen || pace.last_arrived == pace.first_arrived) {
         return latest_time;
     }
@@ -373,6 +377,15 @@ Result<std::shared_ptr<CdrReader>> Node::cdr_reader(std::string const& topic, Co
         return std::unexpected{opened.error()};
     }
     return reader;
+}
+
+Result<std::unique_ptr<CdrWriter>> Node::cdr_writer(std::string const& topic, Codec const& codec) {
+    std::size_t slot = 0;
+    auto raw = open_writer(topic, codec, slot);
+    if (!raw) {
+        return std::unexpected{raw.error()};
+    }
+    return std::make_unique<CdrWriter>(*core_, std::move(*raw), slot);
 }
 
 std::shared_ptr<CdrReader> Node::tap_clock() {

@@ -33,6 +33,7 @@ struct Tick {
 /// Writes samples of one topic, counted for the ledger. T is a generated type.
 template <class T>
 class Writer;
+class CdrWriter;
 
 /// One process on the bus: its readers and writers on the two networks, its place in the simulation clock, and its
 /// status.
@@ -60,6 +61,7 @@ class Node {
     [[nodiscard]] Result<std::shared_ptr<Reader<T>>> reader(std::string const& topic);
     /// Samples of any type as CDR.
     [[nodiscard]] Result<std::shared_ptr<CdrReader>> cdr_reader(std::string const& topic, Codec const& codec);
+    [[nodiscard]] Result<std::unique_ptr<CdrWriter>> cdr_writer(std::string const& topic, Codec const& codec);
 
     /// The clock's own samples as CDR, for a recorder: everything that belongs to the granted tick is in it.
     [[nodiscard]] std::shared_ptr<CdrReader> tap_clock();
@@ -88,7 +90,8 @@ class Node {
     /// The instant at which output to an input of `input` takes effect: a latency later in lockstep, now in real time.
     [[nodiscard]] SimTime effect_time(SimTime input, SimSpan latency) const;
     [[nodiscard]] SimTime latest_time() const; ///< of the newest clock sample
-    /// Real time: CLOCK_REALTIME of the simulator at simulated time 0; 0 until a clock sample has come, and in lockstep.
+    /// Real time: CLOCK_REALTIME of the simulator at simulated time 0; 0 until a clock sample has come, and in lockstep. Without
+    /// a simulator the epoch.
     [[nodiscard]] std::int64_t start_unix_ns() const;
 
     struct Counters {
@@ -124,7 +127,7 @@ class CountedWriter {
 
   protected:
     void write_at(void const* sample, SimTime at);
-    void write_cdr_at(std::span<std::byte const> cdr, SimTime at);
+    void write_cdr_at(std::span<std::byte const> cdr, SimTime at, KeyHash const* key_hash = nullptr);
 
   private:
     void count(bool accepted);
@@ -139,6 +142,14 @@ class Writer : private CountedWriter {
     using CountedWriter::CountedWriter;
     /// Sends a sample that takes effect at `at`. Lockstep readers see it in the tick that contains `at`.
     void write(T const& sample, SimTime at) { write_at(&sample, at); }
+};
+
+/// Samples of any type, as CDR.
+class CdrWriter : private CountedWriter {
+  public:
+    using CountedWriter::CountedWriter;
+    /// `key_hash`: of the sample's instance, when the type is keyed.
+    void write(std::span<std::byte const> cdr, SimTime at, KeyHash const* key_hash = nullptr) { write_cdr_at(cdr, at, key_hash); }
 };
 
 template <class T>

@@ -79,7 +79,15 @@ void describe(Fields& f, ClockConfig& clock) {
              {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
     f.integer("max_lag_ticks", clock.max_lag_ticks,
               {.doc = "an idle member still acknowledges this often", .min = 1, .max = 64});
-    f.text("simulator", clock.simulator, {.doc = "the process that publishes the clock"});
+    f.text("simulator", clock.simulator, {.doc = "the process that publishes the clock; \"\": nobody, time is UTC (realtime only)"});
+    if (clock.simulator.empty()) {
+        if (clock.mode == ClockMode::lockstep) {
+            f.error("simulator", "in lockstep somebody has to publish the clock", "the name of its process, or mode: realtime");
+        }
+        if (!f.has("quantum_s")) {
+            clock.quantum_s = Rational{1, 1'000'000};
+        }
+    }
     names(f, "members", clock.members, "all lockstep members");
     names(f, "upstream", clock.upstream, "members whose output this process reads");
     names(f, "downstream", clock.downstream, "members that read this process's output");
@@ -109,7 +117,7 @@ Node to_node(NodeConfig const& config) {
     clock.set("member_timeout_s", Node::scalar(shortest(config.clock.member_timeout_s)));
     clock.set("start_timeout_s", Node::scalar(shortest(config.clock.start_timeout_s)));
     clock.set("max_lag_ticks", Node::scalar(std::to_string(config.clock.max_lag_ticks)));
-    clock.set("simulator", Node::scalar(config.clock.simulator));
+    clock.set("simulator", Node::quoted_text(config.clock.simulator));
     clock.set("members", name_list(config.clock.members));
     clock.set("upstream", name_list(config.clock.upstream));
     clock.set("downstream", name_list(config.clock.downstream));

@@ -25,7 +25,7 @@ struct ClockConfig {
     double member_timeout_s{10};         ///< a wait inside a tick; 0: none (a debugger is attached)
     double start_timeout_s{30};          ///< until everybody is matched; 0: none
     std::int64_t max_lag_ticks{16};      ///< an idle member still acknowledges this often
-    std::string simulator{"sim"};        ///< the process that publishes the clock
+    std::string simulator{"sim"};        ///< the process that publishes the clock; empty: time is UTC since the epoch
     std::vector<std::string> members;    ///< lockstep members
     std::vector<std::string> upstream;   ///< members whose output this process reads
     std::vector<std::string> downstream; ///< members that read this process's output

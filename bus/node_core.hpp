@@ -111,6 +111,7 @@ struct Node::Core {
     std::atomic<std::uint64_t> lost_samples{0};
 
     [[nodiscard]] bool is_simulator() const { return config.process == config.clock.simulator; }
+    [[nodiscard]] bool has_clock() const { return !config.clock.simulator.empty(); } ///< otherwise time is UTC
     [[nodiscard]] bool lockstep() const { return config.clock.mode == ClockMode::lockstep; }
     [[nodiscard]] Participant& network_of(std::string const& topic);
     [[nodiscard]] std::int64_t source_ns(SimTime at) const { return epoch_ns + base.nanoseconds(at); }

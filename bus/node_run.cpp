@@ -169,7 +169,7 @@ Result<void> Node::start() {
 
     // The clock's own endpoints, and what they are to be matched with.
     Participant& management = *core.management;
-    if (!core.is_simulator()) {
+    if (!core.is_simulator() && core.has_clock()) {
         expect(config.expected_writers, "simulation_clock", clock.simulator);
         auto reader =
             management.create_reader("simulation_clock", codec_of<SimClock>(),
@@ -395,7 +395,7 @@ SimTime Node::latest_time() const {
 
 std::int64_t Node::start_unix_ns() const {
     std::lock_guard const lock{core_->mutex};
-    return core_->clock_seen ? core_->clock.start_unix_ns() : 0;
+    return core_->clock_seen ? core_->clock.start_unix_ns() : core_->has_clock() ? 0 : core_->epoch_ns;
 }
 
 SimTime Node::effect_time(SimTime input, SimSpan latency) const {
@@ -420,8 +420,8 @@ void CountedWriter::write_at(void const* sample, SimTime at) {
     count(raw_->write(sample, core_.lockstep() ? std::optional{core_.source_ns(at)} : std::nullopt));
 }
 
-void CountedWriter::write_cdr_at(std::span<std::byte const> cdr, SimTime at) {
-    count(raw_->write_cdr(cdr, core_.lockstep() ? std::optional{core_.source_ns(at)} : std::nullopt));
+void CountedWriter::write_cdr_at(std::span<std::byte const> cdr, SimTime at, KeyHash const* key_hash) {
+    count(raw_->write_cdr(cdr, core_.lockstep() ? std::optional{core_.source_ns(at)} : std::nullopt, key_hash));
 }
 
 void CountedWriter::count(bool accepted) {

@@ -222,10 +222,11 @@ class Writer final : public RawWriter, private dds::DataWriterListener {
         out.sample = sample;
         return send(out, source_ns);
     }
-    bool write_cdr(std::span<std::byte const> cdr, std::optional<std::int64_t> source_ns) override {
+    bool write_cdr(std::span<std::byte const> cdr, std::optional<std::int64_t> source_ns, KeyHash const* key_hash) override {
         Outgoing out;
         out.codec = &codec_;
         out.cdr = cdr;
+        out.key_hash = key_hash;
         return send(out, source_ns);
     }
     [[nodiscard]] std::vector<Peer> matched() const override { return matches_.peers(directory_); }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/topics.hpp"
 
+#include "common/idl/idl_model.hpp"
 #include "idl/idl_texts.hpp"
 
 #include <algorithm>
@@ -11,9 +12,9 @@
 namespace gridspace::bus {
 namespace {
 
-constexpr std::array<std::string_view, 6> kManagement{"simulation_clock", "clock_ack",      "member_status",
-                                                      "type_catalog",     "signal_catalog", "signals"};
-constexpr std::array<std::string_view, 2> kDiagnostic{"member_status", "type_catalog"};
+constexpr std::array<std::string_view, 7> kManagement{"simulation_clock", "clock_ack", "member_status",    "type_catalog",
+                                                      "signal_catalog",   "signals",   "stream_statistics"};
+constexpr std::array<std::string_view, 3> kDiagnostic{"member_status", "type_catalog", "stream_statistics"};
 
 } // namespace
 
@@ -26,12 +27,16 @@ bool is_diagnostic_topic(std::string_view topic) {
 }
 
 std::string_view idl_of_type(std::string_view type_name) {
-    std::string const head = "struct " + std::string{type_name};
-    for (IdlText const& idl : idl_texts()) {
-        for (std::size_t at = idl.text.find(head); at != std::string_view::npos; at = idl.text.find(head, at + 1)) {
+    std::size_t const scope = type_name.rfind("::");
+    std::string const head = "struct " + std::string{type_name.substr(scope == std::string_view::npos ? 0 : scope + 2)};
+    for (IdlText const& entry : idl_texts()) {
+        for (std::size_t at = entry.text.find(head); at != std::string_view::npos; at = entry.text.find(head, at + 1)) {
             std::size_t const end = at + head.size();
-            if (end < idl.text.size() && (idl.text[end] == ' ' || idl.text[end] == '\n' || idl.text[end] == '{')) {
-                return idl.text;
+            if (end < entry.text.size() && (entry.text[end] == ' ' || entry.text[end] == '\n' || entry.text[end] == '{')) {
+                auto const model = idl::parse(entry.text);
+                if (model && model->find(type_name)) {
+                    return entry.text;
+                }
             }
         }
     }

@@ -10,6 +10,7 @@
 #include <intrusion.h>
 #include <protection.h>
 #include <signals.h>
+#include <statistics.h>
 
 namespace gridspace::bus {
 
@@ -20,6 +21,7 @@ Codec const* find_codec(std::string_view type_name) {
         &codec_of<LineCurrents>(),   &codec_of<TripCommand>(),     &codec_of<BreakerStatus>(),
         &codec_of<SignalCatalog>(),  &codec_of<SignalFrame>(),     &codec_of<TypeCatalogEntry>(),
         &codec_of<IdsVerdict>(),     &codec_of<AttackLabel>(),
+        &codec_of<StreamStatistics>(),
     };
     for (Codec const* codec : kAll) {
         if (codec->type_name == type_name) {

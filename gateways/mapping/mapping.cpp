@@ -103,6 +103,10 @@ std::optional<Mapping::Step> Mapping::step_of(Rule const& rule, Field const& fro
     } else if (from.type == BasicType::position && to.type == BasicType::boolean) {
         step.kind = Kind::position_to_boolean;
         step.invert = rule.invert != !rule.true_is_open;
+    } else if (from.type == BasicType::enumerated && to.type == BasicType::position) {
+        step.kind = Kind::code_to_position;
+    } else if (from.type == BasicType::position && is_integer(to.type)) {
+        step.kind = Kind::integer;
     } else if (from.type == BasicType::boolean && arithmetic(to.type)) {
         step.kind = Kind::number; // 0 or 1
         return step;
@@ -227,6 +231,11 @@ Value Mapping::convert(Step const& step, Value const& in) noexcept {
         return {BasicType::position, 0, in.boolean() != step.invert ? kOpen : kClosed, {}};
     case Kind::position_to_boolean: // neither open nor closed is not "open"
         return Value::of(in.bits == (step.invert ? kClosed : kOpen));
+    case Kind::code_to_position: { // what no position has as its code is a bad one
+        constexpr std::uint64_t kBad = 3;
+        counters_.saturated += in.bits > kBad ? 1 : 0;
+        return {BasicType::position, 0, std::min(in.bits, kBad), {}};
+    }
     case Kind::time_to_nanoseconds:
         return Value::integer(BasicType::int64, in.time().nanoseconds());
     case Kind::nanoseconds_to_time:

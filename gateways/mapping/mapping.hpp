@@ -69,6 +69,7 @@ class Mapping {
         integer, ///< integer to integer without arithmetic: exact in 64 bits
         boolean_to_position,
         position_to_boolean,
+        code_to_position, ///< Dbpos by its number, as in an IDL enumeration
         time_to_nanoseconds,
         nanoseconds_to_time,
         constant,

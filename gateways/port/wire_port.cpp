@@ -63,6 +63,7 @@ void WirePort::receive_loop() {
         if (auto const now = std::chrono::steady_clock::now(); now - maintained > std::chrono::milliseconds{200}) {
             maintained = now;
             receiver_->maintain();
+            dropped_.store(receiver_->counters().dropped, std::memory_order_relaxed);
         }
     }
 }

@@ -37,6 +37,8 @@ class WirePort {
     /// Looks after the link; cheap, call it in every round.
     void maintain();
     [[nodiscard]] ethernet::PortCounters sent_counters() { return sender_.counters(); }
+    /// Received frames that the kernel had to drop, as of the last look.
+    [[nodiscard]] std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
     /// What `gateways/iec61850` decodes.
     [[nodiscard]] static iec61850::Octets octets(bus::WireFrame const& frame) {
@@ -53,6 +55,7 @@ class WirePort {
     std::map<std::uint16_t, std::unique_ptr<bus::WireWriter>> writers_;
     std::map<std::uint16_t, std::unique_ptr<bus::WireReader>> readers_;
     std::atomic<bool> stop_{false};
+    std::atomic<std::uint64_t> dropped_{0};
     std::chrono::steady_clock::time_point maintained_;
     std::thread thread_;
 };

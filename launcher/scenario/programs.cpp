@@ -366,6 +366,7 @@ constexpr std::array kPrograms{
     Program{"gridspace-relay", "line differential relay", "relay", read_relay},
     Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
     Program{"gridspace-link", "impairments of a cable", "member", read_link},
+    Program{"gridspace-gateway", "translator between topics and streams", "gateway", read_gateway},
     Program{"gridspace-mcca", "microgrid control agent", "mcca", MccaSettings::read},
     Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
     Program{"gridspace-monitor", "monitor and dashboard", "monitor", MonitorSettings::read},

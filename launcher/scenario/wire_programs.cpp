@@ -24,11 +24,6 @@ using config::Node;
 using streams::Kind;
 using streams::Stream;
 
-void add_signals(std::vector<TopicUse>& topics) {
-    topics.push_back({"signals", "SignalFrame"});
-    topics.push_back({"signal_catalog", "SignalCatalog"});
-}
-
 /// The scenario's stream of this name and kind, with an error at `ref` when there is none.
 Stream const* must_be_stream(Scenario const& s, Ref const& ref, Kind kind, Diagnostics& diagnostics) {
     return gateways::stream_of(s.streams, ref, kind, diagnostics);
@@ -63,21 +58,6 @@ WireUse use_of(Scenario const& s, Process const& process, Ref const& stream) {
     return {raw_link(s, process), found == nullptr ? std::uint16_t{0} : found->ethertype(), stream.name};
 }
 
-/// Own keys, the port, and the declarations of the streams that the process uses.
-Node wire_process_settings(Scenario const& s, Process const& process, std::initializer_list<std::string> used) {
-    Node node = own_settings(process);
-    node.set("wire", wire_settings(s, process));
-    Node declared = Node::map();
-    Node const* all = s.resolved.find("streams");
-    for (std::string const& name : used) {
-        if (Node const* stream = all == nullptr ? nullptr : all->find(name)) {
-            declared.set(name, *stream);
-        }
-    }
-    node.set("streams", std::move(declared));
-    return node;
-}
-
 class MergingUnitSettings final : public ProcessSettings {
   public:
     explicit MergingUnitSettings(Fields& f) { describe(f, config_); }
@@ -98,6 +78,7 @@ class MergingUnitSettings final : public ProcessSettings {
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
         std::vector<TopicUse> out;
         add_signals(out);
+        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
         return out;
     }
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
@@ -134,6 +115,7 @@ class BreakerSettings final : public ProcessSettings {
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
         std::vector<TopicUse> out{{config_.to.name, "TripCommand"}};
         add_signals(out);
+        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
         return out;
     }
     [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
@@ -188,6 +170,7 @@ class RelaySettings final : public ProcessSettings {
         if (config_.ids && !config_.ids->verdicts.empty()) {
             out.push_back({config_.ids->verdicts, "IdsVerdict"});
         }
+        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
         return out;
     }
     [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
@@ -307,6 +290,25 @@ class RelaySettings final : public ProcessSettings {
 };
 
 } // namespace
+
+void add_signals(std::vector<TopicUse>& topics) {
+    topics.push_back({"signals", "SignalFrame"});
+    topics.push_back({"signal_catalog", "SignalCatalog"});
+}
+
+Node wire_process_settings(Scenario const& s, Process const& process, std::vector<std::string> const& used) {
+    Node node = own_settings(process);
+    node.set("wire", wire_settings(s, process));
+    Node declared = Node::map();
+    Node const* all = s.resolved.find("streams");
+    for (std::string const& name : used) {
+        if (Node const* stream = all == nullptr ? nullptr : all->find(name)) {
+            declared.set(name, *stream);
+        }
+    }
+    node.set("streams", std::move(declared));
+    return node;
+}
 
 std::unique_ptr<ProcessSettings> read_merging_unit(Fields& f) { return std::make_unique<MergingUnitSettings>(f); }
 std::unique_ptr<ProcessSettings> read_breaker(Fields& f) { return std::make_unique<BreakerSettings>(f); }

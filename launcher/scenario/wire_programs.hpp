@@ -13,5 +13,12 @@ namespace gridspace::launcher {
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_breaker(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_relay(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_link(config::Fields& f);
+[[nodiscard]] std::unique_ptr<ProcessSettings> read_gateway(config::Fields& f);
+
+/// The topics on which signals are published.
+void add_signals(std::vector<TopicUse>& topics);
+
+/// Own keys, the port, and the declarations of the streams that the process uses.
+[[nodiscard]] config::Node wire_process_settings(Scenario const& s, Process const& process, std::vector<std::string> const& used);
 
 } // namespace gridspace::launcher

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "monitor/app/sample_json.hpp"
 
-#include "recorder/idl/cdr_visitor.hpp"
+#include "common/idl/cdr_visitor.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 #include "common/log.hpp"
 #include "recorder/app/frame_capture.hpp"
 #include "recorder/app/recorder_config.hpp"
-#include "recorder/idl/cdr_visitor.hpp"
+#include "common/idl/cdr_visitor.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
 
 #include <algorithm>

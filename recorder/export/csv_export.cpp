@@ -3,7 +3,7 @@
 #include "recorder/export/csv_export.hpp"
 
 #include "common/text.hpp"
-#include "recorder/idl/cdr_visitor.hpp"
+#include "common/idl/cdr_visitor.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 #include "recorder/signals/signal_store.hpp"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A type description, then (after a NUL) a sample: IDL and CDR of strangers are read by the recorder and the monitor.
-#include "recorder/idl/cdr_visitor.hpp"
+#include "common/idl/cdr_visitor.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -22,7 +22,7 @@ LAYERS = [
     ("common", 0, ["common/*"]),
     ("pure core", 1, ["bus/lockstep/*", "sim/network/*", "sim/components/*", "sim/powerflow/*", "sim/phasor/*", "sim/emt/*", "sim/machines/*",
                       "sim/events/*", "sim/engine/*", "sim/runtime/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
-                      "recorder/mcap/*", "recorder/idl/*", "recorder/compare/*", "recorder/export/*", "recorder/signals/*",
+                      "recorder/mcap/*", "recorder/compare/*", "recorder/export/*", "recorder/signals/*",
                       "recorder/pcapng/*", "recorder/comtrade/*", "agents/*_logic.?pp", "agents/relay/*element*", "agents/relay/line_relay.?pp",
                       "agents/relay/relay_events.?pp", "agents/relay/line_sample.hpp", "agents/attacker/*_attack.?pp"]),
     ("bus and wire", 2, ["bus/*", "gateways/ethernet/*", "idl/*"]),

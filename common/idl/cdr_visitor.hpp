@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "recorder/idl/idl_model.hpp"
+#include "common/idl/idl_model.hpp"
 
 #include <cstddef>
 #include <span>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "recorder/idl/idl_lexer.hpp"
-#include "recorder/idl/idl_model.hpp"
+#include "common/idl/idl_lexer.hpp"
+#include "common/idl/idl_model.hpp"
 
 #include <algorithm>
 #include <charconv>

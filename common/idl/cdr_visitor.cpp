@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "recorder/idl/cdr_visitor.hpp"
+#include "common/idl/cdr_visitor.hpp"
 
 #include "common/text.hpp"
 

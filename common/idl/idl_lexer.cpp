@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "recorder/idl/idl_lexer.hpp"
+#include "common/idl/idl_lexer.hpp"
 
 #include <cctype>
 

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/gateway/sample_sink.hpp"
+
+#include <algorithm>
+#include <statistics.h>
+
+namespace gridspace::gateways {
+
+SampleSink::SampleSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame)
+    : Sink{route}, context_{context}, route_{route}, layout_{route.to_stream->data_set},
+      publisher_{std::move(frame), static_cast<std::uint32_t>(route.to_stream->rate_hz.num())},
+      period_quanta_{Rational{1} / route.to_stream->rate_hz / context.node.time_base().quantum_s()} {}
+
+void SampleSink::encode(std::span<std::uint8_t> sample) const {
+    for (std::size_t const field : route_.written) {
+        layout_.write(field, values_[field], sample);
+    }
+}
+
+iec61850::Octets SampleSink::fill(std::int64_t index, std::span<std::uint8_t const> sample) {
+    std::copy(sample.begin(), sample.end(), publisher_.sample(index).begin());
+    return publisher_.commit();
+}
+
+void SampleSink::departs(std::int64_t index) {
+    if (!context_.node.lockstep()) {
+        departures_.push({index, context_.clock.utc_ns(0)});
+    }
+    sent_.fetch_add(1, std::memory_order_relaxed);
+}
+
+SimTime SampleSink::instant(std::int64_t index) const {
+    __extension__ using Wide = __int128;
+    Wide const num = Wide{index} * period_quanta_.num();
+    Wide const den = period_quanta_.den();
+    return {static_cast<std::int64_t>((num + den - 1) / den)};
+}
+
+void SampleSink::report(StreamStatistics& out) {
+    out.state(sent() > 0 ? STREAM_ALIVE : STREAM_WAITING);
+    out.frames(sent());
+    out.late(late());
+    out.underruns(underruns());
+}
+
+Result<std::unique_ptr<IndexedSink>> IndexedSink::create(GatewayContext const& context, Route& route) {
+    auto frame = route.to_stream->sv_template(context.port.mac());
+    if (!frame) {
+        return std::unexpected{frame.error()};
+    }
+    auto out = std::unique_ptr<IndexedSink>{new IndexedSink{context, route, std::move(*frame)}};
+    IndexedSink* const raw = out.get();
+    raw->sample_.resize(raw->layout_.sample_octets());
+    raw->encode(raw->sample_); // constants
+    if (context.node.lockstep() || route.config.sending == MappingConfig::Sending::on_arrival) {
+        return out;
+    }
+    ethernet::PortOptions options;
+    options.interface = context.wire.interface;
+    options.receive = false;
+    auto port = ethernet::Port::open(options);
+    if (!port) {
+        return std::unexpected{port.error()};
+    }
+    raw->port_ = std::make_unique<ethernet::Port>(std::move(*port));
+    ScheduledSender::Params params;
+    params.rate_hz = raw->stream().rate_hz.to_double() * context.wire.speed;
+    params.buffer_s = route.config.buffer_ms / 1e3;
+    params.sample_octets = raw->sample_.size();
+    raw->sender_ = std::make_unique<ScheduledSender>(
+        params,
+        [raw](std::int64_t index, std::span<std::uint8_t const> sample) {
+            if (auto const full = raw->fill(index, sample); !full.empty()) {
+                raw->departs(index);
+                raw->port_->send(full);
+            }
+        },
+        [raw] { raw->port_->maintain(); });
+    return out;
+}
+
+void IndexedSink::put(Moment, std::int64_t index) {
+    encode(sample_);
+    if (sender_ != nullptr) {
+        sender_->push(index, sample_);
+        return;
+    }
+    if (auto const frame = fill(index, sample_); !frame.empty()) {
+        departs(index);
+        context_.port.send(frame, instant(index) + context_.latency);
+    }
+}
+
+HeldSink::HeldSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame)
+    : SampleSink{context, route, std::move(frame)}, current_(layout_.sample_octets()),
+      newest_{std::vector<std::uint8_t>(layout_.sample_octets())}, grid_{route.to_stream->rate_hz} {}
+
+Result<std::unique_ptr<HeldSink>> HeldSink::create(GatewayContext const& context, Route& route) {
+    auto frame = route.to_stream->sv_template(context.port.mac());
+    if (!frame) {
+        return std::unexpected{frame.error()};
+    }
+    return std::unique_ptr<HeldSink>{new HeldSink{context, route, std::move(*frame)}};
+}
+
+void HeldSink::start(Moment at) {
+    if (route_.config.start == MappingConfig::Start::at_once) {
+        begin(at);
+    }
+}
+
+void HeldSink::begin(Moment at) {
+    encode(current_);
+    if (!context_.node.lockstep()) {
+        newest_.back() = current_;
+        newest_.publish();
+        has_values_.store(true, std::memory_order_release);
+        return;
+    }
+    if (!next_) { // the first sample that begins a frame and is not before now
+        auto const frame_quanta = period_quanta_ * Rational{samples_per_frame()};
+        Rational const frames = Rational{std::max<std::int64_t>(at.time.quanta, 0)} / frame_quanta;
+        next_ = (frames.num() + frames.den() - 1) / frames.den() * samples_per_frame();
+    }
+}
+
+void HeldSink::put(Moment at, std::int64_t) {
+    begin(at);
+}
+
+std::optional<std::int64_t> HeldSink::due() const {
+    return next_ ? std::optional{context_.clock.of(instant(*next_))} : std::nullopt;
+}
+
+void HeldSink::work(std::int64_t now_ns) {
+    while (next_ && context_.clock.of(instant(*next_)) <= now_ns) {
+        if (auto const frame = fill(*next_, current_); !frame.empty()) {
+            departs(*next_);
+            context_.port.send(frame, instant(*next_) + context_.latency);
+        }
+        ++*next_;
+    }
+}
+
+iec61850::Octets HeldSink::sample_now(std::int64_t index) {
+    auto const frame = fill(index, newest_.front());
+    if (!frame.empty()) {
+        departs(index);
+    }
+    return frame;
+}
+
+} // namespace gridspace::gateways

@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/gateway/source.hpp"
+
+#include "common/log.hpp"
+#include "gateways/port/statistics.hpp"
+#include "gateways/port/subscriptions.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::gateways {
+
+using mapping::BasicType;
+using mapping::Value;
+
+void Source::hand_on(Moment at, std::int64_t index) {
+    route_.rules.apply(in_, sink_.values());
+    sink_.put(at, index);
+    if (observer_.mapped) {
+        observer_.mapped(at, sink_.values());
+    }
+}
+
+void Source::set_alive(Moment at, bool alive) {
+    if (alive_ != alive) {
+        alive_ = alive;
+        if (observer_.alive) {
+            observer_.alive(at, alive);
+        }
+    }
+}
+
+void Source::lost(Moment at) {
+    set_alive(at, false);
+    sink_.gap(at);
+    if (route_.acts_on_loss) {
+        route_.rules.apply(in_, sink_.values());
+        route_.on_loss.apply({}, sink_.values());
+        sink_.put(at, 0);
+        if (observer_.mapped) {
+            observer_.mapped(at, sink_.values());
+        }
+    }
+}
+
+void Source::report(StreamStatistics& out) {
+    auto const& counters = route_.rules.counters();
+    out.saturated(counters.saturated + counters.not_finite);
+}
+
+namespace {
+
+class TopicSource final : public Source {
+  public:
+    TopicSource(Route& route, Sink& sink) : Source{route, sink}, reader_{*route.from_type} {}
+
+    void receive(Moment at, std::span<std::byte const> cdr) override {
+        if (!reader_.read(cdr, in_)) {
+            if (undecodable_++ == 0) {
+                log::warning("a sample of '{}' does not fit its type {}: not mapped (more of them are only counted)",
+                             route_.config.from.topic.name, route_.config.from.type.name);
+            }
+            return;
+        }
+        for (Route::Filter const& filter : route_.filters) {
+            if (!(in_[filter.field] == filter.value)) {
+                return;
+            }
+        }
+        last_ns_ = at.ns;
+        set_alive(at, true);
+        std::int64_t index = route_.index_field ? in_[*route_.index_field].as_signed() : 0;
+        if (route_.config.each.empty()) {
+            hand_on(at, index);
+            return;
+        }
+        while (reader_.next(in_)) {
+            hand_on(at, index++);
+        }
+    }
+
+    [[nodiscard]] std::optional<std::int64_t> deadline() const override {
+        return alive_ && route_.config.lost_after_ms > 0
+                   ? std::optional{last_ns_ + static_cast<std::int64_t>(route_.config.lost_after_ms * 1e6)}
+                   : std::nullopt;
+    }
+    void expire(Moment at) override {
+        // Texts of the last sample are gone: what was mapped of it stays in the sink.
+        set_alive(at, false);
+        if (route_.acts_on_loss) {
+            route_.on_loss.apply({}, sink_.values());
+            sink_.put(at, 0);
+            if (observer_.mapped) {
+                observer_.mapped(at, sink_.values());
+            }
+        }
+    }
+    void report(StreamStatistics& out) override {
+        Source::report(out);
+        out.refused(out.refused() + undecodable_);
+    }
+
+  private:
+    mapping::RecordReader reader_;
+    std::int64_t last_ns_{0};
+    std::uint64_t undecodable_{0};
+};
+
+/// The '$' fields that both kinds of stream have.
+void fill_common(std::vector<Value>& in, std::size_t first, bool alive, bool simulated) {
+    in[first + static_cast<std::size_t>(StreamField::alive)] = Value::of(alive);
+    in[first + static_cast<std::size_t>(StreamField::simulated)] = Value::of(simulated);
+}
+
+class SvSource final : public Source {
+  public:
+    SvSource(Route& route, Sink& sink)
+        : Source{route, sink}, subscriber_{subscription_of(route)}, layout_{route.from_stream->data_set} {}
+
+    void receive(Moment at, iec61850::SvFrame const& frame) override {
+        for (iec61850::Asdu const& asdu : frame.view()) {
+            if (subscriber_.is_mine(asdu)) {
+                receive(at, frame.header, asdu);
+            }
+        }
+    }
+
+    [[nodiscard]] std::optional<std::int64_t> deadline() const override { return subscriber_.deadline(); }
+    void expire(Moment at) override {
+        if (subscriber_.expire(at.ns)) {
+            fill_common(in_, route_.stream_fields, false, false);
+            lost(at);
+        }
+    }
+    void report(StreamStatistics& out) override {
+        Source::report(out);
+        report_received(out, subscriber_);
+    }
+
+  private:
+    static iec61850::SvSubscription subscription_of(Route const& route) {
+        auto out = sv_subscription(*route.from_stream);
+        out.simulation = route.config.accept_test;
+        return out;
+    }
+
+    void receive(Moment at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu) {
+        auto const arrival = subscriber_.receive(header, asdu, at.ns);
+        if (!arrival.accepted) {
+            return;
+        }
+        if (arrival.lost > 0 || arrival.event == iec61850::SvEvent::restart) {
+            sink_.gap(at);
+        }
+        set_alive(at, true);
+        if (arrival.index % route_.config.every != 0) {
+            return;
+        }
+        for (std::size_t i = 0; i < route_.stream_fields; ++i) {
+            in_[i] = layout_.read(i, asdu.sample);
+        }
+        std::size_t const own = route_.stream_fields;
+        fill_common(in_, own, true, header.simulated());
+        in_[own + static_cast<std::size_t>(StreamField::smp_cnt)] = {BasicType::uint16, 0, asdu.smp_cnt, {}};
+        in_[own + static_cast<std::size_t>(StreamField::index)] = Value::integer(BasicType::int64, arrival.index);
+        in_[own + static_cast<std::size_t>(StreamField::smp_synch)] = {BasicType::uint8, 0, asdu.smp_synch, {}};
+        hand_on(at, arrival.index);
+        for (std::size_t i = 0; i < route_.stream_fields; ++i) {
+            in_[i].text = {}; // the frame does not stay
+        }
+    }
+
+    iec61850::SvSubscriber subscriber_;
+    iec61850::SvLayout layout_;
+};
+
+class GooseSource final : public Source {
+  public:
+    GooseSource(Route& route, Sink& sink, WireClock const& clock)
+        : Source{route, sink}, clock_{clock}, subscriber_{subscription_of(route)} {}
+
+    void receive(Moment at, iec61850::GooseFrame const& message) override {
+        auto const verdict = subscriber_.receive(message, at.ns, clock_.utc_ns(at.ns));
+        if (verdict.event == iec61850::GooseEvent::not_ours) {
+            return;
+        }
+        if (observer_.heard) {
+            observer_.heard(at, message, verdict);
+        }
+        if (!verdict.accepted) {
+            if (refused_++ == 0) {
+                log::warning("a message of '{}' was refused: {} (more of them are only counted)",
+                             route_.from_stream->name.name, iec61850::event_name(verdict.event));
+            }
+            return;
+        }
+        set_alive(at, true);
+        fill(true, message.simulated());
+        hand_on(at, 0);
+    }
+
+    [[nodiscard]] std::optional<std::int64_t> deadline() const override { return subscriber_.deadline(); }
+    void expire(Moment at) override {
+        if (subscriber_.expire(at.ns)) {
+            fill(false, false);
+            lost(at);
+        }
+    }
+    void report(StreamStatistics& out) override {
+        Source::report(out);
+        report_received(out, subscriber_);
+    }
+
+  private:
+    static iec61850::GooseSubscription subscription_of(Route const& route) {
+        auto out = goose_subscription(*route.from_stream);
+        out.simulation = route.config.accept_test;
+        return out;
+    }
+
+    void fill(bool alive, bool simulated) {
+        for (std::size_t i = 0; i < route_.stream_fields; ++i) {
+            in_[i] = subscriber_.value(i);
+        }
+        std::size_t const own = route_.stream_fields;
+        fill_common(in_, own, alive, simulated);
+        in_[own + static_cast<std::size_t>(StreamField::st_num)] = {BasicType::uint32, 0, subscriber_.st_num(), {}};
+        in_[own + static_cast<std::size_t>(StreamField::sq_num)] = {BasicType::uint32, 0, subscriber_.sq_num(), {}};
+        in_[own + static_cast<std::size_t>(StreamField::t)] = Value::of(subscriber_.t());
+    }
+
+    WireClock const& clock_;
+    iec61850::GooseSubscriber subscriber_;
+    std::uint64_t refused_{0};
+};
+
+} // namespace
+
+std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink) {
+    return std::make_unique<TopicSource>(route, sink);
+}
+std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink) {
+    return std::make_unique<SvSource>(route, sink);
+}
+std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock) {
+    return std::make_unique<GooseSource>(route, sink, clock);
+}
+
+} // namespace gridspace::gateways
