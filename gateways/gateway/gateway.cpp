@@ -296,7 +296,8 @@ Result<void> Gateway::open_signals() {
 }
 
 void Gateway::begin(bus::Tick const& tick) {
-    if (pacer_ != nullptr && node_.start_unix_ns() != 0) {
+    bool const has_zero = node_.start_unix_ns() != 0 || node_.config().clock.simulator.empty(); // UTC counts from 1970
+    if (pacer_ != nullptr && has_zero) {
         pacer_->start(node_.start_unix_ns());
     }
     if (begun_) {

@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""gridspace-gateway in real time, without a simulator, over virtual cables in a namespace of its own: what `gridspace wire`
+publishes on one cable goes through two gateways and DDS to the other."""
+import contextlib
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin")).resolve()
+SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[3]))
+INSIDE = "GRIDSPACE_GATEWAY_TEST_INSIDE"
+HANG_S = 60
+
+GOOSE_IN = {"kind": "goose", "mac": "01:0C:CD:01:00:07", "app_id": 7, "control_block": "INLD0/LLN0$GO$a", "data_set_name": "INLD0/LLN0$a",
+            "data_set": {"n": "int32", "pos": "position", "ok": "boolean"}, "min_time_ms": 2, "max_time_ms": 20}
+GOOSE_OUT = {"kind": "goose", "mac": "01:0C:CD:01:00:08", "app_id": 8, "control_block": "OUTLD0/LLN0$GO$b", "data_set_name": "OUTLD0/LLN0$b",
+             "data_set": {"mv": "int32", "pos": "position", "there": "boolean"}, "min_time_ms": 2, "max_time_ms": 20}
+SV_IN = {"kind": "smv", "mac": "01:0C:CD:04:00:07", "app_id": 0x4007, "sv_id": "IN", "rate_hz": 400,
+         "data_set": {"Ia": "float32", "Ib": "float32", "Ic": "float32"}}
+SV_OUT = {"kind": "smv", "mac": "01:0C:CD:04:00:08", "app_id": 0x4008, "sv_id": "OUT", "rate_hz": 400,
+          "data_set": {"Ia": "int32", "q": "quality"}}
+
+
+def keys_of(stream):
+    return [f"{k}={json.dumps(v) if isinstance(v, dict) else v}" for k, v in stream.items() if k != "kind"]
+
+
+class Gateway(unittest.TestCase):
+    def setUp(self):
+        for a, b in (("in0", "in1"), ("out0", "out1")):
+            subprocess.run(f"ip link add {a} type veth peer name {b} && ip link set {a} up && ip link set {b} up", shell=True, check=True)
+        self.folder = pathlib.Path(tempfile.mkdtemp())
+        self.running = []
+
+    def tearDown(self):
+        for process in self.running:
+            with contextlib.suppress(ProcessLookupError):
+                process.kill()
+            process.communicate(timeout=HANG_S)
+        for link in ("in0", "out0"):
+            subprocess.run(["ip", "link", "del", link], check=False)
+        shutil.rmtree(self.folder)
+
+    def gateway(self, name, interface, streams, mappings):
+        file = self.folder / f"{name}.yaml"
+        file.write_text(json.dumps({
+            "process": name, "program": "gridspace-gateway",
+            "bus": {"qos": str(SOURCE / "qos/gateway.xml"), "management": {"domain": 77, "addresses": ["10.99.0.1"]},
+                    "clock": {"mode": "realtime", "simulator": ""}},
+            "settings": {"wire": {"interface": interface}, "streams": streams, "mappings": mappings}}))
+        return self.start([str(BIN / "gridspace-gateway"), "--config", str(file)])
+
+    def start(self, command):
+        process = subprocess.Popen(["timeout", str(HANG_S), *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.running.append(process)
+        return process
+
+    def wire(self, *arguments):
+        return [str(BIN / "gridspace"), "wire", *arguments]
+
+    def first_line(self, process, wanted):
+        """The first JSON line of a subscriber that `wanted` accepts."""
+        deadline = time.monotonic() + HANG_S
+        for line in process.stdout:
+            message = json.loads(line)
+            if wanted(message):
+                return message
+            self.assertLess(time.monotonic(), deadline, f"the last was {line}")
+        self.fail(f"the subscriber ended: {process.stderr.read()}")
+
+    def stop(self, process):
+        process.send_signal(signal.SIGTERM)
+        out, err = process.communicate(timeout=HANG_S)
+        self.assertIn(process.returncode, (0, 130), err)
+        return out
+
+    def test_goose_becomes_a_topic_and_goose_again_and_its_loss_too(self):
+        self.gateway("inward", "in1", {"IN": GOOSE_IN}, {"m": {
+            "from": {"stream": "IN"}, "to": {"topic": "feeders", "type": "example::FeederState"},
+            "fields": {"feeder": {"value": "A"}, "voltage_kv": {"from": "n", "scale": 0.5}, "position": "pos",
+                       "energised": {"from": "ok", "on_loss": False}}}})
+        self.gateway("outward", "out0", {"OUT": GOOSE_OUT}, {"m": {
+            "from": {"topic": "feeders", "type": "example::FeederState", "where": {"feeder": "A"}}, "to": {"stream": "OUT"},
+            "fields": {"mv": {"from": "voltage_kv", "scale": 1000}, "there": "energised", "pos": {"value": "closed"}}}})
+        subscriber = self.start(self.wire("goose-sub", "out1", *keys_of(GOOSE_OUT)))
+        publisher = self.start(self.wire("goose-pub", "in0", "--value", "n=21", "--value", "ok=true", "--value", "pos=open", *keys_of(GOOSE_IN)))
+        arrived = self.first_line(subscriber, lambda m: m.get("values", "").startswith("10500"))
+        self.assertEqual(arrived["values"], "10500, closed, true")
+        self.stop(publisher)
+        lost = self.first_line(subscriber, lambda m: m.get("values", "").endswith("false"))
+        self.assertEqual(lost["values"], "10500, closed, false", "what has no on_loss is held")
+
+    def test_sampled_values_become_a_topic_and_sampled_values_at_their_own_rate(self):
+        self.gateway("inward", "in1", {"IN": SV_IN}, {"m": {
+            "from": {"stream": "IN"}, "to": {"topic": "feeders", "type": "example::FeederState"}, "every": 10,
+            "fields": {"feeder": {"value": "A"}, "voltage_kv": "Ia", "energised": "$alive"}}})
+        self.gateway("outward", "out0", {"OUT": SV_OUT}, {"m": {
+            "from": {"topic": "feeders", "type": "example::FeederState"}, "to": {"stream": "OUT"}, "lost_after_ms": 2000,
+            "fields": {"Ia": {"from": "voltage_kv", "from_unit": "A", "to_unit": "mA"}, "q": {"value": "good", "on_loss": "invalid"}}}})
+        subscriber = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(SV_OUT)))
+        publisher = self.start(self.wire("sv-pub", "in0", "--amplitude", "10", *keys_of(SV_IN)))
+        first = self.first_line(subscriber, lambda m: m.get("values", {}).get("Ia", 0) != 0)
+        self.assertLessEqual(abs(first["values"]["Ia"]), 10000)
+        counts = [first["smp_cnt"]] + [self.first_line(subscriber, lambda m: True)["smp_cnt"] for _ in range(100)]
+        for a, b in zip(counts, counts[1:]):
+            self.assertEqual(b, (a + 1) % 400)
+        self.stop(publisher)
+        self.first_line(subscriber, lambda m: m["values"]["q"] not in ("0x0000", 0))
+
+    def test_consecutive_samples_are_gathered_and_sent_again_one_by_one(self):
+        self.gateway("inward", "in1", {"IN": SV_IN}, {"m": {
+            "from": {"stream": "IN"}, "to": {"topic": "lines", "type": "LineCurrents"}, "each": "samples", "index": "first_index", "per_message": 4,
+            "fields": {"transformer": {"value": "CT1"}, "rate_num": {"value": 400}, "rate_den": {"value": 1},
+                       "samples.ia": "Ia", "samples.ib": "Ib", "samples.ic": "Ic"}}})
+        out = dict(SV_IN, mac="01:0C:CD:04:00:09", app_id=0x4009, sv_id="AGAIN")
+        self.gateway("outward", "out0", {"OUT": out}, {"m": {
+            "from": {"topic": "lines", "type": "LineCurrents"}, "to": {"stream": "OUT"}, "each": "samples", "index": "first_index",
+            "buffer_ms": 40, "fields": {"Ia": "samples.ia", "Ib": "samples.ib", "Ic": "samples.ic"}}})
+        original = self.start(self.wire("sv-sub", "in1", "--frames", *keys_of(SV_IN)))
+        again = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(out)))
+        self.start(self.wire("sv-pub", "in0", "--amplitude", "10", *keys_of(SV_IN)))
+        first = self.first_line(again, lambda m: True)
+        sent = {first["smp_cnt"]: first["values"]}
+        for _ in range(60):
+            sample = self.first_line(again, lambda m: True)
+            sent[sample["smp_cnt"]] = sample["values"]
+        self.assertEqual(len(sent), 61, "each once")
+        wanted = dict(sent)
+        while wanted:
+            sample = self.first_line(original, lambda m: m["smp_cnt"] in wanted)
+            self.assertEqual(sample["values"], wanted.pop(sample["smp_cnt"]))
+
+    def test_a_table_with_a_mistake_is_refused_before_anything_starts(self):
+        process = self.gateway("wrong", "in1", {"IN": GOOSE_IN}, {"m": {
+            "from": {"stream": "IN"}, "to": {"topic": "feeders", "type": "example::FeederState"}, "fields": {"voltage": "n"}}})
+        _, err = process.communicate(timeout=HANG_S)
+        self.assertEqual(process.returncode, 2, err)
+        self.assertIn("there is no field 'voltage'", err)
+        self.assertIn("did you mean 'voltage_kv'?", err)
+
+    def test_an_interface_that_is_missing_is_named(self):
+        process = self.gateway("wrong", "nowhere0", {"IN": GOOSE_IN}, {"m": {
+            "from": {"stream": "IN"}, "to": {"topic": "feeders", "type": "example::FeederState"}, "fields": {"voltage_kv": "n"}}})
+        _, err = process.communicate(timeout=HANG_S)
+        self.assertEqual(process.returncode, 3, err)
+        self.assertIn("nowhere0", err)
+
+
+if __name__ == "__main__":
+    if INSIDE not in os.environ:  # once more, in a namespace
+        kind = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
+        os.environ["PATH"] = "/usr/sbin:/sbin:" + os.environ["PATH"]
+        os.execvpe(kind[0], [*kind, sys.executable, *sys.argv], {**os.environ, INSIDE: "1"})
+    subprocess.run("ip link set lo up && ip link add dds type veth peer name dds1 && ip link set dds1 up && ip addr add 10.99.0.1/24 dev dds && ip link set dds up && "
+                   "ip route add 239.0.0.0/8 dev dds", shell=True, check=True)
+    unittest.main()
