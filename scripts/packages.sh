@@ -11,6 +11,7 @@ declare -A group_purpose=(
   [dashboard]="building the browser dashboard"
   [test]="the tests and their judges (tshark, CycloneDDS)"
   [all]="sanitizer and fuzz builds, static analysis, ngspice as judge"
+  [e2e]="the dashboard in a browser"
   [arm64]="cross-compiling for ARM64 and running it in emulation"
 )
 declare -A group_packages=(
@@ -20,6 +21,7 @@ declare -A group_packages=(
   [dashboard]="node|nodejs npm|npm"
   [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark python3|python3 python3-yaml setpriv|util-linux node|nodejs npm|npm"
   [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev"
+  [e2e]="chromium|chromium node|nodejs npm|npm"
   [arm64]="g++-aarch64-linux-gnu qemu-user-static"
 )
 

@@ -13,7 +13,7 @@ source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 
 contributor_tiers=(lint build unit integration scenarios)
-all_tiers=("${contributor_tiers[@]}" arm64 sanitizers fuzz tidy)
+all_tiers=("${contributor_tiers[@]}" e2e arm64 sanitizers fuzz tidy)
 
 usage() {
   cat <<'EOF'
@@ -24,6 +24,7 @@ usage: ./gridspace test [--all] [--only TIER[,TIER...]]
   integration  real processes, DDS, namespaces and frames
   scenarios    the scenarios of configs/ as tests, compared from run to run
 with --all also
+  e2e          the dashboard on live and recorded runs, in headless Chromium
   arm64        cross-compiled for ARM64: unit tests and scenarios in emulation
   sanitizers   unit tests and a scenario under ASan and UBSan (clang)
   fuzz         every fuzz target for a short while
@@ -69,6 +70,14 @@ tier_scenarios() {
 }
 
 
+tier_e2e() {
+  local log=$root/build/e2e.log status=0
+  (cd "$root/tests/e2e" && npm ci --no-audit --no-fund --loglevel=error && node dashboard.mjs "$root/build/release") >"$log" 2>&1 || status=$?
+  note="$(grep -c '^ok ' "$log") as expected, $(grep -c '^FAILED' "$log") not; screenshots in tests/e2e/shots"
+  [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
+
 tier_arm64() {
   local log=$root/build/arm64-tier.log status=0
   "$root/scripts/arm64.sh" test >"$log" || status=$?
@@ -112,6 +121,7 @@ done
 
 groups=(build dashboard test)
 case " ${tiers[*]} " in *" sanitizers "* | *" fuzz "* | *" tidy "*) groups+=(all) ;; esac
+case " ${tiers[*]} " in *" e2e "*) groups+=(e2e) ;; esac
 ensure_packages "${groups[@]}" || exit
 mkdir -p "$root/build"
 exec 8>"$root/build/.test_lock"

@@ -1,4 +1,4 @@
-// The dashboard on a real run of case study 1, as a user sees it. Needs chromium and a build with the dashboard:
+// The dashboard on real runs of case studies 1 and 2, live and recorded, as a user sees it. Needs chromium and a build with the dashboard:
 //   cd tests/e2e && npm ci && node dashboard.mjs ../../build/release
 // Screenshots go to tests/e2e/shots. Exit code 0: everything was as expected.
 import { chromium } from "playwright-core";
@@ -62,7 +62,18 @@ async function open(url, theme) {
   return page;
 }
 
-const run = await start("configs/scenarios/ev_charging.yaml", "--set", "clock.speed=300");
+/** `gridspace monitor FOLDER`: its process and address. */
+async function look(folder) {
+  const child = spawn(join(build, "bin/gridspace"), ["monitor", folder], { cwd: root });
+  const url = await new Promise((done, fail) => {
+    child.stdout.on("data", data => done(String(data).trim()));
+    child.on("exit", code => fail(new Error(`gridspace monitor ended with ${code}`)));
+  });
+  return { url, child, ended: new Promise(done => child.on("exit", done)) };
+}
+
+const run = await start("configs/scenarios/ev_charging.yaml", "--set", "clock.speed=300", "--allow-control");
+let protection = null, recorded = null;
 try {
   const page = await open(run.url, "light");
   await page.waitForSelector("text=8 of 8 alive");
@@ -100,16 +111,59 @@ try {
   await dark.screenshot({ path: join(shots, "ev_dark.png") });
   check("another page at that address shows the same, in the dark", true);
 
+  const secret = readFileSync(join(run.folder, "control.token"), "utf8").trim();
+  page.on("dialog", d => void d.accept(d.type() === "prompt" ? "not the token" : undefined).catch(() => {}));
+  await page.click('button:has-text("pause")');
+  await page.waitForSelector('[role="alert"] >> text=token');
+  check("a wrong token is refused, and the page says so", true);
+  errors.splice(0, errors.length, ...errors.filter(e => !/401/.test(e))); // the browser logs the refusal
+  await page.evaluate(t => sessionStorage.setItem("gridspace control token", t), secret);
+  await page.click('button:has-text("pause")');
+  await page.waitForSelector("text=continue");
+  const simulated = async () => (await (await fetch(`${run.url}/api/v1/run`)).json()).tick;
+  const halted = await simulated();
+  await page.click('button:has-text("step")');
+  await page.waitForFunction(async t => (await (await fetch("/api/v1/run")).json()).tick > t, halted);
+  await page.waitForSelector("text=continue");
+  check("a paused run takes one step", (await simulated()) === halted + 1, `${halted} and then ${await simulated()}`);
+  await page.click('button:has-text("continue")');
+  await page.waitForFunction(async t => (await (await fetch("/api/v1/run")).json()).tick > t + 10, halted);
+  check("and goes on", true);
+
   process.kill(pid_of(run.folder, "ev2"), "SIGKILL");
   const code = await run.ended;
   check("a killed agent ends the run with exit code 4", code === 4, code);
   await page.waitForSelector("text=run is over");
   check("the page says that the run is over", true);
   await page.screenshot({ path: join(shots, "ev_killed.png") });
+
+  // Case study 2, fast and short: the fault, the trip, and the breakers on the diagram; then the same from the recording.
+  protection = await start("configs/scenarios/protection_lockstep.yaml", "--set", "events.fault.at_s=0.5", "--set", "simulation.duration_s=1");
+  const live = await open(protection.url, "light");
+  for (const stream of ["SMV21", "SMV22", "TRIP2"])
+    await live.waitForSelector(`.node.stream text:text-is("${stream}")`);
+  check("the graph shows the streams on the wire", true);
+  await protection.ended;
+  recorded = await look(protection.folder);
+  const again = await open(`${recorded.url}/#at=0.49`, "dark");
+  await again.waitForSelector(".transport");
+  await again.waitForFunction(() => document.querySelectorAll(".breaker.closed").length === 6);
+  check("before the fault all breakers are closed", (await again.locator(".fault").count()) === 0);
+  await again.click('[aria-label="to the next event"]');
+  await again.waitForSelector(".fault");
+  check("the next event is the fault, and the diagram shows it", true);
+  await again.fill('[aria-label="instant"]', "0.9");
+  await again.waitForFunction(() => document.querySelectorAll(".breaker.opened").length === 2);
+  check("later CB3 and CB4 are open", true);
+  await again.waitForSelector('section[aria-label="Wire timing"] >> text=SMV21');
+  check("the wire panel lists the streams", true);
+  await again.screenshot({ path: join(shots, "protection_recorded.png"), fullPage: true });
   check("no error in the browser but the end of the connection", errors.every(e => /WebSocket|ERR_CONNECTION/.test(e)), errors.join("; "));
 } finally {
-  run.child.kill("SIGTERM");
-  await run.ended;
+  for (const it of [run, protection, recorded]) {
+    it?.child.kill("SIGTERM");
+    await it?.ended;
+  }
   await browser.close();
 }
 console.log(failures ? `${failures} failed` : "all as expected");
