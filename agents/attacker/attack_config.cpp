@@ -3,6 +3,7 @@
 #include "agents/attacker/attack_config.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -57,19 +58,21 @@ void describe_value(config::Fields& v, AttackConfig& a) {
     }
 }
 
+using GooseKind = GooseAttackParams::Kind;
+const std::initializer_list<std::pair<std::string_view, GooseKind>> kGooseKinds{
+    {"random_replay", GooseKind::random_replay},
+    {"inverse_replay", GooseKind::inverse_replay},
+    {"masquerade_trip", GooseKind::masquerade_trip},
+    {"masquerade_normal", GooseKind::masquerade_normal},
+    {"injection", GooseKind::injection},
+    {"high_st_num", GooseKind::high_st_num},
+    {"flooding", GooseKind::flooding},
+    {"grayhole", GooseKind::grayhole},
+    {"simulation", GooseKind::simulation},
+    {"stretch", GooseKind::stretch}};
+
 void describe_goose(config::Fields& g, GooseAttackParams& p) {
-    using GooseKind = GooseAttackParams::Kind;
-    g.choice<GooseKind>("kind", p.kind,
-                        {{"random_replay", GooseKind::random_replay},
-                         {"inverse_replay", GooseKind::inverse_replay},
-                         {"masquerade_trip", GooseKind::masquerade_trip},
-                         {"masquerade_normal", GooseKind::masquerade_normal},
-                         {"injection", GooseKind::injection},
-                         {"high_st_num", GooseKind::high_st_num},
-                         {"flooding", GooseKind::flooding},
-                         {"grayhole", GooseKind::grayhole},
-                         {"simulation", GooseKind::simulation},
-                         {"stretch", GooseKind::stretch}},
+    g.choice<GooseKind>("kind", p.kind, kGooseKinds,
                         {.doc = "what is sent, or dropped", .required = true});
     g.number("interval_ms", p.interval_ms, {.doc = "between forged messages", .above = 0});
     g.number("drop_percent", p.drop_percent,
@@ -87,6 +90,7 @@ void describe_attack(config::Fields& f, AttackConfig& a) {
                  p.references("between", a.between, {.doc = "man in the middle: a host and one of its links"});
                  bool second = false;
                  p.flag("second_publisher", second, {.doc = "true: sends beside the real publisher"});
+                 p.flag("spoof_source", a.spoof, {.doc = "second publisher: take the source address of the real one"});
                  a.place = p.has("between") ? AttackConfig::Place::between : AttackConfig::Place::second_publisher;
                  if (p.has("between") == second) {
                      p.error("", "one place expected", "between: [HOST, LINK], or second_publisher: true");
@@ -136,6 +140,14 @@ void describe_attack(config::Fields& f, AttackConfig& a) {
 }
 
 } // namespace
+
+std::string_view kind_name(AttackConfig const& config) {
+    if (config.goose) {
+        return std::find_if(kGooseKinds.begin(), kGooseKinds.end(), [&](auto const& k) { return k.second == config.goose->kind; })->first;
+    }
+    constexpr std::array<std::string_view, 7> kNames{"random", "bias", "scale", "ramp", "replay", "freeze", "masquerade"};
+    return kNames.at(static_cast<std::size_t>(config.samples.kind));
+}
 
 void describe_attacks(config::Fields& parent, std::vector<AttackConfig>& attacks) {
     parent.map("attacks", {.doc = "attacks, each labelled sample by sample"},

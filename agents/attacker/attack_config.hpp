@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gridspace::attacker {
@@ -21,6 +22,7 @@ struct AttackConfig {
         second_publisher, ///< frames beside those of the real publisher
     } place{Place::second_publisher};
     std::vector<config::Ref> between;  ///< host (or process) and link
+    bool spoof{false};                 ///< second publisher: frames with the source address of the real one
     config::Ref stream, topic;         ///< the target: one of the two
     std::vector<std::string> channels; ///< members of the data set or of the type
     Rational from_s{0}, until_s{0};
@@ -32,6 +34,9 @@ struct AttackConfig {
 
 /// Reads the whole `attacks:` map of `parent`.
 void describe_attacks(config::Fields& parent, std::vector<AttackConfig>& attacks);
+
+/// "random", "masquerade_trip", …: what kind of attack it is, as its labels say.
+[[nodiscard]] std::string_view kind_name(AttackConfig const& config);
 
 /// The attack on a stream of `rate_hz` whose three phases have the names `phases`. Sample n has the time n / rate_hz.
 [[nodiscard]] Result<SampleAttack> make_sample_attack(AttackConfig const& config,

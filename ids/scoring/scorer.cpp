@@ -21,12 +21,17 @@ Share share_of(std::uint64_t count, std::uint64_t of) {
     return out;
 }
 
+std::size_t Scorer::number_of(std::string const& stream) {
+    return streams_.try_emplace(stream, streams_.size()).first->second;
+}
+
 void Scorer::add(ScoredVerdict const& v) {
-    verdicts_[{v.stream, v.index, v.channel}] = {v.limit_a, v.flagged, v.open_flagged};
+    Key const key{number_of(v.stream), v.index, v.channel};
+    verdicts_.insert_or_assign(verdicts_.end(), key, Said{v.limit_a, v.flagged, v.open_flagged}); // mostly in order
 }
 
 void Scorer::add(ScoredLabel const& l) {
-    labels_[{l.stream, l.index, l.channel}] = l;
+    labels_[{number_of(l.stream), l.index, l.channel}] = l;
 }
 
 Score Scorer::score() const {
@@ -46,7 +51,7 @@ Score Scorer::score() const {
 
     struct Sum {
         AttackScore score;
-        std::uint64_t flagged{0}, clear{0}, clear_flagged{0};
+        std::uint64_t flagged{0}, open_flagged{0}, clear{0}, clear_flagged{0}, open_clear_flagged{0};
         std::map<std::string, std::int64_t> first; ///< altered sample, by stream
     };
     std::map<std::string, Sum> attacks;
@@ -62,9 +67,11 @@ Score Scorer::score() const {
         }
         ++sum.score.judged;
         sum.flagged += said->second.flagged ? 1U : 0U;
+        sum.open_flagged += said->second.open_flagged ? 1U : 0U;
         if (std::fabs(label.sent_a - label.true_a) > 2 * said->second.limit_a) {
             ++sum.clear;
             sum.clear_flagged += said->second.flagged ? 1U : 0U;
+            sum.open_clear_flagged += said->second.open_flagged ? 1U : 0U;
         }
         if (said->second.flagged && (!sum.score.seen || label.index - at->second < sum.score.delay_samples)) {
             sum.score.seen = true;
@@ -74,6 +81,8 @@ Score Scorer::score() const {
     for (auto& [name, sum] : attacks) {
         sum.score.attack = name;
         sum.score.detected = share_of(sum.flagged, sum.score.judged);
+        sum.score.open_detected = share_of(sum.open_flagged, sum.score.judged);
+        sum.score.open_clear_detected = share_of(sum.open_clear_flagged, sum.clear);
         sum.score.clear_detected = share_of(sum.clear_flagged, sum.clear);
         out.attacks.push_back(sum.score);
     }

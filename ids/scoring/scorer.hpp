@@ -35,6 +35,8 @@ struct AttackScore {
     std::uint64_t labels{0};        ///< phase-samples that were altered
     std::uint64_t judged{0};        ///< of those, how many a verdict exists for
     Share detected;                 ///< flagged, of the judged
+    Share open_detected;            ///< flagged by the open loop, of the judged
+    Share open_clear_detected;      ///< of the judged that are clear, see below
     Share clear_detected;           ///< the same for fakes that differ from the truth by more than twice the threshold
     bool seen{false};               ///< flagged at least once
     std::int64_t delay_samples{-1}; ///< from the first altered sample to the first flag at or after it; -1: never
@@ -57,11 +59,13 @@ class Scorer {
     [[nodiscard]] Score score() const;
 
   private:
-    using Key = std::tuple<std::string, std::int64_t, std::uint8_t>;
+    using Key = std::tuple<std::size_t, std::int64_t, std::uint8_t>; ///< stream, sample, phase
+    [[nodiscard]] std::size_t number_of(std::string const& stream);
     struct Said {
         double limit_a{0};
         bool flagged{false}, open_flagged{false};
     };
+    std::map<std::string, std::size_t> streams_;
     std::map<Key, Said> verdicts_;
     std::map<Key, ScoredLabel> labels_;
 };

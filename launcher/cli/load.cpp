@@ -11,6 +11,7 @@ std::unique_ptr<launcher::Scenario> load(ScenarioArguments const& arguments) {
     options.set = arguments.set;
     options.until = arguments.until;
     options.seed = arguments.seed;
+    options.allow_attacks_on = arguments.allow_attacks_on;
     if (arguments.speed) {
         options.set.push_back("clock.speed=" + *arguments.speed);
     }

@@ -51,6 +51,7 @@ void scenario_options(CLI::App* verb, ScenarioArguments& a) {
     verb->add_option("--speed", a.speed, "simulated seconds per second, or max");
     verb->add_option("--until", a.until, "end at this simulated time: 10s, 5min, 2h");
     verb->add_option("--seed", a.seed, "seed of everything random");
+    verb->add_option("--allow-attacks-on", a.allow_attacks_on, "an interface that is not a virtual cable, for an attacker with `interface:`");
 }
 
 void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArguments& train, IdsEvaluateArguments& evaluate, IdsStudyArguments& study) {

@@ -162,7 +162,7 @@ int validate(ValidateArguments const& arguments) {
                     summary = fmt::format("{} buses", network->buses.size());
                 }
             }
-        } else if (auto const scenario = launcher::load_scenario(file, {arguments.set, {}, {}, {}}, diagnostics)) {
+        } else if (auto const scenario = launcher::load_scenario(file, {.set = arguments.set}, diagnostics)) {
             summary = fmt::format("{} processes on {} hosts", scenario->processes.size(), scenario->hosts.size());
         }
         all_valid = all_valid && diagnostics.ok();

@@ -15,6 +15,7 @@ struct ScenarioArguments {
     std::vector<std::string> set;
     std::optional<std::string> speed, until;
     std::optional<std::int64_t> seed;
+    std::string allow_attacks_on;
 };
 
 struct RunArguments {

@@ -4,10 +4,12 @@
 
 #include "common/config/fields.hpp"
 #include "common/text.hpp"
+#include "launcher/report/intrusion_figures.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <map>
 #include <optional>
 
@@ -179,6 +181,8 @@ std::vector<Figure> make_figures(Results const& r, Node const& scenario) {
         add_signals(f, r.signals, "ev.*.current_a", false, false);
         add_signals(f, r.signals, "ev.*.reference_a", true, true, " ref");
     }
+    std::vector<Figure> fakes = intrusion_figures(r.intrusion);
+    std::move(fakes.begin(), fakes.end(), std::back_inserter(out));
     return out;
 }
 
@@ -204,6 +208,8 @@ std::vector<ReportTable> make_tables(Results const& r, Node const& scenario) {
         }
         out.push_back(std::move(table));
     }
+    std::vector<ReportTable> detectors = intrusion_tables(r.intrusion);
+    std::move(detectors.begin(), detectors.end(), std::back_inserter(out));
     return out;
 }
 

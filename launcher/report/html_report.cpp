@@ -6,6 +6,7 @@
 #include "common/text.hpp"
 #include "common/time.hpp"
 #include "launcher/report/figures.hpp"
+#include "launcher/report/intrusion_figures.hpp"
 #include "launcher/report/report_assets.hpp"
 
 #include <fmt/format.h>
@@ -151,6 +152,14 @@ Result<fs::path> write_html_report(Results const& r) {
                             "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}</figure>\n",
                             figure.id, escape(figure.title), svg);
         data += (data.empty() ? "" : ",") + to_json(figure);
+    }
+    for (Drawing const& drawing : intrusion_drawings(r.intrusion)) {
+        if (auto ok = write(r.folder / "report" / "figures" / (drawing.id + ".svg"), drawing.svg); !ok) {
+            return std::unexpected{ok.error()};
+        }
+        body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a></span></figcaption>"
+                            "<img src=\"figures/{0}.svg\" alt=\"{1}\"></figure>\n",
+                            drawing.id, escape(drawing.title));
     }
     body += notes(scenario);
     if (!r.events.empty()) {

@@ -100,6 +100,21 @@ Result<void> read_recording(fs::path const& folder, Results& out) {
     return {};
 }
 
+/// Only where somebody watched or attacked: other runs are not read twice.
+Result<void> add_intrusion(fs::path const& folder, Results& out) {
+    bool const any = std::any_of(out.topics.begin(), out.topics.end(), [](auto const& t) { return t.type == "IdsVerdict" || t.type == "AttackLabel"; });
+    if (!any) {
+        return {};
+    }
+    auto score = read_intrusion_score(folder, out.signals, out.events, out.outcome.simulated_s);
+    if (!score) {
+        return std::unexpected{score.error()};
+    }
+    out.intrusion = std::move(*score);
+    add_intrusion_signals(out.intrusion, out.outcome.simulated_s, out.signals);
+    return {};
+}
+
 void judge_all(fs::path const& folder, Results& out) {
     config::Diagnostics diagnostics;
     auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", diagnostics);
@@ -184,6 +199,9 @@ Result<Results> read_results(fs::path const& folder) {
     read_manifest(folder, out);
     out.events = read_events(folder / "events.ndjson");
     if (auto ok = read_recording(folder, out); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    if (auto ok = add_intrusion(folder, out); !ok) {
         return std::unexpected{ok.error()};
     }
     add_wall_clock_values(folder, out.outcome.simulated_s, out.signals);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "launcher/expect/expectation.hpp"
+#include "launcher/report/intrusion_score.hpp"
 #include "launcher/run/event_log.hpp"
 #include "launcher/run/run_folder.hpp"
 #include "recorder/signals/signal_store.hpp"
@@ -35,7 +36,8 @@ struct Results {
     };
     std::vector<ProcessRow> processes;
     std::string recording_note; ///< when the recording is not complete
-    SignalStore signals;        ///< all that were recorded
+    SignalStore signals;        ///< all that were recorded, and what follows from them
+    IntrusionScore intrusion;   ///< of detectors and attacks, where there were some
     std::vector<std::string> comtrade; ///< disturbance records in RUN/comtrade
     std::vector<std::string> notes;    ///< what the user should know
 

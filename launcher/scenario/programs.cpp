@@ -364,6 +364,7 @@ constexpr std::array kPrograms{
     Program{"gridspace-ev", "EV agent", "ev_agent", EvSettings::read},
     Program{"gridspace-mu", "merging unit", "merging_unit", read_merging_unit},
     Program{"gridspace-relay", "line differential relay", "relay", read_relay},
+    Program{"gridspace-attacker", "attacks on streams and topics", "attacker", read_attacker},
     Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
     Program{"gridspace-link", "impairments of a cable", "member", read_link},
     Program{"gridspace-gateway", "translator between topics and streams", "gateway", read_gateway},

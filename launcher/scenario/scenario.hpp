@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "agents/attacker/attack_config.hpp"
 #include "bus/node_config.hpp"
 #include "common/config/fields.hpp"
 #include "gateways/streams/stream.hpp"
@@ -76,7 +77,9 @@ struct Scenario {
     std::vector<sim::Event> events;
     RecordSettings record;
     std::vector<streams::Stream> streams;
-    config::Node attacks, expect;
+    std::vector<attacker::AttackConfig> attacks;
+    std::string allow_attacks_on;     ///< --allow-attacks-on: an interface that is not a virtual cable
+    config::Node expect;
     config::Node resolved;            ///< the whole tree after merging
     std::optional<sim::Network> network;
 
@@ -93,10 +96,11 @@ struct Scenario {
 void describe_scenario_keys(config::Fields& fields);
 
 struct LoadOptions {
-    std::vector<std::string> set;            ///< --set a.b=c
-    std::optional<double> speed;             ///< --speed; 0: max
-    std::optional<std::string> until;        ///< --until 10s
-    std::optional<std::int64_t> seed;
+    std::vector<std::string> set{};          ///< --set a.b=c
+    std::optional<double> speed{};           ///< --speed; 0: max
+    std::optional<std::string> until{};      ///< --until 10s
+    std::optional<std::int64_t> seed{};
+    std::string allow_attacks_on{};          ///< --allow-attacks-on
 };
 
 /// Reads and checks a scenario: syntax, keys, references, network and power flow, dataflow, expectations. Everything that is

@@ -6,6 +6,7 @@
 #include "launcher/expect/expectation.hpp"
 #include "launcher/run/addresses.hpp"
 #include "launcher/run/installation.hpp"
+#include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "sim/app/engine_factory.hpp"
@@ -193,6 +194,7 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
     check_programs(s, diagnostics);
     check_addresses(s, diagnostics);
     check_power_flow(s, diagnostics);
+    check_attacks(s, diagnostics);
     bool const readable = std::all_of(s.processes.begin(), s.processes.end(), [](Process const& p) { return p.settings != nullptr; });
     for (Process& process : s.processes) {
         if (process.settings != nullptr) {

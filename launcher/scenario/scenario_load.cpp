@@ -4,6 +4,7 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "launcher/expect/expectation.hpp"
+#include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/scenario_check.hpp"
@@ -147,7 +148,7 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
     Node streams;
     f.raw("streams", streams, {.doc = "SMV and GOOSE streams"});
     s.streams = streams::read_streams(streams, diagnostics);
-    f.raw("attacks", s.attacks, {.doc = "attacks"});
+    attacker::describe_attacks(f, s.attacks);
     f.raw("expect", s.expect, {.doc = "what must hold for the run to pass"});
 }
 
@@ -265,8 +266,10 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
         config::resolve_likes(*streams, diagnostics);
     }
     apply_defaults(*root, diagnostics);
+    spell_out_places(*root);
     auto scenario = std::make_unique<Scenario>();
     scenario->file = file;
+    scenario->allow_attacks_on = options.allow_attacks_on;
     config::read_fields(*root, "", diagnostics, [&](Fields& f) { describe_scenario(f, *scenario, *root, diagnostics); });
     scenario->resolved = std::move(*root);
     scenario->resolved.erase("defaults"); // they are in the processes now

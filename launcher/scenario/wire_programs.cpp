@@ -228,6 +228,7 @@ class RelaySettings final : public ProcessSettings {
         if (!config_.ids || config_.ids->model.empty()) {
             return;
         }
+        using Of = ids::ThresholdParams::Of;
         Node const* section = process.node.find("ids");
         Node const* written = section == nullptr ? nullptr : section->find("model");
         auto const where = written == nullptr ? process.name.where : written->where;
@@ -237,7 +238,7 @@ class RelaySettings final : public ProcessSettings {
         auto const model = ids::load_model(config_.ids->model);
         if (!model) {
             complain(model.error());
-        } else if (stream != nullptr) {
+        } else if (stream != nullptr && (config_.ids->nominal_peak_a > 0 || config_.ids->of == Of::instantaneous || config_.ids->of == Of::running_peak)) {
             if (auto const params = ids::make_detector_params(*config_.ids, *model, stream->rate_hz.to_double(), config_.frequency_hz); !params) {
                 complain(params.error());
             }
@@ -256,6 +257,16 @@ class RelaySettings final : public ProcessSettings {
                 out.push_back({own + name, "", 1});
             }
             out.push_back({own + "sigma_percent", "%", 1});
+            if (!config_.ids->verdicts.empty()) { // of the report's score
+                out.push_back({own + "false_positive_percent", "%", 0});
+                out.push_back({own + "open_loop_false_positive_percent", "%", 0});
+            }
+        }
+        if (!config_.ids->verdicts.empty()) {
+            for (char const* name : {"false_trips", "false_trips_without", "real_faults", "real_faults_tripped", "false_alarms"}) {
+                out.push_back({prefix + name, "", 0});
+            }
+            out.push_back({prefix + "real_fault_trip_added_ms", "ms", 0});
         }
         for (char const* name : {"time_us_p50", "time_us_p99", "time_us_max"}) {
             out.push_back({prefix + name, "us", 0});

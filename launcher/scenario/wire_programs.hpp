@@ -11,6 +11,7 @@ namespace gridspace::launcher {
 // Programs that exchange raw frames: what the launcher has to know about them.
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_merging_unit(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_breaker(config::Fields& f);
+[[nodiscard]] std::unique_ptr<ProcessSettings> read_attacker(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_relay(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_link(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_gateway(config::Fields& f);

@@ -22,8 +22,15 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parents[1]
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", SOURCE / "build/release/bin"))
-BASES = {name: HERE / "base" / name for name in ("ev_charging.yaml", "ev_microgrid.yaml")}  # copies: line numbers stay
-VALID = ["ev_charging.yaml", "ev_microgrid.yaml"]  # the negative control: without a mistake nothing is said
+BASES = {name: HERE / "base" / name for name in ("ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml")}  # copies: line numbers stay
+MODEL = (SOURCE / "configs/models/ar_20.json").read_text()
+BESIDE = {  # what the bases refer to
+    "adn_set_a.yaml": (SOURCE / "configs/networks/adn_set_a.yaml").read_text(),
+    "ar_20.json": MODEL,
+    "damaged.json": MODEL.replace('"scale_a": 0.', '"scale_a": 0.5', 1),  # one digit, and the hash does not fit
+    "other_rate.json": (HERE / "base" / "model_4000_hz.json").read_text(),
+}
+VALID = ["ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml"]  # the negative control: without a mistake nothing is said
 
 
 def make(file, folder):
@@ -54,6 +61,8 @@ def judge(file):
         folder = pathlib.Path(folder)
         for name, base in BASES.items():
             (folder / name).write_text(base.read_text().replace("../networks/", ""))
+        for name, text in BESIDE.items():
+            (folder / name).write_text(text)
         made = make(file, folder) if file else None
         names = [made.name] if made else VALID
         done = subprocess.run([BIN / "gridspace", "validate", *names], cwd=folder, capture_output=True, timeout=60)

@@ -1,0 +1,476 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// gridspace-attacker: does what the scenario's attacks say, as a man in the middle of a cable or beside the real
+// publisher, and publishes what was true.
+#include "agents/attacker/attacker_config.hpp"
+#include "agents/attacker/goose_forger.hpp"
+#include "agents/attacker/label_publisher.hpp"
+#include "agents/attacker/sv_forger.hpp"
+#include "agents/attacker/topic_attacks.hpp"
+#include "bus/daemon.hpp"
+#include "bus/signal_publisher.hpp"
+#include "bus/tick_grid.hpp"
+#include "common/log.hpp"
+#include "common/spsc_ring.hpp"
+#include "gateways/cut_in/cut_in.hpp"
+#include "gateways/ethernet/interface.hpp"
+#include "gateways/port/wire_clock.hpp"
+#include "gateways/port/wire_port.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <fmt/format.h>
+
+namespace gridspace::attacker {
+namespace {
+
+using gateways::CutIn;
+using gateways::WireClock;
+using gateways::WirePort;
+
+struct Settings {
+    AttackerSettings own;
+    gateways::WireConfig wire; ///< interface empty: nothing is sent beside a publisher
+    std::vector<gateways::CutInConfig> cut_ins;
+    double speed{1};
+};
+
+void describe(config::Fields& f, Settings& s) {
+    describe(f, s.own);
+    gateways::describe_wire(f, s.wire);
+    gateways::describe_cut_ins(f, s.cut_ins);
+    f.number("speed", s.speed, {.doc = "of the simulation clock, in real time", .above = 0});
+}
+
+/// One attack in this process: its forger, whatever it is, and its labels on their way from the thread that forges.
+struct Running {
+    AttackConfig const* config{nullptr};
+    std::unique_ptr<SvForger> values;
+    std::unique_ptr<GooseForger> messages;
+    std::unique_ptr<TopicAttack> topic;
+    std::int64_t now_ns{0}; ///< simulated: of what is being forged
+    struct Told {
+        Label label;
+        std::int64_t time_ns{0};
+    };
+    SpscRing<Told> told{16'384};
+    std::atomic<std::uint64_t> lost{0};
+    Tell tell{[this](Label const& label) { lost += told.push({label, now_ns}) ? 0U : 1U; }};
+    std::unique_ptr<LabelPublisher> labels;
+    bool began{false}, ended{false};
+
+    [[nodiscard]] bool between() const { return config->place == AttackConfig::Place::between; }
+    [[nodiscard]] std::uint64_t forged() const {
+        return values ? values->forged() : messages ? messages->forged() : topic->forged();
+    }
+};
+
+/// The attacks in one direction of one cable, one behind the other.
+class AttackHook final : public gateways::FrameHook {
+  public:
+    explicit AttackHook(bus::Node const& node) : node_{node} {}
+    void add(Running& attack) { chain_.push_back(&attack); }
+    [[nodiscard]] bool empty() const { return chain_.empty(); }
+
+    void pass(gateways::PassingFrame const& frame, gateways::FrameOutput& out) override {
+        hand_on(0, frame.octets, frame.time_ns, out);
+    }
+    [[nodiscard]] std::optional<std::int64_t> due() const override {
+        std::optional<std::int64_t> out;
+        for (Running const* attack : chain_) {
+            auto const next = attack->messages ? attack->messages->due() : std::nullopt;
+            out = next && (!out || *next < *out) ? next : out;
+        }
+        return out;
+    }
+    void elapse(std::int64_t now_ns, gateways::FrameOutput& out) override {
+        for (Running* attack : chain_) {
+            if (attack->messages) {
+                set_base(*attack);
+                attack->now_ns = now_ns;
+                attack->messages->elapse(now_ns, [&](auto octets) { out.send(octets); }, attack->tell);
+            }
+        }
+    }
+
+  private:
+    void hand_on(std::size_t place, std::span<std::uint8_t const> octets, std::int64_t time_ns,
+                 gateways::FrameOutput& out) {
+        if (place == chain_.size()) {
+            out.send(octets);
+            return;
+        }
+        Running& attack = *chain_[place];
+        attack.now_ns = time_ns;
+        Emit const emit = [&](auto altered) { hand_on(place + 1, altered, time_ns, out); };
+        if (attack.values) {
+            attack.values->pass(octets, time_ns, emit, attack.tell);
+        } else {
+            set_base(attack);
+            attack.messages->pass(octets, time_ns, emit, attack.tell);
+        }
+    }
+    void set_base(Running& attack) const {
+        if (!node_.lockstep()) {
+            attack.messages->set_utc_base(node_.start_unix_ns());
+        }
+    }
+
+    bus::Node const& node_;
+    std::vector<Running*> chain_;
+};
+
+class AttackerAgent {
+  public:
+    AttackerAgent(Settings const& settings, DaemonRun& run, bus::Node& node)
+        : settings_{settings}, run_{run}, node_{node}, clock_{node}, grid_{node.config().clock},
+          latency_{node.time_base().ceil(settings.own.config.latency_us / Rational{1'000'000})} {}
+
+    Result<void> run() {
+        for (auto const& step :
+             {&AttackerAgent::check_interfaces, &AttackerAgent::make_attacks, &AttackerAgent::open_wires,
+              &AttackerAgent::open_topics, &AttackerAgent::open_outputs}) {
+            if (auto ok = (this->*step)(); !ok) {
+                return ok;
+            }
+        }
+        if (auto ok = node_.start(); !ok) {
+            return ok;
+        }
+        while (true) {
+            auto const next = next_work();
+            auto tick =
+                node_.lockstep() ? node_.next() : node_.next(next ? std::optional{wall_of(*next)} : std::nullopt);
+            if (!tick) {
+                return std::unexpected{tick.error()};
+            }
+            if (!*tick) {
+                return {};
+            }
+            begin((*tick)->time);
+            std::uint64_t needed = bus::TickGrid::kNever;
+            for (auto const& cut_in : cut_ins_) {
+                cut_in->work((*tick)->time);
+                needed = std::min(needed, cut_in->next_tick(grid_));
+            }
+            std::int64_t const until_ns = node_.lockstep() ? clock_.of((*tick)->time) : simulated_now();
+            beside(until_ns);
+            publish((*tick)->time, (*tick)->final);
+            if (port_ != nullptr) {
+                port_->maintain();
+            }
+            if (auto const work = next_work()) {
+                needed = std::min(needed, grid_.tick_of(clock_.at_or_after(*work)));
+            }
+            needed = std::min(needed, next_second((*tick)->time));
+            if (auto ok = node_.done(**tick, std::max(needed, (*tick)->number + 1)); !ok) {
+                return ok;
+            }
+        }
+    }
+
+  private:
+    /// Forged frames can operate real switchgear: virtual cables only, unless somebody means it.
+    Result<void> check_interfaces() {
+        std::vector<std::string> interfaces;
+        if (!settings_.wire.interface.empty()) {
+            interfaces.push_back(settings_.wire.interface);
+        }
+        for (auto const& cut_in : settings_.cut_ins) {
+            interfaces.insert(interfaces.end(), {cut_in.host_interface, cut_in.switch_interface});
+        }
+        for (std::string const& interface : interfaces) {
+            std::string const driver = ethernet::interface_driver(interface);
+            if (driver != "veth" && interface != settings_.own.allow_attacks_on) {
+                return fail(
+                    ExitCode::usage,
+                    fmt::format("'{}' is not a virtual cable ({})", interface, driver.empty() ? "unknown" : driver),
+                    fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
+                                interface));
+            }
+        }
+        return {};
+    }
+
+    Result<void> make_attacks() {
+        auto const seed = static_cast<std::uint64_t>(settings_.own.seed);
+        std::int64_t const base_ns = node_.config().clock.epoch_unix_s * 1'000'000'000;
+        for (AttackConfig const& config : settings_.own.attacks) {
+            auto running = std::make_unique<Running>();
+            running->config = &config;
+            streams::Stream const* stream =
+                config.stream.empty() ? nullptr : streams::find_stream(settings_.wire.streams, config.stream.name);
+            if (!config.stream.empty() && stream == nullptr) {
+                return fail(ExitCode::usage,
+                            fmt::format("attack '{}': there is no stream '{}'", config.name.name, config.stream.name));
+            }
+            if (stream == nullptr) {
+                auto topic = make_topic_attack(node_, config, settings_.own);
+                if (!topic) {
+                    return std::unexpected{topic.error()};
+                }
+                running->topic = std::move(*topic);
+            } else if (config.goose) {
+                auto forger = GooseForger::create(*stream, config, seed, base_ns);
+                if (!forger) {
+                    return std::unexpected{forger.error()};
+                }
+                running->messages = std::move(*forger);
+            } else {
+                auto forger = SvForger::create(*stream, config, settings_.own.frequency_hz, seed);
+                if (!forger) {
+                    return std::unexpected{forger.error()};
+                }
+                running->values = std::move(*forger);
+            }
+            attacks_.push_back(std::move(running));
+        }
+        return {};
+    }
+
+    /// Cut-ins with the attacks of their cable, and the port of the attacks beside a publisher.
+    Result<void> open_wires() {
+        for (auto const& config : settings_.cut_ins) {
+            hooks_.push_back(std::make_unique<AttackHook>(node_));
+            AttackHook& hook = *hooks_.back();
+            for (auto const& attack : attacks_) {
+                if (attack->between() && attack->config->between[0].name == config.host &&
+                    attack->config->between[1].name == config.link) {
+                    hook.add(*attack);
+                }
+            }
+            auto cut_in = CutIn::open(node_, config, settings_.speed, {&hook, &hook});
+            if (!cut_in) {
+                return std::unexpected{cut_in.error()};
+            }
+            cut_ins_.push_back(std::move(*cut_in));
+        }
+        std::vector<std::uint16_t> ethertypes;
+        for (auto const& attack : attacks_) {
+            if (!attack->between() && attack->topic == nullptr) {
+                ethertypes.push_back(attack->values ? iec61850::kSvEthertype : iec61850::kGooseEthertype);
+            }
+        }
+        std::sort(ethertypes.begin(), ethertypes.end());
+        ethertypes.erase(std::unique(ethertypes.begin(), ethertypes.end()), ethertypes.end());
+        if (ethertypes.empty()) {
+            return {};
+        }
+        auto port = WirePort::open(node_, settings_.wire, {ethertypes, ethertypes});
+        if (!port) {
+            return std::unexpected{port.error()};
+        }
+        port_ = std::move(*port);
+        ethertypes_ = std::move(ethertypes);
+        for (auto const& attack : attacks_) {
+            if (attack->values) {
+                attack->values->set_source(port_->mac());
+            } else if (attack->messages) {
+                attack->messages->set_source(port_->mac());
+            }
+        }
+        return {};
+    }
+
+    Result<void> open_topics() {
+        if (settings_.own.config.labels.empty()) {
+            return {};
+        }
+        auto writer = node_.writer<AttackLabel>(settings_.own.config.labels);
+        if (!writer) {
+            return std::unexpected{writer.error()};
+        }
+        labels_ = std::move(*writer);
+        for (auto const& attack : attacks_) {
+            AttackConfig const& c = *attack->config;
+            attack->labels = std::make_unique<LabelPublisher>(*labels_, c.name.name, std::string{kind_name(c)},
+                                                              c.stream.empty() ? c.topic.name : c.stream.name);
+        }
+        return {};
+    }
+
+    Result<void> open_outputs() {
+        std::vector<bus::SignalColumn> columns;
+        for (auto const& attack : attacks_) {
+            columns.push_back({"attack." + attack->config->name.name + ".forged", ""});
+        }
+        auto signals = bus::SignalPublisher::create(node_, "attacks", 1, std::move(columns));
+        if (!signals) {
+            return std::unexpected{signals.error()};
+        }
+        signals_ = std::move(*signals);
+        return {};
+    }
+
+    void begin(SimTime now) {
+        if (!announced_) {
+            announced_ = true;
+            signals_->announce(now);
+        }
+    }
+
+    /// Simulated time now, in real time.
+    [[nodiscard]] std::int64_t simulated_now() const {
+        std::int64_t const start = node_.start_unix_ns();
+        return start == 0 ? -1
+                          : static_cast<std::int64_t>(static_cast<double>(clock_.utc_ns(0) - start) * settings_.speed);
+    }
+    [[nodiscard]] std::chrono::steady_clock::time_point wall_of(std::int64_t simulated_ns) const {
+        auto const ahead = static_cast<double>(simulated_ns - simulated_now()) / settings_.speed;
+        return WireClock::wall(clock_.now() + static_cast<std::int64_t>(std::max(ahead, 0.0)));
+    }
+
+    /// The next forged message of an attack beside a publisher. Simulated.
+    [[nodiscard]] std::optional<std::int64_t> next_work() const {
+        std::optional<std::int64_t> out;
+        for (auto const& attack : attacks_) {
+            std::optional<std::int64_t> due;
+            if (attack->topic) {
+                due = attack->topic->due();
+            } else if (attack->messages && !attack->between()) {
+                due = attack->messages->due();
+            }
+            out = due && (!out || *due < *out) ? due : out;
+        }
+        return out;
+    }
+
+    /// What is done beside real publishers, up to and including `until_ns`.
+    void beside(std::int64_t until_ns) {
+        for (std::uint16_t const ethertype : ethertypes_) {
+            for (bus::WireFrame const* frame : port_->take(ethertype)) {
+                std::int64_t const at_ns = node_.lockstep() ? clock_.of(frame->time) : until_ns;
+                elapse(at_ns - 1);
+                hear(WirePort::octets(*frame), at_ns);
+            }
+        }
+        elapse(until_ns);
+        for (auto const& attack : attacks_) {
+            if (attack->topic) {
+                attack->now_ns = until_ns;
+                attack->topic->work(until_ns, latency_, attack->tell);
+            }
+        }
+    }
+
+    void hear(iec61850::Octets octets, std::int64_t at_ns) {
+        for (auto const& attack : attacks_) {
+            attack->now_ns = attack->between() || attack->topic ? attack->now_ns : at_ns;
+            if (attack->values && !attack->between()) {
+                attack->values->hear(octets, at_ns, [&](auto forged) { send(forged, at_ns); }, attack->tell);
+            } else if (attack->messages && !attack->between()) {
+                attack->messages->pass(octets, at_ns, nullptr, attack->tell);
+            }
+        }
+    }
+
+    void elapse(std::int64_t until_ns) {
+        for (auto const& attack : attacks_) {
+            if (!attack->messages || attack->between()) {
+                continue;
+            }
+            if (!node_.lockstep()) {
+                attack->messages->set_utc_base(node_.start_unix_ns());
+            }
+            while (attack->messages->due() && *attack->messages->due() <= until_ns) {
+                attack->now_ns = *attack->messages->due();
+                attack->messages->elapse(
+                    attack->now_ns, [&](auto forged) { send(forged, attack->now_ns); }, attack->tell);
+            }
+        }
+    }
+
+    void send(std::span<std::uint8_t const> frame, std::int64_t at_ns) {
+        port_->send(frame,
+                    node_.effect_time(node_.lockstep() ? clock_.at_or_after(at_ns) : node_.latest_time(), latency_));
+    }
+
+    [[nodiscard]] std::uint64_t next_second(SimTime now) const {
+        auto const second = static_cast<std::int64_t>(node_.time_base().seconds(now)) + 1;
+        return grid_.tick_of(node_.time_base().from_nanoseconds(second * 1'000'000'000));
+    }
+
+    /// Labels that have come, events, and counters once a simulated second.
+    void publish(SimTime now, bool final) {
+        for (auto const& attack : attacks_) {
+            for (Running::Told told; attack->told.pop(told);) {
+                if (attack->labels) {
+                    attack->labels->add(told.label, told.time_ns,
+                                        node_.lockstep() ? std::min(clock_.at_or_after(told.time_ns), now) : now);
+                }
+            }
+            if (final && attack->labels) {
+                attack->labels->flush(now);
+            }
+            tell_progress(*attack, now, final);
+        }
+        auto const second = static_cast<std::int64_t>(node_.time_base().seconds(now));
+        if (second == reported_ && !final) {
+            return;
+        }
+        reported_ = second;
+        std::vector<double> row;
+        for (auto const& attack : attacks_) {
+            row.push_back(static_cast<double>(attack->forged()));
+        }
+        signals_->row(now, row);
+        signals_->flush();
+    }
+
+    void tell_progress(Running& attack, SimTime now, bool final) {
+        double const time_s = node_.time_base().seconds(now);
+        AttackConfig const& c = *attack.config;
+        std::string const target = c.stream.empty() ? c.topic.name : c.stream.name;
+        if (!attack.began && attack.forged() > 0) {
+            attack.began = true;
+            log::info("attack '{}' on {}: begins", c.name.name, target);
+            run_.status.event(time_s, node_.config().process, c.name.name + ".begins",
+                              fmt::format("attack '{}' on {} begins", c.name.name, target));
+        }
+        if (!attack.ended && (final || time_s > c.until_s.to_double())) {
+            attack.ended = true;
+            std::string const text = fmt::format("attack '{}' on {} ends: {} {}", c.name.name, target, attack.forged(),
+                                                 attack.values ? "frames altered" : "messages forged or dropped");
+            log::info("{}", text);
+            run_.status.event(time_s, node_.config().process, c.name.name + ".ends", text);
+        }
+        if (std::uint64_t const lost = attack.lost.exchange(0); lost > 0) {
+            log::warning("attack '{}': {} labels lost, the queue was full", c.name.name, lost);
+        }
+    }
+
+    Settings const& settings_;
+    DaemonRun& run_;
+    bus::Node& node_;
+    WireClock clock_;
+    bus::TickGrid grid_;
+    SimSpan latency_;
+    std::vector<std::unique_ptr<Running>> attacks_;
+    std::vector<std::unique_ptr<AttackHook>> hooks_;
+    std::unique_ptr<bus::Writer<AttackLabel>> labels_;
+    std::unique_ptr<bus::SignalPublisher> signals_;
+    std::vector<std::uint16_t> ethertypes_;
+    std::unique_ptr<WirePort> port_;
+    std::vector<std::unique_ptr<CutIn>> cut_ins_; ///< last: their threads use what stands above
+    std::int64_t reported_{-1};
+    bool announced_{false};
+};
+
+} // namespace
+} // namespace gridspace::attacker
+
+int main(int argc, char** argv) {
+    using namespace gridspace;
+    attacker::Settings settings;
+    Daemon const daemon{"gridspace-attacker",
+                        "attacks on streams and topics, each labelled",
+                        [&](config::Fields& f) { describe(f, settings); },
+                        {},
+                        [&](DaemonRun& run) {
+                            return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
+                                return attacker::AttackerAgent{settings, run, node}.run();
+                            });
+                        }};
+    return run_daemon(daemon, argc, argv);
+}

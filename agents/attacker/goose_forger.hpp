@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "agents/attacker/attack_config.hpp"
+#include "agents/attacker/sv_forger.hpp"
+#include "gateways/iec61850/goose_subscriber.hpp"
+#include "gateways/iec61850/goose_template.hpp"
+#include "gateways/streams/stream.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace gridspace::attacker {
+
+/// An attack on the messages of one GOOSE stream: forges beside the real publisher, or alters and drops as a man in the
+/// middle. The label of a message is its number since the start, and what the real publisher said of the attacked
+/// Boolean (a dropped message: sent as said, the attack's kind tells). Pure; no allocation per message.
+class GooseForger {
+  public:
+    /// `utc_base_ns`: UTC of simulated time 0.
+    [[nodiscard]] static Result<std::unique_ptr<GooseForger>>
+    create(streams::Stream const& stream, AttackConfig const& config, std::uint64_t seed, std::int64_t utc_base_ns);
+
+    /// A real message. Man in the middle (`emit` given): what goes on. Otherwise it is only listened to.
+    void pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell);
+    /// When the next forged message is due, simulated time; and sends it.
+    [[nodiscard]] std::optional<std::int64_t> due() const { return attack_.next_ns(); }
+    void elapse(std::int64_t now_ns, Emit const& emit, Tell const& tell);
+
+    void set_source(iec61850::Mac const& source) { template_.set_source(source); }
+    void set_utc_base(std::int64_t utc_base_ns) { utc_base_ns_ = utc_base_ns; }
+    [[nodiscard]] std::uint64_t forged() const { return attack_.forged() + attack_.dropped(); }
+
+  private:
+    GooseForger(streams::Stream const& stream, AttackConfig const& config, GooseAttack attack,
+                iec61850::GooseTemplate frame, std::size_t leaf, std::int64_t utc_base_ns);
+    [[nodiscard]] iec61850::Octets frame_of(GooseState const& state);
+    void tell_one(bool sent, Tell const& tell);
+
+    iec61850::GooseSubscriber heard_;
+    GooseAttack attack_;
+    iec61850::GooseTemplate template_;
+    std::size_t leaf_;
+    std::int64_t utc_base_ns_;
+    bool spoof_;
+    bool real_value_{false};
+    iec61850::GooseFrame decoded_;
+    std::int64_t told_{0};
+};
+
+} // namespace gridspace::attacker

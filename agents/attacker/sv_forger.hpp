@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "agents/attacker/anticipation.hpp"
+#include "agents/attacker/attack_config.hpp"
+#include "gateways/iec61850/sv_layout.hpp"
+#include "gateways/streams/stream.hpp"
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace gridspace::attacker {
+
+using Emit = std::function<void(std::span<std::uint8_t const> frame)>; ///< a frame to be sent
+using Tell = std::function<void(Label const&)>;                        ///< an altered value
+
+/// An attack on the values of one stream of sampled values. Pure: frames and times are given to it. No allocation per
+/// frame.
+class SvForger {
+  public:
+    [[nodiscard]] static Result<std::unique_ptr<SvForger>>
+    create(streams::Stream const& stream, AttackConfig const& config, double frequency_hz, std::uint64_t seed);
+
+    /// Man in the middle: `emit`s the frame, altered where the attack is due. Frames of others pass as they are.
+    /// `time_ns`: simulated; it tells which second smpCnt belongs to.
+    void pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell);
+
+    /// Second publisher: listens to a real frame, and `emit`s the one that is to come before the next real one.
+    void hear(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell);
+    /// The address that forged frames come from.
+    void set_source(iec61850::Mac const& source) { template_.set_source(source); }
+
+    [[nodiscard]] std::uint64_t forged() const { return forged_; } ///< frames
+
+  private:
+    SvForger(streams::Stream const& stream, AttackConfig const& config, SampleAttack attack,
+             iec61850::SvTemplate frame);
+    [[nodiscard]] bool is_target(iec61850::Octets frame);
+    [[nodiscard]] Abc read(iec61850::Octets sample) const;
+    /// Writes one current; what a receiver reads of it.
+    double write(std::size_t phase, double value_a, std::span<std::uint8_t> sample) const;
+    [[nodiscard]] std::int64_t index_of(std::uint16_t smp_cnt, std::int64_t time_ns) const;
+    void forge_next(Emit const& emit);
+
+    std::string sv_id_;
+    iec61850::SvLayout layout_;
+    std::array<std::size_t, 3> slots_{};
+    std::array<double, 3> scales_{};
+    double rate_hz_;
+    Anticipation anticipation_;
+    SampleAttack attack_;
+    iec61850::SvTemplate template_;
+    bool spoof_;
+    iec61850::SvFrame decoded_;
+    std::vector<std::uint8_t> buffer_, last_sample_;
+    std::uint64_t forged_{0};
+};
+
+/// Names of the three phase currents of a stream: its first three numbers, as their channels are counted.
+[[nodiscard]] std::vector<std::string> phase_channels(streams::Stream const& stream);
+
+} // namespace gridspace::attacker
