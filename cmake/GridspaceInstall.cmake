@@ -5,4 +5,5 @@
 
 install(DIRECTORY qos idl configs DESTINATION "${CMAKE_INSTALL_DATADIR}/gridspace"
         FILES_MATCHING PATTERN "*.xml" PATTERN "*.idl" PATTERN "*.yaml" PATTERN "*.json" PATTERN "*.m" PATTERN "*.csv" PATTERN "*.md")
+install(DIRECTORY scripts/board DESTINATION "${CMAKE_INSTALL_DATADIR}/gridspace/scripts")
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/gridspace")

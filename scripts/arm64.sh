@@ -11,11 +11,14 @@ source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 # shellcheck source=scripts/arm64_packages.sh
 source "$root/scripts/arm64_packages.sh"
+# shellcheck source=scripts/arm64_board.sh
+source "$root/scripts/arm64_board.sh"
 
 usage() {
   cat <<'EOT'
 usage: ./gridspace arm64 VERB
   build      cross-compiles what runs on a board: build/arm64/bin
+  image      the same, and the image of an emulated board (`run_on: qemu-system`): build/arm64-board
   test       the same with its unit tests, which run under qemu-user, and the scenarios with emulated processes; then the counts
 EOT
 }
@@ -64,11 +67,14 @@ run_scenarios() {
 }
 
 case ${1:-} in
+  image)
+    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 programs && make_board_image
+    ;;
   build)
     prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 programs && say "built: $root/build/arm64/bin"
     ;;
   test)
-    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && check_left_out && build arm64 all || exit
+    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && check_left_out && build arm64 all && make_board_image || exit
     ensure_programs || exit
     worst=0
     run_unit_tests || worst=1

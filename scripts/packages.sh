@@ -22,7 +22,7 @@ declare -A group_packages=(
   [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark python3|python3 python3-yaml setpriv|util-linux node|nodejs npm|npm"
   [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev"
   [e2e]="chromium|chromium node|nodejs npm|npm"
-  [arm64]="g++-aarch64-linux-gnu qemu-user-static"
+  [arm64]="g++-aarch64-linux-gnu qemu-user-static qemu-system-aarch64|qemu-system-arm cpio|cpio"
 )
 
 say() { printf 'gridspace: %s\n' "$*" >&2; }

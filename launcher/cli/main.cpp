@@ -4,6 +4,7 @@
 // gridspace: the command line. Parses; the verbs do the work.
 #include "common/exit_code.hpp"
 #include "common/version.hpp"
+#include "launcher/cli/bundle_verb.hpp"
 #include "launcher/cli/completion.hpp"
 #include "launcher/cli/live_verbs.hpp"
 #include "launcher/cli/scl_verbs.hpp"
@@ -247,6 +248,7 @@ int main_function(int argc, char** argv) {
     doctor_verb->add_flag("--json", doctor_json, "as JSON");
     doctor_verb->callback([&] { action = [&] { return doctor(doctor_json); }; });
 
+    add_bundle_verb(app, action);
     add_wire_verbs(app, action);
     add_scl_verbs(app, action);
     std::filesystem::path schema_root;

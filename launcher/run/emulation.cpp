@@ -10,11 +10,13 @@
 #include <elf.h>
 #include <fmt/format.h>
 #include <fstream>
+#include <unistd.h>
 
 namespace gridspace::launcher {
 namespace {
 
 constexpr std::string_view kPreload = "libgridspace-qemu-user.so";
+constexpr std::string_view kBoardStart = "start_qemu_system.sh";
 
 std::filesystem::path from_environment(char const* name, std::filesystem::path otherwise) {
     char const* const value = std::getenv(name);
@@ -58,6 +60,32 @@ Result<void> check_qemu_user(std::string const& program) {
     return {};
 }
 
+Result<void> check_board() {
+    if (system_program("qemu-system-aarch64").empty() || system_program("cpio").empty()) {
+        return fail(ExitCode::environment,
+                    "`run_on: qemu-system` needs the emulator qemu-system-aarch64 and cpio, which are not installed",
+                    "apt install qemu-system-arm cpio, or ./gridspace arm64 image");
+    }
+    std::filesystem::path const board = arm64_files().board;
+    for (std::string_view const file : {std::string_view{"vmlinuz"}, std::string_view{"initramfs"}, kBoardStart}) {
+        std::error_code ignored;
+        if (!std::filesystem::exists(board / file, ignored)) {
+            return fail(
+                ExitCode::environment,
+                fmt::format("the image of the ARM64 board is not complete: there is no '{}'", (board / file).string()),
+                "./gridspace arm64 image makes it (GRIDSPACE_ARM64_BOARD names another folder)");
+        }
+    }
+    if (::geteuid() != 0 || ::access("/dev/net/tun", R_OK | W_OK) != 0) {
+        return fail(
+            ExitCode::environment,
+            "`run_on: qemu-system` plugs the board into the scenario's network by tap devices, for which it needs "
+            "root and /dev/net/tun",
+            "run as root (modprobe tun, if the device is missing), or `run_on: qemu-user`");
+    }
+    return {};
+}
+
 } // namespace
 
 Arm64Files arm64_files() {
@@ -68,7 +96,8 @@ Arm64Files arm64_files() {
     bool const is_installed = std::filesystem::exists(installed, ignored);
     std::filesystem::path const builds = here.parent_path().parent_path();
     return {from_environment("GRIDSPACE_ARM64_BIN", is_installed ? installed / "bin" : builds / "arm64/bin"),
-            from_environment("GRIDSPACE_ARM64_ROOT", is_installed ? installed / "root" : builds / "arm64-sysroot")};
+            from_environment("GRIDSPACE_ARM64_ROOT", is_installed ? installed / "root" : builds / "arm64-sysroot"),
+            from_environment("GRIDSPACE_ARM64_BOARD", is_installed ? installed / "board" : builds / "arm64-board")};
 }
 
 std::vector<std::string> qemu_user_command(std::vector<std::string> command) {
@@ -76,6 +105,22 @@ std::vector<std::string> qemu_user_command(std::vector<std::string> command) {
     std::vector<std::string> words{emulator().string(), "-L", files.root.string(), "-E",
                                    fmt::format("LD_PRELOAD={}", (files.programs / kPreload).string())};
     command.front() = arm64_program(command.front()).string();
+    words.insert(words.end(), command.begin(), command.end());
+    return words;
+}
+
+std::vector<std::string> qemu_system_command(std::vector<std::string> const& command,
+                                             std::filesystem::path const& config_file, std::vector<Port> const& ports,
+                                             std::string const& host) {
+    std::filesystem::path const board = arm64_files().board;
+    std::vector<std::string> words{"sh", (board / kBoardStart).string(), board.string(), config_file.string()};
+    for (Port const& port : ports) {
+        if (port.host == host) {
+            words.push_back(fmt::format("{},{},{}", port.interface, port.mac,
+                                        port.address.empty() ? "-" : fmt::format("{}/{}", port.address, port.prefix)));
+        }
+    }
+    words.emplace_back("--");
     words.insert(words.end(), command.begin(), command.end());
     return words;
 }
@@ -97,11 +142,13 @@ std::string machine_of(std::filesystem::path const& file) {
 
 Result<void> check_emulators(Scenario const& scenario) {
     for (Process const& process : scenario.processes) {
-        if (parse_run_on(process.run_on).value_or(RunOn{}).kind != RunOn::Kind::qemu_user) {
-            continue;
-        }
+        RunOn const run_on = parse_run_on(process.run_on).value_or(RunOn{});
         auto const own = process.settings->command();
-        if (auto ok = check_qemu_user(own.empty() ? process.program.name : own.front()); !ok) {
+        auto const ok = run_on.kind == RunOn::Kind::qemu_user
+                            ? check_qemu_user(own.empty() ? process.program.name : own.front())
+                        : run_on.kind == RunOn::Kind::qemu_system ? check_board()
+                                                                  : Result<void>{};
+        if (!ok) {
             return fail(ok.error().code, fmt::format("process '{}': {}", process.name.name, ok.error().message),
                         ok.error().remedy);
         }

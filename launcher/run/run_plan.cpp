@@ -140,6 +140,8 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
     }
     if (out.run_on.kind == RunOn::Kind::qemu_user) {
         out.command = qemu_user_command(std::move(out.command));
+    } else if (out.run_on.kind == RunOn::Kind::qemu_system) {
+        out.command = qemu_system_command(out.command, out.config_file, plan.ports, out.host);
     }
     bus::NodeConfig const node = node_config(scenario, process, flow, plan, options);
     out.environment = environment_of(node);

@@ -12,11 +12,33 @@
 namespace gridspace::launcher {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, RunOn::Kind>, 2> kWords{
-    {{"native", RunOn::Kind::native}, {"qemu-user", RunOn::Kind::qemu_user}}};
+constexpr std::array<std::pair<std::string_view, RunOn::Kind>, 3> kWords{{{"native", RunOn::Kind::native},
+                                                                          {"qemu-user", RunOn::Kind::qemu_user},
+                                                                          {"qemu-system", RunOn::Kind::qemu_system}}};
 
 /// Emulated code takes 5 to 20 times as long, and a process starts in a second or two.
 constexpr double kEmulationPatience = 4;
+
+/// A board takes the place of the host: nobody else can be on it, and our programs alone are in its image.
+void check_board(Scenario const& scenario, Process const& process, config::SourceMark const& where,
+                 config::Diagnostics& diagnostics) {
+    auto const length = static_cast<int>(process.run_on.size());
+    if (process.program.name == "exec") {
+        diagnostics.error(
+            where,
+            fmt::format("process '{}' is a program of your own, which is not in the board's image", process.name.name),
+            "`run_on: qemu-user`", length);
+    }
+    for (Process const& other : scenario.processes) {
+        if (&other != &process && other.host.name == process.host.name) {
+            diagnostics.error(where,
+                              fmt::format("process '{}' is a board of its own, and '{}' runs on the same host '{}'",
+                                          process.name.name, other.name.name, process.host.name),
+                              "give it a host of its own", length);
+            return;
+        }
+    }
+}
 
 } // namespace
 
@@ -58,6 +80,8 @@ void check_run_on(Scenario const& scenario, config::Diagnostics& diagnostics) {
                 fmt::format("process '{}' runs on '{}', but {} stays on the machine that runs the scenario",
                             process.name.name, process.run_on, process.program.name),
                 "`run_on: native`", static_cast<int>(process.run_on.size()));
+        } else if (run_on->kind == RunOn::Kind::qemu_system) {
+            check_board(scenario, process, where, diagnostics);
         }
     }
 }

@@ -15,8 +15,9 @@ struct Scenario;
 /// Where a process runs: `run_on:` of a scenario.
 struct RunOn {
     enum class Kind {
-        native,    ///< on this machine
-        qemu_user, ///< the program for ARM64, emulated instruction by instruction on this machine's kernel
+        native,      ///< on this machine
+        qemu_user,   ///< the program for ARM64, emulated instruction by instruction on this machine's kernel
+        qemu_system, ///< an emulated ARM64 board with a kernel of its own, which takes the place of the host
     } kind{Kind::native};
 
     [[nodiscard]] bool is_emulated() const { return kind != Kind::native; }

@@ -78,7 +78,7 @@ void describe_process(Fields& f, Process& p) {
     f.reference("program", p.program, {.doc = "what is started", .required = true});
     f.reference("host", p.host, {.doc = "where it runs", .required = true});
     f.reference("qos", p.qos, {.doc = "role: qos/<role>.xml"});
-    f.text("run_on", p.run_on, {.doc = "native, qemu-user, qemu-system or ssh:HOST"});
+    f.text("run_on", p.run_on, {.doc = "native, qemu-user or qemu-system"});
     std::int64_t cpu = -1;
     f.integer("cpu", cpu, {.doc = "processor it is bound to", .min = 0, .max = 1023});
     if (cpu >= 0) {

@@ -56,6 +56,9 @@ def main():
             if not arguments.arm64:
                 print(f"{file.stem:32} not in this tier (runs in the tier arm64)")
             continue
+        if plan.get("root") and os.geteuid() != 0:
+            print(f"{file.stem:32} NOT RUN: needs root")
+            continue
         if (arguments.sanitizer and plan.get("sanitizer") is False):
             continue
         if "not_yet" in plan:

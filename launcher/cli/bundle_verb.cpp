@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/cli/bundle_verb.hpp"
+
+#include "common/text.hpp"
+#include "launcher/cli/load.hpp"
+#include "launcher/run/emulation.hpp"
+#include "launcher/run/installation.hpp"
+#include "launcher/run/run_plan.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <memory>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gridspace::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace launcher;
+
+struct BundleArguments {
+    ScenarioArguments scenario;
+    std::string process, arch{"arm64"};
+    fs::path out{"."};
+};
+
+/// Runs a program to its end; its exit code.
+int run_and_wait(std::vector<std::string> words) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) {
+        arguments.push_back(word.data());
+    }
+    arguments.push_back(nullptr);
+    pid_t const pid = ::fork();
+    if (pid == 0) {
+        ::execvp(arguments[0], arguments.data());
+        ::_exit(127);
+    }
+    int status = 0;
+    ::waitpid(pid, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/// "mgmt0 02:… 10.254.0.4/24" for each interface of the host.
+std::string network_of(RunPlan const& plan, std::string const& host) {
+    std::string text;
+    for (Port const& port : plan.ports) {
+        if (port.host == host) {
+            text += fmt::format("{} {} {}\n", port.interface, port.mac,
+                                port.address.empty() ? "-" : fmt::format("{}/{}", port.address, port.prefix));
+        }
+    }
+    return text;
+}
+
+int bundle(BundleArguments const& a) {
+    auto const scenario = load(a.scenario);
+    if (!scenario) {
+        return static_cast<int>(ExitCode::usage);
+    }
+    PlanOptions options;
+    options.folder = fs::absolute(a.out);
+    RunPlan const plan = make_plan(*scenario, options);
+    auto const it = std::find_if(plan.processes.begin(), plan.processes.end(),
+                                 [&](PlannedProcess const& p) { return p.name == a.process; });
+    if (it == plan.processes.end()) {
+        std::vector<std::string> names;
+        for (PlannedProcess const& process : plan.processes) {
+            names.push_back(process.name);
+        }
+        return print_error({ExitCode::usage,
+                            fmt::format("scenario '{}' has no process '{}'", scenario->name, a.process),
+                            fmt::format("there are: {}", join(names, ", "))});
+    }
+    if (it->program == "exec" || it->is_simulator || it->program == "gridspace-monitor") {
+        return print_error({ExitCode::usage,
+                            fmt::format("process '{}' ({}) is nothing for a board", it->name, it->program),
+                            "agents, gateways, recorder and link process are"});
+    }
+    fs::path const program = a.arch == "arm64" ? arm64_files().programs / it->program : program_file(it->program);
+    std::string const machine = machine_of(program), wanted = a.arch == "arm64" ? "ARM64" : "x86-64";
+    if (machine != wanted) {
+        return print_error(
+            {ExitCode::environment,
+             machine.empty() ? fmt::format("there is no {} for {} ({})", it->program, a.arch, program.string())
+                             : fmt::format("'{}' is a program for {}, not for {}", program.string(), machine, wanted),
+             a.arch == "arm64" ? "./gridspace arm64 build makes it" : "is Gridspace built completely?"});
+    }
+    std::error_code error;
+    fs::create_directories(a.out, error);
+    fs::path const stage = fs::absolute(a.out) / fmt::format(".bundle-{}-{}", it->name, ::getpid());
+    fs::create_directories(stage, error);
+    std::ofstream{stage / "config.yaml"} << to_yaml(it->config);
+    std::ofstream{stage / "network"} << network_of(plan, it->host);
+    if (error || !fs::exists(stage / "config.yaml")) {
+        return print_error({ExitCode::environment, fmt::format("cannot write into '{}'", a.out.string()),
+                            "--out names another folder"});
+    }
+    fs::path const share = qos_file("member").parent_path().parent_path(); // source tree or share/gridspace
+    fs::path const libraries = a.arch == "arm64" ? arm64_files().root : fs::path{"/"};
+    int const code = run_and_wait({"sh", (share / "scripts/board/bundle.sh").string(), it->name, a.arch,
+                                   program.string(), stage.string(), libraries.string(), fs::absolute(a.out).string()});
+    fs::remove_all(stage, error);
+    return code;
+}
+
+} // namespace
+
+void add_bundle_verb(CLI::App& app, std::function<int()>& action) {
+    auto const a = std::make_shared<BundleArguments>();
+    CLI::App* verb =
+        app.add_subcommand("bundle", "pack one process of a scenario for a board: tarball and Debian package");
+    verb->add_option("SCENARIO", a->scenario.file, "scenario file")->required();
+    verb->add_option("PROCESS", a->process, "name of the process")->required();
+    verb->add_option("--arch", a->arch, "arm64 or amd64")->check(CLI::IsMember({"arm64", "amd64"}));
+    verb->add_option("--out", a->out, "folder for the two files (default: this one)");
+    verb->add_option("--set", a->scenario.set, "override a value")->take_all()->allow_extra_args(false);
+    verb->callback([a, &action] { action = [a] { return bundle(*a); }; });
+}
+
+} // namespace gridspace::cli

@@ -1,0 +1,126 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Packs one process for a board (used by `gridspace bundle`, which has checked that the program is for the architecture):
+#   bundle.sh NAME ARCH PROGRAM STAGE ROOT OUT
+# STAGE holds its config.yaml and network; ROOT is a file system of ARCH with the libraries. Makes OUT/gridspace-NAME_ARCH.tar.gz, which
+# brings its libraries along, and OUT/gridspace-NAME_ARCH.deb, which depends on Debian's.
+set -eu
+name=$1 arch=$2 program=$3 stage=$4 root=$5 out=$6
+here=$(dirname "$(readlink -f "$0")")
+case $arch in arm64) triplet=aarch64-linux-gnu machine=aarch64 loader=ld-linux-aarch64.so.1 ;; *) triplet=x86_64-linux-gnu machine=x86_64 loader=ld-linux-x86-64.so.2 ;; esac
+fail() { echo "error: $1; $2" >&2; exit 3; }
+for tool in dpkg-deb readelf; do command -v "$tool" >/dev/null || fail "the program $tool is missing" "apt install dpkg binutils"; done
+base=$(basename "$program")
+version=$("$(dirname "$0")/../../build/release/bin/gridspace" --version 2>/dev/null | sed -n 's/^gridspace \([0-9.]*\).*/\1/p')
+version=${version:-0.1.0}
+
+# The files that the configuration names come along, and it names them where they will be.
+conf=/etc/gridspace/$name
+mkdir -p "$stage/conf"
+cp "$stage/config.yaml" "$stage/conf/config.yaml"
+for file in $(grep -oE '/[^] ",}]+' "$stage/config.yaml" | tr -d "'" | sort -u); do
+  [ -f "$file" ] || continue
+  [ ! -e "$stage/conf/$(basename "$file")" ] || fail "two files of '$name' are called $(basename "$file")" "rename one"
+  cp "$file" "$stage/conf/"
+  sed -i "s|$file|$conf/$(basename "$file")|g" "$stage/conf/config.yaml"
+done
+cp "$stage/network" "$stage/conf/network"
+
+# What it may do on the board: raw frames for who sends or receives them, nothing more.
+raw=""
+grep -q '^  wire:' "$stage/config.yaml" && raw=yes
+{
+  sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g" "$here/gridspace.service.in"
+  if [ -n "$raw" ]; then
+    printf 'AmbientCapabilities=CAP_NET_RAW\nCapabilityBoundingSet=CAP_NET_RAW\nRestrictAddressFamilies=AF_INET AF_NETLINK AF_UNIX AF_PACKET\n'
+  else
+    printf 'CapabilityBoundingSet=\nRestrictAddressFamilies=AF_INET AF_NETLINK AF_UNIX\n'
+  fi
+} >"$stage/gridspace-$name.service"
+sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g; s|@MACHINE@|$machine|g" "$here/start.in" >"$stage/start"
+sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g; s|@ARCH@|$arch|g; s|@MACHINE@|$machine|g" "$here/README.in" >"$stage/README"
+sed 's/^/    /' "$stage/network" >>"$stage/README"
+
+# libraries NEEDED...: every library that is needed, and what those need, without the C library (which is the board's).
+needed() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p'; }
+collect() {
+  for library in $(needed "$1"); do
+    case $library in libc.so.* | libm.so.* | libpthread.so.* | libdl.so.* | librt.so.* | "$loader") continue ;; esac
+    [ ! -e "$stage/lib/$library" ] || continue
+    found=""
+    for folder in "$root/usr/lib/$triplet" "$root/lib/$triplet"; do [ ! -e "$folder/$library" ] || found=$folder/$library; done
+    [ -n "$found" ] || fail "the library $library, which $base needs, is not in $root" "./gridspace arm64 build"
+    cp -L "$found" "$stage/lib/$library"
+    collect "$found"
+  done
+}
+mkdir -p "$stage/lib"
+collect "$program"
+
+# strip FILE TO: without symbols where there is a tool for the architecture.
+strip_to() { "$triplet-strip" -o "$2" "$1" 2>/dev/null || cp "$1" "$2"; }
+
+tree=$stage/gridspace-$name
+mkdir -p "$tree/bin" "$tree/conf"
+strip_to "$program" "$tree/bin/$base"
+cp "$stage/start" "$tree/start" && cp "$stage/README" "$tree/README" && cp -r "$stage/lib" "$tree/lib" && cp "$stage"/conf/* "$tree/conf/"
+sed "s|$conf/|/opt/gridspace-$name/conf/|g" "$stage/conf/config.yaml" >"$tree/conf/config.yaml"
+sed "s|/usr/lib/gridspace/$name|/opt/gridspace-$name|g" "$stage/gridspace-$name.service" >"$tree/gridspace-$name.service"
+chmod 755 "$tree/start" "$tree/bin/$base"
+tar -C "$stage" --owner=0 --group=0 --sort=name --mtime=@0 -czf "$out/gridspace-${name}_$arch.tar.gz" "gridspace-$name"
+
+# The Debian package: program and start script in /usr/lib/gridspace/NAME, configuration in /etc/gridspace/NAME.
+deb=$stage/deb
+mkdir -p "$deb/DEBIAN" "$deb/usr/lib/gridspace/$name/bin" "$deb$conf" "$deb/lib/systemd/system" "$deb/usr/share/doc/gridspace-$name"
+cp "$tree/bin/$base" "$deb/usr/lib/gridspace/$name/bin/"
+cp "$stage/start" "$deb/usr/lib/gridspace/$name/start" && chmod 755 "$deb/usr/lib/gridspace/$name/start"
+cp "$stage"/conf/* "$deb$conf/"
+cp "$stage/gridspace-$name.service" "$deb/lib/systemd/system/"
+cp "$stage/README" "$deb/usr/share/doc/gridspace-$name/README"
+depends=""
+for library in $(needed "$program"); do
+  case $library in
+    libc.so.6 | libm.so.6) package="libc6 (>= 2.36)" ;;
+    libgcc_s.so.1) package=libgcc-s1 ;;
+    libstdc++.so.6) package="libstdc++6 (>= 12)" ;;
+    libfastrtps.so.2.9) package=libfastrtps2.9 ;;
+    libfastcdr.so.1) package=libfastcdr1 ;;
+    libyaml-cpp.so.0.7) package=libyaml-cpp0.7 ;;
+    libfmt.so.9) package=libfmt9 ;;
+    libcrypto.so.3) package=libssl3 ;;
+    libzstd.so.1) package=libzstd1 ;;
+    libz.so.1) package=zlib1g ;;
+    libtinyxml2.so.9) package=libtinyxml2-9 ;;
+    "$loader") continue ;;
+    *) fail "no Debian package is known for the library $library" "add it to $0" ;;
+  esac
+  case ", $depends," in *", $package,"*) ;; *) depends="$depends${depends:+, }$package" ;; esac
+done
+debname=gridspace-$(printf '%s' "$name" | tr '[:upper:]_' '[:lower:]-')
+cat >"$deb/DEBIAN/control" <<CONTROL
+Package: $debname
+Version: $version
+Architecture: $arch
+Maintainer: Gridspace contributors <noreply@example.org>
+Depends: $depends
+Section: science
+Priority: optional
+Description: Gridspace device '$name' ($base)
+ One process of a Gridspace scenario, configured, as a service of systemd.
+CONTROL
+(cd "$deb" && find etc -type f | sed 's|^|/|') >"$deb/DEBIAN/conffiles"
+cat >"$deb/DEBIAN/postinst" <<POST
+#!/bin/sh
+set -e
+if [ "\$1" = configure ] && [ -d /run/systemd/system ]; then
+  systemctl daemon-reload
+  echo "gridspace-$name: read /usr/share/doc/gridspace-$name/README, then: systemctl enable --now gridspace-$name"
+fi
+POST
+chmod 755 "$deb/DEBIAN/postinst"
+find "$deb" -type d -exec chmod 755 {} +
+dpkg-deb --root-owner-group -Zxz --build "$deb" "$out/gridspace-${name}_$arch.deb" >/dev/null
+echo "$out/gridspace-${name}_$arch.tar.gz"
+echo "$out/gridspace-${name}_$arch.deb"
