@@ -66,6 +66,15 @@ run_scenarios() {
   return "$status"
 }
 
+# Bundles for boards, and what is said about mistakes.
+run_bundle_tests() {
+  local log=$root/build/arm64-bundle.log status=0
+  GRIDSPACE=$root/build/release/bin/gridspace python3 "$root/tests/arm64/bundle_test.py" >"$log" 2>&1 || status=$?
+  [ "$status" -eq 0 ] || cat "$log"
+  echo "ARM64 bundles and mistakes: $(grep '^Ran ' "$log"), $(tail -n 1 "$log")"
+  return "$status"
+}
+
 case ${1:-} in
   image)
     prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 programs && make_board_image
@@ -78,6 +87,7 @@ case ${1:-} in
     ensure_programs || exit
     worst=0
     run_unit_tests || worst=1
+    run_bundle_tests || worst=1
     run_scenarios || worst=1
     exit "$worst"
     ;;

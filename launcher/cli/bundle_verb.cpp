@@ -3,6 +3,7 @@
 #include "launcher/cli/bundle_verb.hpp"
 
 #include "common/text.hpp"
+#include "common/version.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/installation.hpp"
@@ -103,7 +104,7 @@ int bundle(BundleArguments const& a) {
     fs::path const share = qos_file("member").parent_path().parent_path(); // source tree or share/gridspace
     fs::path const libraries = a.arch == "arm64" ? arm64_files().root : fs::path{"/"};
     int const code = run_and_wait({"sh", (share / "scripts/board/bundle.sh").string(), it->name, a.arch,
-                                   program.string(), stage.string(), libraries.string(), fs::absolute(a.out).string()});
+                                   program.string(), stage.string(), libraries.string(), fs::absolute(a.out).string(), std::string{gridspace::version().version}});
     fs::remove_all(stage, error);
     return code;
 }

@@ -3,18 +3,16 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Packs one process for a board (used by `gridspace bundle`, which has checked that the program is for the architecture):
-#   bundle.sh NAME ARCH PROGRAM STAGE ROOT OUT
+#   bundle.sh NAME ARCH PROGRAM STAGE ROOT OUT VERSION
 # STAGE holds its config.yaml and network; ROOT is a file system of ARCH with the libraries. Makes OUT/gridspace-NAME_ARCH.tar.gz, which
 # brings its libraries along, and OUT/gridspace-NAME_ARCH.deb, which depends on Debian's.
 set -eu
-name=$1 arch=$2 program=$3 stage=$4 root=$5 out=$6
+name=$1 arch=$2 program=$3 stage=$4 root=$5 out=$6 version=$7
 here=$(dirname "$(readlink -f "$0")")
 case $arch in arm64) triplet=aarch64-linux-gnu machine=aarch64 loader=ld-linux-aarch64.so.1 ;; *) triplet=x86_64-linux-gnu machine=x86_64 loader=ld-linux-x86-64.so.2 ;; esac
 fail() { echo "error: $1; $2" >&2; exit 3; }
 for tool in dpkg-deb readelf; do command -v "$tool" >/dev/null || fail "the program $tool is missing" "apt install dpkg binutils"; done
 base=$(basename "$program")
-version=$("$(dirname "$0")/../../build/release/bin/gridspace" --version 2>/dev/null | sed -n 's/^gridspace \([0-9.]*\).*/\1/p')
-version=${version:-0.1.0}
 
 # The files that the configuration names come along, and it names them where they will be.
 conf=/etc/gridspace/$name
