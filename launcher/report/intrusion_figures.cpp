@@ -53,7 +53,10 @@ Label const* clearest(IntrusionRecording const& recording, Track const& track) {
         std::int64_t const gap = std::llround(track.rate_hz / 60);
         bool const is_alone = (at == forged.begin() || l.index - *std::prev(at) >= gap) &&
                               (std::next(at) == forged.end() || *std::next(at) - l.index >= gap);
-        alone = is_alone && farther(alone, l) ? &l : alone;
+        // A loop that is locked out would only show itself.
+        auto const* before = sample_at(track, l.index - 1);
+        bool const trusted = before == nullptr || !before->phases[l.channel].flagged;
+        alone = is_alone && trusted && farther(alone, l) ? &l : alone;
     }
     return alone != nullptr ? alone : best;
 }
@@ -252,9 +255,8 @@ std::vector<Drawing> intrusion_drawings(IntrusionScore const& score) {
             continue;
         }
         cli::Scatter plot;
-        plot.title = fmt::format(
-            "{} on {}: detected fakes against false positives, threshold from 0.1 to 40 times the one used (x1)",
-            track.detector, track.stream);
+        plot.title =
+            fmt::format("{} on {}: threshold from 0.1 to 40 times the one used (x1)", track.detector, track.stream);
         plot.x_label = "false positives, % of genuine phase-samples (open loop)";
         plot.y_label = "detected, % of forged phase-samples";
         plot.x_log = true;
