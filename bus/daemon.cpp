@@ -4,6 +4,7 @@
 
 #include "common/config/merge.hpp"
 #include "common/log.hpp"
+#include "common/realtime.hpp"
 #include "common/version.hpp"
 
 #include <CLI/CLI.hpp>
@@ -273,6 +274,10 @@ int run_daemon(Daemon const& daemon, int argc, char** argv) {
         return 0;
     }
     prctl(PR_SET_NAME, std::string{daemon.program}.substr(0, 15).c_str()); // what ps and pgrep show
+    if (node.clock.mode == bus::ClockMode::realtime) {
+        std::string const why_not = lock_memory();
+        log::info("{}; {}", scheduling_text(), why_not.empty() ? "memory is locked" : "memory is not locked: " + why_not);
+    }
     DaemonRun run{std::move(node), status, [&signals](std::function<void()> stop) { signals.on_stop(std::move(stop)); }};
     Result<void> const result = daemon.run(run);
     signals.on_stop({});

@@ -35,6 +35,13 @@ class SpscRing {
         read_.store(at + 1, std::memory_order_release);
         return true;
     }
+    /// The oldest element, which stays; for the reading thread. nullptr when it is empty.
+    [[nodiscard]] T const* front() const {
+        std::uint64_t const at = read_.load(std::memory_order_relaxed);
+        return at == written_.load(std::memory_order_acquire) ? nullptr : &slots_[at % slots_.size()];
+    }
+    /// Takes the oldest element away, once front() has shown it.
+    void drop() { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
     [[nodiscard]] bool empty() const {
         return read_.load(std::memory_order_acquire) == written_.load(std::memory_order_acquire);
     }

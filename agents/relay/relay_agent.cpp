@@ -32,7 +32,11 @@ class RelayAgent {
   public:
     RelayAgent(Settings const& settings, DaemonRun& run, bus::Node& node)
         : settings_{settings}, run_{run}, node_{node}, clock_{node}, grid_{node.config().clock},
-          latency_ns_{clock_.of(SimTime{} + node.time_base().ceil(settings.relay.latency_us / Rational{1'000'000}))} {}
+          latency_ns_{clock_.of(SimTime{} + node.time_base().ceil(settings.relay.latency_us / Rational{1'000'000}))} {
+        if (!node.lockstep()) {
+            latency_ns_ = std::llround(static_cast<double>(latency_ns_) / settings.wire.speed);
+        }
+    }
 
     Result<void> run() {
         if (auto ok = prepare(); !ok) {
@@ -131,7 +135,7 @@ class RelayAgent {
 
     Result<void> open_signals() {
         std::string const prefix = "relay." + node_.config().process + ".";
-        auto state = bus::SignalPublisher::create(node_, "relay", 0, {{prefix + "pickup", ""}, {prefix + "trip", ""}, {prefix + "blocked", ""}});
+        auto state = bus::SignalPublisher::create(node_, "relay", 0, {{prefix + "pickup", ""}, {prefix + "trip", ""}, {prefix + "blocked", ""}, {prefix + "sample_s", "s"}});
         if (!state) {
             return std::unexpected{state.error()};
         }
@@ -279,7 +283,7 @@ class RelayAgent {
             blocked_ = out.blocked != 0;
             publish_state();
             if (changed && settings_.relay.trip_output == RelayConfig::TripOutput::enabled) {
-                trip_->set(tripped_, node_.lockstep() ? now_ns_ + latency_ns_ : now_ns_);
+                trip_->set(tripped_, now_ns_ + latency_ns_); // in real time at least so late: a hold-back
             }
         }
     }
@@ -298,7 +302,7 @@ class RelayAgent {
     [[nodiscard]] SimTime now() const { return node_.lockstep() ? clock_.at_or_after(now_ns_) : node_.latest_time(); }
 
     void publish_state() {
-        std::array<double, 3> const row{pickup_ ? 1.0 : 0.0, tripped_ ? 1.0 : 0.0, blocked_ ? 1.0 : 0.0};
+        std::array<double, 4> const row{pickup_ ? 1.0 : 0.0, tripped_ ? 1.0 : 0.0, blocked_ ? 1.0 : 0.0, instant_of(relay_->relay().output().index)};
         state_signals_->row(now(), row);
         relay_->relay().events().drain([&](RelayEvent const& event) {
             std::string text = fmt::format("sample {}", event.index);

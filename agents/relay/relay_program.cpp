@@ -20,7 +20,7 @@ void describe(config::Fields& f, RelayConfig& config) {
                      {.doc = "blocked: it decides and records, and sends no trip"});
     describe(f, config.logic);
     f.object("ids", {.doc = "intrusion detector in front of the relay"}, [&](config::Fields& d) { describe(d, config.ids.emplace()); });
-    f.fraction("latency_us", config.latency_us, {.doc = "lockstep: from a frame to the message", .min = 0});
+    f.fraction("latency_us", config.latency_us, {.doc = "from a frame to the message; in real time the message is held back until then", .min = 0});
     f.number("frequency_hz", config.frequency_hz, {.doc = "nominal frequency; from the network when not given", .above = 0});
     auto const polarity = {std::pair<std::string_view, Positive>{"from_to", Positive::from_to}, {"into_line", Positive::into_line}};
     f.object("positive", {.doc = "direction that each end counts positive; from the network's transformers when not given"}, [&](config::Fields& p) {

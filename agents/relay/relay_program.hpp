@@ -26,7 +26,7 @@ struct RelayConfig {
     RelayLogicConfig logic;
     std::optional<ids::DetectorConfig> ids; ///< the intrusion detector in front of it
     double partner_timeout_ms{20}; ///< how long the sample of one end waits for the other
-    Rational latency_us{900};      ///< lockstep: from a frame to the message
+    Rational latency_us{900};      ///< from a frame to the message; in real time a hold-back
     double frequency_hz{60};       ///< of the network; the launcher takes it from there
     Positive from_positive{Positive::from_to}, to_positive{Positive::from_to}; ///< of the CTs; the launcher takes them from the network
 };

@@ -17,7 +17,7 @@ struct BreakerConfig {
     Ref to;                      ///< DDS topic of TripCommand
     enum class OnLoss { hold, open } on_loss{OnLoss::hold};
     bool accept_test{false};     ///< act on messages marked simulated
-    Rational latency_us{1000};   ///< lockstep: from the message to the effect of the command
+    Rational latency_us{1000};   ///< from the message to the effect of the command; in real time no sooner
 
     [[nodiscard]] Ref stream() const { return {from.name.substr(0, from.name.find('.')), from.where}; }
     [[nodiscard]] std::string field() const {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `gridspace doctor`: what this machine allows, tried rather than guessed.
+#include "common/realtime.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/installation.hpp"
 #include "launcher/run/namespaces.hpp"
@@ -76,12 +77,10 @@ Finding try_virtual_network() {
 }
 
 Finding try_real_time() {
-    rlimit limit{};
-    ::getrlimit(RLIMIT_RTPRIO, &limit);
-    bool const root = ::geteuid() == 0;
-    std::string const detail = root ? "SCHED_FIFO as root" : limit.rlim_cur > 0 ? fmt::format("SCHED_FIFO up to priority {}", limit.rlim_cur) : "no SCHED_FIFO";
-    return {root || limit.rlim_cur > 0 ? Level::ok : Level::note, "real-time priority", detail,
-            root || limit.rlim_cur > 0 ? "" : "real-time runs are measured honestly, but may be late more often; `rtprio` in /etc/security/limits.conf"};
+    constexpr int kHighest = 49; // that a run uses
+    bool const may = may_schedule_fifo(kHighest);
+    return {may ? Level::ok : Level::note, "real-time priority", may ? "SCHED_FIFO" : "no SCHED_FIFO",
+            may ? "" : "real-time runs are measured honestly, but may be late more often; `rtprio` in /etc/security/limits.conf"};
 }
 
 Finding check_locked_memory() {

@@ -35,6 +35,9 @@ struct Range {
     double low{0}, high{1};
 };
 
+/// On the axis: the value, or its logarithm. Nothing that was counted is drawn half a one down.
+double scaled(Figure const& f, double v) { return !f.log_y ? v : v > 0 ? std::log10(v) : f.x_label.empty() ? std::nan("") : std::log10(0.5); }
+
 Range value_range(Figure const& f) {
     Range r{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     auto const include = [&](double v) {
@@ -44,10 +47,15 @@ Range value_range(Figure const& f) {
         }
     };
     for (Figure::Series const& s : f.series) {
-        std::for_each(s.values.begin(), s.values.end(), include);
+        for (std::size_t i = 0; i < s.values.size(); ++i) { // what a line holds at the begin of the window is drawn too
+            bool const begun = i + 1 >= s.values.size() || static_cast<double>(s.times_ns[i + 1]) / 1e9 >= f.from_s;
+            if (begun && static_cast<double>(s.times_ns[i]) / 1e9 <= f.to_s) {
+                include(scaled(f, s.values[i]));
+            }
+        }
     }
     for (Figure::Line const& line : f.lines) {
-        include(line.value);
+        include(scaled(f, line.value));
     }
     if (!(r.low <= r.high)) {
         return {0, 1};
@@ -111,24 +119,31 @@ TimeUnit time_unit(double span_s) {
 }
 
 std::string to_svg(Figure const& f) {
-    TimeUnit const unit = time_unit(f.to_s - f.from_s);
+    TimeUnit const unit = f.x_label.empty() ? time_unit(f.to_s - f.from_s) : TimeUnit{f.x_label, 1};
     Range const y = value_range(f);
     double const span = std::max(1e-12, f.to_s - f.from_s);
     auto const px = [&](double t) { return kLeft + (t - f.from_s) / span * (kWidth - kLeft - kRight); };
-    auto const py = [&](double v) { return kTop + (y.high - v) / (y.high - y.low) * (kHeight - kTop - kBottom); };
+    auto const py = [&](double v) { return kTop + (y.high - scaled(f, v)) / (y.high - y.low) * (kHeight - kTop - kBottom); };
     double const x0 = kLeft, x1 = kWidth - kRight, y0 = kHeight - kBottom, y1 = kTop;
 
     std::string out = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" "
-                                  "data-from=\"{}\" data-to=\"{}\" data-unit=\"{}\" data-unit-s=\"{}\" data-left=\"{}\" data-right=\"{}\" "
+                                  "data-axis=\"{}\" data-from=\"{}\" data-to=\"{}\" data-unit=\"{}\" data-unit-s=\"{}\" data-left=\"{}\" data-right=\"{}\" "
                                   "data-top=\"{}\" data-bottom=\"{}\" data-low=\"{}\" data-high=\"{}\">\n",
-                                  kWidth, kHeight, escape(f.title), shortest(f.from_s), shortest(f.to_s), unit.name, unit.seconds, x0, x1, y1,
+                                  kWidth, kHeight, escape(f.title), f.axis, shortest(f.from_s), shortest(f.to_s), unit.name, unit.seconds, x0, x1, y1,
                                   y0, shortest(y.low), shortest(y.high));
     out += "<style>text{font:11px system-ui,-apple-system,'Segoe UI',sans-serif;fill:currentColor}"
            ".grid{stroke:currentColor;stroke-opacity:.13}.axis{stroke:currentColor;stroke-opacity:.55}"
            ".limit{stroke:currentColor;stroke-opacity:.6;stroke-dasharray:2 3}.mark{stroke-dasharray:5 3}"
            ".data{fill:none;stroke-width:1.5;stroke-linejoin:round}.dim{fill-opacity:.75;font-size:10px}</style>\n";
     out += fmt::format("<g class=\"ticks\">\n");
-    for (double const v : ticks(y.low, y.high, 6)) {
+    std::vector<double> y_ticks = ticks(y.low, y.high, 6);
+    if (f.log_y) {
+        y_ticks.clear();
+        for (double decade = std::ceil(y.low); decade <= y.high; ++decade) {
+            y_ticks.push_back(std::pow(10, decade));
+        }
+    }
+    for (double const v : y_ticks) {
         out += fmt::format("<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/><text x=\"{}\" y=\"{:.1f}\" "
                            "text-anchor=\"end\">{:.5g}</text>\n",
                            x0, x1, py(v), py(v), x0 - 6, py(v) + 4, v);
@@ -152,13 +167,16 @@ std::string to_svg(Figure const& f) {
     }
     for (std::size_t i = 0; i < f.series.size(); ++i) {
         Figure::Series const& s = f.series[i];
-        std::string path;
+        std::string path, dots;
         double last_y = 0;
         for (auto const& [t, v] : drawn_points(s, f.from_s, f.to_s)) {
-            if (!std::isfinite(v)) {
+            if (!std::isfinite(scaled(f, v))) {
                 continue;
             }
             double const x = px(t), yy = py(v);
+            if (s.points) {
+                dots += fmt::format("M{:.2f} {:.2f}h.01", x, yy);
+            }
             if (path.empty()) {
                 path = fmt::format("M{:.2f} {:.2f}", x, yy);
             } else {
@@ -171,6 +189,10 @@ std::string to_svg(Figure const& f) {
         }
         out += fmt::format("<path class=\"data\" d=\"{}\" stroke=\"{}\"{} vector-effect=\"non-scaling-stroke\"/>\n", path, colour(s.colour, i),
                            s.dashed ? " stroke-dasharray=\"6 3\"" : "");
+        if (!dots.empty()) { // dots that stay round when the drawing is stretched
+            out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"6\" stroke-linecap=\"round\" vector-effect=\"non-scaling-stroke\"/>\n", dots,
+                               colour(s.colour, i));
+        }
     }
     for (std::size_t i = 0; i < f.marks.size(); ++i) {
         Figure::Mark const& mark = f.marks[i];
@@ -187,7 +209,7 @@ std::string to_svg(Figure const& f) {
     }
     out += fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/><line class=\"axis\" x1=\"{0}\" x2=\"{0}\" y1=\"{2}\" y2=\"{3}\"/>\n",
                        x0, x1, y0, y1);
-    out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">time, {}</text><text x=\"{}\" y=\"14\">{}</text>\n", x1, kHeight - 4, unit.name, x0 - 40,
+    out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text><text x=\"{}\" y=\"14\">{}</text>\n", x1, kHeight - 4, f.x_label.empty() ? "time, " + unit.name : f.x_label, x0 - 40,
                        escape(f.y_label));
     double x = x0 + 130;
     for (std::size_t i = 0; i < f.series.size(); ++i) {
@@ -203,7 +225,7 @@ std::string to_svg(Figure const& f) {
 }
 
 std::string to_csv(Figure const& f) {
-    std::string out = "time_s";
+    std::string out = f.x_label.empty() ? "time_s" : "x";
     std::set<std::int64_t> times;
     for (Figure::Series const& s : f.series) {
         out += "," + s.name;

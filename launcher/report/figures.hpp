@@ -16,6 +16,7 @@ struct ReportTable {
     std::string title;
     std::vector<std::string> header;
     std::vector<std::vector<std::string>> rows;
+    std::string note{}; ///< the method, below the table
 };
 
 /// The figures that a run's signals call for: what kinds of elements it has decides, not which scenario it is. Limits come

@@ -7,7 +7,9 @@
 #include "common/time.hpp"
 #include "launcher/report/figures.hpp"
 #include "launcher/report/intrusion_figures.hpp"
+#include "launcher/report/protection_figures.hpp"
 #include "launcher/report/report_assets.hpp"
+#include "launcher/report/wire_timing_page.hpp"
 
 #include <fmt/format.h>
 #include <fstream>
@@ -45,7 +47,7 @@ std::string table(ReportTable const& t) {
     for (auto const& cells : t.rows) {
         out += row(cells, "td");
     }
-    return out + "</table></section>\n";
+    return out + "</table>" + (t.note.empty() ? "" : "<p class=\"method\">" + escape(t.note) + "</p>") + "</section>\n";
 }
 
 std::string expectations(Results const& r) {
@@ -71,10 +73,14 @@ std::string facts(Results const& r) {
         {"simulated", human_duration(r.outcome.simulated_s)},
         {"wall time", fmt::format("{} (×{:.4g})", human_duration(r.outcome.wall_s), speed)},
         {"overruns", std::to_string(r.outcome.overruns)},
+        {"scheduling", r.scheduling.empty() ? "" : r.scheduling.substr(0, r.scheduling.find(':'))},
         {"epoch", format_utc(r.epoch_unix_s)},
     };
     std::string out = "<dl class=\"facts\">";
     for (auto const& [name, value] : items) {
+        if (value.empty()) {
+            continue;
+        }
         out += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escape(value));
     }
     return out + "</dl>\n";
@@ -109,6 +115,18 @@ ReportTable topic_table(Results const& r) {
     return t;
 }
 
+/// Disturbance records, with links.
+std::string files_table(Results const& r) {
+    std::string out;
+    for (std::string const& file : r.comtrade) {
+        out += fmt::format("<li><a href=\"../comtrade/{0}\">{0}</a> and <a href=\"../comtrade/{1}.dat\">.dat</a></li>\n", escape(file), escape(file.substr(0, file.rfind('.'))));
+    }
+    for (std::string const& note : r.notes) {
+        out += fmt::format("<li class=\"warn\">{}</li>\n", escape(note));
+    }
+    return out.empty() ? out : "<section class=\"box\"><h2>Disturbance records (IEEE C37.111-2013)</h2><ul>\n" + out + "</ul></section>\n";
+}
+
 ReportTable event_table(Results const& r) {
     ReportTable t{"Events", {"time", "source", "what"}, {}};
     for (LoggedEvent const& e : r.events) {
@@ -140,8 +158,17 @@ Result<fs::path> write_html_report(Results const& r) {
     for (ReportTable const& t : make_tables(r, scenario)) {
         body += table(t);
     }
+    WireTiming const timing = measure_wire_timing(r, scenario);
+    Published const published = published_of(scenario);
+    for (ReportTable const& t : wire_timing_tables(timing, published)) {
+        body += table(t);
+    }
+    std::vector<Figure> figures = make_figures(r, scenario);
+    for (auto& more : {protection_figures(r, scenario, timing, published), wire_timing_figures(timing, r, published)}) {
+        figures.insert(figures.end(), more.begin(), more.end());
+    }
     std::string data;
-    for (Figure const& figure : make_figures(r, scenario)) {
+    for (Figure const& figure : figures) {
         std::string const svg = to_svg(figure);
         for (auto const& [ending, text] : {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {
             if (auto ok = write(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
@@ -149,8 +176,8 @@ Result<fs::path> write_html_report(Results const& r) {
             }
         }
         body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a> "
-                            "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}</figure>\n",
-                            figure.id, escape(figure.title), svg);
+                            "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}{3}</figure>\n",
+                            figure.id, escape(figure.title), svg, figure.note.empty() ? "" : "<p class=\"method\">" + escape(figure.note) + "</p>");
         data += (data.empty() ? "" : ",") + to_json(figure);
     }
     for (Drawing const& drawing : intrusion_drawings(r.intrusion)) {
@@ -161,7 +188,7 @@ Result<fs::path> write_html_report(Results const& r) {
                             "<img src=\"figures/{0}.svg\" alt=\"{1}\"></figure>\n",
                             drawing.id, escape(drawing.title));
     }
-    body += notes(scenario);
+    body += notes(scenario) + files_table(r);
     if (!r.events.empty()) {
         body += table(event_table(r));
     }

@@ -5,6 +5,7 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
+#include "launcher/report/wire_timing_page.hpp"
 #include "launcher/report/wall_clock.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 
@@ -44,6 +45,7 @@ void read_manifest(fs::path const& folder, Results& out) {
     }
     out.scenario = m.value("scenario", "");
     out.description = m.value("description", "");
+    out.scheduling = m.value("scheduling", "");
     out.duration_s = m.value("duration_s", 0.0);
     if (auto const clock = m.find("clock"); clock != m.end()) {
         out.mode = clock->value("mode", "");
@@ -235,18 +237,24 @@ Result<void> write_summary(Results const& r) {
     for (Results::Topic const& t : r.topics) {
         topics.push_back({{"name", t.topic}, {"type", t.type}, {"samples", t.samples}, {"processes", t.processes}});
     }
-    Json const summary{{"scenario", r.scenario},
+    Json summary{{"scenario", r.scenario},
                        {"mode", r.mode},
                        {"simulated_s", r.outcome.simulated_s},
                        {"wall_s", r.outcome.wall_s},
                        {"exit", r.exit_code()},
                        {"cause", r.outcome.cause},
                        {"overruns", r.outcome.overruns},
+                       {"scheduling", r.scheduling},
                        {"notes", r.notes},
                        {"expectations", expectations},
                        {"processes", processes},
                        {"topics", topics},
                        {"comtrade", r.comtrade}};
+    config::Diagnostics unread;
+    auto const scenario = config::load_yaml(r.folder / "scenario.resolved.yaml", unread);
+    if (auto const timing = scenario ? measure_wire_timing(r, *scenario) : WireTiming{}; !timing.empty()) {
+        summary["wire_timing"] = Json::parse(wire_timing_json(timing));
+    }
     std::error_code ignored;
     fs::create_directories(r.folder / "report", ignored);
     std::ofstream stream{r.folder / "report" / "summary.json", std::ios::trunc};

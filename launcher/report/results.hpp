@@ -38,6 +38,7 @@ struct Results {
     std::string recording_note; ///< when the recording is not complete
     SignalStore signals;        ///< all that were recorded, and what follows from them
     IntrusionScore intrusion;   ///< of detectors and attacks, where there were some
+    std::string scheduling;     ///< of the processes, in real time
     std::vector<std::string> comtrade; ///< disturbance records in RUN/comtrade
     std::vector<std::string> notes;    ///< what the user should know
 

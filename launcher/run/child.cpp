@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/child.hpp"
 
+#include "common/realtime.hpp"
+
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -41,6 +43,9 @@ constexpr int kListenFd = 4;
         CPU_ZERO(&set);
         CPU_SET(static_cast<std::size_t>(*process.cpu), &set);
         ::sched_setaffinity(0, sizeof set, &set); // a processor that does not exist is noted by `doctor`
+    }
+    if (process.fifo_priority > 0) {
+        schedule_fifo(process.fifo_priority); // what came of it the process says in its log
     }
     // Standard descriptors, then 3 (status) and 4 (listening socket). Sources are moved above 10 first: no overlap.
     int const control = ::fcntl(control_read, F_DUPFD, 10), status = ::fcntl(status_write, F_DUPFD, 10),

@@ -215,6 +215,10 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         }
     }
     RunPlan plan = make_plan(scenario, plan_options);
+    settle_scheduling(plan);
+    if (plan.scheduling.starts_with("SCHED_OTHER:")) {
+        progress.note("note: " + plan.scheduling);
+    }
     std::map<std::string, int> listen_fds;
     auto const closer = [&] {
         for (auto const& [name, fd] : listen_fds) {
@@ -265,6 +269,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         plan_options.namespaces = false;
         plan_options.domain = domains->first();
         plan = make_plan(scenario, plan_options);
+        settle_scheduling(plan);
         if (auto ok = write_inputs(scenario, plan, root); !ok) {
             closer();
             return std::unexpected{ok.error()};

@@ -151,6 +151,7 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         {"processes", processes},
         {"isolation", plan.namespaces ? (root ? "network, mount and PID namespaces" : "user, network, mount and PID namespaces")
                                       : "none: loopback interface, own DDS domains"},
+        {"scheduling", plan.scheduling},
         {"host", host_of(root)},
     };
     return write_text(plan.folder / "manifest.json", manifest.dump(2) + "\n");

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_plan.hpp"
 
+#include "common/realtime.hpp"
 #include "common/text.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/installation.hpp"
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 namespace gridspace::launcher {
 namespace {
@@ -107,6 +109,21 @@ std::map<std::string, std::string> environment_of(bus::NodeConfig const& node) {
             {"GRIDSPACE_EXPECTED_READERS", expected_text(node.expected_readers)}};
 }
 
+/// In real time: the shorter its work and the tighter its deadline, the higher. What only watches stays below everybody.
+int fifo_priority(Scenario const& scenario, std::string_view program) {
+    if (scenario.clock.mode == bus::ClockMode::lockstep || !scenario.clock.fifo) {
+        return 0;
+    }
+    static constexpr std::pair<std::string_view, int> kPriorities[]{{"gridspace-link", 49},    {"gridspace-mu", 48},      {"gridspace-relay", 47}, {"gridspace-breaker", 47},
+                                                                    {"gridspace-gateway", 47}, {"gridspace-attacker", 46}, {"gridspace-sim", 45}};
+    for (auto const& [name, priority] : kPriorities) {
+        if (name == program) {
+            return priority;
+        }
+    }
+    return 0;
+}
+
 PlannedProcess plan_process(Scenario const& scenario, Process const& process, Dataflow const& flow, RunPlan const& plan,
                             PlanOptions const& options) {
     PlannedProcess out;
@@ -115,6 +132,7 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
     out.host = process.host.name;
     out.cpu = process.cpu;
     out.run_on = parse_run_on(process.run_on).value_or(RunOn{});
+    out.fifo_priority = fifo_priority(scenario, out.program);
     out.is_simulator = &process == scenario.simulator();
     out.is_member = process.settings->is_member();
     out.is_observer = !out.is_member && !out.is_simulator;
@@ -185,6 +203,28 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
         plan.holds.push_back(std::move(strokes));
     }
     return plan;
+}
+
+void settle_scheduling(RunPlan& plan) {
+    int highest = 0;
+    for (PlannedProcess const& process : plan.processes) {
+        highest = std::max(highest, process.fifo_priority);
+    }
+    if (plan.lockstep) {
+        return;
+    }
+    if (highest == 0) {
+        plan.scheduling = "SCHED_OTHER, as the scenario asks";
+        return;
+    }
+    if (may_schedule_fifo(highest)) {
+        plan.scheduling = "SCHED_FIFO";
+        return;
+    }
+    for (PlannedProcess& process : plan.processes) {
+        process.fifo_priority = 0;
+    }
+    plan.scheduling = "SCHED_OTHER: this user may not use SCHED_FIFO, so timing is at the mercy of what else runs; as root, or with `rtprio` in /etc/security/limits.conf, it is not";
 }
 
 std::string to_text(RunPlan const& plan) {

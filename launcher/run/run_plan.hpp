@@ -23,6 +23,7 @@ struct PlannedProcess {
     std::map<std::string, std::string> environment;
     std::optional<std::int64_t> cpu;
     RunOn run_on;
+    int fifo_priority{0};                 ///< of SCHED_FIFO; 0: the system's usual scheduling
     std::filesystem::path log_file;
     bool is_simulator{false};
     bool is_member{false};                ///< its end before the run's is a failure, also with exit code 0
@@ -52,6 +53,7 @@ struct RunPlan {
     bool lockstep{true};
     bool allow_control{false}; ///< pause, continue, step and stop through the monitor
     double start_timeout_s{30}, member_timeout_s{10};
+    std::string scheduling;        ///< in real time: what the processes run under, and why; for the manifest and the report
 };
 
 struct PlanOptions {
@@ -61,6 +63,9 @@ struct PlanOptions {
     std::string log_level{"info"};
     bool allow_control{false};     ///< the monitor is given the token that RUN/control.token holds
 };
+
+/// Real time: takes SCHED_FIFO from all processes where the system does not permit it, and says so in `scheduling`.
+void settle_scheduling(RunPlan& plan);
 
 [[nodiscard]] RunPlan make_plan(Scenario const& scenario, PlanOptions const& options);
 

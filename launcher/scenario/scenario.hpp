@@ -55,6 +55,7 @@ struct ClockSettings {
     std::optional<std::int64_t> tick_samples;
     double member_timeout_s{10}, start_timeout_s{30};
     bool start_at_utc_second{false};
+    bool fifo{true};                  ///< real time: SCHED_FIFO where it is permitted
 };
 
 struct RecordSettings {

@@ -6,6 +6,7 @@
 #include "launcher/expect/expectation.hpp"
 #include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/published.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/scenario_check.hpp"
 #include "sim/app/engine_factory.hpp"
@@ -44,6 +45,7 @@ void describe_clock(Fields& f, ClockSettings& c) {
     f.number("member_timeout_s", c.member_timeout_s,
              {.doc = "how long a member may take for a tick before the run is stalled; 0: no limit", .min = 0});
     f.number("start_timeout_s", c.start_timeout_s, {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
+    f.choice<bool>("scheduling", c.fifo, {{"fifo", true}, {"normal", false}}, {.doc = "realtime: processes of the chain under SCHED_FIFO where that is permitted, or as all others"});
     std::string start_at;
     f.text("start_at", start_at, {.doc = "utc_second: real time starts on a UTC second"});
     c.start_at_utc_second = start_at == "utc_second";
@@ -142,6 +144,8 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
         s.processes.push_back(std::move(process));
     });
     describe_events(f, s.events);
+    Published published; // read again by the report, from the resolved scenario
+    f.object("published", {.doc = "what a publication says about the same study: shown beside the results"}, [&](Fields& p) { describe(p, published); });
     f.object("record", {.doc = "what is recorded"}, [&](Fields& r) { describe_record(r, s.record); });
     std::vector<Ref> notes;
     f.references("notes", notes, {.doc = "assumptions taken, shown in the report"});

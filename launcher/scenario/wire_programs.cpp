@@ -123,7 +123,7 @@ class BreakerSettings final : public ProcessSettings {
     }
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
         std::string const prefix = "breaker_ied." + process.name.name + ".";
-        return {{prefix + "command", "", 0}, {prefix + "stream_alive", "", 0}};
+        return {{prefix + "command", "", 0}, {prefix + "stream_alive", "", 0}, {prefix + "commanded_after_ms", "ms", 0}, {prefix + "effect_ms", "ms", 0}};
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
@@ -185,6 +185,7 @@ class RelaySettings final : public ProcessSettings {
         for (char const* name : {"pickup", "trip", "blocked"}) {
             out.push_back({prefix + name, "", 0});
         }
+        out.push_back({prefix + "sample_s", "s", 0});
         for (Ref const* stream : {&config_.from_stream, &config_.to_stream}) {
             for (char const* name : {"received", "lost", "duplicate", "late", "invalid"}) {
                 out.push_back({"stream." + stream->name + "." + name, "", 1});

@@ -5,8 +5,17 @@
 #include "common/text.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 namespace gridspace::sim {
+namespace {
+
+/// Bit by bit: a value that is not a number (a breaker that never opened has no time) is the same as before, and != says it is not.
+bool differs(std::vector<double> const& a, std::vector<double> const& b) {
+    return a.size() != b.size() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) != 0;
+}
+
+} // namespace
 
 Result<std::unique_ptr<SignalOutput>> SignalOutput::create(bus::Node& node, Engine const& engine, SimConfig const& config) {
     auto output = std::unique_ptr<SignalOutput>{new SignalOutput};
@@ -32,6 +41,10 @@ Result<std::unique_ptr<SignalOutput>> SignalOutput::create(bus::Node& node, Engi
             return std::unexpected{publisher.error()};
         }
         group.publisher = std::move(*publisher);
+        if (!node.lockstep()) {
+            constexpr std::size_t kRows = 8192; // more than a second
+            group.outbox = std::make_unique<Outbox<std::vector<double>>>(kRows);
+        }
         return {};
     };
     if (auto ok = open(out.sampled_, "electrical", rate.to_double(), std::move(sampled)); !ok) {
@@ -53,6 +66,30 @@ void SignalOutput::Group::read(Engine const& engine) {
     }
 }
 
+void SignalOutput::Group::put(SimTime t) {
+    if (outbox != nullptr) {
+        outbox->put(t, row);
+    } else {
+        publisher->row(t, row);
+    }
+}
+
+void SignalOutput::drain(SimTime until) {
+    for (Group* group : {&sampled_, &switching_}) {
+        if (group->publisher != nullptr) {
+            group->outbox->drain(until, [&](std::vector<double> const& row, SimTime time) { group->publisher->row(time, row); });
+        }
+    }
+}
+
+std::uint64_t SignalOutput::lost() const {
+    std::uint64_t lost = 0;
+    for (Group const* group : {&sampled_, &switching_}) {
+        lost += group->outbox == nullptr ? 0 : group->outbox->lost();
+    }
+    return lost;
+}
+
 void SignalOutput::announce(SimTime now) {
     for (Group* group : {&sampled_, &switching_}) {
         if (group->publisher != nullptr) {
@@ -64,12 +101,12 @@ void SignalOutput::announce(SimTime now) {
 void SignalOutput::observe(SimTime t) {
     if (t.quanta % period_.quanta == 0) {
         sampled_.read(*engine_);
-        sampled_.publisher->row(t, sampled_.row);
+        sampled_.put(t);
     }
     if (switching_.publisher != nullptr) {
         switching_.read(*engine_);
-        if (switching_.row != last_switching_) {
-            switching_.publisher->row(t, switching_.row);
+        if (differs(switching_.row, last_switching_)) {
+            switching_.put(t);
             last_switching_ = switching_.row;
         }
     }

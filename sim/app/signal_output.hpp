@@ -5,6 +5,7 @@
 #include "bus/signal_publisher.hpp"
 #include "sim/app/sim_config.hpp"
 #include "sim/engine/engine.hpp"
+#include "sim/gateway/outbox.hpp"
 
 #include <memory>
 #include <vector>
@@ -21,6 +22,9 @@ class SignalOutput {
     /// At every step.
     void observe(SimTime t);
     void flush();
+    /// Real time, on the publishing thread: publishes what was observed up to `until`.
+    void drain(SimTime until);
+    [[nodiscard]] std::uint64_t lost() const;
 
   private:
     SignalOutput() = default;
@@ -28,6 +32,8 @@ class SignalOutput {
         std::vector<std::size_t> signals;
         std::vector<double> row;
         std::unique_ptr<bus::SignalPublisher> publisher;
+        std::unique_ptr<Outbox<std::vector<double>>> outbox; ///< real time
+        void put(SimTime t);
         void read(Engine const& engine);
     };
 

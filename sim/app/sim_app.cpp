@@ -6,8 +6,10 @@
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 #include "common/pacer.hpp"
+#include "common/realtime.hpp"
 #include "common/text.hpp"
 #include "sim/app/engine_factory.hpp"
+#include "sim/app/publisher_thread.hpp"
 #include "sim/app/signal_output.hpp"
 #include "sim/gateway/bus_gateway.hpp"
 #include "sim/gateway/line_gateway.hpp"
@@ -44,6 +46,7 @@ class SimApp {
         }
         run_.status.ready();
         Result<void> const result = simulate();
+        publisher_.reset();
         run_.on_stop({});
         if (!result) {
             if (!stop_) { // the cause reaches the launcher before its consequences do
@@ -111,6 +114,10 @@ class SimApp {
             clock_.set_start(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
         }
         signals_->announce({});
+        if (!node_.lockstep()) {
+            publisher_ = std::make_unique<PublisherThread>([this](SimTime end, bool final) { return publish(end, final); });
+            step_below_the_others();
+        }
         for (std::uint64_t k = 0;; ++k) {
             SimTime const end = std::min(grid_.end_of(k), duration_);
             log::set_time(node_.time_base().seconds(end));
@@ -132,10 +139,7 @@ class SimApp {
                 gateway->flush();
             }
             bool const final = end == duration_;
-            if (final) {
-                signals_->flush();
-            }
-            if (auto ok = clock_.tick(end, final); !ok) {
+            if (auto ok = publisher_ == nullptr ? publish(end, final) : hand_over(end, final); !ok) {
                 return ok;
             }
             run_.status.progress(node_.time_base().seconds(end), duration_s, pacer_.overruns(), final);
@@ -152,6 +156,41 @@ class SimApp {
                 return ok;
             }
         }
+    }
+
+    /// What belongs to a tick, and the tick itself.
+    Result<void> publish(SimTime end, bool final) {
+        if (publisher_ != nullptr) {
+            for (auto const& gateway : gateways_) {
+                gateway->drain(end);
+            }
+            for (auto const& gateway : line_gateways_) {
+                gateway->drain(end);
+            }
+            signals_->drain(end);
+        }
+        if (final) {
+            signals_->flush();
+        }
+        return clock_.tick(end, final);
+    }
+
+    /// Real time: the publishing thread does it.
+    Result<void> hand_over(SimTime end, bool final) {
+        if (!publisher_->tick_ended(end, final)) {
+            return publisher_->failed() ? publisher_->finish() : fail(ExitCode::stall, "the publishing thread cannot keep up with the simulation");
+        }
+        std::uint64_t lost = signals_->lost();
+        for (auto const& gateway : gateways_) {
+            lost += gateway->lost();
+        }
+        for (auto const& gateway : line_gateways_) {
+            lost += gateway->lost();
+        }
+        if (lost > 0) {
+            return fail(ExitCode::stall, fmt::format("the publishing thread cannot keep up with the simulation: {} messages lost", lost));
+        }
+        return final ? publisher_->finish() : Result<void>{};
     }
 
     /// Process events of the timeline happen between two ticks, while nobody works.
@@ -195,6 +234,7 @@ class SimApp {
     std::vector<std::unique_ptr<BusGateway>> gateways_;
     std::vector<std::unique_ptr<LineGateway>> line_gateways_;
     std::unique_ptr<SignalOutput> signals_;
+    std::unique_ptr<PublisherThread> publisher_; ///< real time; uses what stands above
     std::atomic<bool> stop_{false};
     std::size_t next_hold_{0};
 };

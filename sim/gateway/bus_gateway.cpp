@@ -21,6 +21,10 @@ Result<std::unique_ptr<BusGateway>> BusGateway::create(bus::Node& node, Engine& 
     }
     g.measurements_ = std::move(*writer);
     g.sample_ = std::make_unique<BusMeasurement>();
+    if (!node.lockstep()) {
+        constexpr std::size_t kSamples = 1024;
+        g.outbox_ = std::make_unique<Outbox<BusMeasurement>>(kSamples);
+    }
     g.sample_->bus(bus.c_str());
     std::string const prefix = "bus." + bus;
     for (auto [signal, name] : {std::pair{&g.v_, ".v_pu"}, {&g.angle_, ".angle_deg"}, {&g.frequency_, ".frequency_hz"},
@@ -70,8 +74,18 @@ void BusGateway::publish(SimTime t) {
         ev.current_a(engine_->value(evs_[i].current));
         ev.current_reference_a(engine_->value(evs_[i].reference));
     }
-    measurements_->write(*sample_, t);
+    if (outbox_ != nullptr) {
+        outbox_->put(t, *sample_);
+    } else {
+        measurements_->write(*sample_, t);
+    }
 }
+
+void BusGateway::drain(SimTime until) {
+    outbox_->drain(until, [this](BusMeasurement const& sample, SimTime time) { measurements_->write(sample, time); });
+}
+
+std::uint64_t BusGateway::lost() const { return outbox_ == nullptr ? 0 : outbox_->lost(); }
 
 void BusGateway::take_commands(Simulation& simulation, SimTime until) {
     if (decisions_ == nullptr) {

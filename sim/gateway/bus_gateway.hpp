@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bus/node.hpp"
+#include "sim/gateway/outbox.hpp"
 #include "sim/network/network.hpp"
 #include "sim/runtime/simulation.hpp"
 
@@ -23,8 +24,10 @@ class BusGateway {
                                                                     Network const& network, std::string const& bus);
     ~BusGateway();
 
-    /// Publishes what is measured at the bus at `t`.
+    /// Publishes what is measured at the bus at `t`; in real time drain() does, on the publishing thread.
     void publish(SimTime t);
+    void drain(SimTime until);
+    [[nodiscard]] std::uint64_t lost() const;
 
     /// Passes what has arrived on to the simulation, which now goes on from `now` to `until`. A decision holds for its
     /// valid_for_s; then the charger stops.
@@ -43,6 +46,7 @@ class BusGateway {
     std::unique_ptr<bus::Writer<BusMeasurement>> measurements_;
     std::shared_ptr<bus::Reader<ChargingDecision>> decisions_; ///< only where there are EVs
     std::unique_ptr<BusMeasurement> sample_;
+    std::unique_ptr<Outbox<BusMeasurement>> outbox_; ///< real time
     std::size_t v_{0}, angle_{0}, frequency_{0}, p_{0}, q_{0}; ///< signals
     std::vector<EvPort> evs_;
 };

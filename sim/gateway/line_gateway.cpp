@@ -43,6 +43,10 @@ Result<std::unique_ptr<LineGateway>> LineGateway::create(bus::Node& node, Engine
             return std::unexpected{writer.error()};
         }
         transformer.writer = std::move(*writer);
+        if (!node.lockstep()) {
+            constexpr std::size_t kMessages = 4096; // seconds
+            transformer.outbox = std::make_unique<Outbox<LineCurrents>>(kMessages);
+        }
         g.transformers_.push_back(std::move(transformer));
     }
     for (LineGatewayConfig::Subscribe const& subscribe : config.subscribe) {
@@ -86,7 +90,11 @@ void LineGateway::observe(SimTime t) {
 void LineGateway::send(Transformer& transformer) {
     LineCurrents& message = *transformer.message;
     message.time_ns(node_->time_base().nanoseconds(last_sample_));
-    transformer.writer->write(message, last_sample_);
+    if (transformer.outbox != nullptr) {
+        transformer.outbox->put(last_sample_, message);
+    } else {
+        transformer.writer->write(message, last_sample_);
+    }
     message.samples().clear();
 }
 
@@ -98,14 +106,35 @@ void LineGateway::flush() {
     }
 }
 
+void LineGateway::drain(SimTime until) {
+    for (Transformer& transformer : transformers_) {
+        transformer.outbox->drain(until, [&](LineCurrents const& message, SimTime time) { transformer.writer->write(message, time); });
+    }
+}
+
+std::uint64_t LineGateway::lost() const {
+    std::uint64_t lost = 0;
+    for (Transformer const& transformer : transformers_) {
+        lost += transformer.outbox == nullptr ? 0 : transformer.outbox->lost();
+    }
+    return lost;
+}
+
+/// In real time a command acts when it says, or when it arrives if that is later. What lies far ahead is a stamp of somebody
+/// else's time: then at once, for a trip must not wait.
+SimTime LineGateway::realtime_effect(std::int64_t time_ns, SimTime now) const {
+    constexpr std::int64_t kFarNs = 100'000'000;
+    bool const plausible = time_ns > 0 && time_ns - node_->time_base().nanoseconds(now) < kFarNs;
+    return plausible ? std::max(node_->time_base().from_nanoseconds(time_ns), now) : now;
+}
+
 void LineGateway::take_commands(Simulation& simulation) {
     for (Trip& trip : trips_) {
         for (auto const& received : trip.commands->take()) {
             if (!received.value.status()) {
                 continue; // false never closes
             }
-            // In real time a command acts when it arrives; its delay is what it is.
-            SimTime const effect = node_->lockstep() ? received.origin.time : std::max(received.origin.time, simulation.now());
+            SimTime const effect = node_->lockstep() ? received.origin.time : realtime_effect(received.value.time_ns(), simulation.now());
             for (std::string const& breaker : trip.breakers) {
                 simulation.command(effect, SwitchBreaker{breaker, false});
             }

@@ -4,6 +4,7 @@
 
 #include "bus/node.hpp"
 #include "sim/gateway/gateway_config.hpp"
+#include "sim/gateway/outbox.hpp"
 #include "sim/runtime/simulation.hpp"
 
 #include <array>
@@ -26,6 +27,9 @@ class LineGateway {
     void observe(SimTime t);
     /// The tick ends: what has been gathered is sent, so that nobody waits for a sample of a tick that is over.
     void flush();
+    /// Real time, on the publishing thread: writes what was sent up to `until`.
+    void drain(SimTime until);
+    [[nodiscard]] std::uint64_t lost() const; ///< messages that the publishing thread was too slow for
     /// Passes trip commands on to the simulation, which now goes on from `now`.
     void take_commands(Simulation& simulation);
 
@@ -35,12 +39,14 @@ class LineGateway {
         std::array<std::size_t, 3> phases{}; ///< signals
         std::unique_ptr<LineCurrents> message;
         std::unique_ptr<bus::Writer<LineCurrents>> writer;
+        std::unique_ptr<Outbox<LineCurrents>> outbox; ///< real time
     };
     struct Trip {
         std::vector<std::string> breakers;
         std::shared_ptr<bus::Reader<TripCommand>> commands;
     };
     void send(Transformer& transformer);
+    [[nodiscard]] SimTime realtime_effect(std::int64_t time_ns, SimTime now) const;
 
     bus::Node* node_{nullptr};
     Engine* engine_{nullptr};

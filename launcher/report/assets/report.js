@@ -1,4 +1,4 @@
-// A cursor with values, and zoom: drag to zoom, double click to see all again. All figures share the time axis.
+// A cursor with values, and zoom: drag to zoom, double click to see all again. Figures with the same axis move together.
 "use strict";
 (() => {
   const views = [];
@@ -23,7 +23,8 @@
     const cursor = make("line", { stroke: "currentColor", "stroke-opacity": 0.5, y1: box.top, y2: box.bottom, visibility: "hidden" }, svg);
     const band = make("rect", { fill: "currentColor", "fill-opacity": 0.1, y: box.top, height: box.bottom - box.top, visibility: "hidden" }, svg);
     const tip = figure.appendChild(Object.assign(document.createElement("div"), { className: "tip" }));
-    const view = { from: all.from, to: all.to };
+    const view = { from: all.from, to: all.to, all, axis: d.axis };
+    const together = () => views.filter((other) => other.axis === view.axis);
     const toX = (t) => box.left + ((t - view.from) / (view.to - view.from)) * (box.right - box.left);
     const toTime = (x) => view.from + ((x - box.left) / (box.right - box.left)) * (view.to - view.from);
     const svgX = (event) => {
@@ -61,7 +62,7 @@
     let dragFrom = null;
     svg.addEventListener("pointermove", (event) => {
       const x = svgX(event), t = toTime(x);
-      views.forEach((other) => other.show(t));
+      together().forEach((other) => other.show(t));
       tip.innerHTML = `<b>${(t / unit).toFixed(3)} ${d.unit}</b>` + data.series.map((s) => {
         const v = valueAt(s, t);
         return `<br><i style="background:${s.colour}"></i>${s.name} ${v === null ? "–" : Number(v.toPrecision(5))}`;
@@ -81,12 +82,12 @@
       const x = svgX(event);
       if (dragFrom !== null && Math.abs(x - dragFrom) > 6) {
         const [from, to] = [toTime(Math.min(dragFrom, x)), toTime(Math.max(dragFrom, x))];
-        views.forEach((other) => { Object.assign(other, { from, to }); other.draw(); });
+        together().forEach((other) => { Object.assign(other, { from, to }); other.draw(); });
       }
       dragFrom = null;
       band.setAttribute("visibility", "hidden");
     });
-    svg.addEventListener("dblclick", () => views.forEach((other) => { Object.assign(other, all); other.draw(); }));
+    svg.addEventListener("dblclick", () => together().forEach((other) => { Object.assign(other, other.all); other.draw(); }));
     views.push(view);
   }
 })();

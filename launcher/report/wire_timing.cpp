@@ -1,0 +1,245 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/report/wire_timing.hpp"
+
+#include "common/config/fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Node;
+
+SignalSeries const* find(SignalStore const& signals, std::string const& name) {
+    auto const it = signals.find(name);
+    return it == signals.end() || it->second.values.empty() ? nullptr : &it->second;
+}
+
+std::vector<double> values_of(SignalStore const& signals, std::string const& name) {
+    SignalSeries const* series = find(signals, name);
+    return series == nullptr ? std::vector<double>{} : series->values;
+}
+
+std::size_t last_count(SignalStore const& signals, std::string const& name) {
+    SignalSeries const* series = find(signals, name);
+    return series == nullptr ? 0 : static_cast<std::size_t>(series->values.back());
+}
+
+/// Index of the row in which a signal leaves zero for the first time.
+std::optional<std::size_t> rise(SignalSeries const* series) {
+    for (std::size_t i = 1; series != nullptr && i < series->values.size(); ++i) {
+        if (series->values[i] != 0 && series->values[i - 1] == 0) {
+            return i;
+        }
+    }
+    return std::nullopt;
+}
+
+std::optional<double> nominal_rate(Node const& scenario, std::string const& stream) {
+    Node const* streams = scenario.find("streams");
+    Node const* declared = streams == nullptr ? nullptr : streams->find(stream);
+    Node const* rate = declared == nullptr ? nullptr : declared->find("rate_hz");
+    return rate == nullptr ? std::nullopt : config::number_of(*rate);
+}
+
+SmvTiming smv_timing(SignalStore const& signals, Node const& scenario, std::string const& stream) {
+    std::string const prefix = "stream." + stream + ".";
+    SmvTiming out;
+    out.stream = stream;
+    out.nominal_hz = nominal_rate(scenario, stream);
+    out.received = last_count(signals, prefix + "received");
+    out.lost = last_count(signals, prefix + "lost");
+    out.duplicate = last_count(signals, prefix + "duplicate");
+    out.late = last_count(signals, prefix + "late");
+    out.publish_age = spread_of(values_of(signals, prefix + "publish_age_ms"));
+    out.wire_delay = spread_of(values_of(signals, prefix + "wire_delay_ms"));
+    if (SignalSeries const* ages = find(signals, prefix + "arrival_age_ms")) {
+        std::vector<double> intervals;
+        for (std::size_t i = 0; i < ages->values.size(); ++i) {
+            out.sample_ns.push_back(ages->times_ns[i]);
+            out.arrival_ms.push_back(static_cast<double>(ages->times_ns[i]) / 1e6 + ages->values[i]);
+            if (i > 0) {
+                intervals.push_back(out.arrival_ms[i] - out.arrival_ms[i - 1]);
+            }
+        }
+        out.interval = spread_of(std::move(intervals));
+        double const seconds = (out.arrival_ms.back() - out.arrival_ms.front()) / 1e3;
+        out.mean_hz = seconds > 0 ? static_cast<double>(out.arrival_ms.size() - 1) / seconds : 0;
+    }
+    return out;
+}
+
+GooseTiming goose_timing(SignalStore const& signals, std::string const& stream) {
+    std::string const prefix = "stream." + stream + ".";
+    GooseTiming out;
+    out.stream = stream;
+    SignalSeries const* intervals = find(signals, prefix + "interval_ms");
+    SignalSeries const* states = find(signals, prefix + "st_num");
+    if (intervals == nullptr || states == nullptr) {
+        return out;
+    }
+    out.messages = intervals->values.size();
+    out.interval_ms = intervals->values;
+    for (std::size_t i = 1; i < states->values.size() && !out.event; ++i) {
+        if (states->values[i] != states->values[i - 1]) {
+            out.event = i;
+        }
+    }
+    std::size_t const steady_until = out.event.value_or(out.interval_ms.size());
+    if (steady_until > 1) { // the first message has nothing before it
+        out.steady_ms = spread_of({out.interval_ms.begin() + 1, out.interval_ms.begin() + static_cast<std::ptrdiff_t>(steady_until)}).p50;
+    }
+    out.wire_delay = spread_of(values_of(signals, prefix + "wire_delay_ms"));
+    return out;
+}
+
+/// The last event of the timeline before `until_s`; a fault rather than anything else.
+std::optional<std::pair<std::string, double>> cause_before(Node const& scenario, double until_s) {
+    std::optional<std::pair<std::string, double>> out;
+    bool is_fault = false;
+    Node const* events = scenario.find("events");
+    for (Node::Entry const& event : events == nullptr ? std::vector<Node::Entry>{} : events->entries) {
+        Node const* at = event.value.find("at_s");
+        auto const time_s = at == nullptr ? std::nullopt : config::number_of(*at);
+        bool const fault = event.value.find("apply_fault") != nullptr;
+        if (time_s && *time_s <= until_s && (fault || !is_fault) && (!out || *time_s >= out->second || (fault && !is_fault))) {
+            out = {event.key, *time_s};
+            is_fault = fault;
+        }
+    }
+    return out;
+}
+
+/// What a series holds at a time, or nothing where it has no row within a microsecond.
+std::optional<double> at_instant(SignalSeries const* series, double time_s) {
+    if (series == nullptr) {
+        return std::nullopt;
+    }
+    auto const wanted = std::llround(time_s * 1e9);
+    auto const it = std::lower_bound(series->times_ns.begin(), series->times_ns.end(), wanted - 1000);
+    return it == series->times_ns.end() || *it > wanted + 1000 ? std::nullopt : std::optional{series->values[static_cast<std::size_t>(it - series->times_ns.begin())]};
+}
+
+RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain const& chain) {
+    SignalStore const& signals = r.signals;
+    bool const lockstep = r.mode == "lockstep";
+    std::string const prefix = "relay." + chain.relay + ".";
+    RelayTiming out;
+    out.relay = chain.relay;
+    SignalSeries const* decisions = find(signals, prefix + "sample_to_decision_ms");
+    out.transfer = spread_of(decisions == nullptr ? std::vector<double>{} : decisions->values);
+    SignalSeries const* samples = find(signals, prefix + "sample_s");
+    auto const tripped = rise(find(signals, prefix + "trip"));
+    if (!tripped || samples == nullptr || *tripped >= samples->values.size()) {
+        return out;
+    }
+    double const sample_s = samples->values[*tripped];
+    auto const cause = cause_before(scenario, sample_s);
+    if (!cause) {
+        return out;
+    }
+    out.event = cause->first;
+    out.event_s = cause->second;
+    auto const add = [&](std::string what, double at_ms, bool communication, std::string method) {
+        out.chain.push_back({std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, 0});
+    };
+    auto const picked = rise(find(signals, prefix + "pickup"));
+    double const pickup_s = picked && *picked < samples->values.size() ? samples->values[*picked] : sample_s;
+    add("sample that picks up", pickup_s * 1e3, false, "simulated instant of the sample with which the element reached its pickup");
+    std::string const clock = lockstep ? "simulated time" : "wall clock since the start of the run";
+    auto const decided_ms = lockstep ? std::optional{static_cast<double>(samples->times_ns[*tripped]) / 1e6}
+                                     : at_instant(decisions, sample_s).transform([&](double age) { return sample_s * 1e3 + age; });
+    if (decided_ms) {
+        add("relay decides to trip", *decided_ms, true, clock + ": the decision about that sample");
+    }
+    SignalSeries const *states = find(signals, "stream." + chain.trip_stream + ".st_num"), *sent = find(signals, "stream." + chain.trip_stream + ".sent_after_ms");
+    std::optional<double> state;
+    for (std::size_t i = 1; states != nullptr && sent != nullptr && i < std::min(states->values.size(), sent->values.size()) && !state; ++i) {
+        if (states->values[i] != states->values[i - 1] && sent->values[i] >= out.event_s * 1e3) {
+            state = states->values[i];
+            add("trip GOOSE sent", sent->values[i], false, clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");
+        }
+    }
+    SignalSeries const *heard = find(signals, "stream." + chain.trip_stream + ".heard_st_num"), *heard_at = find(signals, "stream." + chain.trip_stream + ".heard_after_ms");
+    for (std::size_t i = 0; state && heard != nullptr && heard_at != nullptr && i < std::min(heard->values.size(), heard_at->values.size()); ++i) {
+        if (heard->values[i] == *state) {
+            add("trip GOOSE received", heard_at->values[i], true, clock + ": the receiving kernel's stamp at the breaker IED");
+            break;
+        }
+    }
+    for (ProtectionChain::BreakerIed const& ied : chain.ieds) {
+        std::string const ied_prefix = "breaker_ied." + ied.process + ".";
+        auto const commanded = rise(find(signals, ied_prefix + "command"));
+        SignalSeries const *at = find(signals, ied_prefix + "commanded_after_ms"), *effect = find(signals, ied_prefix + "effect_ms");
+        if (commanded && at != nullptr && effect != nullptr) {
+            add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], true, clock + ": written to " + ied.topic);
+            add("command takes effect", effect->values[*commanded], false, "simulated time stated in the command: its message plus the declared latency of the breaker IED");
+        }
+        for (std::string const& breaker : ied.breakers) {
+            std::optional<double> last;
+            for (char const phase : {'a', 'b', 'c'}) {
+                SignalSeries const* pole = find(signals, fmt::format("breaker.{}.pole.{}", breaker, phase));
+                for (std::size_t i = 0; pole != nullptr && i < pole->values.size(); ++i) {
+                    constexpr double kOpen = 1;
+                    if (pole->values[i] == kOpen && static_cast<double>(pole->times_ns[i]) / 1e9 >= out.event_s) {
+                        last = std::max(last.value_or(0), static_cast<double>(pole->times_ns[i]) / 1e6);
+                        break;
+                    }
+                }
+            }
+            if (last) {
+                add(breaker + ": last pole open", *last, false, "simulated time: each pole opens at its own current zero");
+            }
+        }
+    }
+    for (std::size_t i = 0; i < out.chain.size(); ++i) {
+        out.chain[i].since_before_ms = out.chain[i].after_ms - (i == 0 ? 0 : out.chain[i - 1].after_ms);
+    }
+    return out;
+}
+
+} // namespace
+
+Spread spread_of(std::vector<double> values) {
+    Spread out;
+    std::erase_if(values, [](double v) { return !std::isfinite(v); });
+    out.count = values.size();
+    if (values.empty()) {
+        return out;
+    }
+    std::sort(values.begin(), values.end());
+    for (double const v : values) {
+        out.mean += v / static_cast<double>(values.size());
+    }
+    auto const rank = [&](double share) {
+        auto const n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size()) - 1e-9));
+        return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
+    };
+    out.p50 = rank(0.5);
+    out.p99 = rank(0.99);
+    out.p999 = rank(0.999);
+    out.max = values.back();
+    return out;
+}
+
+WireTiming measure_wire_timing(Results const& r, Node const& scenario) {
+    WireTiming out;
+    out.lockstep = r.mode == "lockstep";
+    for (ProtectionChain const& chain : protection_chains(scenario)) {
+        for (ProtectionChain::End const& end : chain.ends) {
+            if (find(r.signals, "stream." + end.stream + ".received") != nullptr) {
+                out.smv.push_back(smv_timing(r.signals, scenario, end.stream));
+            }
+        }
+        if (auto goose = goose_timing(r.signals, chain.trip_stream); goose.messages > 0) {
+            out.goose.push_back(std::move(goose));
+        }
+        out.relays.push_back(relay_timing(r, scenario, chain));
+    }
+    return out;
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/config/node.hpp"
+#include "launcher/report/results.hpp"
+#include "launcher/scenario/protection_chain.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::launcher {
+
+constexpr double kTransferClassMs = 3; ///< IEC 61850-5, transfer time class TT6: trips (P1) and raw data (P7)
+
+/// Of a set of delays or intervals, milliseconds. Percentiles by nearest rank.
+struct Spread {
+    std::size_t count{0};
+    double mean{0}, p50{0}, p99{0}, p999{0}, max{0};
+};
+[[nodiscard]] Spread spread_of(std::vector<double> values);
+
+struct SmvTiming {
+    std::string stream;
+    std::optional<double> nominal_hz;
+    std::size_t received{0}, lost{0}, duplicate{0}, late{0};
+    double mean_hz{0};                 ///< frames over the time between the first and the last; 0 in lockstep
+    std::vector<std::int64_t> sample_ns; ///< simulated instants of the samples that arrived, in order
+    std::vector<double> arrival_ms;    ///< of each on the wall clock, since the start; empty in lockstep
+    Spread interval;                   ///< between two arrivals
+    Spread publish_age, wire_delay;
+};
+
+struct GooseTiming {
+    std::string stream;
+    std::size_t messages{0};
+    double steady_ms{0};               ///< median interval before the event
+    std::optional<std::size_t> event;  ///< index of the first message of the new state
+    std::vector<double> interval_ms;   ///< of each message, to the one before
+    Spread wire_delay;
+};
+
+struct ChainStep {
+    std::string what, method;
+    double after_ms{0}; ///< since the fault
+    bool communication{false}; ///< a transfer that the class is about
+    double since_before_ms{0};
+};
+
+struct RelayTiming {
+    std::string relay;
+    Spread transfer;                   ///< sample instant to decision
+    std::string event;                 ///< what the chain begins with; empty: no trip
+    double event_s{0};
+    std::vector<ChainStep> chain;
+};
+
+struct WireTiming {
+    bool lockstep{false};
+    std::vector<SmvTiming> smv;
+    std::vector<GooseTiming> goose;
+    std::vector<RelayTiming> relays;
+    [[nodiscard]] bool empty() const { return smv.empty() && goose.empty(); }
+};
+
+/// What the recorded signals say about the wires of a scenario with relays. Empty without one.
+[[nodiscard]] WireTiming measure_wire_timing(Results const& results, config::Node const& scenario);
+
+} // namespace gridspace::launcher

@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/config/yaml.hpp"
+#include "launcher/report/wire_timing.hpp"
+#include "launcher/report/wire_timing_page.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace gridspace::launcher {
+namespace {
+
+constexpr char const* kScenario = R"(
+simulation:
+  gateways:
+    TL2: {publish: {TL_21: CT21, TL_22: CT22}, subscribe: {TL2_Trip: [CB3]}}
+streams:
+  SMV21: {kind: smv, rate_hz: 1000}
+processes:
+  mu21: {program: gridspace-mu, from: TL_21, to: SMV21}
+  relay2: {program: gridspace-relay, currents: {from: SMV21, to: SMV22}, trip: TRIP2}
+  breaker2: {program: gridspace-breaker, from: TRIP2.status, to: TL2_Trip}
+events:
+  load_step: {at_s: 0.95, set: {loads.A.p_kw: 1}}
+  fault: {at_s: 0.9, apply_fault: {line: TL2}}
+  later: {at_s: 1.5, open: [CB3]}
+)";
+
+config::Node scenario() {
+    config::Diagnostics diagnostics;
+    auto node = config::parse_yaml(kScenario, config::make_source("test", kScenario), diagnostics);
+    EXPECT_TRUE(diagnostics.ok()) << diagnostics.render();
+    return node.value_or(config::Node::map());
+}
+
+std::int64_t ns(double seconds) { return std::llround(seconds * 1e9); }
+
+/// A run in real time whose every delay is a different number of milliseconds.
+Results run() {
+    Results r;
+    r.mode = "realtime";
+    r.outcome.simulated_s = 2;
+    auto const put = [&](std::string const& name, std::vector<double> times_s, std::vector<double> values) {
+        SignalSeries& series = r.signals[name];
+        for (double const t : times_s) {
+            series.times_ns.push_back(ns(t));
+        }
+        series.values = std::move(values);
+    };
+    put("stream.SMV21.received", {2}, {2000});
+    put("stream.SMV21.lost", {2}, {3});
+    put("stream.SMV21.arrival_age_ms", {0.998, 0.999, 1.000, 1.001}, {2, 2, 2.5, 1.5}); // arrives 1 ms, 1.5 ms, 0 ms after the one before
+    put("relay.relay2.pickup", {0, 1.003}, {0, 1});
+    put("relay.relay2.trip", {0, 1.003}, {0, 1});
+    put("relay.relay2.sample_s", {0, 1.003}, {0, 1.001});
+    put("relay.relay2.sample_to_decision_ms", {1.000, 1.001}, {2.75, 2});
+    put("stream.TRIP2.st_num", {0.98, 0.99, 1.004, 1.005, 1.007}, {1, 1, 2, 2, 2});
+    put("stream.TRIP2.interval_ms", {0.98, 0.99, 1.004, 1.005, 1.007}, {0, 10, 14, 1, 2});
+    put("stream.TRIP2.sent_after_ms", {0.98, 0.99, 1.004, 1.005, 1.007}, {980, 990, 1004, 1005, 1007});
+    put("stream.TRIP2.heard_st_num", {0.99, 1.004}, {1, 2});
+    put("stream.TRIP2.heard_after_ms", {0.99, 1.004}, {990.1, 1004.25});
+    put("breaker_ied.breaker2.command", {0, 1.0045}, {0, 1});
+    put("breaker_ied.breaker2.commanded_after_ms", {0, 1.0045}, {0, 1004.5});
+    put("breaker_ied.breaker2.effect_ms", {0, 1.0045}, {0, 1005.5});
+    for (auto const& [phase, opened_s] : {std::pair{"a", 1.010}, {"b", 1.012}, {"c", 1.011}}) {
+        put(std::string{"breaker.CB3.pole."} + phase, {0, opened_s}, {2, 1});
+    }
+    return r;
+}
+
+TEST(WireTiming, PercentilesAreOfTheNearestRank) {
+    std::vector<double> values;
+    for (int n = 1000; n >= 1; --n) {
+        values.push_back(n);
+    }
+    values.push_back(std::nan("")); // no value
+    Spread const sut = spread_of(values);
+
+    EXPECT_EQ(sut.count, 1000U);
+    EXPECT_DOUBLE_EQ(sut.p50, 500);
+    EXPECT_DOUBLE_EQ(sut.p99, 990);
+    EXPECT_DOUBLE_EQ(sut.p999, 999);
+    EXPECT_DOUBLE_EQ(sut.max, 1000);
+    EXPECT_NEAR(sut.mean, 500.5, 1e-9);
+    EXPECT_EQ(spread_of({}).count, 0U);
+}
+
+TEST(WireTiming, TheChainIsCountedFromTheFaultAndNotFromWhatElseHappened) {
+    WireTiming const sut = measure_wire_timing(run(), scenario());
+
+    ASSERT_EQ(sut.relays.size(), 1U);
+    RelayTiming const& relay = sut.relays[0];
+    EXPECT_EQ(relay.event, "fault");
+    std::vector<std::pair<std::string, double>> const expected{{"sample that picks up", 101},      {"relay decides to trip", 103},
+                                                               {"trip GOOSE sent", 104},           {"trip GOOSE received", 104.25},
+                                                               {"command of breaker2 in DDS", 104.5}, {"command takes effect", 105.5},
+                                                               {"CB3: last pole open", 112}};
+    ASSERT_EQ(relay.chain.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_EQ(relay.chain[i].what, expected[i].first);
+        EXPECT_NEAR(relay.chain[i].after_ms, expected[i].second, 1e-6) << relay.chain[i].what;
+        EXPECT_NEAR(relay.chain[i].since_before_ms, expected[i].second - (i == 0 ? 0 : expected[i - 1].second), 1e-6) << relay.chain[i].what;
+        EXPECT_FALSE(relay.chain[i].method.empty());
+    }
+}
+
+TEST(WireTiming, ARunWithoutATripHasNoChain) {
+    Results r = run();
+    r.signals["relay.relay2.trip"].values = {0, 0};
+
+    EXPECT_TRUE(measure_wire_timing(r, scenario()).relays[0].chain.empty());
+}
+
+TEST(WireTiming, IntervalsAndRateComeFromArrivals) {
+    WireTiming const sut = measure_wire_timing(run(), scenario());
+
+    ASSERT_EQ(sut.smv.size(), 1U);
+    EXPECT_EQ(sut.smv[0].lost, 3U);
+    EXPECT_EQ(sut.smv[0].interval.count, 3U);
+    EXPECT_NEAR(sut.smv[0].interval.max, 1.5, 1e-9);
+    EXPECT_NEAR(sut.smv[0].mean_hz, 3 / 0.0025, 1e-6);
+    ASSERT_EQ(sut.goose.size(), 1U);
+    EXPECT_EQ(sut.goose[0].event, std::optional<std::size_t>{2});
+    EXPECT_DOUBLE_EQ(sut.goose[0].steady_ms, 10);
+}
+
+TEST(WireTiming, TablesShowPublishedValuesBesideTheMeasuredOnesAndSayHow) {
+    Published published;
+    published.smv_rate_hz = 987.5;
+    published.delay_limit_ms = 4;
+    WireTiming const timing = measure_wire_timing(run(), scenario());
+
+    std::vector<ReportTable> const sut = wire_timing_tables(timing, published);
+
+    ASSERT_EQ(sut.size(), 3U);
+    std::string all;
+    for (ReportTable const& table : sut) {
+        for (auto const& row : table.rows) {
+            EXPECT_EQ(row.size(), table.header.size()) << table.title;
+            for (std::string const& cell : row) {
+                all += cell + "|";
+            }
+        }
+    }
+    EXPECT_NE(all.find("987.50"), std::string::npos) << all;
+    EXPECT_NE(sut[1].note.find("kernel's stamps"), std::string::npos);
+    EXPECT_NE(wire_timing_json(timing).find("\"command takes effect\""), std::string::npos);
+}
+
+} // namespace
+} // namespace gridspace::launcher
