@@ -16,7 +16,8 @@
 namespace gridspace {
 namespace {
 
-/// A capability counts only in the machine's own user namespace: in one of our own the set is full and worth nothing here.
+/// A capability counts only in the machine's own user namespace: in one of our own the set is full and worth nothing
+/// here.
 bool in_initial_user_namespace() {
     std::ifstream map{"/proc/self/uid_map"};
     std::uint64_t inside = 1, outside = 1, count = 0;
@@ -60,7 +61,8 @@ bool may_schedule_fifo(int priority) {
 
 void step_below_the_others() noexcept {
     sched_param parameters{};
-    if (::sched_getscheduler(0) == SCHED_FIFO && ::sched_getparam(0, &parameters) == 0 && parameters.sched_priority > 1) {
+    if (::sched_getscheduler(0) == SCHED_FIFO && ::sched_getparam(0, &parameters) == 0 &&
+        parameters.sched_priority > 1) {
         --parameters.sched_priority;
         ::sched_setscheduler(0, SCHED_FIFO, &parameters); // of this thread alone
     }
@@ -69,7 +71,8 @@ void step_below_the_others() noexcept {
 std::string scheduling_text() {
     sched_param parameters{};
     ::sched_getparam(0, &parameters);
-    return ::sched_getscheduler(0) == SCHED_FIFO ? fmt::format("SCHED_FIFO {}", parameters.sched_priority) : "SCHED_OTHER";
+    return ::sched_getscheduler(0) == SCHED_FIFO ? fmt::format("SCHED_FIFO {}", parameters.sched_priority)
+                                                 : "SCHED_OTHER";
 }
 
 std::string lock_memory() {
@@ -77,10 +80,12 @@ std::string lock_memory() {
     rlimit limit{};
     ::getrlimit(RLIMIT_MEMLOCK, &limit);
     if (limit.rlim_cur != RLIM_INFINITY && !(in_initial_user_namespace() && has_capability(kIpcLock))) {
-        return fmt::format("RLIMIT_MEMLOCK is {} kB and not unlimited, and there is no CAP_IPC_LOCK", limit.rlim_cur / 1024);
+        return fmt::format("RLIMIT_MEMLOCK is {} kB and not unlimited, and there is no CAP_IPC_LOCK",
+                           limit.rlim_cur / 1024);
     }
     // On fault: the stacks of a dozen threads are mostly never touched.
-    return ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0 ? "" : fmt::format("mlockall: {}", std::strerror(errno));
+    return ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0 ? ""
+                                                                   : fmt::format("mlockall: {}", std::strerror(errno));
 }
 
 } // namespace gridspace

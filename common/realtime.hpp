@@ -13,16 +13,16 @@ namespace gridspace {
 /// False when the system does not permit it.
 bool schedule_fifo(int priority) noexcept;
 
-/// The calling thread one step below the rest of its process, where that is under SCHED_FIFO; nothing otherwise. For the
-/// thread that computes: those that move its data must not wait for it to sleep, and it may be late.
+/// The calling thread one step below the rest of its process, where that is under SCHED_FIFO; nothing otherwise. For
+/// the thread that computes: those that move its data must not wait for it to sleep, and it may be late.
 void step_below_the_others() noexcept;
 
 /// "SCHED_FIFO 45" or "SCHED_OTHER": what the calling thread runs under.
 [[nodiscard]] std::string scheduling_text();
 
-/// All memory of the process, present and future, is kept from being paged out. Only where that cannot fail later: with an
-/// unlimited RLIMIT_MEMLOCK, or with CAP_IPC_LOCK of the machine itself. Elsewhere mlockall would succeed now, and an allocation
-/// fail in the middle of a run. Returns why not; empty when it is locked.
+/// All memory of the process, present and future, is kept from being paged out. Only where that cannot fail later: with
+/// an unlimited RLIMIT_MEMLOCK, or with CAP_IPC_LOCK of the machine itself. Elsewhere mlockall would succeed now, and
+/// an allocation fail in the middle of a run. Returns why not; empty when it is locked.
 [[nodiscard]] std::string lock_memory();
 
 } // namespace gridspace

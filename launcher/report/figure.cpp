@@ -203,9 +203,17 @@ std::string to_svg(Figure const& f) {
     for (Figure::Line const& line : f.lines) {
         out += fmt::format("<text class=\"dim\" x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", x1 - 4, py(line.value) - 3, escape(line.label));
     }
+    std::vector<double> row_ends; // of the labels in each row: what would overlap goes one row down
     for (Figure::Mark const& mark : f.marks) {
-        out += fmt::format("<text class=\"dim tm\" data-t=\"{}\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", shortest(mark.time_s),
-                           px(mark.time_s), y1 + 10, escape(mark.label));
+        double const x = px(mark.time_s), half = 3.2 * static_cast<double>(mark.label.size()) + 2;
+        std::size_t row = 0;
+        while (row < row_ends.size() && row_ends[row] > x - half) {
+            ++row;
+        }
+        row_ends.resize(std::max(row_ends.size(), row + 1));
+        row_ends[row] = x + half;
+        out += fmt::format("<text class=\"dim tm\" data-t=\"{}\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", shortest(mark.time_s), x,
+                           y1 + 10 + 11 * static_cast<double>(row), escape(mark.label));
     }
     out += fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/><line class=\"axis\" x1=\"{0}\" x2=\"{0}\" y1=\"{2}\" y2=\"{3}\"/>\n",
                        x0, x1, y0, y1);

@@ -51,7 +51,8 @@ Figure frequency(Results const& r, Published const& published, bool with_loops) 
         }
     }
     if (published.frequency_nadir_hz) {
-        f.lines.push_back({fmt::format("published nadir: {:.5g} Hz", *published.frequency_nadir_hz), *published.frequency_nadir_hz});
+        f.lines.push_back(
+            {fmt::format("published nadir: {:.5g} Hz", *published.frequency_nadir_hz), *published.frequency_nadir_hz});
     }
     return f;
 }
@@ -61,7 +62,9 @@ std::vector<Figure::Mark> marks_of(RelayTiming const& t) {
     std::vector<Figure::Mark> out{{t.event, t.event_s, 1}};
     for (ChainStep const& step : t.chain) {
         if (step.what == "relay decides to trip" || step.what.ends_with("last pole open")) {
-            out.push_back({step.what == "relay decides to trip" ? "trip" : step.what.substr(0, step.what.find(':')) + " open", t.event_s + step.after_ms / 1e3, -1});
+            out.push_back(
+                {step.what == "relay decides to trip" ? "trip" : step.what.substr(0, step.what.find(':')) + " open",
+                 t.event_s + step.after_ms / 1e3, -1});
         }
     }
     return out;
@@ -69,10 +72,12 @@ std::vector<Figure::Mark> marks_of(RelayTiming const& t) {
 
 } // namespace
 
-std::vector<Figure> protection_figures(Results const& r, Node const& scenario, WireTiming const& timing, Published const& published) {
+std::vector<Figure> protection_figures(Results const& r, Node const& scenario, WireTiming const& timing,
+                                       Published const& published) {
     std::vector<Figure> out;
     double const end_s = r.outcome.simulated_s > 0 ? r.outcome.simulated_s : 1;
-    std::string const as = published.frequency_figure.empty() ? "" : " (published as " + published.frequency_figure + ")";
+    std::string const as =
+        published.frequency_figure.empty() ? "" : " (published as " + published.frequency_figure + ")";
     auto const chains = protection_chains(scenario);
     bool frequency_drawn = false;
     for (std::size_t i = 0; i < timing.relays.size() && i < chains.size(); ++i) {
@@ -80,21 +85,30 @@ std::vector<Figure> protection_figures(Results const& r, Node const& scenario, W
         if (t.chain.empty()) {
             continue;
         }
-        Figure around = frequency(r, published, true);
-        around.id = "frequency_" + t.relay;
-        around.title = "Frequency around the fault" + as;
-        around.axis = "trip_" + t.relay;
-        around.from_s = std::max(0.0, t.event_s - 0.05);
-        around.to_s = std::min(end_s, t.event_s + 0.25);
-        around.marks = marks_of(t);
-        around.note = "Rotor speed shows the dip as it was published. A phase-locked loop measures the voltage, whose phase jumps with the fault: it shows something else.";
-        if (!around.series.empty() && !frequency_drawn) {
-            out.push_back(std::move(around));
-            frequency_drawn = true;
+        for (bool const with_loops : {false, true}) {
+            if (frequency_drawn && !with_loops) {
+                break;
+            }
+            Figure around = frequency(r, published, with_loops);
+            around.id = (with_loops ? "pll_" : "frequency_") + t.relay;
+            around.title = with_loops ? "The same beside phase-locked loops" : "Frequency around the fault" + as;
+            around.axis = "trip_" + t.relay;
+            around.from_s = std::max(0.0, t.event_s - 0.05);
+            around.to_s = std::min(end_s, t.event_s + 0.25);
+            around.marks = marks_of(t);
+            around.note = with_loops
+                              ? "A phase-locked loop measures the voltage, whose phase jumps with the fault and with "
+                                "the opening: it shows something else than the rotors."
+                              : "Rotor speeds; the dip is the braking torque of the first half cycle of the fault.";
+            if (!around.series.empty()) {
+                out.push_back(std::move(around));
+                frequency_drawn = true;
+            }
         }
         Figure currents;
         currents.id = "currents_" + t.relay;
-        currents.title = fmt::format("Currents of both ends, {}", chains[i].gateway.empty() ? t.relay : chains[i].gateway);
+        currents.title =
+            fmt::format("Currents of both ends, {}", chains[i].gateway.empty() ? t.relay : chains[i].gateway);
         currents.y_label = "primary current, A";
         currents.axis = "trip_" + t.relay + "_close";
         currents.from_s = std::max(0.0, t.event_s - 0.02);
@@ -102,7 +116,8 @@ std::vector<Figure> protection_figures(Results const& r, Node const& scenario, W
         currents.marks = marks_of(t);
         for (ProtectionChain::End const& end : chains[i].ends) {
             for (char const phase : {'a', 'b', 'c'}) {
-                add(currents, r.signals, fmt::format("ct.{}.i.{}", end.transformer, phase), fmt::format("{} {}", end.transformer, phase), &end == &chains[i].ends[1]);
+                add(currents, r.signals, fmt::format("ct.{}.i.{}", end.transformer, phase),
+                    fmt::format("{} {}", end.transformer, phase), &end == &chains[i].ends[1]);
             }
         }
         if (!currents.series.empty()) {

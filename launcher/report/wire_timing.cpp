@@ -90,7 +90,9 @@ GooseTiming goose_timing(SignalStore const& signals, std::string const& stream) 
     }
     std::size_t const steady_until = out.event.value_or(out.interval_ms.size());
     if (steady_until > 1) { // the first message has nothing before it
-        out.steady_ms = spread_of({out.interval_ms.begin() + 1, out.interval_ms.begin() + static_cast<std::ptrdiff_t>(steady_until)}).p50;
+        out.steady_ms = spread_of({out.interval_ms.begin() + 1,
+                                   out.interval_ms.begin() + static_cast<std::ptrdiff_t>(steady_until)})
+                            .p50;
     }
     out.wire_delay = spread_of(values_of(signals, prefix + "wire_delay_ms"));
     return out;
@@ -105,7 +107,8 @@ std::optional<std::pair<std::string, double>> cause_before(Node const& scenario,
         Node const* at = event.value.find("at_s");
         auto const time_s = at == nullptr ? std::nullopt : config::number_of(*at);
         bool const fault = event.value.find("apply_fault") != nullptr;
-        if (time_s && *time_s <= until_s && (fault || !is_fault) && (!out || *time_s >= out->second || (fault && !is_fault))) {
+        if (time_s && *time_s <= until_s && (fault || !is_fault) &&
+            (!out || *time_s >= out->second || (fault && !is_fault))) {
             out = {event.key, *time_s};
             is_fault = fault;
         }
@@ -120,7 +123,9 @@ std::optional<double> at_instant(SignalSeries const* series, double time_s) {
     }
     auto const wanted = std::llround(time_s * 1e9);
     auto const it = std::lower_bound(series->times_ns.begin(), series->times_ns.end(), wanted - 1000);
-    return it == series->times_ns.end() || *it > wanted + 1000 ? std::nullopt : std::optional{series->values[static_cast<std::size_t>(it - series->times_ns.begin())]};
+    return it == series->times_ns.end() || *it > wanted + 1000
+               ? std::nullopt
+               : std::optional{series->values[static_cast<std::size_t>(it - series->times_ns.begin())]};
 }
 
 RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain const& chain) {
@@ -148,35 +153,48 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
     };
     auto const picked = rise(find(signals, prefix + "pickup"));
     double const pickup_s = picked && *picked < samples->values.size() ? samples->values[*picked] : sample_s;
-    add("sample that picks up", pickup_s * 1e3, false, "simulated instant of the sample with which the element reached its pickup");
+    add("sample that picks up", pickup_s * 1e3, false,
+        "simulated instant of the sample with which the element reached its pickup");
     std::string const clock = lockstep ? "simulated time" : "wall clock since the start of the run";
-    auto const decided_ms = lockstep ? std::optional{static_cast<double>(samples->times_ns[*tripped]) / 1e6}
-                                     : at_instant(decisions, sample_s).transform([&](double age) { return sample_s * 1e3 + age; });
+    auto const decided_ms =
+        lockstep ? std::optional{static_cast<double>(samples->times_ns[*tripped]) / 1e6}
+                 : at_instant(decisions, sample_s).transform([&](double age) { return sample_s * 1e3 + age; });
     if (decided_ms) {
         add("relay decides to trip", *decided_ms, true, clock + ": the decision about that sample");
     }
-    SignalSeries const *states = find(signals, "stream." + chain.trip_stream + ".st_num"), *sent = find(signals, "stream." + chain.trip_stream + ".sent_after_ms");
+    SignalSeries const *states = find(signals, "stream." + chain.trip_stream + ".st_num"),
+                       *sent = find(signals, "stream." + chain.trip_stream + ".sent_after_ms");
     std::optional<double> state;
-    for (std::size_t i = 1; states != nullptr && sent != nullptr && i < std::min(states->values.size(), sent->values.size()) && !state; ++i) {
+    for (std::size_t i = 1;
+         states != nullptr && sent != nullptr && i < std::min(states->values.size(), sent->values.size()) && !state;
+         ++i) {
         if (states->values[i] != states->values[i - 1] && sent->values[i] >= out.event_s * 1e3) {
             state = states->values[i];
-            add("trip GOOSE sent", sent->values[i], false, clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");
+            add("trip GOOSE sent", sent->values[i], false,
+                clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");
         }
     }
-    SignalSeries const *heard = find(signals, "stream." + chain.trip_stream + ".heard_st_num"), *heard_at = find(signals, "stream." + chain.trip_stream + ".heard_after_ms");
-    for (std::size_t i = 0; state && heard != nullptr && heard_at != nullptr && i < std::min(heard->values.size(), heard_at->values.size()); ++i) {
+    SignalSeries const *heard = find(signals, "stream." + chain.trip_stream + ".heard_st_num"),
+                       *heard_at = find(signals, "stream." + chain.trip_stream + ".heard_after_ms");
+    for (std::size_t i = 0; state && heard != nullptr && heard_at != nullptr &&
+                            i < std::min(heard->values.size(), heard_at->values.size());
+         ++i) {
         if (heard->values[i] == *state) {
-            add("trip GOOSE received", heard_at->values[i], true, clock + ": the receiving kernel's stamp at the breaker IED");
+            add("trip GOOSE received", heard_at->values[i], true,
+                clock + ": the receiving kernel's stamp at the breaker IED");
             break;
         }
     }
     for (ProtectionChain::BreakerIed const& ied : chain.ieds) {
         std::string const ied_prefix = "breaker_ied." + ied.process + ".";
         auto const commanded = rise(find(signals, ied_prefix + "command"));
-        SignalSeries const *at = find(signals, ied_prefix + "commanded_after_ms"), *effect = find(signals, ied_prefix + "effect_ms");
+        SignalSeries const *at = find(signals, ied_prefix + "commanded_after_ms"),
+                           *effect = find(signals, ied_prefix + "effect_ms");
         if (commanded && at != nullptr && effect != nullptr) {
-            add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], true, clock + ": written to " + ied.topic);
-            add("command takes effect", effect->values[*commanded], false, "simulated time stated in the command: its message plus the declared latency of the breaker IED");
+            add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], true,
+                clock + ": written to " + ied.topic);
+            add("command takes effect", effect->values[*commanded], false,
+                "simulated time stated in the command: its message plus the declared latency of the breaker IED");
         }
         for (std::string const& breaker : ied.breakers) {
             std::optional<double> last;
@@ -191,7 +209,8 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
                 }
             }
             if (last) {
-                add(breaker + ": last pole open", *last, false, "simulated time: each pole opens at its own current zero");
+                add(breaker + ": last pole open", *last, false,
+                    "simulated time: each pole opens at its own current zero");
             }
         }
     }

@@ -25,33 +25,33 @@ struct SmvTiming {
     std::string stream;
     std::optional<double> nominal_hz;
     std::size_t received{0}, lost{0}, duplicate{0}, late{0};
-    double mean_hz{0};                 ///< frames over the time between the first and the last; 0 in lockstep
+    double mean_hz{0};                   ///< frames over the time between the first and the last; 0 in lockstep
     std::vector<std::int64_t> sample_ns; ///< simulated instants of the samples that arrived, in order
-    std::vector<double> arrival_ms;    ///< of each on the wall clock, since the start; empty in lockstep
-    Spread interval;                   ///< between two arrivals
+    std::vector<double> arrival_ms;      ///< of each on the wall clock, since the start; empty in lockstep
+    Spread interval;                     ///< between two arrivals
     Spread publish_age, wire_delay;
 };
 
 struct GooseTiming {
     std::string stream;
     std::size_t messages{0};
-    double steady_ms{0};               ///< median interval before the event
-    std::optional<std::size_t> event;  ///< index of the first message of the new state
-    std::vector<double> interval_ms;   ///< of each message, to the one before
+    double steady_ms{0};              ///< median interval before the event
+    std::optional<std::size_t> event; ///< index of the first message of the new state
+    std::vector<double> interval_ms;  ///< of each message, to the one before
     Spread wire_delay;
 };
 
 struct ChainStep {
     std::string what, method;
-    double after_ms{0}; ///< since the fault
+    double after_ms{0};        ///< since the fault
     bool communication{false}; ///< a transfer that the class is about
     double since_before_ms{0};
 };
 
 struct RelayTiming {
     std::string relay;
-    Spread transfer;                   ///< sample instant to decision
-    std::string event;                 ///< what the chain begins with; empty: no trip
+    Spread transfer;   ///< sample instant to decision
+    std::string event; ///< what the chain begins with; empty: no trip
     double event_s{0};
     std::vector<ChainStep> chain;
 };

@@ -12,13 +12,17 @@
 namespace gridspace::launcher {
 namespace {
 
-std::string ms(double value) { return fmt::format("{:.3f}", value); }
+std::string ms(double value) {
+    return fmt::format("{:.3f}", value);
+}
 
 std::string captioned(std::string title, std::string const& published_as) {
     return published_as.empty() ? title : title + " (published as " + published_as + ")";
 }
 
-std::string verdict(bool within) { return within ? "<span class=\"ok\">✓</span>" : "<span class=\"bad\">✗</span>"; }
+std::string verdict(bool within) {
+    return within ? "<span class=\"ok\">✓</span>" : "<span class=\"bad\">✗</span>";
+}
 
 /// Without what belongs to the class, "–".
 std::string against(Spread const& spread, double limit) {
@@ -27,35 +31,51 @@ std::string against(Spread const& spread, double limit) {
 
 ReportTable streams_table(WireTiming const& t, Published const& published) {
     ReportTable out{captioned("Sampled values", published.smv_figure),
-                    {"stream", "received", "lost", "duplicate", "late", "rate, Hz", "off nominal", "interval p50 / p99 / p99.9 / max, ms"},
+                    {"stream", "received", "lost", "duplicate", "late", "rate, Hz", "off nominal",
+                     "interval p50 / p99 / p99.9 / max, ms"},
                     {}};
     for (SmvTiming const& s : t.smv) {
         bool const measured = s.mean_hz > 0;
-        out.rows.push_back({s.stream, std::to_string(s.received), s.lost > 0 ? fmt::format("<span class=\"bad\">{}</span>", s.lost) : "0",
-                            std::to_string(s.duplicate), std::to_string(s.late), measured ? fmt::format("{:.2f}", s.mean_hz) : "exact",
-                            measured && s.nominal_hz ? fmt::format("{:+.0f} ppm", (s.mean_hz / *s.nominal_hz - 1) * 1e6) : "–",
-                            measured ? fmt::format("{} / {} / {} / {}", ms(s.interval.p50), ms(s.interval.p99), ms(s.interval.p999), ms(s.interval.max)) : "–"});
+        out.rows.push_back(
+            {s.stream, std::to_string(s.received),
+             s.lost > 0 ? fmt::format("<span class=\"bad\">{}</span>", s.lost) : "0", std::to_string(s.duplicate),
+             std::to_string(s.late), measured ? fmt::format("{:.2f}", s.mean_hz) : "exact",
+             measured && s.nominal_hz ? fmt::format("{:+.0f} ppm", (s.mean_hz / *s.nominal_hz - 1) * 1e6) : "–",
+             measured ? fmt::format("{} / {} / {} / {}", ms(s.interval.p50), ms(s.interval.p99), ms(s.interval.p999),
+                                    ms(s.interval.max))
+                      : "–"});
     }
     if (published.smv_rate_hz) {
-        out.rows.push_back({"<i>published</i>", "", "", "", "", fmt::format("<i>{:.2f}</i>", *published.smv_rate_hz),
-                            t.smv.empty() || !t.smv[0].nominal_hz ? "" : fmt::format("<i>{:+.0f} ppm</i>", (*published.smv_rate_hz / *t.smv[0].nominal_hz - 1) * 1e6), ""});
+        out.rows.push_back(
+            {"<i>published</i>", "", "", "", "", fmt::format("<i>{:.2f}</i>", *published.smv_rate_hz),
+             t.smv.empty() || !t.smv[0].nominal_hz
+                 ? ""
+                 : fmt::format("<i>{:+.0f} ppm</i>", (*published.smv_rate_hz / *t.smv[0].nominal_hz - 1) * 1e6),
+             ""});
     }
-    out.note = t.lockstep ? "Counted by smpCnt at the relay. Lockstep: frames are sent at simulated instants, so the rate is exact and there is no jitter to measure."
-                          : "Counted by smpCnt at the relay. Rate: frames over the time between the first and the last arrival. Intervals: between the receiving kernel's stamps "
+    out.note = t.lockstep ? "Counted by smpCnt at the relay. Lockstep: frames are sent at simulated instants, so the "
+                            "rate is exact and there is no jitter to measure."
+                          : "Counted by smpCnt at the relay. Rate: frames over the time between the first and the last "
+                            "arrival. Intervals: between the receiving kernel's stamps "
                             "(CLOCK_REALTIME) of consecutive frames, at the relay's end of its cable.";
     return out;
 }
 
-void delay_row(ReportTable& table, std::string const& what, std::string const& which, Spread const& s, std::optional<double> published, Published const& all, bool of_class) {
+void delay_row(ReportTable& table, std::string const& what, std::string const& which, Spread const& s,
+               std::optional<double> published, Published const& all, bool of_class) {
     if (s.count == 0) {
         return;
     }
-    table.rows.push_back({what, which, std::to_string(s.count), ms(s.mean), published ? fmt::format("<i>{}</i>", ms(*published)) : "", ms(s.p50), ms(s.p99), ms(s.p999), ms(s.max),
-                          of_class ? against(s, kTransferClassMs) : "", of_class && all.delay_limit_ms ? against(s, *all.delay_limit_ms) : ""});
+    table.rows.push_back({what, which, std::to_string(s.count), ms(s.mean),
+                          published ? fmt::format("<i>{}</i>", ms(*published)) : "", ms(s.p50), ms(s.p99), ms(s.p999),
+                          ms(s.max), of_class ? against(s, kTransferClassMs) : "",
+                          of_class && all.delay_limit_ms ? against(s, *all.delay_limit_ms) : ""});
 }
 
 ReportTable delays_table(WireTiming const& t, Published const& published) {
-    ReportTable out{captioned("One-way delays, ms", published.delay_table), {"delay", "of", "n", "mean", "published", "p50", "p99", "p99.9", "max", "IEC 61850-5, p99", ""}, {}};
+    ReportTable out{captioned("One-way delays, ms", published.delay_table),
+                    {"delay", "of", "n", "mean", "published", "p50", "p99", "p99.9", "max", "IEC 61850-5, p99", ""},
+                    {}};
     if (published.delay_limit_ms) {
         out.header.back() = "published limit, p99";
     }
@@ -72,22 +92,32 @@ ReportTable delays_table(WireTiming const& t, Published const& published) {
         delay_row(out, "transfer", r.relay, r.transfer, std::nullopt, published, true);
     }
     if (out.rows.empty()) {
-        out.rows.push_back({"not applicable", "in lockstep delays are declared, not measured", "", "", "", "", "", "", "", "", ""});
+        out.rows.push_back(
+            {"not applicable", "in lockstep delays are declared, not measured", "", "", "", "", "", "", "", "", ""});
     }
-    out.note = "Three delays, never mixed. publish_age: from the instant of the sample (start of the simulation clock plus simulated time) to the call that hands the frame to the kernel; it holds the wait "
-               "for the DDS message to fill and the merging unit's buffer. wire_delay: from that call to the receiving kernel's stamp. transfer: from the instant of the sample to the relay's decision about it. "
-               "All stamps are of one machine's clock; percentiles by nearest rank. The class is TT6 of IEC 61850-5 (3 ms). The publication gives means only and no method.";
+    out.note = "Three delays, never mixed. publish_age: from the instant of the sample (start of the simulation clock "
+               "plus simulated time) to the call that hands the frame to the kernel; it holds the wait "
+               "for the DDS message to fill and the merging unit's buffer. wire_delay: from that call to the receiving "
+               "kernel's stamp. transfer: from the instant of the sample to the relay's decision about it. "
+               "All stamps are of one machine's clock; percentiles by nearest rank. The class is TT6 of IEC 61850-5 (3 "
+               "ms). The publication gives means only and no method.";
     return out;
 }
 
 ReportTable chain_table(RelayTiming const& r, Published const& published) {
-    ReportTable out{fmt::format("From {} to open poles: {}", r.event, r.relay), {"", "after " + r.event + ", ms", "since the step before, ms", "IEC 61850-5", "", "method"}, {}};
+    ReportTable out{fmt::format("From {} to open poles: {}", r.event, r.relay),
+                    {"", "after " + r.event + ", ms", "since the step before, ms", "IEC 61850-5", "", "method"},
+                    {}};
     if (published.delay_limit_ms) {
         out.header[4] = "published limit";
     }
     for (ChainStep const& step : r.chain) {
-        auto const within = [&](double limit) { return step.communication ? verdict(step.since_before_ms <= limit) + fmt::format(" {:.4g} ms", limit) : std::string{}; };
-        out.rows.push_back({step.what, ms(step.after_ms), ms(step.since_before_ms), within(kTransferClassMs), published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
+        auto const within = [&](double limit) {
+            return step.communication ? verdict(step.since_before_ms <= limit) + fmt::format(" {:.4g} ms", limit)
+                                      : std::string{};
+        };
+        out.rows.push_back({step.what, ms(step.after_ms), ms(step.since_before_ms), within(kTransferClassMs),
+                            published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
                             "<span class=\"dim\">" + step.method + "</span>"});
     }
     return out;
@@ -125,7 +155,8 @@ Figure goose_figure(GooseTiming const& g, Published const& published) {
     constexpr int kBefore = 10, kAfter = 20; // messages around the event
     Figure f;
     f.id = "goose_" + g.stream;
-    f.title = captioned(fmt::format("{}: interval to the message before, by message", g.stream), published.goose_figure);
+    f.title =
+        captioned(fmt::format("{}: interval to the message before, by message", g.stream), published.goose_figure);
     f.y_label = "interval, ms";
     f.axis = f.id;
     f.x_label = "message, counted from the first of the new state";
@@ -143,9 +174,11 @@ Figure goose_figure(GooseTiming const& g, Published const& published) {
     f.series.push_back(std::move(s));
     f.marks.push_back({"event", 0, 1});
     if (published.goose_interval_ms) {
-        f.lines.push_back({fmt::format("published, steady: {:.4g} ms", *published.goose_interval_ms), *published.goose_interval_ms});
+        f.lines.push_back(
+            {fmt::format("published, steady: {:.4g} ms", *published.goose_interval_ms), *published.goose_interval_ms});
     }
-    f.note = "Sender's own times between two messages. At the event a new state goes out at once and is repeated after min_time, then ever later up to max_time.";
+    f.note = "Sender's own times between two messages. At the event a new state goes out at once and is repeated after "
+             "min_time, then ever later up to max_time.";
     return f;
 }
 
@@ -170,7 +203,8 @@ std::vector<ReportTable> wire_timing_tables(WireTiming const& t, Published const
 std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, Published const& published) {
     std::vector<Figure> out;
     double const end_s = r.outcome.simulated_s > 0 ? r.outcome.simulated_s : 1;
-    bool const measured = std::any_of(t.smv.begin(), t.smv.end(), [](SmvTiming const& s) { return s.arrival_ms.size() > 2; });
+    bool const measured =
+        std::any_of(t.smv.begin(), t.smv.end(), [](SmvTiming const& s) { return s.arrival_ms.size() > 2; });
     if (measured) {
         Figure rate;
         rate.id = "smv_rate";
@@ -197,9 +231,11 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
         if (published.smv_rate_hz) {
             rate.lines.push_back({"published mean", *published.smv_rate_hz});
         }
-        rate.note = "480 frames at a time over the time they took to arrive (kernel stamps at the relay; a tenth of a second at 4800 Hz).";
+        rate.note = "480 frames at a time over the time they took to arrive (kernel stamps at the relay; a tenth of a "
+                    "second at 4800 Hz).";
         histogram.marks.push_back({"nominal", nominal_ms, -1});
-        histogram.note = "Kernel stamps at the relay. Logarithmic: a single late frame is to be seen. The last bin holds all that is longer.";
+        histogram.note = "Kernel stamps at the relay. Logarithmic: a single late frame is to be seen. The last bin "
+                         "holds all that is longer.";
         out.push_back(std::move(rate));
         out.push_back(std::move(histogram));
     }
@@ -223,9 +259,11 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
         delays.log_y = true;
         delays.lines.push_back({"IEC 61850-5 TT6: 3 ms", kTransferClassMs});
         if (published.delay_limit_ms) {
-            delays.lines.push_back({fmt::format("published limit: {:.4g} ms", *published.delay_limit_ms), *published.delay_limit_ms});
+            delays.lines.push_back(
+                {fmt::format("published limit: {:.4g} ms", *published.delay_limit_ms), *published.delay_limit_ms});
         }
-        delays.note = "From handing the frame to the kernel to the receiving kernel's stamp. Logarithmic; of many values the extremes are drawn.";
+        delays.note = "From handing the frame to the kernel to the receiving kernel's stamp. Logarithmic; of many "
+                      "values the extremes are drawn.";
         out.push_back(std::move(delays));
     }
     return out;
@@ -234,9 +272,14 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
 std::string wire_timing_json(WireTiming const& t) {
     using Json = nlohmann::ordered_json;
     auto const spread = [](Spread const& s) {
-        return s.count == 0 ? Json(nullptr) : Json{{"n", s.count}, {"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p99_9", s.p999}, {"max", s.max}};
+        return s.count == 0 ? Json(nullptr) : Json{{"n", s.count}, {"mean", s.mean},  {"p50", s.p50},
+                                                   {"p99", s.p99}, {"p99_9", s.p999}, {"max", s.max}};
     };
-    Json out{{"clock", t.lockstep ? "lockstep" : "realtime"}, {"class_ms", kTransferClassMs}, {"smv", Json::object()}, {"goose", Json::object()}, {"relays", Json::object()}};
+    Json out{{"clock", t.lockstep ? "lockstep" : "realtime"},
+             {"class_ms", kTransferClassMs},
+             {"smv", Json::object()},
+             {"goose", Json::object()},
+             {"relays", Json::object()}};
     for (SmvTiming const& s : t.smv) {
         out["smv"][s.stream] = {{"received", s.received},
                                 {"lost", s.lost},
@@ -249,21 +292,30 @@ std::string wire_timing_json(WireTiming const& t) {
     }
     for (GooseTiming const& g : t.goose) {
         Json burst = Json::array();
-        for (std::size_t i = g.event.value_or(g.interval_ms.size()); i < g.interval_ms.size() && burst.size() < 8; ++i) {
+        for (std::size_t i = g.event.value_or(g.interval_ms.size()); i < g.interval_ms.size() && burst.size() < 8;
+             ++i) {
             burst.push_back(g.interval_ms[i]);
         }
-        out["goose"][g.stream] = {{"messages", g.messages}, {"steady_interval_ms", g.steady_ms}, {"burst_ms", burst}, {"wire_delay_ms", spread(g.wire_delay)}};
+        out["goose"][g.stream] = {{"messages", g.messages},
+                                  {"steady_interval_ms", g.steady_ms},
+                                  {"burst_ms", burst},
+                                  {"wire_delay_ms", spread(g.wire_delay)}};
     }
     for (RelayTiming const& r : t.relays) {
         Json chain = Json::array();
         for (ChainStep const& step : r.chain) {
-            Json one{{"step", step.what}, {"after_event_ms", step.after_ms}, {"since_before_ms", step.since_before_ms}, {"method", step.method}};
+            Json one{{"step", step.what},
+                     {"after_event_ms", step.after_ms},
+                     {"since_before_ms", step.since_before_ms},
+                     {"method", step.method}};
             if (step.communication) {
                 one["within_class"] = step.since_before_ms <= kTransferClassMs;
             }
             chain.push_back(std::move(one));
         }
-        out["relays"][r.relay] = {{"event", r.event.empty() ? Json(nullptr) : Json(r.event)}, {"transfer_ms", spread(r.transfer)}, {"chain", chain}};
+        out["relays"][r.relay] = {{"event", r.event.empty() ? Json(nullptr) : Json(r.event)},
+                                  {"transfer_ms", spread(r.transfer)},
+                                  {"chain", chain}};
     }
     return out.dump();
 }

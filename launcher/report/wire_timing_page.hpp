@@ -15,7 +15,8 @@ namespace gridspace::launcher {
 [[nodiscard]] std::vector<ReportTable> wire_timing_tables(WireTiming const& timing, Published const& published);
 
 /// Rate over time, intervals, retransmissions by packet number, delays over time.
-[[nodiscard]] std::vector<Figure> wire_timing_figures(WireTiming const& timing, Results const& results, Published const& published);
+[[nodiscard]] std::vector<Figure> wire_timing_figures(WireTiming const& timing, Results const& results,
+                                                      Published const& published);
 
 /// `wire_timing` of report/summary.json.
 [[nodiscard]] std::string wire_timing_json(WireTiming const& timing);

@@ -9,13 +9,14 @@
 
 namespace gridspace::launcher {
 
-/// `published:` of a scenario: what a publication says about the same study, drawn and printed beside what was measured.
+/// `published:` of a scenario: what a publication says about the same study, drawn and printed beside what was
+/// measured.
 struct Published {
-    std::string source;                                        ///< where it stands
+    std::string source;                                                  ///< where it stands
     std::string frequency_figure, smv_figure, goose_figure, delay_table; ///< "Fig. 9": added to the captions
     std::optional<double> frequency_nadir_hz, smv_rate_hz, goose_interval_ms;
-    std::optional<double> smv_delay_ms, goose_delay_ms;        ///< means
-    std::optional<double> delay_limit_ms;                      ///< that it holds its delays against
+    std::optional<double> smv_delay_ms, goose_delay_ms; ///< means
+    std::optional<double> delay_limit_ms;               ///< that it holds its delays against
 };
 void describe(config::Fields& f, Published& published);
 

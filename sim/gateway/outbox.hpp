@@ -11,8 +11,8 @@
 
 namespace gridspace::sim {
 
-/// What the simulating thread has made and the publishing thread is to write (real time): neither waits, locks or allocates
-/// once the ring has been around. What does not fit is lost and counted.
+/// What the simulating thread has made and the publishing thread is to write (real time): neither waits, locks or
+/// allocates once the ring has been around. What does not fit is lost and counted.
 template <class T>
 class Outbox {
   public:

@@ -33,7 +33,9 @@ config::Node scenario() {
     return node.value_or(config::Node::map());
 }
 
-std::int64_t ns(double seconds) { return std::llround(seconds * 1e9); }
+std::int64_t ns(double seconds) {
+    return std::llround(seconds * 1e9);
+}
 
 /// A run in real time whose every delay is a different number of milliseconds.
 Results run() {
@@ -49,7 +51,8 @@ Results run() {
     };
     put("stream.SMV21.received", {2}, {2000});
     put("stream.SMV21.lost", {2}, {3});
-    put("stream.SMV21.arrival_age_ms", {0.998, 0.999, 1.000, 1.001}, {2, 2, 2.5, 1.5}); // arrives 1 ms, 1.5 ms, 0 ms after the one before
+    put("stream.SMV21.arrival_age_ms", {0.998, 0.999, 1.000, 1.001},
+        {2, 2, 2.5, 1.5}); // arrives 1 ms, 1.5 ms, 0 ms after the one before
     put("relay.relay2.pickup", {0, 1.003}, {0, 1});
     put("relay.relay2.trip", {0, 1.003}, {0, 1});
     put("relay.relay2.sample_s", {0, 1.003}, {0, 1.001});
@@ -91,15 +94,16 @@ TEST(WireTiming, TheChainIsCountedFromTheFaultAndNotFromWhatElseHappened) {
     ASSERT_EQ(sut.relays.size(), 1U);
     RelayTiming const& relay = sut.relays[0];
     EXPECT_EQ(relay.event, "fault");
-    std::vector<std::pair<std::string, double>> const expected{{"sample that picks up", 101},      {"relay decides to trip", 103},
-                                                               {"trip GOOSE sent", 104},           {"trip GOOSE received", 104.25},
-                                                               {"command of breaker2 in DDS", 104.5}, {"command takes effect", 105.5},
-                                                               {"CB3: last pole open", 112}};
+    std::vector<std::pair<std::string, double>> const expected{
+        {"sample that picks up", 101},   {"relay decides to trip", 103},        {"trip GOOSE sent", 104},
+        {"trip GOOSE received", 104.25}, {"command of breaker2 in DDS", 104.5}, {"command takes effect", 105.5},
+        {"CB3: last pole open", 112}};
     ASSERT_EQ(relay.chain.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
         EXPECT_EQ(relay.chain[i].what, expected[i].first);
         EXPECT_NEAR(relay.chain[i].after_ms, expected[i].second, 1e-6) << relay.chain[i].what;
-        EXPECT_NEAR(relay.chain[i].since_before_ms, expected[i].second - (i == 0 ? 0 : expected[i - 1].second), 1e-6) << relay.chain[i].what;
+        EXPECT_NEAR(relay.chain[i].since_before_ms, expected[i].second - (i == 0 ? 0 : expected[i - 1].second), 1e-6)
+            << relay.chain[i].what;
         EXPECT_FALSE(relay.chain[i].method.empty());
     }
 }
