@@ -123,6 +123,10 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
         if (t.from == t.to) {
             diagnostics.error(t.to.where, fmt::format("{} starts and ends at bus '{}'", owner, t.to.name), "", width(t.to));
         }
+        if (t.r_percent == 0 && t.x_percent == 0) {
+            diagnostics.error(t.name.where, fmt::format("{} has no short-circuit impedance", owner),
+                              "give x_percent; an ideal transformer has no current that could be computed", width(t.name));
+        }
     }
 }
 

@@ -34,6 +34,16 @@ TEST(NetworkCheck, NamesAnIslandedBus) {
                 ::testing::HasSubstr("n.yaml:4:51: error: bus 'C' is islanded"));
 }
 
+TEST(NetworkCheck, NamesImpedancesThatAreMissingInOneSequenceOrInATransformer) {
+    EXPECT_THAT(mistakes("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
+                         "sources: {S: {bus: A, r_ohm: 1, r0_ohm: 0}}\n"
+                         "lines: {L: {from: A, to: B, r_ohm: 0.1, x_ohm: 0.2, r0_ohm: 0, x0_ohm: 0}}\n"
+                         "transformers: {T: {from: A, to: B, rating_kva: 10, x_percent: 0}}\n"),
+                ::testing::AllOf(::testing::HasSubstr("source 'S' has a positive sequence impedance but no zero"),
+                                 ::testing::HasSubstr("line 'L' has no zero sequence impedance"),
+                                 ::testing::HasSubstr("transformer 'T' has no short-circuit impedance")));
+}
+
 TEST(NetworkCheck, ABreakerThatIsOpenAtTheStartIslandsToo) {
     EXPECT_THAT(mistakes("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
                          "lines: {L: {from: A, to: B, r_ohm: 0.1, x_ohm: 0.2}}\n"
