@@ -170,7 +170,6 @@ class RelaySettings final : public ProcessSettings {
         if (config_.ids && !config_.ids->verdicts.empty()) {
             out.push_back({config_.ids->verdicts, "IdsVerdict"});
         }
-        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
         return out;
     }
     [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
