@@ -82,6 +82,17 @@ std::span<WireFrame const* const> WireReader::take() {
     return r.out;
 }
 
+std::optional<SimTime> WireReader::next() const {
+    Impl const& r = *impl_;
+    std::lock_guard const lock{r.core.mutex};
+    std::optional<SimTime> out;
+    for (std::size_t const slot : r.waiting) {
+        SimTime const time = r.slots[slot]->time;
+        out = out ? std::min(*out, time) : time;
+    }
+    return out;
+}
+
 WireWriter::WireWriter(Node& node, std::string link, std::uint16_t ethertype) : node_{node} {
     auto& writers = node.core().wire_writers;
     slot_ = writers.size();

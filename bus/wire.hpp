@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,6 +38,8 @@ class WireReader {
     void push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port = 0);
     /// What is due, valid until the next call.
     [[nodiscard]] std::span<WireFrame const* const> take();
+    /// Lockstep: the earliest time of the frames that are here and not due yet.
+    [[nodiscard]] std::optional<SimTime> next() const;
 
     struct Impl;
 

@@ -234,6 +234,8 @@ class RelayAgent {
     }
 
     void lockstep_tick(SimTime end) {
+        // Who was paused finds frames of ticks that are over; what it does about them, it does now.
+        now_ns_ = std::max(now_ns_, clock_.of(end - node_.time_base().nearest(node_.config().clock.tick_s)));
         for (bus::WireFrame const* frame : port_->take(iec61850::kSvEthertype)) {
             std::int64_t const at = clock_.of(frame->time);
             elapse(at - 1); // at equal times the frame comes first

@@ -106,7 +106,12 @@ struct CutIn::Way final : FrameOutput {
         std::sort(frames.begin(), frames.end(), [](bus::WireFrame const* a, bus::WireFrame const* b) {
             return a->time != b->time ? a->time < b->time : a->octets < b->octets;
         });
+        SimTime const begin = end - node.time_base().nearest(node.config().clock.tick_s);
         for (bus::WireFrame const* frame : frames) {
+            if (frame->time <= begin && end.quanta > 0) {
+                ++lost; // came while this process was paused: a cable without anybody in it
+                continue;
+            }
             std::int64_t const at = clock.of(frame->time);
             elapse(at - 1); // at equal times the frame comes first
             now_ns = at;
@@ -303,6 +308,11 @@ std::uint64_t CutIn::next_tick(bus::TickGrid const& grid) const {
     for (Way const* way : {&impl_->from_host, &impl_->to_host}) {
         if (way->hook == nullptr) {
             continue;
+        }
+        for (auto const& [ethertype, reader] : way->readers) {
+            if (auto const time = reader->next()) { // announced before its time
+                out = std::min(out, grid.tick_of(*time));
+            }
         }
         for (auto const& due : {way->line.next_ns(), way->hook->due()}) {
             if (due) {

@@ -34,7 +34,15 @@ struct FieldRule {
     bool invert{false}, true_is_open{true};
 };
 
+/// What an event of the timeline does to the clock of a publisher of samples.
+struct ClockChange {
+    Rational at_s{0};
+    bool synchronised{false};      ///< false: smpSynch is 0 from then on
+    std::int64_t shift_samples{0}; ///< the counter runs so far ahead of the samples
+};
+
 struct MappingConfig {
+    std::vector<ClockChange> clock_changes; ///< in the order of time
     Ref name;
     MappingEnd from, to;
     config::Node fields; ///< as written; read_rules() reads it

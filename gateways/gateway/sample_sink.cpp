@@ -19,8 +19,27 @@ void SampleSink::encode(std::span<std::uint8_t> sample) const {
 }
 
 iec61850::Octets SampleSink::fill(std::int64_t index, std::span<std::uint8_t const> sample) {
+    obey_clock_changes(index);
     std::copy(sample.begin(), sample.end(), publisher_.sample(index).begin());
+    if (shift_samples_ != 0) {
+        std::int64_t const wrap = route_.to_stream->rate_hz.num();
+        std::int64_t const count = ((index + shift_samples_) % wrap + wrap) % wrap;
+        publisher_.frame().set_smp_cnt(static_cast<std::size_t>(index) % publisher_.samples_per_frame(),
+                                       static_cast<std::uint16_t>(count));
+    }
     return publisher_.commit();
+}
+
+void SampleSink::obey_clock_changes(std::int64_t index) {
+    auto const& changes = route_.config.clock_changes;
+    for (; next_clock_change_ < changes.size(); ++next_clock_change_) {
+        ClockChange const& change = changes[next_clock_change_];
+        if (Rational{index} < change.at_s * route_.to_stream->rate_hz) {
+            return;
+        }
+        publisher_.set_synch(change.synchronised ? route_.to_stream->smp_synch : iec61850::kNotSynchronised);
+        shift_samples_ = change.synchronised ? 0 : change.shift_samples;
+    }
 }
 
 void SampleSink::departs(std::int64_t index) {
@@ -84,6 +103,12 @@ void IndexedSink::put(Moment, std::int64_t index) {
     encode(sample_);
     if (sender_ != nullptr) {
         sender_->push(index, sample_);
+        return;
+    }
+    if (context_.node.lockstep() &&
+        instant(index) <=
+            context_.node.latest_time() - context_.node.time_base().nearest(context_.node.config().clock.tick_s)) {
+        ++missed_; // too late for a frame
         return;
     }
     if (auto const frame = fill(index, sample_); !frame.empty()) {

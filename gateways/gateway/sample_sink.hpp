@@ -47,6 +47,9 @@ class SampleSink : public Sink {
     Rational period_quanta_;
 
   private:
+    void obey_clock_changes(std::int64_t index);
+    std::size_t next_clock_change_{0}; ///< on the thread that sends
+    std::int64_t shift_samples_{0};
     std::atomic<std::uint64_t> sent_{0};
     SpscRing<Departure> departures_{8192};
 };
@@ -57,11 +60,12 @@ class IndexedSink final : public SampleSink {
     [[nodiscard]] static Result<std::unique_ptr<IndexedSink>> create(GatewayContext const& context, Route& route);
     void put(Moment at, std::int64_t index) override;
     [[nodiscard]] std::uint64_t late() const override { return sender_ ? sender_->counters().late : 0; }
-    [[nodiscard]] std::uint64_t underruns() const override { return sender_ ? sender_->counters().underruns : 0; }
+    [[nodiscard]] std::uint64_t underruns() const override { return sender_ ? sender_->counters().underruns : missed_; }
 
   private:
     using SampleSink::SampleSink;
     std::vector<std::uint8_t> sample_;
+    std::uint64_t missed_{0};                 ///< lockstep: of ticks in which this process was paused
     std::unique_ptr<ethernet::Port> port_;    ///< of the sender's thread
     std::unique_ptr<ScheduledSender> sender_; ///< real time, scheduled; last: its thread uses what stands above
 };

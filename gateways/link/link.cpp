@@ -3,9 +3,15 @@
 //
 // gridspace-link: sits in the cable between a host and a switch and does to frames what a bad cable does.
 #include "bus/daemon.hpp"
+#include "bus/signal_publisher.hpp"
 #include "bus/tick_grid.hpp"
+#include "common/log.hpp"
+#include "common/text.hpp"
 #include "gateways/cut_in/cut_in.hpp"
 #include "gateways/link/link_config.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
 
 namespace gridspace::gateways {
 namespace {
@@ -13,33 +19,51 @@ namespace {
 struct Settings {
     LinkConfig link;
     std::vector<CutInConfig> cut_ins;
+    std::vector<ImpairmentChange> changes;
+    std::vector<streams::Stream> streams;
+    std::int64_t seed{0};
     double speed{1};
 };
+
+void describe_changes(config::Fields& f, std::vector<ImpairmentChange>& changes) {
+    f.list("changes", {.doc = "what events of the timeline set; filled in by `gridspace run`"}, [&](config::Fields& c) {
+        ImpairmentChange change;
+        Rational at_s{0};
+        c.fraction("at_s", at_s, {.doc = "simulated time", .required = true, .min = 0});
+        c.text("key", change.key, {.doc = "which impairment", .required = true});
+        c.number("value", change.value, {.doc = "its value from then on; true is 1", .required = true});
+        change.at_ns = std::llround(at_s.to_double() * 1e9);
+        changes.push_back(std::move(change));
+    });
+}
 
 void describe(config::Fields& f, Settings& s) {
     describe(f, s.link);
     describe_cut_ins(f, s.cut_ins);
+    describe_changes(f, s.changes);
+    f.integer("seed", s.seed, {.doc = "of everything random"});
     f.number("speed", s.speed, {.doc = "of the simulation clock, in real time", .above = 0});
+    config::Node node;
+    f.raw("streams", node, {.doc = "the streams that it looks for"});
+    config::Diagnostics diagnostics;
+    s.streams = streams::read_streams(node, diagnostics);
+    if (!diagnostics.ok()) {
+        f.error("streams", diagnostics.render());
+    }
 }
 
 class LinkShell {
   public:
-    LinkShell(Settings const& settings, bus::Node& node)
-        : settings_{settings}, node_{node}, grid_{node.config().clock} {}
+    LinkShell(Settings const& settings, DaemonRun& run, bus::Node& node)
+        : settings_{settings}, run_{run}, node_{node}, grid_{node.config().clock} {}
 
     Result<void> run() {
-        for (CutInConfig const& config : settings_.cut_ins) {
-            auto cut_in = CutIn::open(node_, config, settings_.speed, {&hook_, &hook_});
-            if (!cut_in) {
-                return std::unexpected{cut_in.error()};
-            }
-            cut_ins_.push_back(std::move(*cut_in));
-        }
-        if (auto ok = node_.start(); !ok) {
+        if (auto ok = prepare(); !ok) {
             return ok;
         }
         while (true) {
-            auto tick = node_.next();
+            // In real time the cut-ins have threads of their own; here only counters are looked at.
+            auto tick = node_.next(std::chrono::steady_clock::now() + std::chrono::milliseconds{500});
             if (!tick) {
                 return std::unexpected{tick.error()};
             }
@@ -51,6 +75,7 @@ class LinkShell {
                 cut_in->work((*tick)->time);
                 needed = std::min(needed, cut_in->next_tick(grid_));
             }
+            report((*tick)->time, (*tick)->final);
             if (auto ok = node_.done(**tick, needed); !ok) {
                 return ok;
             }
@@ -58,11 +83,81 @@ class LinkShell {
     }
 
   private:
+    Result<void> prepare() {
+        config::Diagnostics diagnostics;
+        ImpairmentPlan plan = make_plan(settings_.link, settings_.streams, diagnostics);
+        if (!diagnostics.ok()) {
+            return fail(ExitCode::usage, diagnostics.render());
+        }
+        plan.changes = settings_.changes;
+        auto const seed = static_cast<std::uint64_t>(settings_.seed);
+        for (CutInConfig const& config : settings_.cut_ins) {
+            std::string const name = fmt::format("{}.{}", node_.config().process, cut_ins_.size());
+            auto const hook = [&](char const* direction) {
+                hooks_.push_back(std::make_unique<Impairment>(plan, seed, name + direction));
+                return hooks_.back().get();
+            };
+            auto cut_in = CutIn::open(node_, config, settings_.speed, {hook(".from_host"), hook(".to_host")});
+            if (!cut_in) {
+                return std::unexpected{cut_in.error()};
+            }
+            cut_ins_.push_back(std::move(*cut_in));
+        }
+        std::vector<bus::SignalColumn> columns;
+        for (char const* signal : kLinkSignals) {
+            columns.push_back({fmt::format("link.{}.{}", node_.config().process, signal), ""});
+        }
+        auto signals = bus::SignalPublisher::create(node_, "link", 1, std::move(columns));
+        if (!signals) {
+            return std::unexpected{signals.error()};
+        }
+        signals_ = std::move(*signals);
+        return node_.start();
+    }
+
+    /// Counters once per simulated second, and what the timeline has set.
+    void report(SimTime time, bool final) {
+        if (!announced_) {
+            announced_ = true;
+            signals_->announce(time);
+        }
+        double const now_s = node_.time_base().seconds(time);
+        for (; told_ < settings_.changes.size() && static_cast<double>(settings_.changes[told_].at_ns) / 1e9 <= now_s;
+             ++told_) {
+            ImpairmentChange const& change = settings_.changes[told_];
+            std::string const text =
+                fmt::format("{} is {}", change.key,
+                            change.key == "up" ? (change.value != 0 ? "true" : "false") : shortest(change.value));
+            log::info("{}", text);
+            run_.status.event(static_cast<double>(change.at_ns) / 1e9, node_.config().process, "set", text);
+        }
+        auto const second = static_cast<std::int64_t>(now_s);
+        if (second == reported_ && !final) {
+            return;
+        }
+        reported_ = second;
+        std::array<double, kLinkSignals.size()> row{};
+        for (auto const& hook : hooks_) {
+            Impairment::Counters const& c = hook->counters();
+            std::array const counts{&c.seen, &c.lost, &c.delayed, &c.duplicated, &c.reordered, &c.corrupted};
+            for (std::size_t i = 0; i < row.size(); ++i) {
+                row[i] += static_cast<double>(counts[i]->load());
+            }
+        }
+        signals_->row(time, row);
+        signals_->flush();
+    }
+
     Settings const& settings_;
+    DaemonRun& run_;
     bus::Node& node_;
     bus::TickGrid grid_;
-    FrameHook hook_;
-    std::vector<std::unique_ptr<CutIn>> cut_ins_;
+    std::vector<std::unique_ptr<Impairment>> hooks_;
+    std::vector<std::unique_ptr<CutIn>> cut_ins_; ///< behind the hooks: their threads use them
+    std::unique_ptr<bus::SignalPublisher> signals_;
+    std::size_t told_{0};
+    std::int64_t reported_{-1};
+    bool announced_{false};
 };
 
 } // namespace
@@ -77,7 +172,7 @@ int main(int argc, char** argv) {
                         {},
                         [&](DaemonRun& run) {
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
-                                return gateways::LinkShell{settings, node}.run();
+                                return gateways::LinkShell{settings, run, node}.run();
                             });
                         }};
     return run_daemon(daemon, argc, argv);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run.hpp"
 
+#include "common/unique_fd.hpp"
 #include "launcher/run/domain_lock.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/event_log.hpp"
@@ -197,6 +198,13 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     if (auto ok = check_emulators(scenario); !ok) {
         return std::unexpected{ok.error()};
     }
+    for (Process const& process : scenario.processes) {
+        bool const allowed = std::find(options.allow_attacks_on.begin(), options.allow_attacks_on.end(), process.interface) != options.allow_attacks_on.end();
+        if (process.program.name == "gridspace-attacker" && !process.interface.empty() && !allowed) {
+            return fail(ExitCode::usage, fmt::format("process '{}' would attack on '{}', which is a real network", process.name.name, process.interface),
+                        fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}", process.interface));
+        }
+    }
     auto folder = make_run_folder(scenario.name, options.parent, options.out);
     if (!folder) {
         return std::unexpected{folder.error()};
@@ -218,6 +226,15 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     settle_scheduling(plan);
     if (plan.scheduling.starts_with("SCHED_OTHER:")) {
         progress.note("note: " + plan.scheduling);
+    }
+    UniqueFd outer;
+    if (std::any_of(plan.processes.begin(), plan.processes.end(), [](PlannedProcess const& p) { return !p.interface.empty(); })) {
+        if (!root) {
+            return fail(ExitCode::environment, "the scenario takes real interfaces into its hosts, and only root can do that",
+                        "run it as root, or without `interface:`");
+        }
+        outer.reset(::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC));
+        plan.outer_network = outer.get();
     }
     std::map<std::string, int> listen_fds;
     auto const closer = [&] {

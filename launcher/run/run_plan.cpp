@@ -137,6 +137,7 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
     out.is_member = process.settings->is_member();
     out.is_observer = !out.is_member && !out.is_simulator;
     out.listen = process.settings->listen();
+    out.interface = process.interface;
     out.config_file = plan.folder / "processes" / (out.name + ".yaml");
     out.log_file = plan.folder / "logs" / (out.name + ".log");
 
@@ -248,6 +249,9 @@ std::string to_text(RunPlan const& plan) {
     out += "\nprocesses\n";
     for (PlannedProcess const& process : plan.processes) {
         out += fmt::format("  {:<12} on {:<12} {}\n", process.name, process.host, join(process.command, " "));
+        if (!process.interface.empty()) {
+            out += fmt::format("    takes the interface '{}' of this machine into its host\n", process.interface);
+        }
     }
     for (auto const& strokes : plan.holds) {
         for (PlannedStroke const& stroke : strokes) {

@@ -29,6 +29,7 @@ struct PlannedProcess {
     bool is_member{false};                ///< its end before the run's is a failure, also with exit code 0
     bool is_observer{false};              ///< ends when told to
     std::string listen;                   ///< address to serve on; the launcher opens the socket
+    std::string interface;                ///< a real one, which is taken into its host for the run
 };
 
 /// Something that the launcher does to a process between two ticks.
@@ -47,6 +48,7 @@ struct RunPlan {
     std::vector<Link> links;
     std::vector<Port> ports;
     std::vector<PlacedCutIn> cut_ins;
+    int outer_network{-1};                 ///< the network namespace in which `gridspace run` was called, where real interfaces are
     std::vector<PlannedProcess> processes; ///< the simulator last: everybody else is there when it starts to wait
     std::vector<std::vector<PlannedStroke>> holds; ///< by index of the simulator's hold
     double duration_s{0};

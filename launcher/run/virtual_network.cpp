@@ -10,6 +10,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sched.h>
+#include <set>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -105,6 +106,22 @@ Result<void> VirtualNetwork::ip(int netns, std::string const& batch) const {
     return {};
 }
 
+Result<void> VirtualNetwork::take_interfaces(RunPlan const& plan, std::map<std::string, std::string>& inside) const {
+    std::set<std::string> taken;
+    for (PlannedProcess const& process : plan.processes) {
+        if (process.interface.empty() || !taken.insert(process.interface).second) {
+            continue;
+        }
+        if (auto ok = ip(plan.outer_network, fmt::format("link set {} netns /proc/self/fd/{}\n", process.interface, hosts_.at(process.host))); !ok) {
+            return fail(ok.error().code,
+                        fmt::format("process '{}' cannot have the interface '{}': {}", process.name, process.interface, ok.error().message),
+                        "does `ip link` show it, and is this run started as root?");
+        }
+        inside[process.host] += fmt::format("link set {} up\n", process.interface);
+    }
+    return {};
+}
+
 std::string VirtualNetwork::cable(RunPlan const& plan, Port const& port, std::string const& switch_end,
                                   std::map<std::string, std::string>& inside) const {
     struct End {
@@ -162,6 +179,9 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
         commands += fmt::format("link set {} up\n", port.interface);
     }
     if (auto ok = ip(own_, core); !ok) {
+        return ok;
+    }
+    if (auto ok = take_interfaces(plan, inside); !ok) {
         return ok;
     }
     for (auto const& [host, commands] : inside) {

@@ -238,7 +238,20 @@ void check_cut_ins(Scenario const& scenario, Process const& process, config::Dia
         if (scenario.clock.mode != bus::ClockMode::lockstep) {
             continue;
         }
+        if (use.from_host && use.to_host && !ethertypes_of(scenario, use.host.name, use.link.name, true).empty() &&
+            !ethertypes_of(scenario, use.host.name, use.link.name, false).empty()) {
+            diagnostics.error(
+                use.host.where,
+                fmt::format("process '{}' sits on both ways of '{}', which answers what it hears", process.name.name,
+                            use.host.name),
+                "in lockstep two entries are needed, one with `direction: from_host` and one with `direction: to_host`",
+                width(use.host));
+            continue;
+        }
         for (bool const sent : {true, false}) {
+            if (use.from_host && use.to_host) {
+                break; // one of them may be empty
+            }
             if ((sent ? use.from_host : use.to_host) &&
                 ethertypes_of(scenario, use.host.name, use.link.name, sent).empty()) {
                 diagnostics.error(use.host.where,

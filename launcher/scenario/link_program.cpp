@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/link/link_config.hpp"
 #include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/impairments.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
 
@@ -14,11 +15,40 @@ using config::Diagnostics;
 using config::Fields;
 using config::Node;
 
+/// Whoever looks for a stream in the settings must find it: the declarations of all that are named.
+Node declarations(Scenario const& s, gateways::LinkConfig const& config) {
+    Node out = Node::map();
+    Node const* all = s.resolved.find("streams");
+    auto const add = [&](Ref const& name) {
+        if (Node const* stream = all == nullptr ? nullptr : all->find(name.name)) {
+            out.set(name.name, *stream);
+        }
+    };
+    for (Ref const& name : config.streams) {
+        add(name);
+    }
+    for (auto const& entry : config.samples) {
+        add(entry.stream);
+    }
+    return out;
+}
+
 class LinkSettings final : public ProcessSettings {
   public:
     explicit LinkSettings(Fields& f) { describe(f, config_); }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         check_cut_ins(s, process, diagnostics);
+        (void)gateways::make_plan(config_, s.streams, diagnostics);
+    }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
+        return {{"signals", "SignalFrame"}, {"signal_catalog", "SignalCatalog"}};
+    }
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+        std::vector<SignalUse> out;
+        for (char const* name : gateways::kLinkSignals) {
+            out.push_back({"link." + process.name.name + "." + name, "", 1});
+        }
+        return out;
     }
     [[nodiscard]] std::vector<CutInUse> cut_ins(Scenario const&, Process const&) const override {
         using Direction = gateways::LinkConfig::Direction;
@@ -31,6 +61,9 @@ class LinkSettings final : public ProcessSettings {
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = own_settings(process);
         node.set("cut_ins", cut_in_settings(s, process));
+        node.set("seed", Node::scalar(std::to_string(s.seed)));
+        node.set("streams", declarations(s, config_));
+        node.set("changes", impairment_changes(s, process.name.name));
         if (s.clock.mode == bus::ClockMode::realtime && s.clock.speed > 0) {
             node.set("speed", Node::scalar(shortest(s.clock.speed)));
         }

@@ -8,12 +8,14 @@
 #include "launcher/run/installation.hpp"
 #include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/impairments.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "sim/app/engine_factory.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <map>
 
 namespace gridspace::launcher {
 namespace {
@@ -53,6 +55,14 @@ void check_references(Scenario const& s, Diagnostics& diagnostics) {
         must_exist(process.host, hosts, fmt::format("process '{}' runs on", process.name.name), diagnostics, true);
     }
     for (sim::Event const& event : s.events) {
+        for (Ref const* process : {&event.desynchronise, &event.resynchronise}) {
+            must_exist(*process, processes, fmt::format("event '{}' acts on the process", event.name.name), diagnostics);
+            Process const* target = process->empty() ? nullptr : s.find_process(process->name);
+            if (target != nullptr && target->program.name != "gridspace-mu") {
+                diagnostics.error(process->where, fmt::format("event '{}' acts on the clock of '{}', which is no merging unit", event.name.name, process->name),
+                                  "only gridspace-mu has a clock that can be lost", static_cast<int>(process->name.size()));
+            }
+        }
         for (Ref const* process : {&event.kill, &event.pause, &event.resume, &event.restart}) {
             must_exist(*process, processes, fmt::format("event '{}' acts on the process", event.name.name), diagnostics);
             Process const* target = process->empty() ? nullptr : s.find_process(process->name);
@@ -65,6 +75,7 @@ void check_references(Scenario const& s, Diagnostics& diagnostics) {
             }
         }
     }
+    check_impairment_events(s, diagnostics);
     if (s.network) {
         check_events(s.events, *s.network, s.simulation.solver != sim::SolverKind::phasor, diagnostics);
     }
@@ -172,6 +183,32 @@ void check_programs(Scenario const& s, Diagnostics& diagnostics) {
     }
 }
 
+/// Real interfaces instead of the scenario's links.
+void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
+    std::map<std::string, Process const*> users;
+    for (Process const& process : s.processes) {
+        if (process.interface.empty() || process.settings == nullptr) {
+            continue;
+        }
+        config::Node const* written = process.node.find("interface");
+        config::SourceMark const where = written == nullptr ? process.name.where : written->where;
+        int const width = static_cast<int>(process.interface.size());
+        bool const raw = process.program.name == "exec" || !process.settings->sends(s, process).empty() || !process.settings->receives(s, process).empty();
+        if (!raw || process.program.name == "gridspace-recorder") {
+            diagnostics.error(where, fmt::format("process '{}' exchanges no raw frames, and has the interface '{}'", process.name.name, process.interface),
+                              "`interface:` is for devices on a process bus", width);
+        } else if (s.clock.mode == bus::ClockMode::lockstep) {
+            diagnostics.error(where, fmt::format("process '{}' is on the real interface '{}', and the clock is in lockstep", process.name.name, process.interface),
+                              "nobody can wait for a real network: clock: {mode: realtime}", width);
+        }
+        auto const [it, first] = users.try_emplace(process.interface, &process);
+        if (!first && it->second->host != process.host) {
+            diagnostics.error(where, fmt::format("the interface '{}' is in the host '{}' already, for '{}'", process.interface, it->second->host.name, it->second->name.name),
+                              "an interface can be in one host only", width);
+        }
+    }
+}
+
 /// The operating point at the start must exist.
 void check_power_flow(Scenario const& s, Diagnostics& diagnostics) {
     if (!s.network) {
@@ -193,6 +230,7 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
     check_times(s, diagnostics);
     check_programs(s, diagnostics);
     check_addresses(s, diagnostics);
+    check_interfaces(s, diagnostics);
     check_power_flow(s, diagnostics);
     check_attacks(s, diagnostics);
     bool const readable = std::all_of(s.processes.begin(), s.processes.end(), [](Process const& p) { return p.settings != nullptr; });

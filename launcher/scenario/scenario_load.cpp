@@ -6,9 +6,11 @@
 #include "launcher/expect/expectation.hpp"
 #include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/impairments.hpp"
 #include "launcher/scenario/published.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/scenario_check.hpp"
+#include "launcher/scenario/wire_programs.hpp"
 #include "sim/app/engine_factory.hpp"
 
 #include <algorithm>
@@ -152,6 +154,8 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
     Node streams;
     f.raw("streams", streams, {.doc = "SMV and GOOSE streams"});
     s.streams = streams::read_streams(streams, diagnostics);
+    f.map("impairments", {.doc = "bad cables, by name; each is a process of the program gridspace-link on a host of its own"},
+          [&](Ref const&, Fields& i) { (void)read_link(i); }); // for the schema: they have become processes before they are read
     attacker::describe_attacks(f, s.attacks);
     f.raw("expect", s.expect, {.doc = "what must hold for the run to pass"});
 }
@@ -269,6 +273,7 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     if (Node* streams = root->find("streams")) {
         config::resolve_likes(*streams, diagnostics);
     }
+    expand_impairments(*root, diagnostics);
     apply_defaults(*root, diagnostics);
     spell_out_places(*root);
     auto scenario = std::make_unique<Scenario>();

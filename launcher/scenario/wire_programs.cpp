@@ -58,6 +58,27 @@ WireUse use_of(Scenario const& s, Process const& process, Ref const& stream) {
     return {raw_link(s, process), found == nullptr ? std::uint16_t{0} : found->ethertype(), stream.name};
 }
 
+/// What the events do to the clock of a merging unit, in their order.
+Node clock_changes(Scenario const& s, Process const& process) {
+    std::vector<sim::Event const*> events;
+    for (sim::Event const& event : s.events) {
+        if (event.at_s && (event.desynchronise == process.name || event.resynchronise == process.name)) {
+            events.push_back(&event);
+        }
+    }
+    std::stable_sort(events.begin(), events.end(), [](auto const* a, auto const* b) { return *a->at_s < *b->at_s; });
+    Node list = Node::sequence();
+    for (sim::Event const* event : events) {
+        Node node = Node::map();
+        bool const synchronised = event->resynchronise == process.name;
+        node.set("at_s", Node::scalar(event->at_s->to_string()));
+        node.set("synchronised", Node::scalar(synchronised ? "true" : "false"));
+        node.set("shift_samples", Node::scalar(std::to_string(synchronised ? 0 : event->shift_samples)));
+        list.items.push_back(std::move(node));
+    }
+    return list;
+}
+
 class MergingUnitSettings final : public ProcessSettings {
   public:
     explicit MergingUnitSettings(Fields& f) { describe(f, config_); }
@@ -97,7 +118,9 @@ class MergingUnitSettings final : public ProcessSettings {
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
-        return wire_process_settings(s, process, {config_.to.name});
+        Node node = wire_process_settings(s, process, {config_.to.name});
+        node.set("clock_changes", clock_changes(s, process));
+        return node;
     }
     [[nodiscard]] gateways::MuConfig const& config() const { return config_; }
 

@@ -43,6 +43,9 @@ std::string raw_link(Scenario const& scenario, Process const& process) {
 }
 
 void check_raw_link(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+    if (!process.interface.empty()) {
+        return; // outside of all links
+    }
     std::string const link = raw_link(scenario, process);
     auto const all = links_of(scenario, process, false);
     if (!link.empty() && std::find(all.begin(), all.end(), link) != all.end()) {

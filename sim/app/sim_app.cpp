@@ -89,6 +89,13 @@ class SimApp {
             return std::unexpected{signals.error()};
         }
         signals_ = std::move(*signals);
+        for (StuckBreaker const& stuck : stuck_breakers(config_.events)) {
+            simulation_.fail_to_open(stuck.breaker, SimTime{} + node_.time_base().nearest(stuck.from_s));
+        }
+        simulation_.on_failure([this](SimTime t, std::string const& breaker) {
+            log::warning("breaker '{}' fails to open", breaker);
+            run_.status.event(node_.time_base().seconds(t), breaker, "fails_to_open", "told to open, and stays closed");
+        });
         simulation_.on_event([this](SimTime t, TimedAction const& action) {
             log::info("event '{}'", action.event);
             run_.status.event(node_.time_base().seconds(t), node_.config().process, "event", action.event);

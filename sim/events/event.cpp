@@ -14,10 +14,12 @@ using config::Fields;
 void describe(Fields& f, Event& e) {
     f.fraction("at_s", e.at_s, {.doc = "simulated time", .required = true, .min = 0});
     config::Node set;
-    f.raw("set", set, {.doc = "parameters of the network by path, and their new values"});
+    f.raw("set", set, {.doc = "parameters of the network or of `impairments:` by path, and their new values"});
     for (config::Node::Entry const& entry : set.entries) {
-        if (auto const value = config::number_of(entry.value)) {
-            e.set.emplace_back(Ref{entry.key, entry.where}, *value);
+        bool const of_a_cable = entry.key.starts_with("impairments.");
+        bool const flag = of_a_cable && entry.value.is_scalar() && (entry.value.text == "true" || entry.value.text == "false");
+        if (auto const value = flag ? std::optional{entry.value.text == "true" ? 1.0 : 0.0} : config::number_of(entry.value)) {
+            (of_a_cable ? e.set_impairments : e.set).emplace_back(Ref{entry.key, entry.where}, *value);
         } else {
             f.error("set", fmt::format("'{}' is set to {}", entry.key, config::describe(entry.value)), "expected a number");
         }
@@ -46,15 +48,22 @@ void describe(Fields& f, Event& e) {
     });
     f.fraction("clear_after_ms", e.clear_after_ms, {.doc = "the fault clears by itself after so long", .above = 0});
     f.reference("disconnect", e.disconnect, {.doc = "element taken out of service"});
+    f.references("fail_to_open", e.fail_to_open, {.doc = "breakers that stay closed from then on, whatever opens them"});
+    f.reference("desynchronise", e.desynchronise, {.doc = "merging unit that loses its clock: smpSynch becomes 0"});
+    f.integer("shift_samples", e.shift_samples, {.doc = "desynchronise: how far its counter runs ahead of the samples", .min = -4800, .max = 4800});
+    f.reference("resynchronise", e.resynchronise, {.doc = "merging unit whose clock is right again"});
     f.reference("kill", e.kill, {.doc = "process killed (SIGKILL)"});
     f.reference("pause", e.pause, {.doc = "process stopped (SIGSTOP)"});
     f.reference("resume", e.resume, {.doc = "process continued (SIGCONT)"});
     f.reference("restart", e.restart, {.doc = "process killed and started again"});
-    constexpr std::string_view kDeeds[] = {"set",  "open",  "close",  "apply_fault", "disconnect",
-                                           "kill", "pause", "resume", "restart"};
+    constexpr std::string_view kDeeds[] = {"set",          "open",          "close", "apply_fault", "disconnect", "fail_to_open", "desynchronise",
+                                           "resynchronise", "kill", "pause", "resume",      "restart"};
     if (std::none_of(std::begin(kDeeds), std::end(kDeeds), [&](std::string_view deed) { return f.has(deed); })) {
         f.error("", fmt::format("event '{}' does nothing", e.name.name),
-                "one of: set, open, close, apply_fault, disconnect, kill, pause, resume, restart");
+                "one of: set, open, close, apply_fault, disconnect, fail_to_open, desynchronise, resynchronise, kill, pause, resume, restart");
+    }
+    if (e.shift_samples != 0 && e.desynchronise.empty()) {
+        f.error("shift_samples", fmt::format("event '{}' desynchronises nothing", e.name.name), "it belongs to `desynchronise: PROCESS`");
     }
     if (e.clear_after_ms && !e.fault) {
         f.error("clear_after_ms", fmt::format("event '{}' has no fault to clear", e.name.name));
@@ -97,6 +106,18 @@ std::vector<TimedAction> timeline(std::vector<Event> const& events) {
         }
     }
     std::stable_sort(out.begin(), out.end(), [](auto const& a, auto const& b) { return a.at_s < b.at_s; });
+    return out;
+}
+
+std::vector<StuckBreaker> stuck_breakers(std::vector<Event> const& events) {
+    std::vector<StuckBreaker> out;
+    for (Event const& e : events) {
+        for (Ref const& breaker : e.fail_to_open) {
+            if (e.at_s) {
+                out.push_back({*e.at_s, breaker.name});
+            }
+        }
+    }
     return out;
 }
 
@@ -184,6 +205,9 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
             must(n.breakers, b, "breaker", e);
         }
         for (Ref const& b : e.close) {
+            must(n.breakers, b, "breaker", e);
+        }
+        for (Ref const& b : e.fail_to_open) {
             must(n.breakers, b, "breaker", e);
         }
         must(n.lines, e.fault_line, "line", e);

@@ -18,12 +18,16 @@ namespace gridspace::sim {
 struct Event {
     Ref name;
     std::optional<Rational> at_s;
-    std::vector<std::pair<Ref, double>> set; ///< parameter paths and their new values
+    std::vector<std::pair<Ref, double>> set; ///< parameter paths of the network and their new values
+    std::vector<std::pair<Ref, double>> set_impairments; ///< the same of `impairments:`; true is 1
     std::vector<Ref> open, close;            ///< breakers
     std::optional<ApplyFault> fault;
     Ref fault_line, fault_bus;
     std::optional<Rational> clear_after_ms;
     Ref disconnect;
+    std::vector<Ref> fail_to_open; ///< breakers that no command opens from then on
+    Ref desynchronise, resynchronise; ///< merging units whose clock is lost, and found again
+    std::int64_t shift_samples{0};    ///< desynchronise: how far the clock runs ahead
     Ref kill, pause, resume, restart; ///< processes
 };
 
@@ -35,6 +39,13 @@ struct TimedAction {
 };
 
 void describe(config::Fields& f, Event& event);
+
+/// A breaker whose mechanism is stuck from an instant on.
+struct StuckBreaker {
+    Rational from_s;
+    std::string breaker;
+};
+[[nodiscard]] std::vector<StuckBreaker> stuck_breakers(std::vector<Event> const& events);
 
 /// Reads the whole `events:` map of `parent`.
 void describe_events(config::Fields& parent, std::vector<Event>& events);

@@ -24,6 +24,26 @@ void Simulation::cancel(std::function<bool(SimTime, Action const&)> const& drop)
     });
 }
 
+void Simulation::fail_to_open(std::string breaker, SimTime from) {
+    auto const [it, added] = stuck_.try_emplace(std::move(breaker), from);
+    it->second = std::min(it->second, from);
+}
+
+bool Simulation::is_held_back(Action const& action) {
+    auto const* command = std::get_if<SwitchBreaker>(&action);
+    if (command == nullptr || command->close) {
+        return false;
+    }
+    auto const stuck = stuck_.find(command->breaker);
+    if (stuck == stuck_.end() || stuck->second > now_) {
+        return false;
+    }
+    if (on_failure_) {
+        on_failure_(now_, command->breaker);
+    }
+    return true;
+}
+
 Result<void> Simulation::start(Observer const& observer) {
     if (auto ok = engine_->initialise(); !ok) {
         return ok;
@@ -46,8 +66,8 @@ Result<void> Simulation::run_until(SimTime until, Observer const& observer) {
         }
         if (target > now_) {
             // A tick that ends between two steps does not make the engine stop there: the steps decide the results.
-            bool const only_the_tick_ends = target == until && until != next_step_ &&
-                                            (changes_.empty() || changes_.begin()->first.first != until);
+            bool const only_the_tick_ends =
+                target == until && until != next_step_ && (changes_.empty() || changes_.begin()->first.first != until);
             if (only_the_tick_ends) {
                 return {};
             }
@@ -71,7 +91,7 @@ Result<void> Simulation::apply_changes() {
     while (!changes_.empty() && changes_.begin()->first.first <= now_) {
         auto const node = changes_.extract(changes_.begin());
         Change const& change = node.mapped();
-        if (auto ok = engine_->apply(change.action); !ok) {
+        if (auto ok = is_held_back(change.action) ? Result<void>{} : engine_->apply(change.action); !ok) {
             if (change.event != nullptr) {
                 return fail(ok.error().code, fmt::format("event '{}': {}", change.event->event, ok.error().message),
                             ok.error().remedy);

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace gridspace::sim {
@@ -24,19 +25,26 @@ class Simulation {
     };
     Simulation(std::unique_ptr<Engine> engine, Options options, std::vector<TimedAction> const& timeline);
 
-    /// A change that takes effect at `at`; in the past (real time only): at once. At equal times the scenario's events come
-    /// first, then commands in the order in which they were given.
+    /// A change that takes effect at `at`; in the past (real time only): at once. At equal times the scenario's events
+    /// come first, then commands in the order in which they were given.
     void command(SimTime at, Action action);
     /// Forgets commands for which `drop` is true and that have not taken effect.
     void cancel(std::function<bool(SimTime at, Action const&)> const& drop);
 
-    /// Called at every step, the initial state included, before changes of that instant take effect: measurements at t show
-    /// the system before the switching at t.
+    /// Called at every step, the initial state included, before changes of that instant take effect: measurements at t
+    /// show the system before the switching at t.
     using Observer = std::function<void(SimTime)>;
 
     [[nodiscard]] Result<void> start(Observer const& observer);
     /// Simulates up to and including `until`; steps that lie in between are observed.
     [[nodiscard]] Result<void> run_until(SimTime until, Observer const& observer);
+
+    /// From `from` on nothing opens the breaker: its mechanism is stuck. It can still be closed.
+    void fail_to_open(std::string breaker, SimTime from);
+    /// Called when a stuck breaker was told to open.
+    void on_failure(std::function<void(SimTime, std::string const& breaker)> callback) {
+        on_failure_ = std::move(callback);
+    }
 
     /// Called when a physical event takes effect.
     void on_event(std::function<void(SimTime, TimedAction const&)> callback) { on_event_ = std::move(callback); }
@@ -50,12 +58,15 @@ class Simulation {
         TimedAction const* event{nullptr};
     };
     [[nodiscard]] Result<void> apply_changes();
+    [[nodiscard]] bool is_held_back(Action const& action);
 
     std::unique_ptr<Engine> engine_;
     Options options_;
     std::vector<TimedAction> timeline_;
     std::multimap<std::pair<SimTime, int>, Change> changes_; ///< (time, 0 events / 1 commands), in order of insertion
     std::function<void(SimTime, TimedAction const&)> on_event_;
+    std::map<std::string, SimTime> stuck_; ///< breakers, and since when
+    std::function<void(SimTime, std::string const&)> on_failure_;
     SimTime now_;
     SimTime next_step_;
 };

@@ -38,8 +38,9 @@ def main():
     arguments = parser.parse_args()
 
     wanted = json.loads((pathlib.Path(__file__).parent / "scenarios.json").read_text())
-    files = sorted((ROOT / "configs" / "scenarios").glob("*.yaml"))
-    failures = [f"{f.name} is in configs/scenarios, but tests/scenarios/scenarios.json does not say what must come out" for f in files if f.stem not in wanted]
+    misbehaviour = pathlib.Path(__file__).parent / "misbehaviour"
+    files = sorted((ROOT / "configs" / "scenarios").glob("*.yaml")) + sorted(misbehaviour.glob("*.yaml"))
+    failures = [f"{f.name} is a scenario, but tests/scenarios/scenarios.json does not say what must come out" for f in files if f.stem not in wanted]
     failures += [f"scenarios.json names {name}, but there is no such scenario file" for name in wanted if name not in {f.stem for f in files}]
     folder = arguments.keep or pathlib.Path(tempfile.mkdtemp(prefix="gridspace_scenarios_"))
     folder.mkdir(parents=True, exist_ok=True)
