@@ -108,7 +108,6 @@ int main_function(int argc, char** argv) {
     run_verb->add_flag("--json", run_arguments.json, "progress as JSON lines, the summary as JSON");
     run_verb->add_flag("--quiet", run_arguments.quiet, "print nothing but errors");
     run_verb->add_flag("--no-namespaces", run_arguments.no_namespaces, "everything on the loopback interface");
-    run_verb->add_option("--allow-attacks-on", run_arguments.allow_attacks_on, "a real interface that an attacker may use");
     run_verb->add_flag("--no-deadlines", run_arguments.no_deadlines, "wait for ever (a debugger is attached)");
     run_verb->add_flag("--allow-control", run_arguments.allow_control, "pause, continue, step and stop it from the dashboard and the command line");
     run_verb->add_option("--log-level", run_arguments.log_level, "of the processes")->check(CLI::IsMember({"debug", "info", "warning", "error"}));

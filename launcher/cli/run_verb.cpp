@@ -75,7 +75,7 @@ int run(RunArguments const& arguments) {
     options.namespaces = !arguments.no_namespaces;
     options.log_level = arguments.log_level;
     options.allow_control = arguments.allow_control;
-    options.allow_attacks_on = arguments.allow_attacks_on;
+    options.allow_attacks_on = scenario->allow_attacks_on;
     options.style = arguments.quiet                ? Progress::Style::quiet
                     : arguments.json               ? Progress::Style::json
                     : ::isatty(STDERR_FILENO) != 0 ? Progress::Style::terminal

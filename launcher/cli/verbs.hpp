@@ -20,7 +20,6 @@ struct ScenarioArguments {
 
 struct RunArguments {
     ScenarioArguments scenario;
-    std::vector<std::string> allow_attacks_on; ///< real interfaces that attackers may use
     bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false}, allow_control{false};
     std::filesystem::path out, parent{"runs"}, junit;
     std::string log_level{"info"};

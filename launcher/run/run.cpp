@@ -199,7 +199,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         return std::unexpected{ok.error()};
     }
     for (Process const& process : scenario.processes) {
-        bool const allowed = std::find(options.allow_attacks_on.begin(), options.allow_attacks_on.end(), process.interface) != options.allow_attacks_on.end();
+        bool const allowed = process.interface == options.allow_attacks_on;
         if (process.program.name == "gridspace-attacker" && !process.interface.empty() && !allowed) {
             return fail(ExitCode::usage, fmt::format("process '{}' would attack on '{}', which is a real network", process.name.name, process.interface),
                         fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}", process.interface));

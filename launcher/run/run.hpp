@@ -15,7 +15,7 @@ struct RunOptions {
     std::filesystem::path out;            ///< or exactly here
     Progress::Style style{Progress::Style::plain};
     bool namespaces{true};                ///< false: --no-namespaces
-    std::vector<std::string> allow_attacks_on; ///< real interfaces
+    std::string allow_attacks_on;         ///< a real interface
     std::string log_level{"info"};
     bool allow_control{false};            ///< --allow-control
 };
