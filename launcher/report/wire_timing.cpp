@@ -105,11 +105,10 @@ std::optional<std::pair<std::string, double>> cause_before(Node const& scenario,
     Node const* events = scenario.find("events");
     for (Node::Entry const& event : events == nullptr ? std::vector<Node::Entry>{} : events->entries) {
         Node const* at = event.value.find("at_s");
-        auto const time_s = at == nullptr ? std::nullopt : config::number_of(*at);
+        double const time_s = at == nullptr ? until_s + 1 : config::number_of(*at).value_or(until_s + 1);
         bool const fault = event.value.find("apply_fault") != nullptr;
-        if (time_s && *time_s <= until_s && (fault || !is_fault) &&
-            (!out || *time_s >= out->second || (fault && !is_fault))) {
-            out = {event.key, *time_s};
+        if (time_s <= until_s && (fault || !is_fault) && (!out || time_s >= out->second || (fault && !is_fault))) {
+            out = {event.key, time_s};
             is_fault = fault;
         }
     }
