@@ -11,13 +11,29 @@
 #include <fmt/format.h>
 
 namespace gridspace::ids {
+namespace {
+
+/// What training a shape costs, beside the other shapes: an iteration is dominated by the normal equations of all
+/// parameters (Levenberg-Marquardt, or least squares for a linear forecaster).
+double work(int window, int hidden) {
+    double const parameters = hidden == 0 ? window + 1 : hidden * (window + 2) + 1;
+    return parameters * parameters;
+}
+
+} // namespace
 
 Result<std::vector<ShapeResult>> study_shapes(ShapeStudy const& study, Model const& like,
                                               std::span<LineWaveform const> training,
                                               std::span<LineWaveform const> unseen, std::uint64_t seed,
-                                              std::function<void(std::size_t, std::size_t)> const& progress) {
+                                              std::function<void(StudyProgress const&)> const& progress) {
     std::vector<ShapeResult> out;
-    std::size_t const of = study.windows.size() * study.hidden.size();
+    double all = 0, done = 0;
+    for (int const window : study.windows) {
+        for (int const hidden : study.hidden) {
+            all += work(window, hidden);
+        }
+    }
+    StudyProgress at{0, study.windows.size() * study.hidden.size()};
     for (int const window : study.windows) {
         for (int const hidden : study.hidden) {
             Model shape = like;
@@ -34,10 +50,21 @@ Result<std::vector<ShapeResult>> study_shapes(ShapeStudy const& study, Model con
             t.hidden = hidden;
             t.epochs = study.epochs;
             t.threads = study.threads;
-            auto const model = train(draw_windows(training, w, seed), shape, t, seed);
+            at = {out.size() + 1, at.of, window, hidden, 0, 0, at.share};
+            auto const report = [&](int epoch, int epochs, double) {
+                at.epoch = epoch;
+                at.epochs = epochs;
+                at.share = (done + work(window, hidden) * epoch / epochs) / all;
+                if (progress) {
+                    progress(at);
+                }
+                return true;
+            };
+            auto const model = train(draw_windows(training, w, seed), shape, t, seed, report);
             if (!model) {
                 return std::unexpected{model.error()};
             }
+            done += work(window, hidden);
             EvaluationOptions e;
             e.nominal_peak_a = study.nominal_peak_a;
             e.attacks = false;
@@ -45,9 +72,6 @@ Result<std::vector<ShapeResult>> study_shapes(ShapeStudy const& study, Model con
             Evaluation const judged = evaluate(*model, unseen, e);
             out.push_back({window, hidden, model->parameters(), judged.quality.rms_percent, judged.quality.before[3],
                            nanoseconds_per_sample<double>(*model)});
-            if (progress) {
-                progress(out.size(), of);
-            }
         }
     }
     return out;

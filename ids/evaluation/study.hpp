@@ -28,11 +28,17 @@ struct ShapeStudy {
     int epochs{20}, threads{2};
     double nominal_peak_a{10};
 };
-/// Trains each shape on `training` and judges it on `unseen`. `progress(done, of)` after each.
-[[nodiscard]] Result<std::vector<ShapeResult>>
-study_shapes(ShapeStudy const& study, Model const& like, std::span<LineWaveform const> training,
-             std::span<LineWaveform const> unseen, std::uint64_t seed,
-             std::function<void(std::size_t, std::size_t)> const& progress);
+/// Where a study stands: shapes are trained one after the other, `share` of all their work is done (0 to 1).
+struct StudyProgress {
+    std::size_t shape{0}, of{0}; ///< from 1
+    int window{0}, hidden{0}, epoch{0}, epochs{0};
+    double share{0};
+};
+/// Trains each shape on `training` and judges it on `unseen`. `progress` after each epoch and each shape.
+[[nodiscard]] Result<std::vector<ShapeResult>> study_shapes(ShapeStudy const& study, Model const& like,
+                                                            std::span<LineWaveform const> training,
+                                                            std::span<LineWaveform const> unseen, std::uint64_t seed,
+                                                            std::function<void(StudyProgress const&)> const& progress);
 
 /// The published loop under `fakes` forged samples in a row: how long can it run on its own forecasts?
 struct FakesResult {

@@ -81,7 +81,7 @@ void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArgument
     e->callback([&] { action = [&] { return ids_evaluate(evaluate); }; });
 
     CLI::App* s = ids_verb->add_subcommand("study", "window and neurons against error and time; fakes in a row against the published loop");
-    s->add_option("CONFIG", study.config, "training configuration (YAML): its data are used")->required();
+    s->add_option("CONFIG", study.config, "training configuration (YAML): its data are used (default: closed-form recordings)");
     s->add_option("--windows", study.windows, "window lengths")->delimiter(',')->check(CLI::Range(1, 4096));
     s->add_option("--hidden", study.hidden, "neurons; a linear forecaster is always tried too")->delimiter(',')->check(CLI::Range(0, 1000));
     s->add_option("--out", study.out, "folder for tables and figures");

@@ -6,12 +6,12 @@
 #include "ids/forecaster/model_file.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/ids/ids_verbs.hpp"
+#include "launcher/ids/progress_line.hpp"
 #include "launcher/ids/recordings.hpp"
 
 #include <chrono>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 namespace gridspace::cli {
 namespace {
@@ -37,23 +37,6 @@ char const* word(ids::TrainParams::Method method) {
     return "?";
 }
 
-/// One line on a terminal, one line every ten seconds otherwise.
-class Shown {
-  public:
-    explicit Shown(bool quiet) : quiet_{quiet}, terminal_{::isatty(STDERR_FILENO) != 0} {}
-    void show(std::string const& text, bool last) {
-        if (quiet_ || (!terminal_ && !last && seconds_since(shown_) < 10)) {
-            return;
-        }
-        shown_ = Clock::now();
-        fmt::print(stderr, "{}{}{}", terminal_ ? "\r\033[K" : "", text, terminal_ && !last ? "" : "\n");
-    }
-
-  private:
-    bool quiet_, terminal_;
-    Clock::time_point shown_{Clock::now()};
-};
-
 } // namespace
 
 int ids_train(IdsTrainArguments const& arguments) {
@@ -66,7 +49,7 @@ int ids_train(IdsTrainArguments const& arguments) {
     config->seed = arguments.seed.value_or(config->seed);
     auto const seed = static_cast<std::uint64_t>(config->seed);
     std::filesystem::path const output = arguments.output.empty() ? config->output : arguments.output;
-    Shown shown{arguments.quiet || arguments.json};
+    ProgressLine shown{arguments.quiet || arguments.json};
     auto const start = Clock::now();
     auto const recordings = all_recordings(*config, seed, false, [&](std::size_t done, std::size_t of) {
         shown.show(fmt::format("simulated {} of {} runs", done, of), done == of);
