@@ -44,6 +44,24 @@ Result<ids::Model> trained(ids::TrainingConfig const& config, ids::ShapeStudy co
     return train(draw_windows(recordings, w, seed), like, t, seed);
 }
 
+/// Recordings in which nothing happens but the forgery: 200 in closed form, or those that the configuration has.
+std::vector<ids::LineWaveform> quiet_recordings(ids::TrainingConfig const& config, std::uint64_t seed,
+                                                std::span<ids::LineWaveform const> unseen) {
+    std::vector<ids::LineWaveform> out;
+    if (config.synthetic_recordings > 0) {
+        for (std::uint64_t number = 0; number < 200; ++number) {
+            out.push_back(synthesise(config.synthetic, ids::Situation::quiet, seed, 2'000'000 + number));
+        }
+        return out;
+    }
+    for (ids::LineWaveform const& r : unseen) {
+        if (r.event < 0 && r.situation == ids::Situation::quiet) {
+            out.push_back(r);
+        }
+    }
+    return out;
+}
+
 /// The published shape, or the largest that was asked for.
 int usual(std::vector<int> const& values, int published) {
     return std::find(values.begin(), values.end(), published) != values.end()
@@ -94,12 +112,7 @@ int ids_study(IdsStudyArguments const& a) {
     if (!network || !linear) {
         return print_error(!network ? network.error() : linear.error());
     }
-    std::vector<ids::LineWaveform> quiet;
-    for (ids::LineWaveform const& r : *unseen) {
-        if (r.event < 0 && r.situation == ids::Situation::quiet) {
-            quiet.push_back(r);
-        }
-    }
+    std::vector<ids::LineWaveform> const quiet = quiet_recordings(*config, seed, *unseen);
     static constexpr std::array<int, 8> counts{1, 2, 5, 10, 20, 40, 60, 80};
     auto const under_fakes = [&](ids::Model const& model) {
         return study_fakes(model, counts, quiet, study.nominal_peak_a, seed, study.threads);
