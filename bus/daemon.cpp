@@ -151,7 +151,10 @@ void StatusReporter::send(std::string const& line) {
     [[maybe_unused]] auto const written = ::write(fd_, text.data(), text.size());
 }
 
-void StatusReporter::ready() { send(R"({"status":"ready"})"); }
+// `at_ns`: the instant on the machine's steady clock. Who reads this may be late, and the speed of a run is computed of it.
+void StatusReporter::ready() {
+    send(Json{{"status", "ready"}, {"at_ns", std::chrono::steady_clock::now().time_since_epoch().count()}}.dump());
+}
 
 void StatusReporter::failed(Error const& error) {
     send(Json{{"status", "failed"},
@@ -167,7 +170,7 @@ void StatusReporter::progress(double time_s, double duration_s, std::uint64_t ov
         return;
     }
     last_progress_ = instant;
-    send(Json{{"status", "progress"}, {"time_s", time_s}, {"duration_s", duration_s}, {"overruns", overruns}}.dump());
+    send(Json{{"status", "progress"}, {"time_s", time_s}, {"duration_s", duration_s}, {"overruns", overruns}, {"at_ns", instant.time_since_epoch().count()}}.dump());
 }
 
 void StatusReporter::event(double time_s, std::string_view source, std::string_view kind, std::string_view text) {

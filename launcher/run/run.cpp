@@ -151,15 +151,21 @@ class Follower {
         }
     }
 
+    /// When the process wrote it.
+    static Clock::time_point instant_of(Json const& line) {
+        auto const at_ns = line.value("at_ns", std::int64_t{0});
+        return at_ns == 0 ? Clock::now() : Clock::time_point{std::chrono::nanoseconds{at_ns}};
+    }
+
     void on_status(std::string const& process, Json const& line) {
         std::string const status = line.value("status", "");
         if (status == "ready") {
             progress_.note(fmt::format("all {} processes are ready", plan_.processes.size()));
-            clock_started_ = last_progress_ = Clock::now();
+            clock_started_ = last_progress_ = instant_of(line);
             started_ = true;
         } else if (status == "progress") {
             time_s_ = line.value("time_s", 0.0);
-            last_progress_ = Clock::now();
+            last_progress_ = instant_of(line);
             outcome_.overruns = line.value("overruns", std::uint64_t{0});
             progress_.update(time_s_, outcome_.overruns);
         } else if (status == "event") {
