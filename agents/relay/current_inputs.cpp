@@ -15,8 +15,8 @@ Synch synch_of(std::uint8_t smp_synch) {
     return smp_synch == iec61850::kNotSynchronised ? Synch::none : smp_synch == iec61850::kGlobalClock ? Synch::global : Synch::local;
 }
 
-Result<CurrentInputs::End> make_end(streams::Stream const& stream, std::array<std::string, 3> const& channels, gateways::SvFirstLine first_line) {
-    CurrentInputs::End end{iec61850::SvSubscriber{gateways::sv_subscription(stream)}, iec61850::SvLayout{stream.data_set}, std::move(first_line)};
+Result<CurrentInputs::End> make_end(streams::Stream const& stream, std::array<std::string, 3> const& channels) {
+    CurrentInputs::End end{iec61850::SvSubscriber{gateways::sv_subscription(stream)}, iec61850::SvLayout{stream.data_set}};
     auto const& slots = end.layout.slots();
     for (std::size_t phase = 0; phase < 3; ++phase) {
         auto const slot = end.layout.index_of(channels[phase]);
@@ -35,11 +35,10 @@ Result<CurrentInputs::End> make_end(streams::Stream const& stream, std::array<st
 } // namespace
 
 Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams::Stream const& to,
-                                            std::array<std::string, 3> const& channels, std::int64_t partner_timeout_ns,
-                                            gateways::FirstLineConfig const& first_line, bool lockstep) {
+                                            std::array<std::string, 3> const& channels, std::int64_t partner_timeout_ns) {
     std::vector<End> ends;
     for (streams::Stream const* stream : {&from, &to}) {
-        auto end = make_end(*stream, channels, gateways::SvFirstLine{first_line, *stream, lockstep});
+        auto end = make_end(*stream, channels);
         if (!end) {
             return std::unexpected{end.error()};
         }
@@ -67,24 +66,15 @@ EndSample CurrentInputs::read(End const& end, iec61850::SvFrame const& frame, ie
     return sample;
 }
 
-void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, std::int64_t arrival_ns, OnPair const& on_pair) {
+void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair) {
     if (auto const read_frame = iec61850::decode_sv(octets, decoded_); !read_frame) {
         damaged_.count(read_frame.error().reason);
         return;
     }
-    std::array<bool, 2> seen{};
     for (iec61850::Asdu const& asdu : decoded_.view()) {
         for (std::size_t i = 0; i < ends_.size(); ++i) {
             End& end = ends_[i];
             if (!end.subscriber.is_mine(asdu)) {
-                continue;
-            }
-            auto const verdict = end.first_line.judge(decoded_.header, asdu, !seen[i], arrival_ns);
-            seen[i] = true;
-            if (verdict.news != 0 && on_suspicion_) {
-                on_suspicion_(i, verdict.news, !verdict.pass);
-            }
-            if (!verdict.pass) {
                 continue;
             }
             iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, now_ns);

@@ -4,7 +4,6 @@
 
 #include "agents/relay/line_sample.hpp"
 #include "common/result.hpp"
-#include "gateways/first_line/first_line.hpp"
 #include "gateways/iec61850/stream_alignment.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
@@ -22,16 +21,11 @@ class CurrentInputs {
     /// `channels`: members of the data sets that hold the phase currents. An integer counts milliamperes (9-2LE); a member
     /// of type quality right behind a current is its quality.
     [[nodiscard]] static Result<CurrentInputs> create(streams::Stream const& from, streams::Stream const& to,
-                                                      std::array<std::string, 3> const& channels, std::int64_t partner_timeout_ns,
-                                                      gateways::FirstLineConfig const& first_line = {}, bool lockstep = true);
+                                                      std::array<std::string, 3> const& channels, std::int64_t partner_timeout_ns);
 
     using OnPair = std::function<void(LineSample const&)>;
-    /// `news`: findings of the first line (ids::SvFinding) about the stream of an end, and whether the sample was refused.
-    using OnSuspicion = std::function<void(std::size_t end, std::uint32_t news, bool refused)>;
-    void on_suspicion(OnSuspicion callback) { on_suspicion_ = std::move(callback); }
-
-    /// A frame of sampled values. Pairs that are complete now are given out. `arrival_ns`: when the kernel had it, on any axis.
-    void frame(iec61850::Octets octets, std::int64_t now_ns, std::int64_t arrival_ns, OnPair const& on_pair);
+    /// A frame of sampled values. Pairs that are complete now are given out.
+    void frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair);
     /// When time alone gives something out, or a stream falls silent.
     [[nodiscard]] std::optional<std::int64_t> deadline() const;
     void elapse(std::int64_t now_ns, OnPair const& on_pair);
@@ -39,7 +33,6 @@ class CurrentInputs {
     struct End {
         iec61850::SvSubscriber subscriber;
         iec61850::SvLayout layout;
-        gateways::SvFirstLine first_line;
         std::array<std::size_t, 3> current{};
         std::array<std::optional<std::size_t>, 3> quality{};
         double scale{1};
@@ -56,7 +49,6 @@ class CurrentInputs {
     std::vector<End> ends_; ///< from, to
     iec61850::StreamAlignment<EndSample> alignment_;
     iec61850::SvFrame decoded_;
-    OnSuspicion on_suspicion_;
     iec61850::DecodeCounters damaged_;
 };
 

@@ -11,7 +11,6 @@
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
-#include "gateways/first_line/first_line_signals.hpp"
 #include "ids/forecaster/model_file.hpp"
 
 #include <array>
@@ -94,12 +93,11 @@ class RelayAgent {
         if (auto ok = make_relay(*params, from->rate_hz); !ok) {
             return ok;
         }
-        auto inputs = CurrentInputs::create(*from, *to, config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6), config.first_line, node_.lockstep());
+        auto inputs = CurrentInputs::create(*from, *to, config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6));
         if (!inputs) {
             return std::unexpected{inputs.error()};
         }
         inputs_ = std::make_unique<CurrentInputs>(std::move(*inputs));
-        inputs_->on_suspicion([this](std::size_t end, std::uint32_t news, bool refused) { suspicion(end, news, refused); });
         auto port = WirePort::open(node_, settings_.wire, {{trip->ethertype()}, {from->ethertype()}});
         if (!port) {
             return std::unexpected{port.error()};
@@ -156,21 +154,7 @@ class RelayAgent {
             return std::unexpected{counters.error()};
         }
         counter_signals_ = std::move(*counters);
-        if (settings_.relay.first_line.action != gateways::FirstLineConfig::Action::off) {
-            auto first_line = gateways::FirstLineSignals::create(node_, std::array{settings_.relay.from_stream.name, settings_.relay.to_stream.name});
-            if (!first_line) {
-                return std::unexpected{first_line.error()};
-            }
-            first_line_ = std::move(*first_line);
-        }
         return node_.lockstep() ? Result<void>{} : open_age_signals();
-    }
-
-    void suspicion(std::size_t end, std::uint32_t news, bool refused) {
-        std::string const& stream = (end == 0 ? settings_.relay.from_stream : settings_.relay.to_stream).name;
-        std::string const text = fmt::format("'{}': {}{}", stream, ids::sv_finding_names(news), refused ? ", refused" : "");
-        log::warning("a frame that looks forged: {}", text);
-        run_.status.event(node_.time_base().seconds(now()), node_.config().process, "first_line", text);
     }
 
     /// Real time: how old a sample is when it comes and when it has been decided about; times are those of the samples.
@@ -212,9 +196,6 @@ class RelayAgent {
         }
         if (intrusion_ != nullptr) {
             intrusion_->announce(now);
-        }
-        if (first_line_ != nullptr) {
-            first_line_->announce(now);
         }
         trip_->announce(now);
         now_ns_ = node_.lockstep() ? clock_.of(now) : clock_.now();
@@ -259,7 +240,7 @@ class RelayAgent {
             std::int64_t const at = clock_.of(frame->time);
             elapse(at - 1); // at equal times the frame comes first
             now_ns_ = std::max(now_ns_, at);
-            inputs_->frame(WirePort::octets(*frame), now_ns_, now_ns_, on_pair_);
+            inputs_->frame(WirePort::octets(*frame), now_ns_, on_pair_);
         }
         elapse(clock_.of(end));
     }
@@ -268,7 +249,7 @@ class RelayAgent {
         for (bus::WireFrame const* frame : port_->take(iec61850::kSvEthertype)) {
             now_ns_ = clock_.now();
             std::array<std::uint64_t, 2> const before{samples_of(0), samples_of(1)};
-            inputs_->frame(WirePort::octets(*frame), now_ns_, frame->kernel_ns != 0 ? frame->kernel_ns : now_ns_, on_pair_);
+            inputs_->frame(WirePort::octets(*frame), now_ns_, on_pair_);
             for (std::size_t i = 0; i < 2; ++i) {
                 if (samples_of(i) != before[i] && frame->kernel_ns != 0) {
                     publish_age(*arrival_ages_[i], inputs_->end(i).subscriber.last_index(), frame->kernel_ns);
@@ -372,9 +353,6 @@ class RelayAgent {
             return;
         }
         counter_signals_->row(time, row);
-        if (first_line_ != nullptr) {
-            first_line_->publish(time, std::array{inputs_->end(0).first_line.counters(), inputs_->end(1).first_line.counters()});
-        }
         if (intrusion_ != nullptr) {
             intrusion_->report(*relay_->detector(), time);
             intrusion_->flush(time, final);
@@ -395,7 +373,6 @@ class RelayAgent {
     std::unique_ptr<CurrentInputs> inputs_;
     std::unique_ptr<WirePort> port_;
     std::unique_ptr<TripPublisher> trip_;
-    std::unique_ptr<gateways::FirstLineSignals> first_line_;
     std::unique_ptr<bus::SignalPublisher> state_signals_, counter_signals_;
     std::array<std::unique_ptr<bus::SignalPublisher>, 2> arrival_ages_; ///< real time
     std::unique_ptr<bus::SignalPublisher> decision_ages_;               ///< real time

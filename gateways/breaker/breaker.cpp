@@ -22,7 +22,6 @@ GatewayConfig table_of(BreakerConfig const& breaker, std::string const& process)
     mapping.to.topic = breaker.to;
     mapping.to.type.name = "TripCommand";
     mapping.accept_test = breaker.accept_test;
-    mapping.first_line = breaker.first_line;
     mapping.fields = Node::map();
     mapping.fields.set("source", Node::map()).set("value", Node::quoted_text(process));
     Node& status = mapping.fields.set("status", Node::map());
@@ -74,10 +73,6 @@ class BreakerGuest final : public GatewayGuest {
              [this](Moment at, bool alive) { stream_is(at, alive); },
              [this](Moment at, iec61850::GooseFrame const& message, iec61850::GooseVerdict const&) {
                  heard_message(at, message);
-             },
-             [this](Moment at, std::string const& findings, bool refused) {
-                 run_.status.event(node_->time_base().seconds(at.time), node_->config().process, "first_line",
-                                   fmt::format("'{}': {}{}", config_.stream().name, findings, refused ? ", refused" : ""));
              }});
         return {};
     }

@@ -4,7 +4,6 @@
 
 #include "common/config/fields.hpp"
 #include "common/rational.hpp"
-#include "gateways/first_line/first_line_config.hpp"
 
 #include <string>
 
@@ -18,7 +17,6 @@ struct BreakerConfig {
     Ref to;                      ///< DDS topic of TripCommand
     enum class OnLoss { hold, open } on_loss{OnLoss::hold};
     bool accept_test{false};     ///< act on messages marked simulated
-    FirstLineConfig first_line;  ///< suspicious messages
     Rational latency_us{1000};   ///< from the message to the effect of the command; in real time no sooner
 
     [[nodiscard]] Ref stream() const { return {from.name.substr(0, from.name.find('.')), from.where}; }

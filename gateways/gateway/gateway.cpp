@@ -155,7 +155,7 @@ Result<void> Gateway::open_route(Route& route) {
     if (route.from_stream == nullptr) {
         sources_.push_back(make_topic_source(route, **sink));
     } else if (route.from_stream->kind == streams::Kind::smv) {
-        sources_.push_back(make_sv_source(route, **sink, node_.lockstep()));
+        sources_.push_back(make_sv_source(route, **sink));
     } else {
         sources_.push_back(make_goose_source(route, **sink, clock_));
     }
@@ -262,9 +262,6 @@ Result<void> Gateway::open_signals() {
         }
         sampled_[i].ages = std::move(*ages);
     }
-    if (auto ok = open_first_line(); !ok) {
-        return ok;
-    }
     for (std::size_t i = 0; i < routes_.size(); ++i) {
         Route const& route = routes_[i];
         watches_.push_back(nullptr);
@@ -298,26 +295,6 @@ Result<void> Gateway::open_signals() {
     return {};
 }
 
-Result<void> Gateway::open_first_line() {
-    std::vector<std::string> streams;
-    for (auto const& source : sources_) {
-        Route const& route = source->route();
-        if (route.from_stream != nullptr && route.config.first_line.action != FirstLineConfig::Action::off) {
-            guarded_.push_back(source.get());
-            streams.push_back(route.from_stream->name.name);
-        }
-    }
-    if (streams.empty()) {
-        return {};
-    }
-    auto signals = FirstLineSignals::create(node_, streams);
-    if (!signals) {
-        return std::unexpected{signals.error()};
-    }
-    first_line_ = std::move(*signals);
-    return {};
-}
-
 void Gateway::begin(bus::Tick const& tick) {
     bool const has_zero = node_.start_unix_ns() != 0 || node_.config().clock.simulator.empty(); // UTC counts from 1970
     if (pacer_ != nullptr && has_zero) {
@@ -329,9 +306,6 @@ void Gateway::begin(bus::Tick const& tick) {
     begun_ = true;
     if (counters_ != nullptr) {
         counters_->announce(tick.time);
-    }
-    if (first_line_ != nullptr) {
-        first_line_->announce(tick.time);
     }
     for (Sampled const& sampled : sampled_) {
         if (sampled.ages != nullptr) {
@@ -452,13 +426,6 @@ void Gateway::publish_counters(bus::Tick const& tick) {
         row->dropped(row->direction() == STREAM_SENT ? sent.send_failed : port_->dropped());
     }
     statistics_->publish(tick.time);
-    if (first_line_ != nullptr) {
-        std::vector<FirstLineCounters> counters;
-        for (Source const* source : guarded_) {
-            counters.push_back(source->first_line());
-        }
-        first_line_->publish(tick.time, counters);
-    }
     if (counters_ == nullptr) {
         return;
     }

@@ -5,7 +5,6 @@
 #include "bus/daemon.hpp"
 #include "bus/signal_publisher.hpp"
 #include "bus/tick_grid.hpp"
-#include "gateways/first_line/first_line_signals.hpp"
 #include "gateways/gateway/sample_pacer.hpp"
 #include "gateways/gateway/source.hpp"
 #include "gateways/port/statistics.hpp"
@@ -63,7 +62,6 @@ class Gateway {
     [[nodiscard]] std::uint64_t next_tick_needed(bus::Tick const& tick) const;
     [[nodiscard]] Moment moment_of(bus::Tick const& tick) const;
     void publish_counters(bus::Tick const& tick);
-    [[nodiscard]] Result<void> open_first_line();
     void publish_ages();
 
     GatewaySettings const& settings_;
@@ -87,8 +85,6 @@ class Gateway {
     std::unique_ptr<StatisticsPublisher> statistics_;
     std::vector<StreamStatistics*> rows_; ///< by mapping
     std::unique_ptr<bus::SignalPublisher> counters_;
-    std::unique_ptr<FirstLineSignals> first_line_;
-    std::vector<Source*> guarded_; ///< sources with a first line
     struct Watch {
         std::unique_ptr<bus::SignalPublisher> signals;
         std::vector<double> last;

@@ -115,7 +115,6 @@ void describe_mapping(Fields& f, MappingConfig& m) {
         {.doc = "real time, with `index`: at the exact sample rate behind a small buffer, or as soon as samples come"});
     f.number("buffer_ms", m.buffer_ms,
              {.doc = "real time, scheduled: how much later than the samples it sends", .min = 0, .max = 100});
-    describe(f, m.first_line);
     f.references("watch", m.watch,
                  {.doc = "fields of the target that are published as signals, mapping.PROCESS.NAME.FIELD"});
 }

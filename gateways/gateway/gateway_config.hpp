@@ -4,7 +4,6 @@
 
 #include "common/config/fields.hpp"
 #include "common/rational.hpp"
-#include "gateways/first_line/first_line_config.hpp"
 
 #include <cstdint>
 #include <map>
@@ -50,8 +49,6 @@ struct MappingConfig {
 
     Ref each;  ///< sequence of the topic's type whose elements are consecutive samples
     Ref index; ///< field of the topic's type with the index of the (first) sample; without: sample and hold
-
-    FirstLineConfig first_line; ///< of a source stream
 
     // to a topic
     enum class WriteOn { change, message } write_on{WriteOn::change};

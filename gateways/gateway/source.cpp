@@ -31,14 +31,6 @@ void Source::set_alive(Moment at, bool alive) {
     }
 }
 
-void Source::suspect(Moment at, std::string const& findings, bool refused) {
-    log::warning("'{}': a frame that looks forged{}: {}", route_.from_stream->name.name, refused ? " was refused" : "",
-                 findings);
-    if (observer_.suspicious) {
-        observer_.suspicious(at, findings, refused);
-    }
-}
-
 void Source::lost(Moment at) {
     set_alive(at, false);
     sink_.gap(at);
@@ -123,27 +115,16 @@ void fill_common(std::vector<Value>& in, std::size_t first, bool alive, bool sim
 
 class SvSource final : public Source {
   public:
-    SvSource(Route& route, Sink& sink, bool lockstep)
-        : Source{route, sink}, subscriber_{subscription_of(route)}, layout_{route.from_stream->data_set},
-          first_line_{route.config.first_line, *route.from_stream, lockstep} {}
+    SvSource(Route& route, Sink& sink)
+        : Source{route, sink}, subscriber_{subscription_of(route)}, layout_{route.from_stream->data_set} {}
 
     void receive(Moment at, iec61850::SvFrame const& frame) override {
-        bool first = true;
         for (iec61850::Asdu const& asdu : frame.view()) {
-            if (!subscriber_.is_mine(asdu)) {
-                continue;
-            }
-            auto const verdict = first_line_.judge(frame.header, asdu, first, at.kernel_ns != 0 ? at.kernel_ns : at.ns);
-            first = false;
-            if (verdict.news != 0) {
-                suspect(at, ids::sv_finding_names(verdict.news), !verdict.pass);
-            }
-            if (verdict.pass) {
+            if (subscriber_.is_mine(asdu)) {
                 receive(at, frame.header, asdu);
             }
         }
     }
-    [[nodiscard]] FirstLineCounters first_line() const override { return first_line_.counters(); }
 
     [[nodiscard]] std::optional<std::int64_t> deadline() const override { return subscriber_.deadline(); }
     void expire(Moment at) override {
@@ -155,7 +136,6 @@ class SvSource final : public Source {
     void report(StreamStatistics& out) override {
         Source::report(out);
         report_received(out, subscriber_);
-        out.refused(out.refused() + first_line_.counters().refused);
     }
 
   private:
@@ -193,26 +173,14 @@ class SvSource final : public Source {
 
     iec61850::SvSubscriber subscriber_;
     iec61850::SvLayout layout_;
-    SvFirstLine first_line_;
 };
 
 class GooseSource final : public Source {
   public:
     GooseSource(Route& route, Sink& sink, WireClock const& clock)
-        : Source{route, sink}, clock_{clock}, subscriber_{subscription_of(route)},
-          first_line_{route.config.first_line, *route.from_stream} {}
+        : Source{route, sink}, clock_{clock}, subscriber_{subscription_of(route)} {}
 
     void receive(Moment at, iec61850::GooseFrame const& message) override {
-        if (message.gocb_ref != route_.from_stream->control_block) {
-            return;
-        }
-        auto const judged = first_line_.judge(message, clock_.utc_ns(at.ns));
-        if (judged.news != 0) {
-            suspect(at, ids::goose_finding_names(judged.news), !judged.pass);
-        }
-        if (!judged.pass) {
-            return;
-        }
         auto const verdict = subscriber_.receive(message, at.ns, clock_.utc_ns(at.ns));
         if (verdict.event == iec61850::GooseEvent::not_ours) {
             return;
@@ -235,7 +203,6 @@ class GooseSource final : public Source {
     [[nodiscard]] std::optional<std::int64_t> deadline() const override { return subscriber_.deadline(); }
     void expire(Moment at) override {
         if (subscriber_.expire(at.ns)) {
-            first_line_.expired();
             fill(false, false);
             lost(at);
         }
@@ -243,9 +210,7 @@ class GooseSource final : public Source {
     void report(StreamStatistics& out) override {
         Source::report(out);
         report_received(out, subscriber_);
-        out.refused(out.refused() + first_line_.counters().refused);
     }
-    [[nodiscard]] FirstLineCounters first_line() const override { return first_line_.counters(); }
 
   private:
     static iec61850::GooseSubscription subscription_of(Route const& route) {
@@ -267,7 +232,6 @@ class GooseSource final : public Source {
 
     WireClock const& clock_;
     iec61850::GooseSubscriber subscriber_;
-    GooseFirstLine first_line_;
     std::uint64_t refused_{0};
 };
 
@@ -276,8 +240,8 @@ class GooseSource final : public Source {
 std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink) {
     return std::make_unique<TopicSource>(route, sink);
 }
-std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep) {
-    return std::make_unique<SvSource>(route, sink, lockstep);
+std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink) {
+    return std::make_unique<SvSource>(route, sink);
 }
 std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock) {
     return std::make_unique<GooseSource>(route, sink, clock);

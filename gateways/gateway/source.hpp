@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gateways/first_line/first_line.hpp"
 #include "gateways/gateway/sink.hpp"
 #include "gateways/iec61850/goose_subscriber.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
@@ -26,8 +25,6 @@ class Source {
         std::function<void(Moment at, bool alive)> alive; ///< the source was lost, or is there (again)
         std::function<void(Moment at, iec61850::GooseFrame const&, iec61850::GooseVerdict const&)>
             heard; ///< every message of the stream
-        std::function<void(Moment at, std::string const& findings, bool refused)>
-            suspicious; ///< news of the first line: which rules a frame of the stream broke
     };
 
     virtual ~Source() = default;
@@ -45,16 +42,12 @@ class Source {
 
     /// Its part of the statistics.
     virtual void report(StreamStatistics& out);
-    /// What the first line has counted; zeros for a topic.
-    [[nodiscard]] virtual FirstLineCounters first_line() const { return {}; }
 
   protected:
     Source(Route& route, Sink& sink) : route_{route}, sink_{sink}, in_(route.from.size()) {}
     /// in_ is new: maps it.
     void hand_on(Moment at, std::int64_t index);
     void set_alive(Moment at, bool alive);
-    /// A frame broke rules of the first line, and it is news.
-    void suspect(Moment at, std::string const& findings, bool refused);
     /// The source is lost: the values for that are handed on.
     void lost(Moment at);
 
@@ -66,7 +59,7 @@ class Source {
 };
 
 [[nodiscard]] std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink);
-[[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep);
+[[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink);
 /// `utc_ns`: for the skew of a message's time.
 [[nodiscard]] std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock);
 

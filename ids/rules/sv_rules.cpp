@@ -65,13 +65,13 @@ SvRules::Verdict SvRules::judge(SvFacts const& f) {
             }
         }
         if ((out.findings & (kDuplicate | kOutOfOrder)) == 0) {
-            if (running_ && params_.check_arrival && f.first_of_frame && !out.resynchronised && out.missing == 0 &&
+            if (running_ && params_.check_arrival && !out.resynchronised && out.missing == 0 &&
                 late_or_early(f.arrival_ns - last_arrival_ns_)) {
                 out.findings |= kBadArrival;
             }
             running_ = true;
             last_ = f.smp_cnt;
-            last_arrival_ns_ = f.first_of_frame ? f.arrival_ns : last_arrival_ns_;
+            last_arrival_ns_ = f.arrival_ns;
             other_run_ = 0;
         }
     }

@@ -18,7 +18,6 @@ struct SvFacts {
     std::uint8_t smp_synch{2};
     bool simulated{false};
     std::int64_t arrival_ns{0};
-    bool first_of_frame{true}; ///< the other samples of a frame have no arrival of their own
 };
 
 /// Why a frame is suspicious. A set of bits.

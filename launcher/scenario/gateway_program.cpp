@@ -93,11 +93,6 @@ class GatewaySettings final : public ProcessSettings {
                 out.push_back({"stream." + stream->name.name + "." + name, "ms", 0});
             }
         }
-        for (MappingConfig const& mapping : config_.mappings) {
-            if (!mapping.from.is_topic()) {
-                add_first_line(out, process, mapping.from.stream, mapping.first_line);
-            }
-        }
         for (Route const& route : routes_) {
             for (std::size_t const field : route.watched) {
                 out.push_back(

@@ -146,9 +146,7 @@ class BreakerSettings final : public ProcessSettings {
     }
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
         std::string const prefix = "breaker_ied." + process.name.name + ".";
-        std::vector<SignalUse> out{{prefix + "command", "", 0}, {prefix + "stream_alive", "", 0}, {prefix + "commanded_after_ms", "ms", 0}, {prefix + "effect_ms", "ms", 0}};
-        add_first_line(out, process, config_.stream(), config_.first_line);
-        return out;
+        return {{prefix + "command", "", 0}, {prefix + "stream_alive", "", 0}, {prefix + "commanded_after_ms", "ms", 0}, {prefix + "effect_ms", "ms", 0}};
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
@@ -215,7 +213,6 @@ class RelaySettings final : public ProcessSettings {
                 out.push_back({"stream." + stream->name + "." + name, "", 1});
             }
             out.push_back({"stream." + stream->name + ".rate_hz", "Hz", 1});
-            add_first_line(out, process, *stream, config_.first_line);
             out.push_back({"stream." + stream->name + ".arrival_age_ms", "ms", 0});
         }
         out.push_back({prefix + "sample_to_decision_ms", "ms", 0});
@@ -331,14 +328,6 @@ class RelaySettings final : public ProcessSettings {
 void add_signals(std::vector<TopicUse>& topics) {
     topics.push_back({"signals", "SignalFrame"});
     topics.push_back({"signal_catalog", "SignalCatalog"});
-}
-
-void add_first_line(std::vector<SignalUse>& out, Process const& process, config::Ref const& stream, gateways::FirstLineConfig const& config) {
-    if (config.action != gateways::FirstLineConfig::Action::off) {
-        std::string const prefix = fmt::format("first_line.{}.{}.", process.name.name, stream.name);
-        out.push_back({prefix + "suspicious", "", 0});
-        out.push_back({prefix + "refused", "", 0});
-    }
 }
 
 Node wire_process_settings(Scenario const& s, Process const& process, std::vector<std::string> const& used) {

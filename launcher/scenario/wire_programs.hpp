@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gateways/first_line/first_line_config.hpp"
 #include "launcher/scenario/program.hpp"
 
 #include <memory>
@@ -21,9 +20,6 @@ namespace gridspace::launcher {
 void add_signals(std::vector<TopicUse>& topics);
 
 /// Own keys, the port, and the declarations of the streams that the process uses.
-/// The signals of the rules in front of a received stream.
-void add_first_line(std::vector<SignalUse>& out, Process const& process, config::Ref const& stream, gateways::FirstLineConfig const& config);
-
 [[nodiscard]] config::Node wire_process_settings(Scenario const& s, Process const& process, std::vector<std::string> const& used);
 
 } // namespace gridspace::launcher
