@@ -111,6 +111,22 @@ Result<fs::path> make_run_folder(std::string const& scenario, fs::path const& pa
     return fs::absolute(folder).lexically_normal();
 }
 
+/// Every file that a process's configuration names (models, QoS), with its hash: other content is another run.
+static void add_files(config::Node const& node, Json& files) {
+    if (node.is_scalar() && node.text.starts_with('/')) {
+        std::error_code error;
+        if (fs::is_regular_file(node.text, error)) {
+            files[node.text] = {{"sha256", sha256_of(node.text)}};
+        }
+    }
+    for (config::Node::Entry const& entry : node.entries) {
+        add_files(entry.value, files);
+    }
+    for (config::Node const& item : node.items) {
+        add_files(item, files);
+    }
+}
+
 Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool root) {
     std::error_code error;
     for (char const* name : {"processes", "logs", "report"}) {
@@ -121,7 +137,9 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         if (auto ok = write_text(process.config_file, to_yaml(process.config)); !ok) {
             return ok;
         }
-        processes[process.name] = {{"program", process.program}, {"host", process.host}, {"member", process.is_member}};
+        Json files = Json::object();
+        add_files(process.config, files);
+        processes[process.name] = {{"program", process.program}, {"host", process.host}, {"member", process.is_member}, {"files", files}};
     }
     if (auto ok = write_text(plan.folder / "scenario.resolved.yaml", to_yaml(scenario.resolved)); !ok) {
         return ok;
@@ -144,6 +162,7 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
           {"tick_s", scenario.tick_s().to_string()},
           {"step_s", scenario.simulation.step_s.to_string()},
           {"epoch", scenario.simulation.epoch}}},
+        {"deterministic", scenario.clock.mode == bus::ClockMode::lockstep}, // a member that dies or is late ends a run, so nothing else spoils it
         {"duration_s", plan.duration_s},
         {"files",
          {{"scenario", {{"path", scenario.file.string()}, {"sha256", sha256_of(scenario.file)}}},
@@ -168,7 +187,6 @@ Result<void> write_outcome(fs::path const& folder, RunOutcome const& outcome) {
     manifest["simulated_s"] = outcome.simulated_s;
     manifest["wall_s"] = outcome.wall_s;
     manifest["overruns"] = outcome.overruns;
-    manifest["deterministic"] = outcome.deterministic;
     for (RunOutcome::ProcessEnd const& end : outcome.ends) {
         manifest["processes"][end.process]["exit"] = end.code;
         manifest["processes"][end.process]["end"] = end.how;

@@ -27,7 +27,6 @@ struct RunOutcome {
     double total_wall_s{0};    ///< of everything
     double simulated_s{0};
     std::uint64_t overruns{0};
-    bool deterministic{true};
     struct ProcessEnd {
         std::string process, how;
         int code{0};
