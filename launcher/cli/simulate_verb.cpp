@@ -7,7 +7,7 @@
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/progress.hpp"
-#include "recorder/comtrade/comtrade_writer.hpp"
+#include "common/comtrade/comtrade_writer.hpp"
 #include "sim/app/engine_factory.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/runtime/simulation.hpp"

@@ -4,7 +4,7 @@
 
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
-#include "recorder/comtrade/comtrade_record.hpp"
+#include "common/comtrade/comtrade_record.hpp"
 #include "sim/app/sim_config.hpp"
 
 #include <algorithm>

@@ -23,7 +23,7 @@ LAYERS = [
     ("pure core", 1, ["bus/lockstep/*", "sim/network/*", "sim/components/*", "sim/powerflow/*", "sim/phasor/*", "sim/emt/*", "sim/machines/*",
                       "sim/events/*", "sim/engine/*", "sim/runtime/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
                       "recorder/mcap/*", "recorder/compare/*", "recorder/export/*", "recorder/signals/*",
-                      "recorder/pcapng/*", "recorder/comtrade/*", "agents/*_logic.?pp", "agents/relay/*element*", "agents/relay/line_relay.?pp",
+                      "recorder/pcapng/*", "common/comtrade/*", "agents/*_logic.?pp", "agents/relay/*element*", "agents/relay/line_relay.?pp",
                       "agents/relay/relay_events.?pp", "agents/relay/line_sample.hpp", "agents/attacker/*_attack.?pp"]),
     ("bus and wire", 2, ["bus/*", "gateways/ethernet/*", "idl/*"]),
     ("shell", 3, ["sim/*", "agents/*", "gateways/*", "recorder/*"]),
@@ -47,7 +47,7 @@ IMPURE_WORDS = r"\b(system_clock|steady_clock|high_resolution_clock|random_devic
 PURE_BUT = {  # a reason for each exception
     "recorder/mcap/mcap_writer.cpp": "writes to a file descriptor, so that a flush is a flush",
     "recorder/pcapng/pcapng_writer.cpp": "the same",
-    "recorder/comtrade/comtrade_writer.cpp": "its file format wants calendar times, of an instant that is given to it",
+    "common/comtrade/comtrade_writer.cpp": "its file format wants calendar times, of an instant that is given to it",
     "ids/evaluation/evaluate.cpp": "it reports nanoseconds per sample beside the results, which do not depend on them",
     "ids/training/*": "training is an offline job that uses all processors; its result does not depend on how many",
 }

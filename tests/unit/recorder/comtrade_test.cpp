@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "recorder/comtrade/comtrade_record.hpp"
-#include "recorder/comtrade/comtrade_writer.hpp"
+#include "common/comtrade/comtrade_record.hpp"
+#include "common/comtrade/comtrade_writer.hpp"
 
 #include <cmath>
 #include <fstream>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
-#include "recorder/comtrade/comtrade_header.hpp"
+#include "common/comtrade/comtrade_header.hpp"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "recorder/comtrade/comtrade_writer.hpp"
+#include "common/comtrade/comtrade_writer.hpp"
 
 #include <bit>
 #include <fmt/format.h>

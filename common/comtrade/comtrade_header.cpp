@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "recorder/comtrade/comtrade_header.hpp"
+#include "common/comtrade/comtrade_header.hpp"
 
 #include "common/text.hpp"
 #include "common/time.hpp"
