@@ -193,7 +193,11 @@ int main_function(int argc, char** argv) {
     MonitorArguments monitor_arguments;
     CLI::App* monitor_verb = verb("monitor", "look at a finished run in the dashboard");
     monitor_verb->add_option("RUN", monitor_arguments.run, "run folder (default: latest)");
-    monitor_verb->add_option("--listen", monitor_arguments.listen, "address and port (port 0: a free one)");
+    monitor_verb->add_option("--bind,--listen", monitor_arguments.listen, "address and port (port 0: a free one); elsewhere than 127.0.0.1 only with a token and TLS");
+    monitor_verb->add_option("--token-file", monitor_arguments.token_file, "file with the secret of whoever may look (mode 0600)");
+    CLI::Option* certificate = monitor_verb->add_option("--tls-cert", monitor_arguments.tls_cert, "certificate (PEM)");
+    monitor_verb->add_option("--tls-key", monitor_arguments.tls_key, "its key (PEM)")->needs(certificate);
+    monitor_verb->add_option("--idl", monitor_arguments.idl, "IDL of foreign types")->check(CLI::ExistingFile);
     monitor_verb->callback([&] { action = [&] { return monitor(monitor_arguments); }; });
 
     GraphArguments graph_arguments;

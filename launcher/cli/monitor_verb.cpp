@@ -6,12 +6,15 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/installation.hpp"
 #include "launcher/run/listening.hpp"
+#include "monitor/web/listening.hpp"
 
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace gridspace::cli {
 namespace {
@@ -34,11 +37,18 @@ int monitor(MonitorArguments const& arguments) {
                         : "only a run that was recorded (program: gridspace-recorder) can be looked at again"});
         }
     }
+    if (arguments.tls_cert.empty() != arguments.tls_key.empty()) {
+        return print_error({ExitCode::usage, "a certificate goes with its key", "give --tls-cert and --tls-key"});
+    }
+    bool const tls = !arguments.tls_cert.empty();
+    if (auto ok = web::check_exposure(arguments.listen, !arguments.token_file.empty(), tls); !ok) {
+        return print_error(ok.error());
+    }
     auto socket = launcher::open_listening(arguments.listen);
     if (!socket) {
         return print_error(socket.error());
     }
-    fmt::print("http://{}\n", socket->address);
+    fmt::print("{}://{}\n", tls ? "https" : "http", socket->address);
     std::fflush(stdout);
     if (socket->fd == kHandedSocket) {
         ::fcntl(kHandedSocket, F_SETFD, 0);
@@ -47,7 +57,19 @@ int monitor(MonitorArguments const& arguments) {
     }
     std::string const program = launcher::program_file("gridspace-monitor").string(),
                       config = (folder / "monitor.yaml").string();
-    ::execl(program.c_str(), program.c_str(), "--config", config.c_str(), "--log-level", "warning", nullptr);
+    std::vector<std::string> words{program, "--config", config, "--log-level", "warning"};
+    for (auto const& [option, file] : {std::pair{"--token-file", &arguments.token_file}, std::pair{"--tls-cert", &arguments.tls_cert},
+                                       std::pair{"--tls-key", &arguments.tls_key}, std::pair{"--idl", &arguments.idl}}) {
+        if (!file->empty()) {
+            words.insert(words.end(), {option, file->string()});
+        }
+    }
+    std::vector<char*> argv;
+    for (std::string& word : words) {
+        argv.push_back(word.data());
+    }
+    argv.push_back(nullptr);
+    ::execv(program.c_str(), argv.data());
     return print_error({ExitCode::environment, fmt::format("cannot start '{}': {}", program, std::strerror(errno)),
                         "is Gridspace built completely?"});
 }

@@ -61,6 +61,7 @@ int simulate(SimulateArguments const& arguments);
 struct MonitorArguments {
     std::filesystem::path run{"latest"};
     std::string listen{"127.0.0.1:0"};
+    std::filesystem::path token_file, tls_cert, tls_key, idl;
 };
 int monitor(MonitorArguments const& arguments);
 

@@ -3,6 +3,7 @@
 #include "launcher/run/monitor_client.hpp"
 
 #include "common/unique_fd.hpp"
+#include "launcher/run/tls_client.hpp"
 
 #include <arpa/inet.h>
 #include <cerrno>
@@ -28,7 +29,8 @@ Result<UniqueFd> connect_to(std::string const& where) {
     std::string const host = colon == std::string::npos ? where : where.substr(0, colon);
     address.sin_port = htons(static_cast<std::uint16_t>(
         colon == std::string::npos ? 80 : std::strtoul(where.c_str() + colon + 1, nullptr, 10)));
-    if (::inet_pton(AF_INET, host == "localhost" ? "127.0.0.1" : host.c_str(), &address.sin_addr) != 1) {
+    std::string const at = host == "localhost" || host == "0.0.0.0" ? "127.0.0.1" : host;
+    if (::inet_pton(AF_INET, at.c_str(), &address.sin_addr) != 1) {
         return fail(ExitCode::usage, fmt::format("'{}' is not an address", where), "for example 127.0.0.1:8080");
     }
     UniqueFd fd{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
@@ -44,25 +46,35 @@ Result<UniqueFd> connect_to(std::string const& where) {
 
 } // namespace
 
-void note_monitor(std::filesystem::path const& folder, std::string const& address) {
-    std::ofstream{folder / kNote} << address << '\n';
+void note_monitor(std::filesystem::path const& folder, MonitorAddress const& monitor) {
+    std::ofstream{folder / kNote} << monitor.url() << '\n'
+                                  << monitor.certificate.string() << '\n'
+                                  << monitor.token_file.string() << '\n';
 }
 
-Result<std::string> monitor_address(std::filesystem::path const& run) {
+Result<MonitorAddress> monitor_address(std::filesystem::path const& run) {
+    constexpr std::string_view kPlain = "http://";
     std::string text = run.string();
-    if (text.starts_with("http://")) {
-        text = text.substr(7);
-        return text.substr(0, text.find('/'));
-    }
     if (std::filesystem::is_directory(run)) {
-        std::string address;
-        if (std::getline(std::ifstream{run / kNote} >> std::ws, address)) {
-            return address;
+        std::ifstream stream{run / kNote};
+        std::string url, certificate, token_file;
+        if (!std::getline(stream, url)) {
+            return fail(ExitCode::usage, fmt::format("run '{}' has no monitor", text), "was it started with one?");
         }
-        return fail(ExitCode::usage, fmt::format("run '{}' has no monitor", text), "was it started with one?");
+        std::getline(stream, certificate);
+        std::getline(stream, token_file);
+        return MonitorAddress{url.substr(url.find("//") + 2), certificate, token_file};
+    }
+    if (text.starts_with("https:/")) {
+        return fail(ExitCode::usage, fmt::format("what certificate does {} show?", text),
+                    "give the folder of the run, which knows; or ask by curl with --cacert and an Authorization header");
+    }
+    if (text.starts_with(kPlain)) {
+        text = text.substr(kPlain.size());
+        return MonitorAddress{text.substr(0, text.find('/')), {}, {}};
     }
     if (text.find(':') != std::string::npos) {
-        return text;
+        return MonitorAddress{text, {}, {}};
     }
     return fail(ExitCode::usage, fmt::format("'{}' is neither a run folder nor the address of a monitor", text),
                 "`gridspace run` prints both");
@@ -70,36 +82,65 @@ Result<std::string> monitor_address(std::filesystem::path const& run) {
 
 namespace {
 
-/// Sends a request and returns the body of its answer.
-Result<std::string> talk(std::string const& address, std::string const& request) {
-    auto fd = connect_to(address);
+constexpr char const* kToken = "control.token";
+
+std::string first_line(std::filesystem::path const& file) {
+    std::ifstream stream{file};
+    std::string line;
+    std::getline(stream, line);
+    return line;
+}
+
+Result<std::string> exchange(int socket, std::string const& request) {
+    std::string answer;
+    char buffer[65536];
+    ssize_t size = ::send(socket, request.data(), request.size(), MSG_NOSIGNAL);
+    while (size > 0 && (size = ::recv(socket, buffer, sizeof buffer, 0)) > 0) {
+        answer.append(buffer, static_cast<std::size_t>(size));
+    }
+    return answer;
+}
+
+/// Sends a request and returns the body of its answer. `token` empty: the monitor's own, if it asks for one.
+Result<std::string> talk(MonitorAddress const& monitor, std::string_view method, std::string_view path, std::string token,
+                         std::string_view content) {
+    auto const fd = connect_to(monitor.address);
     if (!fd) {
         return std::unexpected{fd.error()};
     }
-    std::string answer;
-    char buffer[65536];
-    ssize_t size = ::send(fd->get(), request.data(), request.size(), MSG_NOSIGNAL);
-    while (size > 0 && (size = ::recv(fd->get(), buffer, sizeof buffer, 0)) > 0) {
-        answer.append(buffer, static_cast<std::size_t>(size));
+    if (token.empty() && !monitor.token_file.empty()) {
+        token = first_line(monitor.token_file);
     }
-    std::size_t const head = answer.find("\r\n\r\n");
-    if (!answer.starts_with("HTTP/1.1 ") || head == std::string::npos) {
-        return fail(ExitCode::environment, fmt::format("what answers at {} is not a monitor", address));
+    std::string request = fmt::format("{} {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n", method, path);
+    if (!token.empty()) {
+        request += fmt::format("Authorization: Bearer {}\r\n", token);
     }
-    std::string body = answer.substr(head + 4);
-    int const status = std::atoi(answer.c_str() + 9);
+    if (!content.empty()) {
+        request += fmt::format("Content-Type: application/json\r\nContent-Length: {}\r\n", content.size());
+    }
+    request += "\r\n";
+    request += content;
+    auto const answer =
+        monitor.certificate.empty() ? exchange(fd->get(), request) : exchange_by_tls(fd->get(), monitor.certificate, request);
+    if (!answer) {
+        return answer;
+    }
+    std::size_t const head = answer->find("\r\n\r\n");
+    if (!answer->starts_with("HTTP/1.1 ") || head == std::string::npos) {
+        return fail(ExitCode::environment, fmt::format("what answers at {} is not a monitor", monitor.url()));
+    }
+    std::string body = answer->substr(head + 4);
+    int const status = std::atoi(answer->c_str() + 9);
     if (status / 100 != 2) {
         return fail(ExitCode::usage, fmt::format("the monitor says {}: {}", status, body));
     }
     return body;
 }
 
-constexpr char const* kToken = "control.token";
-
 } // namespace
 
-Result<std::string> ask_monitor(std::string const& address, std::string const& path) {
-    return talk(address, fmt::format("GET {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", path));
+Result<std::string> ask_monitor(MonitorAddress const& monitor, std::string const& path) {
+    return talk(monitor, "GET", path, {}, {});
 }
 
 Result<void> write_control_token(std::filesystem::path const& folder) {
@@ -120,21 +161,16 @@ Result<void> write_control_token(std::filesystem::path const& folder) {
 }
 
 Result<void> control_run(std::filesystem::path const& folder, std::string const& action) {
-    auto const address = monitor_address(folder);
-    if (!address) {
-        return std::unexpected{address.error()};
+    auto const monitor = monitor_address(folder);
+    if (!monitor) {
+        return std::unexpected{monitor.error()};
     }
-    std::ifstream stream{folder / kToken};
-    std::string token;
-    if (!std::getline(stream, token)) {
+    std::string const token = first_line(folder / kToken);
+    if (token.empty()) {
         return fail(ExitCode::usage, fmt::format("run '{}' may not be controlled", folder.string()),
                     "start it with `gridspace run --allow-control`");
     }
-    std::string const body = fmt::format(R"({{"action":"{}"}})", action);
-    auto const answer = talk(*address, fmt::format("POST /api/v1/control HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n"
-                                                   "Authorization: Bearer {}\r\nContent-Type: application/json\r\n"
-                                                   "Content-Length: {}\r\n\r\n{}",
-                                                   token, body.size(), body));
+    auto const answer = talk(*monitor, "POST", "/api/v1/control", token, fmt::format(R"({{"action":"{}"}})", action));
     return answer ? Result<void>{} : std::unexpected{answer.error()};
 }
 

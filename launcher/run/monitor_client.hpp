@@ -9,11 +9,19 @@
 
 namespace gridspace::launcher {
 
-/// Notes in the run folder where the monitor of the run serves.
-void note_monitor(std::filesystem::path const& folder, std::string const& address);
+/// Where a monitor serves, and what it takes to be let in.
+struct MonitorAddress {
+    std::string address;                  ///< "127.0.0.1:8080"
+    std::filesystem::path certificate;    ///< that it shows; empty: no TLS
+    std::filesystem::path token_file;     ///< empty: it asks for none
+    [[nodiscard]] std::string url() const { return (certificate.empty() ? "http://" : "https://") + address; }
+};
 
-/// "127.0.0.1:8080" of the run's monitor: from the folder, or as it is when `run` is an address or URL already.
-[[nodiscard]] Result<std::string> monitor_address(std::filesystem::path const& run);
+/// Notes in the run folder where the monitor of the run serves.
+void note_monitor(std::filesystem::path const& folder, MonitorAddress const& monitor);
+
+/// The run's monitor: from the folder, or as it is when `run` is an address or URL already.
+[[nodiscard]] Result<MonitorAddress> monitor_address(std::filesystem::path const& run);
 
 /// Makes the secret of a run that may be controlled: RUN/control.token, for its owner only.
 [[nodiscard]] Result<void> write_control_token(std::filesystem::path const& folder);
@@ -22,6 +30,6 @@ void note_monitor(std::filesystem::path const& folder, std::string const& addres
 [[nodiscard]] Result<void> control_run(std::filesystem::path const& folder, std::string const& action);
 
 /// The body of GET `path`. An error names the address when nobody answers, and what the monitor said when it refuses.
-[[nodiscard]] Result<std::string> ask_monitor(std::string const& address, std::string const& path);
+[[nodiscard]] Result<std::string> ask_monitor(MonitorAddress const& monitor, std::string const& path);
 
 } // namespace gridspace::launcher

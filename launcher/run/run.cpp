@@ -192,6 +192,13 @@ class Follower {
 };
 
 
+/// A text of the settings of a process; empty when it is not there.
+std::string setting(PlannedProcess const& process, std::string_view key) {
+    config::Node const* const settings = process.config.find("settings");
+    config::Node const* const value = settings == nullptr ? nullptr : settings->find(key);
+    return value == nullptr ? std::string{} : value->text;
+}
+
 } // namespace
 
 Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options) {
@@ -256,8 +263,9 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
                 return std::unexpected{socket.error()};
             }
             listen_fds[process.name] = socket->fd;
-            progress.note(fmt::format("{}: http://{}", process.name, socket->address));
-            note_monitor(*folder, socket->address); // for `gridspace graph` and `topic`
+            MonitorAddress const monitor{socket->address, setting(process, "tls_cert"), setting(process, "token_file")};
+            progress.note(fmt::format("{}: {}", process.name, monitor.url()));
+            note_monitor(*folder, monitor); // for `gridspace graph` and `topic`
         }
     }
     int channel[2];

@@ -25,7 +25,8 @@ std::string label_of(sim::Element const& element) {
 }
 
 void add_network(Node& run, sim::Network const& network) {
-    Node buses = Node::sequence(), branches = Node::sequence(), breakers = Node::sequence(), devices = Node::sequence();
+    Node buses = Node::sequence(), branches = Node::sequence(), breakers = Node::sequence(), cts = Node::sequence(),
+         devices = Node::sequence();
     for (sim::Bus const& bus : network.buses) {
         Node node = entry({{"name", bus.name.name}, {"label", label_of(bus)}});
         node.set("voltage_v", Node::scalar(shortest(bus.voltage_v)));
@@ -51,6 +52,11 @@ void add_network(Node& run, sim::Network const& network) {
                                         {"line", breaker.line.name},
                                         {"end", breaker.end == sim::LineEnd::from ? "from" : "to"}}));
     }
+    for (sim::Ct const& ct : network.cts) {
+        cts.items.push_back(entry({{"name", ct.name.name},
+                                   {"line", ct.line.name},
+                                   {"end", ct.end == sim::LineEnd::from ? "from" : "to"}}));
+    }
     auto const add_devices = [&](auto const& elements, char const* kind) {
         for (auto const& e : elements) {
             devices.items.push_back(
@@ -67,6 +73,7 @@ void add_network(Node& run, sim::Network const& network) {
     run.set("buses", std::move(buses));
     run.set("branches", std::move(branches));
     run.set("breakers", std::move(breakers));
+    run.set("cts", std::move(cts));
     run.set("devices", std::move(devices));
 }
 

@@ -5,7 +5,7 @@
 #include "common/text.hpp"
 #include "launcher/run/addresses.hpp"
 #include "launcher/scenario/dataflow.hpp"
-#include "launcher/scenario/monitor_settings.hpp"
+#include "launcher/scenario/monitor_program.hpp"
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
@@ -288,27 +288,6 @@ class RecorderSettings final : public ProcessSettings {
     bool compress_{true};
 };
 
-class MonitorSettings final : public ProcessSettings {
-  public:
-    static std::unique_ptr<ProcessSettings> read(Fields& f) {
-        auto out = std::make_unique<MonitorSettings>();
-        f.text("listen", out->listen_, {.doc = "address and port of the dashboard; port 0: a free one, printed"});
-        return out;
-    }
-    [[nodiscard]] bool is_member() const override { return false; }
-    [[nodiscard]] bool is_expected() const override { return false; }
-    [[nodiscard]] std::string listen() const override { return listen_; }
-    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
-        Node node = own_settings(process);
-        node.set("scenario", Node::quoted_text(s.name));
-        node.set("run", monitored_run(s, ".."));
-        return node;
-    }
-
-  private:
-    std::string listen_{"127.0.0.1:0"};
-};
-
 /// Somebody's own program.
 class ExecSettings final : public ProcessSettings {
   public:
@@ -370,7 +349,7 @@ constexpr std::array kPrograms{
     Program{"gridspace-gateway", "translator between topics and streams", "gateway", read_gateway},
     Program{"gridspace-mcca", "microgrid control agent", "mcca", MccaSettings::read},
     Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
-    Program{"gridspace-monitor", "monitor and dashboard", "monitor", MonitorSettings::read},
+    Program{"gridspace-monitor", "monitor and dashboard", "monitor", read_monitor},
     Program{"exec", "a program of your own", "member", ExecSettings::read},
 };
 

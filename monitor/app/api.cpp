@@ -5,7 +5,7 @@
 #include "bus/topics.hpp"
 #include "common/text.hpp"
 #include "common/version.hpp"
-#include "monitor/app/metrics.hpp"
+#include "monitor/app/api_answers.hpp"
 #include "monitor/app/sample_json.hpp"
 #include "monitor/graph/graph_text.hpp"
 
@@ -21,31 +21,6 @@ using Json = nlohmann::ordered_json;
 
 std::string text(Json const& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-web::Response json_response(std::string body, int status = 200) {
-    web::Response response;
-    response.status = status;
-    response.body = std::move(body);
-    return response;
-}
-
-web::Response problem(int status, std::string const& what, std::string const& remedy = {}) {
-    Json json{{"error", what}};
-    if (!remedy.empty()) {
-        json["remedy"] = remedy;
-    }
-    return json_response(text(json), status);
-}
-
-std::optional<double> number(web::Target const& target, char const* name) {
-    auto const it = target.query.find(name);
-    if (it == target.query.end()) {
-        return std::nullopt;
-    }
-    double value = NAN;
-    auto const [end, error] = std::from_chars(it->second.data(), it->second.data() + it->second.size(), value);
-    return error == std::errc{} && end == it->second.data() + it->second.size() ? value : NAN;
 }
 
 } // namespace
@@ -116,6 +91,10 @@ std::string Api::network() const {
     for (auto const& b : plan.breakers) {
         breakers.push_back({{"name", b.name}, {"line", b.line}, {"end", b.end}});
     }
+    Json cts = Json::array();
+    for (auto const& ct : plan.cts) {
+        cts.push_back({{"name", ct.name}, {"line", ct.line}, {"end", ct.end}});
+    }
     for (auto const& d : plan.devices) {
         devices.push_back({{"name", d.name}, {"label", d.label}, {"bus", d.bus}, {"kind", d.kind}});
     }
@@ -133,8 +112,12 @@ std::string Api::network() const {
         }
         faults.push_back(std::move(entry));
     }
-    return text(
-        {{"buses", buses}, {"branches", branches}, {"breakers", breakers}, {"devices", devices}, {"faults", faults}});
+    return text({{"buses", buses},
+                 {"branches", branches},
+                 {"breakers", breakers},
+                 {"cts", cts},
+                 {"devices", devices},
+                 {"faults", faults}});
 }
 
 std::string Api::topics() const {
@@ -161,9 +144,7 @@ std::string Api::topics() const {
     return text({{"topics", std::move(out)}});
 }
 
-web::Response Api::topic(std::string const& rest) const {
-    bool const last = rest.ends_with("/last");
-    std::string const name = last ? rest.substr(0, rest.size() - 5) : rest;
+web::Response Api::topic(std::string const& name, bool last) const {
     TopicState state;
     std::string idl;
     {
@@ -202,6 +183,41 @@ web::Response Api::topic(std::string const& rest) const {
               [](Json const& a, Json const& b) { return a.value("key", "") < b.value("key", ""); });
     out["last"] = std::move(samples);
     return json_response(text(out));
+}
+
+std::string Api::streams() const {
+    struct Stream {
+        std::string kind, link;
+        std::vector<std::string> from, to;
+        Json figures = Json::object();
+    };
+    std::lock_guard const lock{run_.mutex};
+    std::map<std::string, Stream> streams;
+    for (graph::WireEdge const& wire : run_.snapshot().wires) {
+        Stream& stream = streams[wire.stream];
+        stream.kind = wire.kind;
+        stream.link = wire.link;
+        (wire.publishes ? stream.from : stream.to).push_back(wire.process);
+    }
+    for (auto const& [key, window] : run_.signals) { // stream.SMV21.lost
+        for (std::size_t c = 0; window != nullptr && !window->empty() && c < window->columns().size(); ++c) {
+            std::vector<std::string> const parts = split(window->columns()[c].name, '.');
+            auto const it = parts.size() == 3 && parts[0] == "stream" ? streams.find(parts[1]) : streams.end();
+            if (it != streams.end()) {
+                it->second.figures[parts[2]] = window->newest(c); // NaN becomes null
+            }
+        }
+    }
+    Json out = Json::array();
+    for (auto& [name, stream] : streams) {
+        out.push_back({{"name", name},
+                       {"kind", stream.kind},
+                       {"link", stream.link},
+                       {"from", stream.from},
+                       {"to", stream.to},
+                       {"figures", std::move(stream.figures)}});
+    }
+    return text({{"streams", std::move(out)}});
 }
 
 std::string Api::signals() const {
@@ -275,6 +291,9 @@ void Api::allow_control(std::string token, std::function<void(std::string const&
 }
 
 web::Response Api::control(web::Request const& request) const {
+    if (token_.empty()) {
+        return problem(403, "this run may not be controlled", "start it with gridspace run --allow-control");
+    }
     constexpr std::string_view kBearer = "Bearer ";
     if (!request.authorization.starts_with(kBearer) ||
         !web::same_secret(std::string_view{request.authorization}.substr(kBearer.size()), token_)) {
@@ -299,67 +318,6 @@ web::Response Api::control(web::Request const& request) const {
     }
     act_(action);
     return json_response(text({{"accepted", action}}), 202);
-}
-
-web::Response Api::answer(web::Request const& request) const {
-    std::string const& path = request.target.path;
-    if (request.method == "POST" && path == "/api/v1/control" && !token_.empty()) {
-        return control(request);
-    }
-    if (request.method == "POST") {
-        web::Response refused = problem(405, "nothing here can be changed");
-        refused.allow = "GET, HEAD";
-        return refused;
-    }
-    if (path == "/api/v1/health") {
-        return json_response(health());
-    }
-    if (path == "/api/v1/run") {
-        return json_response(run());
-    }
-    if (path == "/api/v1/graph") {
-        return json_response(graph());
-    }
-    if (path == "/api/v1/graph.dot" || path == "/api/v1/graph.svg") {
-        std::unique_lock lock{run_.mutex};
-        graph::Snapshot const snapshot = run_.snapshot();
-        lock.unlock();
-        bool const framework = request.target.query.contains("framework");
-        web::Response response;
-        bool const dot = path.ends_with(".dot");
-        response.content_type = dot ? "text/vnd.graphviz; charset=utf-8" : "image/svg+xml";
-        response.body = dot ? graph::to_dot(snapshot, framework) : graph::to_svg(snapshot, framework);
-        return response;
-    }
-    if (path == "/api/v1/network") {
-        return json_response(network());
-    }
-    if (path == "/api/v1/topics") {
-        return json_response(topics());
-    }
-    if (path.starts_with("/api/v1/topics/")) {
-        return topic(path.substr(15));
-    }
-    if (path == "/api/v1/signals") {
-        return json_response(signals());
-    }
-    if (path == "/api/v1/signals/query") {
-        return signal_query(request.target);
-    }
-    if (path == "/api/v1/events") {
-        double const after = number(request.target, "after").value_or(0);
-        if (!(after >= 0 && after < 1e15)) {
-            return problem(400, "`after` is the number of an event");
-        }
-        return json_response(events(static_cast<std::uint64_t>(after), 1000));
-    }
-    if (path == "/metrics") {
-        web::Response response;
-        response.content_type = "text/plain; version=0.0.4; charset=utf-8";
-        response.body = metrics_text(run_, counters_());
-        return response;
-    }
-    return problem(404, "there is nothing at " + path, "docs/reference/rest_api.md lists what there is");
 }
 
 } // namespace gridspace::monitor

@@ -6,7 +6,9 @@
 #include "monitor/web/server.hpp"
 
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace gridspace::monitor {
 
@@ -20,19 +22,32 @@ class Api {
     void allow_control(std::string token, std::function<void(std::string const& action)> act);
     [[nodiscard]] web::Response answer(web::Request const& request) const;
 
+    /// "GET", "/api/v1/topics/{topic}/last": a name in braces stands for something.
+    struct Route {
+        std::string_view method, path;
+    };
+    /// Everything that is answered here; openapi.json describes it.
+    [[nodiscard]] static std::span<Route const> routes();
+
     // What is pushed, too; JSON texts.
     [[nodiscard]] std::string health() const;
     [[nodiscard]] std::string run() const;
     [[nodiscard]] std::string graph() const;
     [[nodiscard]] std::string network() const;
     [[nodiscard]] std::string topics() const;
+    [[nodiscard]] std::string streams() const;
     [[nodiscard]] std::string signals() const;
     [[nodiscard]] std::string events(std::uint64_t after, std::size_t most) const;
 
   private:
+    struct Entry;
+    static std::span<Entry const> entries();
     [[nodiscard]] web::Response control(web::Request const& request) const;
-    [[nodiscard]] web::Response topic(std::string const& rest) const;
+    [[nodiscard]] web::Response topic(std::string const& name, bool last) const;
+    [[nodiscard]] web::Response picture(web::Target const& target, bool dot) const;
     [[nodiscard]] web::Response signal_query(web::Target const& target) const;
+    [[nodiscard]] web::Response event_query(web::Target const& target) const;
+    [[nodiscard]] web::Response metrics() const;
 
     LiveRun const& run_;
     std::function<web::ServerCounters()> counters_;

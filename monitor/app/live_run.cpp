@@ -50,7 +50,7 @@ void LiveRun::on_sample(std::string const& network, std::string const& topic, st
     }
     ++state.samples;
     state.octets += cdr.size();
-    decode(topic, process, cdr);
+    decode(topic, type, process, cdr);
     RawSample sample;
     if (state.newest.size() >= kKeptSamples || state.newest.size() * cdr.size() > kKeptOctets) {
         sample = std::move(state.newest.front()); // its memory is used again
@@ -63,14 +63,24 @@ void LiveRun::on_sample(std::string const& network, std::string const& topic, st
     state.newest.push_back(std::move(sample));
 }
 
-void LiveRun::decode(std::string const& topic, std::string const& process, std::span<std::byte const> cdr) {
+/// Ticks that nobody needs are not published: time has also come as far as somebody has worked.
+void LiveRun::reach(std::int64_t time_ns, std::uint64_t tick) {
+    if (recorded || clock.state == "running") {
+        clock.time_s = std::max(clock.time_s, static_cast<double>(time_ns) * 1e-9);
+        clock.tick = std::max(clock.tick, tick);
+    }
+}
+
+void LiveRun::decode(std::string const& topic, std::string const& type, std::string const& process,
+                     std::span<std::byte const> cdr) {
     bool good = true;
     if (topic == "simulation_clock") {
         SimClock sample;
         if ((good = bus::codec_of<SimClock>().decode(cdr, &sample))) {
             clock.seen = true;
-            clock.tick = sample.tick();
-            clock.time_s = static_cast<double>(sample.time_ns()) * 1e-9;
+            clock.tick = std::max(clock.tick, sample.tick());
+            clock.time_s = std::max(clock.time_s, static_cast<double>(sample.time_ns()) * 1e-9);
+            clock_process_ = process;
             if (!recorded) {
                 clock.state = sample.state() == CLOCK_FINAL     ? "final"
                               : sample.state() == CLOCK_ABORTED ? "aborted"
@@ -81,6 +91,7 @@ void LiveRun::decode(std::string const& topic, std::string const& process, std::
         ClockAck sample;
         if ((good = bus::codec_of<ClockAck>().decode(cdr, &sample))) {
             acknowledged[process] = {sample.tick(), sample.incarnation()};
+            reach(0, sample.tick());
         }
     } else if (topic == "type_catalog") {
         TypeCatalogEntry sample;
@@ -105,20 +116,31 @@ void LiveRun::decode(std::string const& topic, std::string const& process, std::
             }
         }
     } else if (topic == "signals") {
-        SignalFrame sample;
-        if ((good = bus::codec_of<SignalFrame>().decode(cdr, &sample))) {
-            auto const it = signals.find({sample.source().c_str(), sample.group().c_str()});
-            if (it != signals.end() && it->second != nullptr) {
-                std::size_t const width = it->second->columns().size();
-                auto const& times = sample.times_ns();
-                auto const& values = sample.values();
-                for (std::size_t row = 0; row < times.size() && (row + 1) * width <= values.size(); ++row) {
-                    it->second->append(times[row], std::span<double const>{values.data() + row * width, width});
-                }
-            }
-        }
+        decode_signals(cdr, good);
+    } else if (type == "IdsVerdict") {
+        good = intrusion_.on_verdict(cdr, signals);
+    } else if (type == "AttackLabel") {
+        good = intrusion_.on_label(cdr);
     }
     undecodable += good ? 0 : 1;
+}
+
+void LiveRun::decode_signals(std::span<std::byte const> cdr, bool& good) {
+    SignalFrame sample;
+    good = bus::codec_of<SignalFrame>().decode(cdr, &sample);
+    auto const it = good ? signals.find({sample.source().c_str(), sample.group().c_str()}) : signals.end();
+    if (it == signals.end() || it->second == nullptr) {
+        return;
+    }
+    std::size_t const width = it->second->columns().size();
+    auto const& times = sample.times_ns();
+    auto const& values = sample.values();
+    for (std::size_t row = 0; row < times.size() && (row + 1) * width <= values.size(); ++row) {
+        it->second->append(times[row], std::span<double const>{values.data() + row * width, width});
+    }
+    if (!times.empty() && clock_process_ == sample.source().c_str()) {
+        reach(times.back(), 0);
+    }
 }
 
 void LiveRun::measure(std::chrono::duration<double> since_last) {
@@ -137,6 +159,11 @@ void LiveRun::measure(std::chrono::duration<double> since_last) {
 
 void LiveRun::add_event(RunEvent event) {
     event.number = ++events_seen;
+    if (event.event == "exit") {
+        graph.process_died(event.source);
+    } else if (event.source == "launcher" && event.text.ends_with(" killed")) {
+        graph.process_died(event.text.substr(0, event.text.find(' ')));
+    }
     events.push_back(std::move(event));
     if (events.size() > kKeptEvents) {
         events.pop_front();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bus/discovery.hpp"
+#include "monitor/app/intrusion_view.hpp"
 #include "monitor/app/run_plan.hpp"
 #include "monitor/graph/graph_model.hpp"
 #include "monitor/stream/signal_window.hpp"
@@ -88,7 +89,12 @@ struct LiveRun {
     [[nodiscard]] std::pair<stream::SignalWindow const*, std::size_t> find_signal(std::string const& name) const;
 
   private:
-    void decode(std::string const& topic, std::string const& process, std::span<std::byte const> cdr);
+    void decode(std::string const& topic, std::string const& type, std::string const& process,
+                std::span<std::byte const> cdr);
+    void decode_signals(std::span<std::byte const> cdr, bool& good);
+    void reach(std::int64_t time_ns, std::uint64_t tick);
+    IntrusionView intrusion_;
+    std::string clock_process_; ///< who publishes the clock
     double time_then_s_{0};
 };
 

@@ -14,19 +14,25 @@
 #include "monitor/app/recorded_run.hpp"
 #include "monitor/app/run_plan.hpp"
 #include "monitor/graph/graph_text.hpp"
+#include "monitor/web/gate.hpp"
 #include "monitor/web/server.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
+#include <string_view>
 #include <sys/socket.h>
+#include <thread>
+#include <vector>
 
 namespace gridspace::monitor {
 namespace {
 
 constexpr int kHandedSocket = 4; ///< where `gridspace run` puts a listening socket
 constexpr std::chrono::milliseconds kPeriod{50};
+constexpr std::chrono::milliseconds kLastWords{300};
 
 /// The socket that the launcher opened outside of the run's namespaces, or an own one.
 Result<UniqueFd> socket_to_serve_on(MonitorConfig const& config) {
@@ -36,6 +42,40 @@ Result<UniqueFd> socket_to_serve_on(MonitorConfig const& config) {
         return UniqueFd{kHandedSocket};
     }
     return web::listen_at(config.listen);
+}
+
+/// Who may ask, and under which names.
+Result<web::Server::Options> options_of(MonitorConfig const& config) {
+    web::Server::Options options;
+    for (config::Ref const& host : config.allow_hosts) {
+        options.sites.hosts.push_back(host.name);
+    }
+    if (!config.token_file.empty()) {
+        auto token = web::read_token(config.token_file);
+        if (!token) {
+            return std::unexpected{token.error()};
+        }
+        options.tokens.push_back(std::move(*token));
+    }
+    if (!config.tls_cert.empty() || !config.tls_key.empty()) {
+        options.tls = web::TlsFiles{config.tls_cert, config.tls_key};
+    }
+    return options;
+}
+
+/// Whoever looks at a run that broke wants to see who broke it. The launcher logs that at about the time at which it
+/// ends everybody.
+void last_words(LiveRun& live, EventTail& events) {
+    auto const deadline = std::chrono::steady_clock::now() + kLastWords;
+    auto const known = [&live] {
+        std::lock_guard const lock{live.mutex};
+        bool const over = live.clock.state != "running";
+        return over || std::any_of(live.events.begin(), live.events.end(),
+                                   [](RunEvent const& event) { return event.event == "exit"; });
+    };
+    while (events.read(live), !known() && std::chrono::steady_clock::now() < deadline) {
+        std::this_thread::sleep_for(std::chrono::milliseconds{10});
+    }
 }
 
 /// Wakes the main loop when the process is asked to end.
@@ -104,18 +144,19 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     }
     web::Server* serving = nullptr;
     Api api{live, [&serving] { return serving == nullptr ? web::ServerCounters{} : serving->counters(); }};
-    if (!config.control_token.empty() && config.recording.empty()) {
-        std::ifstream stream{config.control_token};
-        std::string token;
-        if (!std::getline(stream, token) || token.size() < 16) {
-            return fail(ExitCode::usage, fmt::format("'{}' holds no token", config.control_token.string()),
-                        "a line of at least 16 characters that nobody can guess");
-        }
-        api.allow_control(token, [&run](std::string const& action) { run.status.control(action); });
+    auto options = options_of(config);
+    if (!options) {
+        return std::unexpected{options.error()};
     }
-    web::Server::Options options;
-    for (config::Ref const& host : config.allow_hosts) {
-        options.sites.hosts.push_back(host.name);
+    if (!config.control_token.empty() && config.recording.empty()) {
+        auto token = web::read_token(config.control_token);
+        if (!token) {
+            return std::unexpected{token.error()};
+        }
+        if (!options->tokens.empty()) {
+            options->tokens.push_back(*token); // whoever may control the run may look at it
+        }
+        api.allow_control(*token, [&run](std::string const& action) { run.status.control(action); });
     }
     web::Handlers handlers;
     handlers.request = [&api](web::Request const& request) {
@@ -140,12 +181,12 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         hub.message(client, text);
         foxglove.message(client, text);
     };
-    auto server = web::Server::start(std::move(*socket), options, std::move(handlers));
+    auto server = web::Server::start(std::move(*socket), *options, std::move(handlers));
     if (!server) {
         return std::unexpected{server.error()};
     }
     serving = server->get();
-    log::info("http://{}", address);
+    log::info("{}://{}", options->tls ? "https" : "http", address);
 
     EventTail events{config.run.events};
     std::uint64_t kept = 0;
@@ -165,7 +206,21 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         foxglove.step(**server);
     } while (!stop.wait(kPeriod));
     run.on_stop({});
+    if (tap != nullptr) {
+        last_words(live, events);
+        hub.step(**server, std::chrono::steady_clock::now() + std::chrono::seconds{1}); // it is due
+        (*server)->drain(kLastWords);
+    }
     return {};
+}
+
+/// The setting that an option of the command line is for; nullptr for other options.
+std::filesystem::path* option_file(MonitorConfig& config, std::string_view option) {
+    return option == "--token-file" ? &config.token_file
+           : option == "--tls-cert" ? &config.tls_cert
+           : option == "--tls-key"  ? &config.tls_key
+           : option == "--idl"      ? &config.idl
+                                    : nullptr;
 }
 
 } // namespace
@@ -174,6 +229,19 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
 int main(int argc, char** argv) {
     using namespace gridspace;
     monitor::MonitorConfig config;
+    // `gridspace monitor` passes on what its user says beside the configuration, which is part of the run's folder.
+    std::vector<char*> rest{argv, argv + argc};
+    for (auto it = rest.begin(); it + 1 < rest.end();) {
+        auto* const file = monitor::option_file(config, *it);
+        if (file == nullptr) {
+            ++it;
+            continue;
+        }
+        *file = *(it + 1);
+        it = rest.erase(it, it + 2);
+    }
+    argc = static_cast<int>(rest.size());
+    argv = rest.data();
     Daemon const daemon{"gridspace-monitor",
                         "shows a run in a browser, and to programs over REST",
                         [&](config::Fields& f) { describe(f, config); },

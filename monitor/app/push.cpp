@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::milliseconds kStatePeriod{200};
 constexpr std::chrono::milliseconds kTopicsPeriod{1000};
-constexpr std::size_t kMostViews = 16, kMostNames = 64, kMostPixels = 4000;
+constexpr std::size_t kMostViews = 48, kMostNames = 64, kMostPixels = 4000;
 
 std::shared_ptr<std::string const> share(std::string text) {
     return std::make_shared<std::string const>(std::move(text));

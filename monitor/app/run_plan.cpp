@@ -52,6 +52,11 @@ void describe_run(config::Fields& f, RunPlan& run) {
         b.text("line", out.line);
         b.text("end", out.end);
     });
+    list(f, "cts", "current transformers of the network", run.cts, [](config::Fields& c, RunPlan::Ct& out) {
+        c.text("name", out.name, {.required = true});
+        c.text("line", out.line);
+        c.text("end", out.end);
+    });
     list(f, "devices", "what hangs on the buses", run.devices, [](config::Fields& d, RunPlan::Device& out) {
         d.text("name", out.name, {.required = true});
         d.text("label", out.label);
@@ -76,6 +81,10 @@ void describe(config::Fields& f, MonitorConfig& config) {
     f.file("control_token", config.control_token,
            {.doc = "file with the secret of whoever may control the run; written by `gridspace run --allow-control`"});
     f.references("allow_hosts", config.allow_hosts, {.doc = "names beyond localhost under which it may be reached"});
+    f.file("token_file", config.token_file, {.doc = "file with the secret of whoever may look at the run"});
+    f.file("tls_cert", config.tls_cert, {.doc = "certificate (PEM), with those that vouch for it"});
+    f.file("tls_key", config.tls_key, {.doc = "its key (PEM)"});
+    f.file("idl", config.idl, {.doc = "IDL of foreign types, which nobody publishes on type_catalog"});
     f.text("scenario", config.run.scenario, {.doc = "name of the scenario"});
     f.object("run", {.doc = "the run; filled in by `gridspace run`"},
              [&](config::Fields& r) { describe_run(r, config.run); });

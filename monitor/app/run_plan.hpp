@@ -42,6 +42,9 @@ struct RunPlan {
     struct Breaker {
         std::string name, line, end;
     };
+    struct Ct {
+        std::string name, line, end;
+    };
     struct Device {
         std::string name, label, bus, kind;
     };
@@ -54,6 +57,7 @@ struct RunPlan {
     std::vector<Bus> buses;
     std::vector<Branch> branches;
     std::vector<Breaker> breakers;
+    std::vector<Ct> cts;
     std::vector<Device> devices;
     std::vector<Fault> faults;
 };
@@ -64,6 +68,9 @@ struct MonitorConfig {
     std::string listen{"127.0.0.1:0"};    ///< when no socket is handed over
     std::filesystem::path control_token;  ///< file with the secret of whoever may control the run; none: nobody may
     std::vector<config::Ref> allow_hosts; ///< names beyond those of this machine under which it may be reached
+    std::filesystem::path token_file;     ///< file with the secret of whoever may look; none: everybody of this machine
+    std::filesystem::path tls_cert, tls_key;
+    std::filesystem::path idl; ///< of foreign types
     RunPlan run;
 };
 

@@ -60,6 +60,18 @@ void GraphModel::participant_gone(std::string const& id, bool clean) {
     }
 }
 
+void GraphModel::process_died(std::string const& process) {
+    std::vector<std::string> ids;
+    for (auto const& [id, participant] : participants_) {
+        if (participant.info.peer.process == process && participant.here) {
+            ids.push_back(id);
+        }
+    }
+    for (std::string const& id : ids) {
+        participant_gone(id, false);
+    }
+}
+
 void GraphModel::endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint) {
     endpoints_[endpoint.id] = {endpoint, network, {}};
     ++revision_;

@@ -73,6 +73,8 @@ class GraphModel {
 
     void participant_found(std::string const& network, bus::DiscoveredParticipant const& participant);
     void participant_gone(std::string const& id, bool clean);
+    /// Somebody who watches processes has seen it die: its lease runs out only seconds later.
+    void process_died(std::string const& process);
     void endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint);
     void endpoint_gone(std::string const& id);
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "monitor/web/server.hpp"
+#include "monitor/web/listening.hpp"
 
 #include <arpa/inet.h>
 #include <cerrno>
@@ -28,8 +28,10 @@ Result<UniqueFd> listen_at(std::string const& where) {
     ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     if (!socket || ::bind(socket.get(), reinterpret_cast<sockaddr const*>(&address), sizeof address) != 0 ||
         ::listen(socket.get(), 128) != 0) {
-        return fail(ExitCode::environment, fmt::format("cannot listen on {}: {}", where, std::strerror(errno)),
-                    "port 0 takes a free one");
+        int const why = errno;
+        return fail(ExitCode::environment, fmt::format("cannot listen on {}: {}", where, std::strerror(why)),
+                    why == EADDRINUSE ? "somebody listens there already; port 0 takes a free one"
+                                      : "port 0 takes a free one");
     }
     return socket;
 }
@@ -42,6 +44,23 @@ std::string address_of(UniqueFd const& listening) {
         ::inet_ntop(AF_INET, &address.sin_addr, text, sizeof text);
     }
     return fmt::format("{}:{}", text, ntohs(address.sin_port));
+}
+
+bool is_loopback(std::string const& where) {
+    in_addr address{};
+    return ::inet_pton(AF_INET, where.substr(0, where.rfind(':')).c_str(), &address) == 1 &&
+           (ntohl(address.s_addr) >> 24) == 127;
+}
+
+Result<void> check_exposure(std::string const& where, bool token, bool tls) {
+    if (is_loopback(where) || (token && tls)) {
+        return {};
+    }
+    return fail(ExitCode::usage,
+                fmt::format("whoever reaches {} could look at the run: that needs {}{}{}", where,
+                            token ? "" : "a token (token_file)", token || tls ? "" : " and ",
+                            tls ? "" : "TLS (tls_cert and tls_key)"),
+                "or listen on 127.0.0.1 and look through `ssh -L 8080:127.0.0.1:PORT HOST`");
 }
 
 } // namespace gridspace::web

@@ -4,10 +4,12 @@
 
 #include "common/result.hpp"
 #include "common/unique_fd.hpp"
+#include "monitor/web/listening.hpp"
 #include "monitor/web/request_rules.hpp"
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -23,6 +25,8 @@ struct Request {
     std::string accept_encoding; ///< header
     std::string if_none_match;   ///< header
     std::string body;
+    std::string accept; ///< header
+    std::string cookie; ///< header
 };
 
 struct Response {
@@ -32,11 +36,14 @@ struct Response {
     std::string etag;             ///< empty: not to be cached
     std::string content_encoding; ///< "gzip" when the body is that
     std::string allow;            ///< of a 405
+    std::string location;         ///< of a 303
+    std::string set_cookie;
 };
 
 /// What a server bears. Whoever asks for more is refused or dropped; nobody else notices.
 struct Limits {
     std::size_t connections{256};
+    std::size_t push_clients{96}; ///< of these connections
     std::size_t header_octets{8 * 1024};
     std::size_t body_octets{64 * 1024};
     std::size_t push_octets{4 * 1024 * 1024}; ///< per WebSocket client that does not read; then the oldest are dropped
@@ -64,14 +71,23 @@ struct ServerCounters {
     std::uint64_t requests{0}, refused{0}, connections{0}, push_clients{0}, pushed{0}, dropped{0};
 };
 
-/// An HTTP/1.1 and WebSocket server on one thread. All of Boost is behind this class.
+/// What the server shows to prove who it is (PEM).
+struct TlsFiles {
+    std::filesystem::path certificate; ///< its own first, then those that vouch for it
+    std::filesystem::path key;
+};
+
+/// An HTTP/1.1 and WebSocket server on one thread, with TLS or without. All of Boost is behind this class.
 class Server {
   public:
     struct Options {
         Sites sites;
         Limits limits;
+        std::vector<std::string> tokens; ///< whoever knows one of them may ask; none: everybody may
+        std::optional<TlsFiles> tls;
     };
-    /// Takes a socket that listens already.
+    /// Takes a socket that listens already. One that can be reached from other machines is taken only with a token and
+    /// TLS.
     [[nodiscard]] static Result<std::unique_ptr<Server>> start(UniqueFd listening, Options options, Handlers handlers);
     virtual ~Server() = default; ///< closes all connections and ends the thread
 
@@ -80,11 +96,8 @@ class Server {
     /// Messages that this client has lost so far.
     [[nodiscard]] virtual std::uint64_t dropped(ClientId client) const = 0;
     [[nodiscard]] virtual ServerCounters counters() const = 0;
+    /// Waits until what was pushed is on its way to the clients, or for as long as that.
+    virtual void drain(std::chrono::milliseconds /*patience*/) {}
 };
-
-/// A TCP socket listening at "127.0.0.1:8080".
-[[nodiscard]] Result<UniqueFd> listen_at(std::string const& where);
-/// "127.0.0.1:8080" of a listening socket.
-[[nodiscard]] std::string address_of(UniqueFd const& listening);
 
 } // namespace gridspace::web

@@ -4,11 +4,13 @@ import "uplot/dist/uPlot.min.css";
 import "./style.css";
 import { Control } from "./control";
 import { GraphView } from "./graph";
-import { connect, connected, dropped, ended, events, graph, network, run, topics } from "./model";
+import { detectors, Ids } from "./ids";
+import { connect, connected, dropped, ended, events, graph, network, run, signals, topics } from "./model";
 import { OneLine } from "./oneline";
 import { Plots } from "./plots";
 import { choice, choose, picked } from "./state";
 import { rate, stamp, time } from "./text";
+import { jumpTo, kindOf, Timeline } from "./timeline";
 import { position, Transport } from "./transport";
 import { Wire } from "./wire";
 
@@ -37,16 +39,18 @@ function Header() {
 
 function Processes() {
   const r = run.value;
+  const lockstep = r?.mode === "lockstep" && r.processes.some(p => p.tick !== undefined);
   const sign: Record<string, string> = { alive: "●", lost: "✕", ended: "○", expected: "…" };
   return (
     <table class="plain">
-      <thead><tr><th>process</th><th>host</th><th>state</th></tr></thead>
+      <thead><tr><th>process</th><th>host</th><th>state</th>{lockstep && <th class="number" title="the last tick that it acknowledged">tick</th>}</tr></thead>
       <tbody>
         {r?.processes.map(p => (
           <tr key={p.name} class={`state ${p.state}`}>
             <td><button class="link" onClick={() => { picked.value = { kind: "process", name: p.name }; }}>{p.name}</button></td>
             <td class="soft">{p.host}</td>
             <td class="sign">{sign[p.state]} {p.state}{p.incarnation > 0 ? ` (restarted ${p.incarnation}x)` : ""}</td>
+            {lockstep && <td class="number soft">{p.tick?.toLocaleString("en") ?? ""}</td>}
           </tr>
         ))}
       </tbody>
@@ -56,18 +60,13 @@ function Processes() {
 
 function Events() {
   const whole = run.value?.duration_s || 1;
-  const jump = (t: number) => {
-    if (run.value?.recorded) choose({ at: t });
-    const half = Math.max(whole / 200, 0.02);
-    choose({ t0: Math.max(t - half, 0), t1: t + half });
-  };
   const list = events.value.slice(-200).reverse();
   return list.length === 0 ? <p class="empty">nothing has happened yet</p> : (
     <table class="plain">
       <tbody>
         {list.map(e => (
-          <tr key={e.number} class={`${e.event === "fault" ? "bad" : ""}${run.value?.recorded && e.time_s > position() ? " later" : ""}`}>
-            <td class="number"><button class="link" title="show this moment" onClick={() => jump(e.time_s)}>{stamp(e.time_s, whole)}</button></td>
+          <tr key={e.number} class={`${kindOf(e) === "fault" || kindOf(e) === "lost" ? "bad" : ""}${run.value?.recorded && e.time_s > position() ? " later" : ""}`}>
+            <td class="number"><button class="link" title="show this moment" onClick={() => jumpTo(e.time_s)}>{stamp(e.time_s, whole)}</button></td>
             <td class="soft source">{e.source}</td><td>{e.event === "event" || !e.text ? "" : `${e.event}: `}{e.text || e.event}</td>
           </tr>
         ))}
@@ -151,6 +150,7 @@ function Panel({ title, note, area, children }: { title: string; note?: string; 
 
 function App() {
   const g = graph.value;
+  const watched = detectors(new Set(signals.value.map(s => s.name))).length > 0;
   const broken = g?.edges.filter(e => !e.writes && e.problems.length).length ?? 0;
   return (
     <>
@@ -159,7 +159,9 @@ function App() {
         <Panel area="space" title="Global data space" note={broken ? `${broken} mismatches` : `${g?.topics.filter(t => !t.framework).length ?? 0} topics`}><GraphView /></Panel>
         <Panel area="line" title="One-line diagram" note={network.value ? "p.u., line to line" : ""}><OneLine /></Panel>
         <Panel area="side" title="Processes"><div class="scroll"><Processes /></div><div class="head"><h2>Events</h2><span>{events.value.length || ""}</span></div><div class="scroll grow"><Events /></div></Panel>
+        <Panel area="axis" title="Timeline" note={events.value.length ? "click: this moment everywhere" : ""}><Timeline /></Panel>
         <Panel area="waves" title="Signals"><Plots /></Panel>
+        {watched && <Panel area="ids" title="Intrusion detection" note="verdicts of the relays"><Ids /></Panel>}
         {(g?.wires.length ?? 0) > 0 && <Panel area="wire" title="Wire timing" note="SMV and GOOSE"><Wire /></Panel>}
         <Panel area="topics" title="Topics" note="seen by the monitor"><div class="scroll"><Topics /></div></Panel>
       </main>

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 
 export interface Process { name: string; program: string; host: string; state: string; incarnation: number; tick?: number }
 export interface Run {
-  scenario: string; mode: string; speed: string; recorded: boolean; control: boolean; state: string; time_s: number; duration_s: number; factor: number;
+  scenario: string; mode: string; speed: string; recorded: boolean; control: boolean; state: string; time_s: number; duration_s: number; factor: number; tick: number;
   processes: Process[];
 }
 export interface GraphProcess extends Process { addresses: string[]; networks: string[] }
@@ -22,9 +22,10 @@ export interface Graph {
 export interface Bus { name: string; label: string; voltage_v: number; x?: number; y?: number }
 export interface Branch { name: string; label: string; from: string; to: string; kind: string }
 export interface Breaker { name: string; line: string; end: string }
+export interface Ct { name: string; line: string; end: string }
 export interface Device { name: string; label: string; bus: string; kind: string }
 export interface Fault { name: string; line?: string; bus?: string; position_percent?: number; at_s: number; until_s?: number }
-export interface Network { buses: Bus[]; branches: Branch[]; breakers: Breaker[]; devices: Device[]; faults: Fault[] }
+export interface Network { buses: Bus[]; branches: Branch[]; breakers: Breaker[]; cts: Ct[]; devices: Device[]; faults: Fault[] }
 export interface SignalInfo { name: string; unit: string; source: string }
 export interface TopicState {
   name: string; network: string; type: string; framework: boolean; writers: number; readers: number; samples: number;

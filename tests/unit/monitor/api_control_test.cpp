@@ -19,10 +19,19 @@ RunPlan plan(std::string mode) {
     return out;
 }
 
+web::Request request(std::string const& authorization, std::string const& body) {
+    web::Request out;
+    out.method = "POST";
+    out.target.path = "/api/v1/control";
+    out.authorization = authorization;
+    out.body = body;
+    return out;
+}
+
 class ApiControl : public testing::Test {
   protected:
     web::Response post(std::string const& body, std::string const& authorization) {
-        return sut_.answer({"POST", {"/api/v1/control", {}}, authorization, {}, {}, body});
+        return sut_.answer(request(authorization, body));
     }
     void allow() {
         sut_.allow_control(kToken, [this](std::string const& action) { done_.push_back(action); });
@@ -35,7 +44,7 @@ class ApiControl : public testing::Test {
 };
 
 TEST_F(ApiControl, IsNotThereUnlessTheRunWasStartedSo) {
-    EXPECT_EQ(post(R"({"action":"pause"})", bearer_).status, 405);
+    EXPECT_EQ(post(R"({"action":"pause"})", bearer_).status, 403);
     EXPECT_THAT(sut_.run(), HasSubstr(R"("control":false)"));
 }
 
@@ -72,8 +81,8 @@ TEST_F(ApiControl, CannotHaltTimeButCanStopARunInRealTime) {
     LiveRun live{plan("realtime")};
     Api sut{live, [] { return web::ServerCounters{}; }};
     sut.allow_control(kToken, [this](std::string const& action) { done_.push_back(action); });
-    EXPECT_EQ(sut.answer({"POST", {"/api/v1/control", {}}, bearer_, {}, {}, R"({"action":"pause"})"}).status, 409);
-    EXPECT_EQ(sut.answer({"POST", {"/api/v1/control", {}}, bearer_, {}, {}, R"({"action":"stop"})"}).status, 202);
+    EXPECT_EQ(sut.answer(request(bearer_, R"({"action":"pause"})")).status, 409);
+    EXPECT_EQ(sut.answer(request(bearer_, R"({"action":"stop"})")).status, 202);
     EXPECT_THAT(done_, ElementsAre("stop"));
 }
 

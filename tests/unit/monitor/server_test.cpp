@@ -20,11 +20,12 @@ using testing::Not;
 using testing::StartsWith;
 
 constexpr char const* kHost = "Host: localhost\r\n";
+constexpr char const* kToken = "0123456789abcdef0123456789abcdef";
 
 /// A server on a free port, and clients of it.
 class ServerTest : public testing::Test {
   protected:
-    void start(Limits limits = {}) {
+    void start(Limits limits = {}, std::vector<std::string> tokens = {}) {
         auto socket = listen_at("127.0.0.1:0");
         ASSERT_TRUE(socket.has_value());
         std::string const address = address_of(*socket);
@@ -44,7 +45,10 @@ class ServerTest : public testing::Test {
         };
         handlers.opened = [this](ClientId id, std::string const&, std::string const&) { client_ = id; };
         handlers.closed = [this](ClientId) { ++closed_; };
-        auto server = Server::start(std::move(*socket), {{}, limits}, std::move(handlers));
+        Server::Options options;
+        options.limits = limits;
+        options.tokens = std::move(tokens);
+        auto server = Server::start(std::move(*socket), std::move(options), std::move(handlers));
         ASSERT_TRUE(server.has_value());
         sut_ = std::move(*server);
     }
@@ -165,22 +169,83 @@ INSTANTIATE_TEST_SUITE_P(
                    "404"}),
     [](auto const& parameter) { return parameter.param.name; });
 
-TEST_F(ServerTest, RefusesConnectionsBeyondItsLimitAndTakesOthersWhenTheyHaveGone) {
+TEST_F(ServerTest, LetsGoOfWhoeverWaitsLongestWhenThereAreTooManyConnections) {
     Limits limits;
     limits.connections = 2;
     start(limits);
-    UniqueFd first = connect();
-    send(first, std::string{"GET /a HTTP/1.1\r\n"} + kHost + "\r\n");
-    receive(first, "GET /a ");
-    UniqueFd const second = connect();
-    send(second, std::string{"GET /a HTTP/1.1\r\n"} + kHost + "\r\n");
-    receive(second, "GET /a ");
-    EXPECT_EQ(receive(connect()), "");
-    first.reset();
-    while (sut_->counters().connections > 1) {
-        std::this_thread::yield();
+    UniqueFd const first = connect(), second = connect();
+    for (UniqueFd const* fd : {&first, &second}) {
+        send(*fd, std::string{"GET /a HTTP/1.1\r\n"} + kHost + "\r\n");
+        receive(*fd, "GET /a ");
     }
     EXPECT_THAT(exchange(std::string{"GET /a HTTP/1.0\r\n"} + kHost + "\r\n"), HasSubstr("GET /a "));
+    EXPECT_EQ(receive(first), "");
+    send(second, std::string{"GET /b HTTP/1.1\r\n"} + kHost + "\r\n");
+    EXPECT_THAT(receive(second, "GET /b "), HasSubstr("GET /b "));
+}
+
+TEST_F(ServerTest, AnswersAThousandSocketsThatSayNothingByAnsweringOthers) {
+    start();
+    std::vector<UniqueFd> idle;
+    for (int i = 0; i < 1000; ++i) {
+        idle.push_back(connect());
+        if (i % 2 == 0) {
+            send(idle.back(), "GET / HT");
+        }
+    }
+    EXPECT_THAT(exchange(std::string{"GET /a HTTP/1.0\r\n"} + kHost + "\r\n"), HasSubstr("GET /a "));
+    EXPECT_LE(sut_->counters().connections, Limits{}.connections + 1);
+}
+
+TEST_F(ServerTest, TellsWhoeverComesWhenAllConnectionsAreInUse) {
+    Limits limits;
+    limits.connections = 1;
+    start(limits);
+    UniqueFd const push = open_push();
+    EXPECT_THAT(exchange(std::string{"GET /a HTTP/1.1\r\n"} + kHost + "\r\n"), StartsWith("HTTP/1.1 503"));
+}
+
+TEST_F(ServerTest, OpensNoMoreWebSocketsThanItMay) {
+    Limits limits;
+    limits.push_clients = 1;
+    start(limits);
+    UniqueFd const push = open_push();
+    EXPECT_THAT(exchange(std::string{"GET /ws/v1 HTTP/1.1\r\n"} + kHost +
+                         "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"),
+                StartsWith("HTTP/1.1 503"));
+    EXPECT_THAT(exchange(std::string{"GET /a HTTP/1.0\r\n"} + kHost + "\r\n"), HasSubstr("GET /a "));
+}
+
+TEST_F(ServerTest, AsksForTheTokenOnEveryRouteAndWebSocket) {
+    start({}, {kToken});
+    std::string const bearer = std::string{"Authorization: Bearer "} + kToken + "\r\n", close = "Connection: close\r\n";
+    for (char const* path : {"/", "/a", "/api/v1/run", "/metrics", "/ws/v1"}) {
+        std::string const line = std::string{"GET "} + path + " HTTP/1.1\r\n" + kHost + close;
+        EXPECT_THAT(exchange(line + "\r\n"),
+                    testing::AllOf(StartsWith("HTTP/1.1 401"), HasSubstr("WWW-Authenticate: Bearer")));
+        EXPECT_THAT(exchange(line + bearer + "\r\n"), StartsWith("HTTP/1.1 200"));
+    }
+    std::string const upgrade = std::string{"GET /ws/v1 HTTP/1.1\r\n"} + kHost +
+                                "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+    UniqueFd const without = connect(), with = connect();
+    send(without, upgrade + "\r\n");
+    EXPECT_THAT(receive(without, "\r\n\r\n"), StartsWith("HTTP/1.1 401"));
+    send(with, upgrade + bearer + "\r\n");
+    EXPECT_THAT(receive(with, "\r\n\r\n"), StartsWith("HTTP/1.1 101"));
+}
+
+TEST(Server, IsNotReachableFromOtherMachinesWithoutATokenAndTls) {
+    for (auto const& tokens : {std::vector<std::string>{}, std::vector<std::string>{kToken}}) {
+        auto socket = listen_at("0.0.0.0:0");
+        ASSERT_TRUE(socket.has_value());
+        Server::Options options;
+        options.tokens = tokens;
+        auto const server = Server::start(std::move(*socket), std::move(options), {});
+        ASSERT_FALSE(server.has_value());
+        EXPECT_THAT(server.error().message, HasSubstr("TLS"));
+    }
 }
 
 TEST_F(ServerTest, DropsAClientThatNeverFinishesItsRequest) {

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace gridspace::launcher {
+
+/// Sends a request over a connected socket with TLS and reads until the other side has said everything. Whoever shows another
+/// certificate than `certificate` (PEM; or one that it vouches for) is not talked to; names are not looked at.
+[[nodiscard]] Result<std::string> exchange_by_tls(int socket, std::filesystem::path const& certificate, std::string const& request);
+
+} // namespace gridspace::launcher

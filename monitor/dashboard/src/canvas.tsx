@@ -1,0 +1,137 @@
+// A picture of some signals over time; all pictures share the cursor.
+import { useEffect, useRef } from "preact/hooks";
+import uPlot from "uplot";
+import { drawn, events, run, type Drawn } from "./model";
+import { choice, choose } from "./state";
+import { compact, stamp } from "./text";
+
+// Okabe and Ito's colours (colour-blind safe), darker or lighter by theme; then dashes tell them apart.
+const kLight = ["#0060ad", "#c4570a", "#007a57", "#a3498a", "#8a6d00", "#1b1f27", "#3a9bd4"];
+const kDark = ["#6fb1ff", "#ff9d5c", "#3fcf9f", "#e39ccb", "#e6c84a", "#e8ebf0", "#8fd3ff"];
+const dark = () => {
+  const theme = document.documentElement.dataset.theme;
+  return theme ? theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+};
+const css = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/** The series on one axis of times: each signal has its own, and a value holds until the next. */
+function join(d: Drawn): uPlot.AlignedData {
+  const tables = d.series.map(s => [Array.from(s.t), Array.from(s.v)] as unknown as uPlot.AlignedData);
+  return tables.length ? uPlot.join(tables, d.series.map(() => [0, 2])) : [[]];
+}
+
+/** What a picture shows beside the signals: names and dashes of its lines, marks at instants. */
+export interface Look { label?: (name: string) => string; dash?: (name: string) => number[] | undefined; marks?: number[] }
+
+function create(node: HTMLElement, d: Drawn, height: number, pattern: string, look: () => Look): uPlot {
+  const colours = dark() ? kDark : kLight, ink = css("--soft"), line = css("--line");
+  const whole = run.value?.duration_s || 1;
+  const short = (name: string) => {
+    const parts = name.split("."), fixedParts = pattern.split(".");
+    return fixedParts.length === parts.length ? parts.filter((p, i) => fixedParts[i] !== p).join(".") || name : name;
+  };
+  const volts = pattern.endsWith(".v_pu");
+  return new uPlot({
+    width: node.clientWidth, height,
+    legend: { live: true },
+    cursor: { sync: { key: "time" }, drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
+    scales: {
+      x: { time: false, range: (u, lo, hi) => { const b = (u as uPlot & { ends?: [number, number] }).ends; return b && b[1] > b[0] ? b : [lo, hi > lo ? hi : lo + 1]; } },
+      y: { range: (_u, lo, hi) => { const pad = (hi - lo) * 0.08 || Math.abs(hi) * 0.02 || 1; return [lo - pad, hi + pad]; } },
+    },
+    axes: [
+      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at, _i, _s, incr) => at.map(t => (whole < 7200 ? t.toFixed(Math.max(0, Math.ceil(-Math.log10(incr) - 1e-9))) : stamp(t, whole))), space: 90, size: 34,
+        incrs: whole >= 7200 ? [1, 5, 10, 30, 60, 300, 600, 900, 1800, 3600, 7200, 14400, 28800, 86400] : undefined },
+      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, size: 62, values: (_u, at) => at.map(compact) },
+    ],
+    series: [
+      { label: "t", value: (_u, t) => (t === null ? "" : stamp(t, whole)) },
+      ...d.series.map((s, i) => ({
+        label: look().label?.(s.name) ?? short(s.name), stroke: colours[i % colours.length], width: 1.5, spanGaps: true,
+        dash: look().dash?.(s.name) ?? (i >= colours.length ? [6, 4] : undefined), points: { show: false },
+        value: (_u: uPlot, v: number | null) => (v === null || v === undefined ? "" : `${compact(v)} ${s.unit}`),
+      })),
+    ],
+    hooks: {
+      drawClear: [u => { // limits of the voltage band, and what happened
+        const { left, top, width, height: h } = u.bbox;
+        u.ctx.save();
+        u.ctx.beginPath();
+        u.ctx.rect(left, top, width, h);
+        u.ctx.clip();
+        u.ctx.setLineDash([5, 4]);
+        u.ctx.lineWidth = 1;
+        const stroke = (colour: string, x1: number, y1: number, x2: number, y2: number) => {
+          u.ctx.strokeStyle = colour;
+          u.ctx.beginPath();
+          u.ctx.moveTo(x1, y1);
+          u.ctx.lineTo(x2, y2);
+          u.ctx.stroke();
+        };
+        if (volts) for (const limit of [0.95, 1.05]) {
+          const y = u.valToPos(limit, "y", true);
+          stroke(css("--bad"), left, y, left + width, y);
+        }
+        for (const e of events.value) {
+          const x = u.valToPos(e.time_s, "x", true);
+          if (x >= left && x <= left + width) stroke(e.event === "fault" ? css("--bad") : ink, x, top, x, top + h);
+        }
+        u.ctx.setLineDash([]);
+        u.ctx.fillStyle = css("--bad");
+        const size = 5 * devicePixelRatio;
+        for (const t of look().marks ?? []) {
+          const x = u.valToPos(t, "x", true);
+          if (x < left || x > left + width) continue;
+          u.ctx.beginPath();
+          u.ctx.moveTo(x - size, top);
+          u.ctx.lineTo(x + size, top);
+          u.ctx.lineTo(x, top + 1.6 * size);
+          u.ctx.fill();
+        }
+        if (run.value?.recorded && choice.value.at !== null) { // where one looks
+          const x = u.valToPos(choice.value.at, "x", true);
+          u.ctx.setLineDash([]);
+          u.ctx.lineWidth = 2;
+          if (x >= left && x <= left + width) stroke(css("--accent"), x, top, x, top + h);
+        }
+        u.ctx.restore();
+      }],
+      setSelect: [u => {
+        if (u.select.width > 4) {
+          choose({ t0: u.posToVal(u.select.left, "x"), t1: u.posToVal(u.select.left + u.select.width, "x") });
+          u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+        }
+      }],
+    },
+  }, join(d), node);
+}
+
+/** Draws what the monitor sends for the view `id`. */
+export function Lines({ id, pattern, height, look }: { id: string; pattern: string; height: number; look?: Look }) {
+  const holder = useRef<HTMLDivElement>(null);
+  const plot = useRef<uPlot | null>(null);
+  const made = useRef("");
+  const latest = useRef<Look>({});
+  latest.current = look ?? {};
+  const d = drawn.value[id], theme = choice.value.theme;
+  useEffect(() => { plot.current?.redraw(false); }, [choice.value.at, look?.marks, events.value]);
+  useEffect(() => {
+    const node = holder.current;
+    if (!node || !d || !d.series.length) return;
+    const shape = d.series.map(s => s.name).join(" ") + theme + (run.value?.duration_s ?? 0);
+    if (!plot.current || made.current !== shape) {
+      plot.current?.destroy();
+      plot.current = create(node, d, height, pattern, () => latest.current);
+      made.current = shape;
+    }
+    (plot.current as uPlot & { ends?: [number, number] }).ends = [d.t0, d.t1];
+    plot.current.setData(join(d));
+    if ((plot.current.cursor.left ?? -1) < 0) plot.current.setLegend({ idx: Math.max(plot.current.data[0].length - 1, 0) }); // the newest
+  }, [d, theme]);
+  useEffect(() => {
+    const fit = new ResizeObserver(() => { if (holder.current) plot.current?.setSize({ width: holder.current.clientWidth, height }); });
+    if (holder.current) fit.observe(holder.current);
+    return () => { fit.disconnect(); plot.current?.destroy(); plot.current = null; };
+  }, []);
+  return <div ref={holder} class="canvas" style={{ minHeight: `${height}px` }} />;
+}

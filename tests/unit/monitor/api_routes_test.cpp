@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/app/api.hpp"
+#include "monitor/app/assets.hpp"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace gridspace::monitor {
+namespace {
+
+using nlohmann::json;
+
+std::set<std::string> described() {
+    std::ifstream stream{GRIDSPACE_SOURCE_DIR "/monitor/app/openapi.json"};
+    std::set<std::string> out;
+    json const document = json::parse(stream);
+    for (auto const& [path, methods] : document.at("paths").items()) {
+        for (auto const& [method, operation] : methods.items()) {
+            out.insert((method == "get" ? "GET " : "POST ") + path);
+        }
+    }
+    return out;
+}
+
+TEST(ApiRoutes, AreAllInTheOpenApiDocumentAndNothingElseIs) {
+    std::set<std::string> served{"GET /login", "POST /login", "GET /ws/v1"}; // of the gate and of the push hub
+    for (Api::Route const& route : Api::routes()) {
+        served.insert(std::string{route.method} + " " + std::string{route.path});
+    }
+    for (Asset const& asset : assets()) {
+        served.insert("GET " + std::string{asset.path});
+    }
+    std::set<std::string> said = described();
+    if (!served.contains("GET /app.js")) { // a build without the dashboard
+        said.erase("GET /app.js");
+        said.erase("GET /app.css");
+    }
+    EXPECT_EQ(said, served);
+}
+
+class ApiAnswers : public testing::Test {
+  protected:
+    web::Response ask(std::string method, std::string path) {
+        web::Request request;
+        request.method = std::move(method);
+        request.target.path = std::move(path);
+        return sut_.answer(request);
+    }
+    LiveRun run_{RunPlan{}};
+    Api sut_{run_, [] { return web::ServerCounters{}; }};
+};
+
+TEST_F(ApiAnswers, KnowEveryRouteAndNoOther) {
+    for (Api::Route const& route : Api::routes()) {
+        if (route.method == "GET" && route.path.find('{') == std::string_view::npos) {
+            EXPECT_NE(ask("GET", std::string{route.path}).status, 404) << route.path;
+            EXPECT_NE(ask("HEAD", std::string{route.path}).status, 405) << route.path;
+            EXPECT_EQ(ask("POST", std::string{route.path}).status, 405) << route.path;
+        }
+        EXPECT_EQ(ask("GET", std::string{route.path} + "x/y/z").status, 404) << route.path;
+    }
+    EXPECT_EQ(ask("GET", "/api/v1/control").allow, "POST");
+    EXPECT_EQ(ask("POST", "/api/v1/run").allow, "GET, HEAD");
+}
+
+TEST_F(ApiAnswers, FindTopicsWhoseNamesHaveSlashes) {
+    std::byte const cdr[]{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}, std::byte{7}};
+    run_.on_sample("data", "rt/chatter", "Thing", "somebody", cdr, 0);
+    EXPECT_EQ(ask("GET", "/api/v1/topics/rt/chatter").status, 200);
+    EXPECT_EQ(ask("GET", "/api/v1/topics/rt/chatter/last").status, 200);
+    EXPECT_EQ(ask("GET", "/api/v1/topics/rt").status, 404);
+}
+
+} // namespace
+} // namespace gridspace::monitor

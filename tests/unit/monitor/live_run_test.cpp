@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/app/live_run.hpp"
+
+#include "bus/codec.hpp"
+
+#include <clock.h>
+#include <gmock/gmock.h>
+#include <intrusion.h>
+#include <signals.h>
+
+namespace gridspace::monitor {
+namespace {
+
+class LiveRunTest : public testing::Test {
+  protected:
+    template <class T>
+    void hear(std::string const& topic, std::string const& type, std::string const& process, T const& sample) {
+        bus::Codec const& codec = bus::codec_of<T>();
+        std::vector<std::byte> cdr(codec.encoded_size(&sample));
+        ASSERT_GT(codec.encode(&sample, cdr), 0U);
+        sut_.on_sample("management", topic, type, process, cdr, 0);
+    }
+    void clock(std::uint64_t tick, std::int64_t time_ns, ClockState state = CLOCK_RUNNING) {
+        SimClock sample;
+        sample.tick(tick);
+        sample.time_ns(time_ns);
+        sample.state(state);
+        hear("simulation_clock", "SimClock", "sim", sample);
+    }
+    void signal(std::string const& source, std::int64_t time_ns, double value) {
+        SignalCatalog catalog;
+        catalog.source(source.c_str());
+        catalog.group("g");
+        catalog.columns().resize(1);
+        catalog.columns()[0].name((source + ".x.y").c_str());
+        hear("signal_catalog", "SignalCatalog", source, catalog);
+        SignalFrame frame;
+        frame.source(source.c_str());
+        frame.group("g");
+        frame.times_ns({time_ns});
+        frame.values({value});
+        hear("signals", "SignalFrame", source, frame);
+    }
+    void verdicts(std::uint64_t first, std::vector<std::uint8_t> const& flags) {
+        IdsVerdict sample;
+        sample.detector("relay2");
+        sample.stream("SMV21");
+        sample.first_index(first);
+        sample.rate_num(4800);
+        sample.rate_den(1);
+        for (std::uint8_t const f : flags) {
+            SampleVerdict one;
+            one.a().raw_a(5);
+            one.a().forecast_a(4);
+            one.a().flags(f);
+            sample.samples().push_back(one);
+        }
+        sample.time_ns(static_cast<std::int64_t>(first + flags.size() - 1) * 1'000'000'000 / 4800);
+        hear("verdicts_of_somebody", "IdsVerdict", "relay2", sample);
+    }
+    double newest(std::string const& name) {
+        auto const [window, column] = sut_.find_signal(name);
+        return window == nullptr ? NAN : window->newest(column);
+    }
+
+    LiveRun sut_{RunPlan{}};
+};
+
+TEST_F(LiveRunTest, KnowsTheTimeFromTheSimulatorsSignalsWhereTicksAreNotPublished) {
+    clock(1, 1'000'000'000);
+    EXPECT_DOUBLE_EQ(sut_.clock.time_s, 1);
+    signal("sim", 3'000'000'000, 7);
+    EXPECT_DOUBLE_EQ(sut_.clock.time_s, 3);
+    ClockAck ack;
+    ack.tick(3);
+    hear("clock_ack", "ClockAck", "ev1", ack);
+    EXPECT_EQ(sut_.clock.tick, 3U);
+    signal("mcca", 9'000'000'000, 7); // others may be told of instants to come
+    EXPECT_DOUBLE_EQ(sut_.clock.time_s, 3);
+    clock(2, 2'000'000'000); // late
+    EXPECT_DOUBLE_EQ(sut_.clock.time_s, 3);
+}
+
+TEST_F(LiveRunTest, MakesSignalsOfVerdictsAndCountsThemAgainstTheTruth) {
+    std::vector<std::uint8_t> flags(10, VERDICT_JUDGED);
+    flags[4] = VERDICT_JUDGED | VERDICT_FLAGGED;
+    flags[6] = VERDICT_JUDGED | VERDICT_FLAGGED;
+    verdicts(4800, flags);
+    EXPECT_DOUBLE_EQ(newest("ids.relay2.SMV21.raw.a"), 5);
+    EXPECT_DOUBLE_EQ(newest("ids.relay2.SMV21.forecast.a"), 4);
+    EXPECT_DOUBLE_EQ(newest("ids.relay2.SMV21.false_positive_percent"), 20);
+    auto const [window, column] = sut_.find_signal("ids.relay2.SMV21.flagged.a");
+    ASSERT_NE(window, nullptr);
+    EXPECT_EQ(window->value_at(column, 1'000'833'334), 1); // sample 4804
+    EXPECT_EQ(window->value_at(column, 1'000'833'332), 0);
+    AttackLabel label;
+    label.target("SMV21");
+    label.time_ns(1'001'000'000);
+    label.values().resize(1);
+    label.values()[0].index(4804);
+    hear("attack_labels", "AttackLabel", "attacker", label);
+    EXPECT_DOUBLE_EQ(newest("ids.relay2.SMV21.false_positive_percent"), 100.0 / 9);
+    EXPECT_DOUBLE_EQ(newest("ids.relay2.SMV21.detected_percent"), 100);
+    EXPECT_EQ(sut_.undecodable, 0U);
+}
+
+TEST_F(LiveRunTest, KnowsFromTheEventLogWhoHasDied) {
+    for (char const* name : {"ev1", "ev2", "ev3"}) {
+        sut_.graph.participant_found("data", {std::string{"id of "} + name, {name, 0, "gridspace-ev"}, {}});
+    }
+    sut_.add_event({0, 1.5, "ev1", "exit", "killed by signal 9"});
+    sut_.add_event({0, 1.5, "launcher", "cut_power", "ev3 killed"});
+    std::map<std::string, graph::ProcessState> states;
+    for (graph::Process const& process : sut_.snapshot().processes) {
+        states[process.name] = process.state;
+    }
+    EXPECT_EQ(states["ev1"], graph::ProcessState::lost);
+    EXPECT_EQ(states["ev2"], graph::ProcessState::alive);
+    EXPECT_EQ(states["ev3"], graph::ProcessState::lost);
+}
+
+TEST_F(LiveRunTest, CountsVerdictsThatAreNone) {
+    sut_.on_sample("data", "ids_verdicts", "IdsVerdict", "relay2", std::vector<std::byte>(5), 0);
+    sut_.on_sample("data", "attack_labels", "AttackLabel", "attacker", {}, 0);
+    EXPECT_EQ(sut_.undecodable, 2U);
+}
+
+} // namespace
+} // namespace gridspace::monitor
