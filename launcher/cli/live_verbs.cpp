@@ -4,6 +4,8 @@
 
 #include "launcher/cli/load.hpp"
 #include "launcher/run/monitor_client.hpp"
+#include "monitor/app/foreign_idl.hpp"
+#include "monitor/app/sample_json.hpp"
 
 #include <fmt/format.h>
 #include <map>
@@ -70,6 +72,32 @@ void print_graph(Json const& graph, bool framework) {
             }
         }
     }
+}
+
+/// Replaces what the monitor made of the samples by what the user's own IDL says of them.
+Result<void> decode_samples(Json& answer, std::filesystem::path const& file) {
+    auto const idl = monitor::read_foreign_idl(file);
+    if (!idl) {
+        return std::unexpected{idl.error()};
+    }
+    std::string const type = answer.value("type", "");
+    auto const text = idl->find(type);
+    if (text == idl->end()) {
+        return fail(ExitCode::usage, fmt::format("'{}' does not define {}", file.string(), type),
+                    fmt::format("it defines {}", idl->begin()->first));
+    }
+    for (Json& sample : answer.at("last")) {
+        std::string const digits = sample.value("cdr", "");
+        std::vector<std::byte> cdr;
+        for (std::size_t i = 0; i + 1 < digits.size(); i += 2) {
+            cdr.push_back(static_cast<std::byte>(std::stoul(digits.substr(i, 2), nullptr, 16)));
+        }
+        for (char const* key : {"cdr", "key", "fields", "error", "cut"}) {
+            sample.erase(key);
+        }
+        sample.update(monitor::sample_to_json(text->second, type, cdr));
+    }
+    return {};
 }
 
 } // namespace
@@ -152,9 +180,15 @@ int topic_info(TopicArguments const& arguments) {
 }
 
 int topic_echo(TopicArguments const& arguments) {
-    auto const json = ask_json(arguments.run, "/api/v1/topics/" + url_part(arguments.topic) + "/last");
+    std::string const query = arguments.idl.empty() ? "" : "?cdr=1";
+    auto json = ask_json(arguments.run, "/api/v1/topics/" + url_part(arguments.topic) + "/last" + query);
     if (!json) {
         return print_error(json.error());
+    }
+    if (!arguments.idl.empty()) {
+        if (auto ok = decode_samples(*json, arguments.idl); !ok) {
+            return print_error(ok.error());
+        }
     }
     if (arguments.json) {
         fmt::print("{}\n", json->dump(2));

@@ -26,6 +26,7 @@ int control(ControlArguments const& arguments);
 struct TopicArguments {
     std::filesystem::path run{"latest"};
     std::string topic;
+    std::filesystem::path idl; ///< of types that nobody publishes
     bool json{false}, framework{false};
 };
 int topic_list(TopicArguments const& arguments);

@@ -225,6 +225,9 @@ int main_function(int argc, char** argv) {
         }
         command->add_option("--run", topic_arguments.run, "run folder, or address of a monitor (default: latest)");
         command->add_flag("--json", topic_arguments.json, "as JSON");
+        if (act == topic_echo) {
+            command->add_option("--idl", topic_arguments.idl, "IDL of its type, when nobody publishes it")->check(CLI::ExistingFile);
+        }
         command->callback([&action, &topic_arguments, act] { action = [&topic_arguments, act] { return act(topic_arguments); }; });
     };
     topic_command("list", "all topics, with rates", false, topic_list);

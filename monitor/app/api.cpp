@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace gridspace::monitor {
@@ -21,6 +22,10 @@ using Json = nlohmann::ordered_json;
 
 std::string text(Json const& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+web::Response unseen(std::string const& topic) {
+    return problem(404, "no sample of topic '" + topic + "' has been seen", "GET /api/v1/topics lists them");
 }
 
 } // namespace
@@ -39,7 +44,7 @@ std::string Api::health() const {
 std::string Api::run() const {
     std::lock_guard const lock{run_.mutex};
     RunClock const& clock = run_.clock;
-    graph::Snapshot const graph = run_.snapshot();
+    graph::Snapshot const& graph = run_.snapshot();
     Json processes = Json::array();
     for (graph::Process const& process : graph.processes) {
         Json entry{{"name", process.name},
@@ -144,27 +149,38 @@ std::string Api::topics() const {
     return text({{"topics", std::move(out)}});
 }
 
-web::Response Api::topic(std::string const& name, bool last) const {
-    TopicState state;
-    std::string idl;
-    {
-        std::lock_guard const lock{run_.mutex};
-        auto const it =
-            std::find_if(run_.topics.begin(), run_.topics.end(), [&](auto const& t) { return t.first.second == name; });
-        if (it == run_.topics.end()) {
-            return problem(404, "no sample of topic '" + name + "' has been seen", "GET /api/v1/topics lists them");
-        }
-        state = it->second;
-        auto const text_of_type = run_.idl.find(state.type);
-        idl = text_of_type != run_.idl.end() ? text_of_type->second : std::string{bus::idl_of_type(state.type)};
+std::optional<std::pair<TopicState, std::string>> Api::topic_state(std::string const& name) const {
+    std::lock_guard const lock{run_.mutex};
+    auto const it =
+        std::find_if(run_.topics.begin(), run_.topics.end(), [&](auto const& t) { return t.first.second == name; });
+    if (it == run_.topics.end()) {
+        return std::nullopt;
     }
-    Json out{{"name", state.topic}, {"network", state.network}, {"type", state.type}, {"samples", state.samples}};
-    if (!last) {
-        out["octets"] = state.octets;
-        out["samples_per_second"] = state.per_second;
-        out["idl"] = idl;
-        return json_response(text(out));
+    auto const idl = run_.idl.find(it->second.type);
+    return std::pair{it->second, idl != run_.idl.end() ? idl->second : std::string{bus::idl_of_type(it->second.type)}};
+}
+
+web::Response Api::topic(std::string const& name) const {
+    auto const found = topic_state(name);
+    if (!found) {
+        return unseen(name);
     }
+    auto const& [state, idl] = *found;
+    return json_response(text({{"name", state.topic},
+                               {"network", state.network},
+                               {"type", state.type},
+                               {"samples", state.samples},
+                               {"octets", state.octets},
+                               {"samples_per_second", state.per_second},
+                               {"idl", idl}}));
+}
+
+web::Response Api::last_samples(std::string const& name, bool cdr) const {
+    auto const found = topic_state(name);
+    if (!found) {
+        return unseen(name);
+    }
+    auto const& [state, idl] = *found;
     // The newest sample of each key, as far as the last few samples know.
     Json samples = Json::array();
     std::vector<std::string> keys;
@@ -176,13 +192,23 @@ web::Response Api::topic(std::string const& name, bool last) const {
             keys.push_back(key);
             Json entry{{"process", it->process}, {"number", it->number}, {"octets", it->cdr.size()}};
             entry.update(sample);
+            if (cdr) {
+                std::string digits;
+                for (std::byte const octet : it->cdr) {
+                    digits += fmt::format("{:02x}", static_cast<unsigned>(octet));
+                }
+                entry["cdr"] = std::move(digits);
+            }
             samples.push_back(std::move(entry));
         }
     }
     std::sort(samples.begin(), samples.end(),
               [](Json const& a, Json const& b) { return a.value("key", "") < b.value("key", ""); });
-    out["last"] = std::move(samples);
-    return json_response(text(out));
+    return json_response(text({{"name", state.topic},
+                               {"network", state.network},
+                               {"type", state.type},
+                               {"samples", state.samples},
+                               {"last", std::move(samples)}}));
 }
 
 std::string Api::streams() const {

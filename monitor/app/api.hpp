@@ -6,9 +6,11 @@
 #include "monitor/web/server.hpp"
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace gridspace::monitor {
 
@@ -43,11 +45,16 @@ class Api {
     struct Entry;
     static std::span<Entry const> entries();
     [[nodiscard]] web::Response control(web::Request const& request) const;
-    [[nodiscard]] web::Response topic(std::string const& name, bool last) const;
+    [[nodiscard]] web::Response topic(std::string const& name) const;
+    /// `cdr`: with the octets of each sample, in hexadecimal digits.
+    [[nodiscard]] web::Response last_samples(std::string const& name, bool cdr) const;
     [[nodiscard]] web::Response picture(web::Target const& target, bool dot) const;
     [[nodiscard]] web::Response signal_query(web::Target const& target) const;
     [[nodiscard]] web::Response event_query(web::Target const& target) const;
     [[nodiscard]] web::Response metrics() const;
+
+    /// State and IDL text of a topic; nothing when no sample has been seen.
+    [[nodiscard]] std::optional<std::pair<TopicState, std::string>> topic_state(std::string const& name) const;
 
     LiveRun const& run_;
     std::function<web::ServerCounters()> counters_;

@@ -81,9 +81,11 @@ std::span<Api::Entry const> Api::entries() {
         Entry{{"GET", "/api/v1/topics"},
               [](Api const& api, Request const&, Text const&) { return json_response(api.topics()); }},
         Entry{{"GET", "/api/v1/topics/{topic}/last"},
-              [](Api const& api, Request const&, Text const& topic) { return api.topic(topic, true); }},
+              [](Api const& api, Request const& r, Text const& topic) {
+                  return api.last_samples(topic, r.target.query.contains("cdr"));
+              }},
         Entry{{"GET", "/api/v1/topics/{topic}"},
-              [](Api const& api, Request const&, Text const& topic) { return api.topic(topic, false); }},
+              [](Api const& api, Request const&, Text const& topic) { return api.topic(topic); }},
         Entry{{"GET", "/api/v1/streams"},
               [](Api const& api, Request const&, Text const&) { return json_response(api.streams()); }},
         Entry{{"GET", "/api/v1/signals"},

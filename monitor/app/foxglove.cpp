@@ -138,7 +138,7 @@ std::string FoxgloveHub::advertisement(std::size_t from) const {
 }
 
 std::string FoxgloveHub::connection_graph(Client& client) const {
-    graph::Snapshot const graph = run_.snapshot();
+    graph::Snapshot const& graph = run_.snapshot();
     Json published = Json::array(), subscribed = Json::array(), removed = Json::array();
     std::vector<std::string> names;
     for (graph::Topic const& topic : graph.topics) {

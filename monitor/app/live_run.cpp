@@ -157,6 +157,16 @@ void LiveRun::measure(std::chrono::duration<double> since_last) {
     time_then_s_ = clock.time_s;
 }
 
+graph::Snapshot const& LiveRun::snapshot() const {
+    if (recorded_graph) {
+        return *recorded_graph;
+    }
+    if (!snapshot_ || snapshot_->revision != graph.revision()) { // it is asked for often and changes seldom
+        snapshot_ = graph.snapshot();
+    }
+    return *snapshot_;
+}
+
 void LiveRun::add_event(RunEvent event) {
     event.number = ++events_seen;
     if (event.event == "exit") {

@@ -80,8 +80,8 @@ struct LiveRun {
 
     void on_sample(std::string const& network, std::string const& topic, std::string const& type, std::string process,
                    std::span<std::byte const> cdr, std::int64_t source_ns);
-    /// The graph as it is, or as it was recorded. Mutex held.
-    [[nodiscard]] graph::Snapshot snapshot() const { return recorded_graph ? *recorded_graph : graph.snapshot(); }
+    /// The graph as it is, or as it was recorded. Mutex held, as long as it is looked at.
+    [[nodiscard]] graph::Snapshot const& snapshot() const;
     /// Rates and pace; about twice a second, with the mutex not held.
     void measure(std::chrono::duration<double> since_last);
     void add_event(RunEvent event); ///< mutex held
@@ -93,6 +93,7 @@ struct LiveRun {
                 std::span<std::byte const> cdr);
     void decode_signals(std::span<std::byte const> cdr, bool& good);
     void reach(std::int64_t time_ns, std::uint64_t tick);
+    mutable std::optional<graph::Snapshot> snapshot_; ///< of the newest revision that somebody has asked for
     IntrusionView intrusion_;
     std::string clock_process_; ///< who publishes the clock
     double time_then_s_{0};

@@ -40,7 +40,7 @@ std::string metrics_text(LiveRun const& run, web::ServerCounters const& server) 
     one("gridspace_undecodable_samples_total", "counter", "Samples that were not what their type says.",
         static_cast<double>(run.undecodable));
     head(out, "gridspace_process_up", "gauge", "1 while the process is on the bus.");
-    graph::Snapshot const graph = run.snapshot();
+    graph::Snapshot const& graph = run.snapshot();
     for (graph::Process const& process : graph.processes) {
         out += fmt::format("gridspace_process_up{{process=\"{}\",program=\"{}\",host=\"{}\"}} {}\n",
                            label(process.name), label(process.program), label(process.host),

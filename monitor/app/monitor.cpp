@@ -8,6 +8,7 @@
 #include "monitor/app/api.hpp"
 #include "monitor/app/bus_tap.hpp"
 #include "monitor/app/event_tail.hpp"
+#include "monitor/app/foreign_idl.hpp"
 #include "monitor/app/foxglove.hpp"
 #include "monitor/app/pages.hpp"
 #include "monitor/app/push.hpp"
@@ -131,6 +132,13 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     run.on_stop([&stop] { stop.ask(); });
 
     LiveRun live{config.run};
+    if (!config.idl.empty()) {
+        auto foreign = read_foreign_idl(config.idl);
+        if (!foreign) {
+            return std::unexpected{foreign.error()};
+        }
+        live.idl = std::move(*foreign);
+    }
     std::unique_ptr<BusTap> tap;
     std::unique_ptr<RecordedRun> recorded;
     if (config.recording.empty()) {

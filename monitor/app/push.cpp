@@ -107,7 +107,7 @@ std::string PushHub::values(std::optional<double> at_s, std::size_t& count) cons
     for (auto const& [key, window] : run_.signals) {
         for (std::size_t c = 0; window != nullptr && c < window->columns().size(); ++c) {
             double const value = at_s ? window->value_at(c, ns(*at_s)) : window->empty() ? NAN : window->newest(c);
-            out.push_back(std::isnan(value) ? Json{nullptr} : Json(value));
+            out.push_back(std::isnan(value) ? Json(nullptr) : Json(value));
         }
     }
     count = out.size();

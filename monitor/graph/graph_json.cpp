@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json duration(double seconds) {
-    return seconds < 0 ? Json{nullptr} : Json(seconds);
+    return seconds < 0 ? Json(nullptr) : Json(seconds);
 }
 
 } // namespace

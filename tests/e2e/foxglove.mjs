@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The Foxglove WebSocket protocol, judged by its authors' own client library and IDL reader.
-import { FoxgloveClient } from "@foxglove/ws-protocol";
+import protocol from "@foxglove/ws-protocol"; // CommonJS
 import { parseIDL } from "@foxglove/omgidl-parser";
 import { MessageReader } from "@foxglove/omgidl-serialization";
 import WebSocket from "ws";
 import { check, start } from "./harness.mjs";
+
+const { FoxgloveClient } = protocol;
 
 /** The first of these events that satisfies a condition. */
 const event = (client, name, condition = () => true) => new Promise((done, fail) => {

@@ -76,7 +76,9 @@ function Events() {
 }
 
 function Topics() {
-  const list = topics.value.filter(t => choice.value.framework || !t.framework);
+  const { framework, find } = choice.value;
+  const known = topics.value.filter(t => framework || !t.framework);
+  const all = known.length > 60 && find ? known.filter(t => t.name.toLowerCase().includes(find.toLowerCase())) : known, list = all.slice(0, 200);
   return (
     <table class="plain">
       <thead><tr><th>topic</th><th class="number">rate</th><th class="number">samples</th></tr></thead>
@@ -87,6 +89,7 @@ function Topics() {
             <td class="number">{rate(t.samples_per_second)}</td><td class="number">{t.samples.toLocaleString("en")}</td>
           </tr>
         ))}
+        {all.length > list.length && <tr><td colspan={3} class="soft">{all.length - list.length} more: find them by name</td></tr>}
       </tbody>
     </table>
   );

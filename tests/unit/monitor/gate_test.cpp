@@ -82,7 +82,7 @@ TEST_F(GateTest, GivesACookieForTheTokenThatDoesNotHoldIt) {
 
 TEST_F(GateTest, FindsItsCookieAmongOthersAndTakesNoOther) {
     EXPECT_TRUE(sut_.admits("", std::string{"a=b; gridspace_8443="} + kSession + "; c=d"));
-    for (std::string const jar :
+    for (std::string const& jar :
          {std::string{"gridspace_8443="}, std::string{"gridspace_8443"}, std::string{";;;="},
           std::string{"gridspace_8444="} + kSession, std::string{"xgridspace_8443="} + kSession,
           std::string{"gridspace_8443="} + kToken, std::string{"gridspace_8443="} + kSession + "0"}) {

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A monitor beside somebody's own bus, whose types it was not compiled for and nobody describes."""
+import contextlib
+import json
+import subprocess
+import time
+import unittest
+
+import client
+import harness
+
+DOMAIN = 171
+IDL = """module station {
+  // what stands on the roof
+  @final struct Weather { @key string place; double celsius; long trend; };
+};
+"""
+WRITER = harness.BIN.parent / "tests/foreign_writer"
+
+
+class ForeignTypes(harness.ScenarioTest):
+    def setUp(self):
+        super().setUp()
+        self.idl = self.write("weather.idl", IDL)
+
+    @contextlib.contextmanager
+    def monitor(self, **settings):
+        config = self.write("monitor.yaml", json.dumps({
+            "process": "monitor", "program": "gridspace-monitor",
+            "bus": {"qos": str(harness.SOURCE / "qos/monitor.xml"), "management": {"domain": DOMAIN, "addresses": ["127.0.0.1"]}},
+            "settings": {"listen": "127.0.0.1:0", **settings}}))
+        log = self.folder / "monitor.log"
+        with open(log, "w") as out:
+            process = subprocess.Popen([harness.BIN / "gridspace-monitor", "--config", config], stdout=out, stderr=out)
+            try:
+                deadline = time.monotonic() + client.PATIENCE_S
+                while "http://" not in log.read_text():
+                    self.assertIsNone(process.poll(), log.read_text())
+                    self.assertLess(time.monotonic(), deadline)
+                    time.sleep(0.02)
+                monitor = client.Monitor(next(w for w in log.read_text().split() if w.startswith("http://")))
+                monitor.until("/api/v1/topics", lambda t: any(x["name"] == "rt/weather" and x["samples"] > 0 for x in t["topics"]), "a sample")
+                yield monitor
+            finally:
+                process.terminate()
+                process.wait(client.PATIENCE_S)
+
+    @contextlib.contextmanager
+    def station(self):
+        process = subprocess.Popen([WRITER, harness.SOURCE / "qos/member.xml", str(DOMAIN)], stdin=subprocess.PIPE)
+        try:
+            yield
+        finally:
+            process.stdin.close()
+            process.wait(client.PATIENCE_S)
+
+    def echo(self, monitor, *arguments):
+        return harness.gridspace("topic", "echo", "rt/weather", "--run", f"http://{monitor.host}:{monitor.port}", *arguments)
+
+    def test_its_samples_are_read_by_the_idl_that_the_user_gives(self):
+        with self.station():
+            with self.monitor() as monitor:
+                last = monitor.json("/api/v1/topics/rt%2Fweather/last")["last"]
+                self.assertIn("nobody has published the IDL of type station::Weather", last[0]["error"])
+                code, out, _ = self.echo(monitor)
+                self.assertEqual(code, harness.OK)
+                self.assertIn("nobody has published the IDL", out)
+                code, out, err = self.echo(monitor, "--idl", self.idl)
+                self.assertEqual(code, harness.OK, err)
+                for line in ("place: roof", "celsius: 21.5", "trend: -3"):
+                    self.assertIn(line, out)
+                self.assert_mistakes_are_told(monitor)
+            with self.monitor(idl=str(self.idl)) as monitor:
+                last = monitor.json("/api/v1/topics/rt%2Fweather/last")["last"]
+                self.assertEqual((last[0]["key"], last[0]["fields"]), ("roof", {"place": "roof", "celsius": 21.5, "trend": -3}))
+                self.assertEqual(monitor.json("/api/v1/topics/rt%2Fweather")["idl"], IDL)
+
+    def assert_mistakes_are_told(self, monitor):
+        for text, said in [("struct Other { long x; };", "does not define station::Weather"), ("struct {", "weather.bad"),
+                           ("module station { struct Weather { long a; long b; long c[100]; }; };", "not of that type"), ("", "defines no struct")]:
+            _, out, err = self.echo(monitor, "--idl", self.write("weather.bad", text))
+            self.assertIn(said, out + err, text)
+
+
+if __name__ == "__main__":
+    unittest.main()
