@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 #include <Eigen/SparseLU>
 #include <cmath>
+#include <limits>
 
 namespace gridspace::sim {
 namespace {
@@ -13,6 +14,10 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Triplet = Eigen::Triplet<double>;
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+/// Powers next to a very small impedance are differences of large numbers; no iteration brings them nearer than this
+/// share.
+constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
 
 /// Row-wise admittance matrix.
 struct Row {
@@ -71,7 +76,7 @@ class Solver {
         for (int i = 0; i <= options_.max_iterations; ++i) {
             mismatches();
             out_.iterations = i;
-            if (out_.mismatch <= options_.tolerance_pu) {
+            if (!excess_) {
                 out_.converged = true;
                 return;
             }
@@ -105,12 +110,16 @@ class Solver {
             phasor_[i] = std::polar(out_.v[i], out_.angle[i]);
         }
         out_.injection.assign(n, Complex{});
+        rounding_.assign(n, 0.0);
         for (std::size_t i = 0; i < n; ++i) {
             Complex current{};
+            double sizes = 0;
             for (auto const& [j, y] : y_[i].entries) {
                 current += y * phasor_[j];
+                sizes += std::abs(y) * out_.v[j];
             }
             out_.injection[i] = phasor_[i] * std::conj(current);
+            rounding_[i] = kRounding * sizes * out_.v[i];
         }
         slopes_.assign(n, {});
         specified_.assign(n, Complex{});
@@ -118,13 +127,15 @@ class Solver {
             specified_[i] = scale_ * Complex{problem_.nodes[i].p, held_q_[i]};
         }
         for (PowerFlowProblem::BusLoad const& load : problem_.loads) {
-            VoltagePower const f = load_factor(*load.load, out_.v[load.node], 0); // the model as it is, even when it has no solution
+            VoltagePower const f =
+                load_factor(*load.load, out_.v[load.node], 0); // the model as it is, even when it has no solution
             specified_[load.node] -= scale_ * Complex{load.p * f.p, load.q * f.q};
             slopes_[load.node].first += scale_ * load.p * f.dp_dv;
             slopes_[load.node].second += scale_ * load.q * f.dq_dv;
         }
         rhs_.resize(static_cast<Eigen::Index>(unknowns_));
         out_.mismatch = 0;
+        excess_ = false;
         for (std::size_t i = 0; i < n; ++i) {
             Complex const difference = out_.injection[i] - specified_[i];
             auto const enter = [&](std::size_t at, double value) {
@@ -132,6 +143,9 @@ class Solver {
                     return;
                 }
                 rhs_[static_cast<Eigen::Index>(at)] = value;
+                if (!(std::abs(value) <= std::max(options_.tolerance_pu, rounding_[i]))) {
+                    excess_ = true;
+                }
                 if (!(std::abs(value) <= out_.mismatch)) { // a NaN is the worst
                     out_.mismatch = std::abs(value);
                     out_.worst_node = i;
@@ -228,6 +242,8 @@ class Solver {
     std::vector<std::size_t> angle_index_, v_index_;
     std::size_t unknowns_{0};
     std::vector<Complex> phasor_, specified_;
+    std::vector<double> rounding_; ///< by node: what of its power is rounding error, p.u.
+    bool excess_{false};           ///< a mismatch is larger than tolerance and rounding
     std::vector<std::pair<double, double>> slopes_;
     std::vector<Triplet> triplets_;
     Eigen::VectorXd rhs_;

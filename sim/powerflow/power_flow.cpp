@@ -26,13 +26,19 @@ std::string apparent_power(double kva) {
     return kva < 1 ? fmt::format("{:.4g} VA", kva * 1e3) : fmt::format("{:.4g} kVA", kva);
 }
 
-/// Why there is no solution: usually the network is asked for more than it can carry. The largest share of all powers that
-/// still has a solution, and the weakest bus there, say where to look.
+/// Why there is no solution: usually the network is asked for more than it can carry. The largest share of all powers
+/// that still has a solution, and the weakest bus there, say where to look.
 Error explain(Network const& n, PowerFlowProblem const& problem, PowerFlowOptions const& options,
               NewtonOutcome const& failed) {
     std::string message = fmt::format("the power flow {} after {} iterations: at {} {} do not balance",
                                       failed.singular ? "is singular" : "does not converge", failed.iterations,
                                       node_name(n, failed.worst_node), apparent_power(failed.mismatch * n.power_kva));
+    if (!std::isfinite(failed.mismatch)) {
+        return {ExitCode::usage,
+                fmt::format("the power flow has no solution in numbers: at {} they overflow",
+                            node_name(n, failed.worst_node)),
+                "look for an extreme impedance, rating or power near that bus"};
+    }
     PowerFlowOptions rough = options;
     rough.tolerance_pu = 1e-6;
     if (!newton(problem, rough, 0).converged) {
@@ -58,10 +64,11 @@ Error explain(Network const& n, PowerFlowProblem const& problem, PowerFlowOption
             weakest = i;
         }
     }
-    return {ExitCode::usage, std::move(message),
-            fmt::format("it has a solution up to {:.0f} % of all powers, where {} is lowest at {:.3f} p.u.: the network is "
-                        "asked for more than it can carry there",
-                        low * 100, node_name(n, weakest), best.v[weakest])};
+    return {
+        ExitCode::usage, std::move(message),
+        fmt::format("it has a solution up to {:.0f} % of all powers, where {} is lowest at {:.3f} p.u.: the network is "
+                    "asked for more than it can carry there",
+                    low * 100, node_name(n, weakest), best.v[weakest])};
 }
 
 } // namespace
@@ -119,8 +126,8 @@ Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, P
             needed[index_of(n.buses, n.sources[s].bus.name)] -= delivered;
         }
     }
-    // Fixed injections (PV inverters, PQ generators) are in node.p and node.q together with scheduled powers; take what is
-    // not a unit's own away.
+    // Fixed injections (PV inverters, PQ generators) are in node.p and node.q together with scheduled powers; take what
+    // is not a unit's own away.
     std::vector<double> holders(n.buses.size(), 0);
     std::vector<Complex> scheduled(n.buses.size());
     auto const count = [&](Ref const& bus, double p) {

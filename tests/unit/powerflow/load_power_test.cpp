@@ -9,8 +9,9 @@ namespace gridspace::sim {
 namespace {
 
 TEST(LoadFactor, IsOneAtNominalVoltageForEveryModel) {
-    for (LoadModel const model : {LoadModel::constant_power, LoadModel::constant_current, LoadModel::constant_impedance,
-                                  LoadModel::exponential, LoadModel::zip, LoadModel::dc_resistive}) {
+    for (LoadModel const model :
+         {LoadModel::constant_power, LoadModel::constant_current, LoadModel::constant_impedance, LoadModel::exponential,
+          LoadModel::zip, LoadModel::dc_resistive, LoadModel::dc_constant_power}) {
         Load load;
         load.model = model;
         load.exponent_p = 1.3;
@@ -24,7 +25,7 @@ TEST(LoadFactor, IsOneAtNominalVoltageForEveryModel) {
 TEST(LoadFactor, SlopesAreTheDerivatives) {
     constexpr double kStep = 1e-6;
     for (LoadModel const model : {LoadModel::constant_power, LoadModel::constant_current, LoadModel::constant_impedance,
-                                  LoadModel::exponential, LoadModel::zip}) {
+                                  LoadModel::exponential, LoadModel::zip, LoadModel::dc_constant_power}) {
         for (double const v : {0.3, 0.65, 0.95, 1.07}) {
             Load load;
             load.model = model;
@@ -33,8 +34,10 @@ TEST(LoadFactor, SlopesAreTheDerivatives) {
             load.zip_p = {0.2, 0.3, 0.5};
             load.zip_q = {0.6, 0.3, 0.1};
             VoltagePower const at = load_factor(load, v);
-            EXPECT_NEAR(at.dp_dv, (load_factor(load, v + kStep).p - load_factor(load, v - kStep).p) / (2 * kStep), 1e-6);
-            EXPECT_NEAR(at.dq_dv, (load_factor(load, v + kStep).q - load_factor(load, v - kStep).q) / (2 * kStep), 1e-6);
+            EXPECT_NEAR(at.dp_dv, (load_factor(load, v + kStep).p - load_factor(load, v - kStep).p) / (2 * kStep),
+                        1e-6);
+            EXPECT_NEAR(at.dq_dv, (load_factor(load, v + kStep).q - load_factor(load, v - kStep).q) / (2 * kStep),
+                        1e-6);
         }
     }
 }
