@@ -1,0 +1,254 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Every key of a network file does something: each is changed alone, and some solver's results change with it. A key without an
+entry here fails the test, so nothing can be added that is read and ignored."""
+import copy
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+BIN = pathlib.Path(os.environ["GRIDSPACE_BIN_DIR"]) / "gridspace"
+SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).parents[3]))
+
+# Keys that no solver reads, and why.
+ELSEWHERE = {
+    "gridspace_network", "name", "description", "extends",  # the file itself
+    "*.label", "buses.diagram.x", "buses.diagram.y",         # displays
+    "breaker_types.latched",                                 # what a falling trip signal does (line gateway)
+    "profiles.time", "profiles.csv", "profiles.column",      # hours of the day start at 0 here; files: ProfileCsv tests
+    "base.power_kva",                                        # p.u. of results only
+}
+
+BUS = {"voltage_v": 400}
+NETWORK = {
+    "gridspace_network": 1, "name": "n", "base": {"frequency_hz": 50, "power_kva": 100},
+    "buses": {"A": BUS, "B": BUS, "C": BUS, "D": BUS, "E": BUS, "F": BUS, "H": {"voltage_v": 230}},
+    "sources": {"S": {"bus": "A", "voltage_pu": 1.01, "angle_deg": 3, "r_ohm": 0.01, "l_mh": 0.1, "r0_ohm": 0.02, "l0_mh": 0.2,
+                      "harmonics": [{"order": 5, "percent": 1, "angle_deg": 10}]}},
+    "line_types": {"t": {"r_ohm_per_km": 0.2, "x_ohm_per_km": 0.1, "c_nf_per_km": 300, "r0_ohm_per_km": 0.4, "x0_ohm_per_km": 0.3,
+                         "c0_nf_per_km": 200},
+                   "u": {"r_ohm_per_km": 0.2, "l_mh_per_km": 0.3, "l0_mh_per_km": 0.9}},
+    "lines": {"L": {"from": "A", "to": "B", "r_ohm": 0.05, "l_mh": 0.2, "c_nf": 900, "r0_ohm": 0.1, "l0_mh": 0.6, "c0_nf": 500},
+              "M": {"from": "B", "to": "C", "r_ohm": 0.05, "x_ohm": 0.06, "x0_ohm": 0.2},
+              "N": {"from": "C", "to": "D", "type": "t", "length_km": 0.3},
+              "O": {"from": "D", "to": "E", "type": "u", "length_km": 0.3},
+              "P": {"from": "E", "to": "F", "r_ohm": 0.05, "l_mh": 9.0, "c_nf": 800, "model": "pi"}},
+    "breaker_types": {"b": {"mechanism_ms": 1, "opens": "each_pole_at_current_zero"}},
+    "breakers": {"K": {"line": "M", "end": "from", "type": "b"}},
+    "ct_types": {"c": {"ratio": "100:5", "error_percent": 0.2, "filter": "butterworth2", "cutoff_hz": 2000, "quantum_ma": 1,
+                       "saturation": {"knee_v": 10, "magnetising_ma": 50, "winding_ohm": 0.3, "burden_ohm": 1, "air_core_mh": 5,
+                                      "remanence_percent": 20}}},
+    "cts": {"T1": {"line": "M", "end": "to", "type": "c", "positive": "from_to"}},
+    "vt_types": {"v": {"ratio": "400:100", "error_percent": 0.2, "filter": "butterworth2", "cutoff_hz": 2000, "quantum_mv": 10,
+                       "saturation": {"knee_pu": 0.9, "magnetising_ma": 5, "winding_ohm": 50, "air_core_mh": 900}}},
+    "vts": {"T2": {"bus": "B", "type": "v"}},
+    "transformers": {"T": {"from": "E", "to": "H", "rating_kva": 50, "r_percent": 1, "x_percent": 4, "tap_ratio": 1.02,
+                           "phase_shift_deg": 30, "from_winding": "delta", "to_winding": "wye_grounded", "magnetising_percent": 2,
+                           "charging_percent": 0.5, "saturation": {"knee_pu": 0.8, "air_core_percent": 30}}},
+    "machine_types": {"m": {"model": "full", "constants_pu": {"xd": 1.3, "xq": 0.5, "xd1": 0.3, "xd2": 0.25, "xq2": 0.24, "xl": 0.18,
+                                                              "x0": 0.1, "ra": 0.006},
+                            "times_s": {"td01": 4.5, "td02": 0.06, "tq02": 0.1}, "inertia_h_s": 2, "damping_pu": 1,
+                            "avr": {"ka": 50, "ta_s": 0.02, "tr_s": 0.02, "efd_min_pu": 1.2, "efd_max_pu": 2},
+                            "governor": {"droop_percent": 4, "tg_s": 0.05, "tt_s": 0.15, "integral_ki": 1}}},
+    "machines": {"G": {"bus": "B", "type": "m", "rating_kva": 30, "p_kw": 10, "voltage_setpoint_pu": 1.0},
+                 "G2": {"bus": "A", "type": "m", "rating_kva": 20, "p_kw": 8, "voltage_setpoint_pu": 1.005, "inertia_h_s": 3,
+                        "governor": {"droop_percent": 5, "tg_s": 0.06, "tt_s": 0.2, "integral_ki": 0.5}}},
+    "generators": {"Q": {"bus": "C", "role": "pq", "rating_kva": 6, "p_kw": 5, "q_kvar": 1},
+                   "V": {"bus": "D", "role": "pv", "rating_kva": 20, "p_kw": 5, "voltage_setpoint_pu": 0.99, "q_min_kvar": -1,
+                         "q_max_kvar": 1}},
+    "loads": {"D1": {"bus": "C", "p_kw": 5, "power_factor": 0.9, "model": "constant_impedance"},
+              "D2": {"bus": "D", "p_kw": 5, "q_kvar": 2, "model": "exponential", "exponent_p": 1.3, "exponent_q": 2.1, "lag_s": 0.01,
+                     "scale": "p"},
+              "D3": {"bus": "E", "p_kw": 3, "power_factor": 0.9, "model": "zip", "zip_p": [0.2, 0.3, 0.5], "zip_q": [0.5, 0.3, 0.2]},
+              "D4": {"bus": "H", "p_kw": 3, "model": "dc_constant_power"}, "D5": {"bus": "F", "p_kw": 1}},
+    "shunts": {"C1": {"bus": "C", "p_kw": 0.5, "q_kvar": 2}},
+    "pv": {"P1": {"bus": "D", "p_kw": 6, "rating_kva": 5, "power_factor": 0.95, "scale": "s"}},
+    "evs": {"E1": {"bus": "C", "capacity_kwh": 0.0001, "battery_v": 360, "max_current_a": 15, "efficiency": 0.9,
+                   "soc_start_percent": 20, "soc_stop_percent": 60, "current_lag_s": 0.002}},
+    "batteries": {"B1": {"bus": "C", "capacity_kwh": 0.0002, "rating_kva": 7, "p_kw": 6, "q_kvar": 1, "efficiency": 0.9,
+                         "soc_start_percent": 60, "soc_min_percent": 55, "scale": "p", "soc_max_percent": 90},
+                  "B2": {"bus": "B", "capacity_kwh": 0.0002, "rating_kva": 7, "p_kw": -6, "soc_start_percent": 60,
+                         "soc_max_percent": 65}},
+    "profiles": {"p": {"hours": [0, 1e-5], "values": [0.9, 1.1], "clouds": [{"at_h": 1e-6, "depth_percent": 5, "width_h": 1e-5}]},
+                 "s": {"half_sine": {"rise_h": -5, "set_h": 9, "exponent": 1.2}}},
+}
+# The same network without what needs balance: phase impedances and loads by phase; slack generator.
+UNBALANCED = {
+    "gridspace_network": 1, "name": "n", "base": {"frequency_hz": 50, "power_kva": 100}, "buses": {"A": BUS, "B": BUS},
+    "generators": {"Z": {"bus": "A", "role": "slack", "voltage_setpoint_pu": 1, "angle_deg": 2}},
+    "line_types": {"t": {"phase_r_ohm_per_km": [0.2, 0.05, 0.21, 0.05, 0.05, 0.2], "phase_x_ohm_per_km": [0.3, 0.1, 0.31, 0.1, 0.1, 0.3]}},
+    "lines": {"L": {"from": "A", "to": "B", "type": "t", "length_km": 0.3}},
+    "loads": {"D": {"bus": "B", "phase_p_kw": [1, 2, 3], "phase_q_kvar": [0.5, 0.5, 1], "model": "constant_power"}},
+}
+EVENTS = """events:
+  e: {at_s: 0.001, set: {evs.E1.current_a: 100}}
+  f: {at_s: 0.003, apply_fault: {line: M, position_percent: 60, type: 2ph_g, resistance_ohm: 0.005}, clear_after_ms: 8}
+  o: {at_s: 0.02, open: [K]}
+"""
+# What each key becomes: path (section.element.key...), new value.
+CHANGES = {
+    "base.frequency_hz": 60, "buses.H.voltage_v": 240,
+    "sources.S.bus": "B", "sources.S.voltage_pu": 1.02, "sources.S.angle_deg": 4, "sources.S.r_ohm": 0.02, "sources.S.l_mh": 0.2,
+    "sources.S.r0_ohm": 0.03, "sources.S.l0_mh": 0.3, "sources.S.harmonics": [{"order": 7, "percent": 1, "angle_deg": 10}],
+    "sources.S.harmonics.0.order": 7, "sources.S.harmonics.0.percent": 2, "sources.S.harmonics.0.angle_deg": 20,
+    "line_types.t.r_ohm_per_km": 0.3, "line_types.t.x_ohm_per_km": 0.2, "line_types.t.c_nf_per_km": 400,
+    "line_types.t.r0_ohm_per_km": 0.5, "line_types.t.x0_ohm_per_km": 0.4, "line_types.t.c0_nf_per_km": 250,
+    "line_types.u.l_mh_per_km": 0.4, "line_types.u.l0_mh_per_km": 1.0,
+    "lines.L.from": "C", "lines.L.to": "C", "lines.L.r_ohm": 0.06, "lines.L.l_mh": 0.3, "lines.L.c_nf": 1000, "lines.L.r0_ohm": 0.2,
+    "lines.L.l0_mh": 0.7, "lines.L.c0_nf": 600, "lines.M.x_ohm": 0.07, "lines.M.x0_ohm": 0.3, "lines.N.type": "u",
+    "lines.N.length_km": 0.4, "lines.P.model": "bergeron",
+    "breaker_types.b.mechanism_ms": 3, "breaker_types.b.opens": "at_once",
+    "breakers.K.line": "N", "breakers.K.end": "to", "breakers.K.type": "b2", "breakers.K.state": "open",
+    "ct_types.c.ratio": "200:5", "ct_types.c.error_percent": 0.3, "ct_types.c.filter": None, "ct_types.c.cutoff_hz": 1000,
+    "ct_types.c.quantum_ma": 2, "ct_types.c.saturation.knee_v": 5, "ct_types.c.saturation.magnetising_ma": 70,
+    "ct_types.c.saturation.winding_ohm": 0.5, "ct_types.c.saturation.burden_ohm": 2, "ct_types.c.saturation.air_core_mh": 9,
+    "ct_types.c.saturation.remanence_percent": 50,
+    "cts.T1.line": "N", "cts.T1.end": "from", "cts.T1.type": "c2", "cts.T1.positive": "into_line",
+    "vt_types.v.ratio": "500:100", "vt_types.v.error_percent": 0.3, "vt_types.v.filter": None, "vt_types.v.cutoff_hz": 1000,
+    "vt_types.v.quantum_mv": 20, "vt_types.v.saturation.knee_pu": 0.8, "vt_types.v.saturation.magnetising_ma": 8,
+    "vt_types.v.saturation.winding_ohm": 80, "vt_types.v.saturation.air_core_mh": 500, "vts.T2.bus": "C", "vts.T2.type": "v2",
+    "transformers.T.from": "D", "transformers.T.to": "I", "transformers.T.rating_kva": 60, "transformers.T.r_percent": 2,
+    "transformers.T.x_percent": 5, "transformers.T.tap_ratio": 1.03, "transformers.T.phase_shift_deg": -30,
+    "transformers.T.from_winding": "wye", "transformers.T.to_winding": "wye", "transformers.T.magnetising_percent": 3,
+    "transformers.T.charging_percent": 1, "transformers.T.saturation.knee_pu": 0.7, "transformers.T.saturation.air_core_percent": 40,
+    "machine_types.m.model": "classical",
+    **{f"machine_types.m.constants_pu.{k}": v for k, v in
+       {"xd": 1.4, "xq": 0.6, "xd1": 0.31, "xd2": 0.26, "xq2": 0.25, "xl": 0.17, "x0": 0.12, "ra": 0.01}.items()},
+    **{f"machine_types.m.times_s.{k}": v for k, v in {"td01": 5, "td02": 0.07, "tq02": 0.12}.items()},
+    "machine_types.m.inertia_h_s": 2.5, "machine_types.m.damping_pu": 2,
+    **{f"machine_types.m.avr.{k}": v for k, v in
+       {"ka": 60, "ta_s": 0.03, "tr_s": 0.03, "efd_min_pu": 1.15, "efd_max_pu": 1.8}.items()},
+    **{f"machine_types.m.governor.{k}": v for k, v in {"droop_percent": 5, "tg_s": 0.06, "tt_s": 0.2, "integral_ki": 2}.items()},
+    "machines.G.bus": "C", "machines.G.type": "m2", "machines.G.rating_kva": 40, "machines.G.p_kw": 11,
+    "machines.G.voltage_setpoint_pu": 1.01, "machines.G2.inertia_h_s": 4,
+    **{f"machines.G2.governor.{k}": v for k, v in {"droop_percent": 6, "tg_s": 0.07, "tt_s": 0.3, "integral_ki": 2}.items()},
+    "generators.Q.bus": "D", "generators.Q.role": "pv", "generators.Q.rating_kva": 8, "generators.Q.p_kw": 6, "generators.Q.q_kvar": 2,
+    "generators.V.voltage_setpoint_pu": 0.98, "generators.V.q_min_kvar": -0.9, "generators.V.q_max_kvar": 0.9,
+    "loads.D1.bus": "D", "loads.D1.p_kw": 6, "loads.D1.power_factor": 0.8, "loads.D1.model": "constant_current", "loads.D2.q_kvar": 3,
+    "loads.D2.exponent_p": 1.5, "loads.D2.exponent_q": 2.5, "loads.D2.lag_s": 0.02, "loads.D2.scale": "s",
+    "loads.D3.zip_p": [0.5, 0.3, 0.2], "loads.D3.zip_q": [0.2, 0.3, 0.5],
+    "shunts.C1.bus": "D", "shunts.C1.p_kw": 1, "shunts.C1.q_kvar": 3,
+    "pv.P1.bus": "C", "pv.P1.p_kw": 4, "pv.P1.rating_kva": 4, "pv.P1.power_factor": 0.9, "pv.P1.scale": "p",
+    "evs.E1.bus": "D", "evs.E1.capacity_kwh": 0.0002, "evs.E1.battery_v": 300, "evs.E1.max_current_a": 12, "evs.E1.efficiency": 0.8,
+    "evs.E1.soc_start_percent": 30, "evs.E1.soc_stop_percent": 25, "evs.E1.current_lag_s": 0.004,
+    "batteries.B1.bus": "D", "batteries.B1.capacity_kwh": 0.0003, "batteries.B1.rating_kva": 6.1, "batteries.B1.p_kw": 5,
+    "batteries.B1.q_kvar": 2, "batteries.B1.efficiency": 0.8, "batteries.B1.soc_start_percent": 70, "batteries.B1.soc_min_percent": 59,
+    "batteries.B1.scale": "s", "batteries.B2.soc_max_percent": 62,
+    "profiles.p.hours": [0, 2e-5], "profiles.p.values": [0.8, 1.1], "profiles.p.clouds": [],
+    "profiles.p.clouds.0.at_h": 2e-6, "profiles.p.clouds.0.depth_percent": 9, "profiles.p.clouds.0.width_h": 2e-5,
+    "profiles.s.half_sine.rise_h": -6, "profiles.s.half_sine.set_h": 8, "profiles.s.half_sine.exponent": 1,
+}
+UNBALANCED_CHANGES = {
+    "line_types.t.phase_r_ohm_per_km": [0.2, 0.05, 0.22, 0.05, 0.05, 0.2], "line_types.t.phase_x_ohm_per_km": [0.3, 0.1, 0.32, 0.1, 0.1, 0.3],
+    "generators.Z.angle_deg": 3, "loads.D.phase_p_kw": [2, 2, 3], "loads.D.phase_q_kvar": [0.6, 0.5, 1],
+}
+
+
+def changed(network, path, value):
+    out = copy.deepcopy(network)
+    # Twins to point at: another type of breaker, CT, VT and machine; a bus for the transformer.
+    parts = path.split(".")
+    at = out
+    for part in parts[:-1]:
+        at = at[int(part)] if isinstance(at, list) else at[part]
+    if value is None:
+        at.pop(parts[-1])
+        if parts[-1] == "filter":
+            at.pop("cutoff_hz")
+    else:
+        at[parts[-1]] = value
+    return out
+
+
+def keys_of(schema, prefix=""):
+    """Paths of all keys without the names of elements."""
+    for option in schema.get("anyOf", []):
+        yield from keys_of(option, prefix)
+    extra = schema.get("additionalProperties")
+    if isinstance(extra, dict):
+        yield from keys_of(extra, prefix)
+    if isinstance(schema.get("items"), dict):
+        yield from keys_of(schema["items"], prefix)
+    for key, value in schema.get("properties", {}).items():
+        inner = list(keys_of(value, f"{prefix}{key}."))
+        yield from inner if inner else [prefix + key]
+
+
+class EveryKey(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.holder.name)
+        twins = copy.deepcopy(NETWORK)
+        for section, name, key, value in (("breaker_types", "b", "mechanism_ms", 4), ("ct_types", "c", "error_percent", 5),
+                                          ("vt_types", "v", "error_percent", 5), ("machine_types", "m", "inertia_h_s", 9)):
+            twins[section][name + "2"] = {**copy.deepcopy(twins[section][name]), key: value}
+        twins["buses"]["I"] = {"voltage_v": 230}
+        twins["lines"]["Z"] = {"from": "H", "to": "I", "r_ohm": 0.05}
+        cls.network = twins
+        cls.results = {}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.holder.cleanup()
+
+    def table(self, network, solver, events):
+        key = (json.dumps(network), solver)
+        if key not in self.results:
+            (self.folder / "n.yaml").write_text(json.dumps(network))
+            (self.folder / "e.yaml").write_text(EVENTS)
+            out = self.folder / "o.csv"
+            out.unlink(missing_ok=True)
+            command = [BIN, "simulate", self.folder / "n.yaml", "--solver", solver, "--until", "0.03s", "--quiet", "--signals",
+                       "bus.*.v_pu,bus.*.angle_deg,ct.*,vt.*,line.*.from.*,machine.*,generator.*,battery.*,ev.*,pv.*,load.*,breaker.*.position"
+                       if solver == "emt" and "cts" in network else "*", "--csv", out]
+            command += ["--events", self.folder / "e.yaml"] if events else []
+            command += ["--every", "8", "--comtrade", self.folder / "o"] if solver == "emt" else []
+            done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60, check=False)
+            self.results[key] = f"{done.returncode}: {done.stderr}"
+            if done.returncode == 0:
+                self.results[key] = out.read_bytes() + ((self.folder / "o.cfg").read_bytes() if solver == "emt" else b"")
+        return self.results[key]
+
+    def check(self, network, changes, events):
+        for solver in ("emt", "phasor"):
+            self.assertIsInstance(self.table(network, solver, events), bytes, self.table(network, solver, events))
+        for path, value in changes.items():
+            with self.subTest(key=path):
+                other = changed(network, path, value)
+                seen = False
+                for solver in ("emt", "phasor"):
+                    got = self.table(other, solver, events)
+                    if isinstance(got, str):
+                        # A change may be a mistake that is named: that is an effect too.
+                        self.assertRegex(got, r"^2: (.|\n)*error: ")
+                        seen = True
+                    seen = seen or got != self.table(network, solver, events)
+                    if seen:
+                        break
+                self.assertTrue(seen, f"{path} has no effect")
+
+    def test_each_key_changes_some_result(self):
+        self.check(self.network, CHANGES, True)
+
+    def test_each_key_of_unbalanced_networks_changes_some_result(self):
+        self.check(UNBALANCED, UNBALANCED_CHANGES, False)
+
+    def test_no_key_is_forgotten(self):
+        schema = json.loads((SOURCE / "configs/schema/network.schema.json").read_text())
+
+        def plain(path):
+            parts = [p for p in path.split(".") if not p.isdigit()]
+            return parts[0] + "." + ".".join(parts[2:]) if parts[0] != "base" and len(parts) > 2 else ".".join(parts)
+
+        known = {plain(p) for p in (*CHANGES, *UNBALANCED_CHANGES)} | ELSEWHERE
+        missing = [key for key in keys_of(schema) if key not in known and "*." + key.split(".", 1)[-1] not in known]
+        self.assertEqual(missing, [])
+        self.assertGreater(len(known), 130)
+
+
+if __name__ == "__main__":
+    unittest.main()
