@@ -24,7 +24,8 @@ std::string stamp(std::int64_t unix_ns) {
     std::int64_t const us = unix_ns / 1000 - (unix_ns % 1000 < 0 ? 1 : 0);
     std::int64_t const seconds = us / 1'000'000 - (us % 1'000'000 < 0 ? 1 : 0);
     std::string const utc = format_utc(seconds); // yyyy-mm-ddThh:mm:ssZ
-    return fmt::format("{}/{}/{},{}.{:06}", utc.substr(8, 2), utc.substr(5, 2), utc.substr(0, 4), utc.substr(11, 8), us - seconds * 1'000'000);
+    return fmt::format("{}/{}/{},{}.{:06}", utc.substr(8, 2), utc.substr(5, 2), utc.substr(0, 4), utc.substr(11, 8),
+                       us - seconds * 1'000'000);
 }
 
 std::string_view name_of(ComtradeFormat format) {
@@ -45,9 +46,9 @@ std::string comtrade_cfg(ComtradeHeader const& header, ComtradeFormat format, st
                     header.analog.size() + header.digital.size(), header.analog.size(), header.digital.size());
     int n = 0;
     for (ComtradeChannel const& c : header.analog) {
-        text +=
-            fmt::format("{},{},{},{},{},{},{},0,{},{},1,1,P\r\n", ++n, field(c.name), field(c.phase), field(c.circuit),
-                        field(c.unit), shortest(c.a), shortest(c.b), shortest(c.low), shortest(c.high));
+        text += fmt::format("{},{},{},{},{},{},{},0,{},{},{},{},P\r\n", ++n, field(c.name), field(c.phase),
+                            field(c.circuit), field(c.unit), shortest(c.a), shortest(c.b), shortest(c.low),
+                            shortest(c.high), shortest(c.primary), shortest(c.secondary));
     }
     n = 0;
     for (ComtradeChannel const& c : header.digital) {

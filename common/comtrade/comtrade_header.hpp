@@ -13,10 +13,11 @@ enum class ComtradeFormat { ascii, binary, float32 };
 
 struct ComtradeChannel {
     std::string name, phase, unit;
-    std::string circuit{};    ///< the element that is watched
-    double a{1}, b{0};        ///< value = a * what is stored + b
-    double low{0}, high{0};   ///< of what is stored
-    bool normally_set{false}; ///< digital: its state out of disturbances
+    std::string circuit{};           ///< the element that is watched
+    double a{1}, b{0};               ///< value = a * what is stored + b
+    double low{0}, high{0};          ///< of what is stored
+    bool normally_set{false};        ///< digital: its state out of disturbances
+    double primary{1}, secondary{1}; ///< ratio of the instrument transformer; values are primary ones
 };
 
 struct ComtradeHeader {

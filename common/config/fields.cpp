@@ -76,6 +76,9 @@ std::string expected_number(std::string_view key, std::string_view what, NumberS
     return fmt::format("expected {}{}{}", what, unit.empty() ? "" : fmt::format(" in {}", unit), bounds(spec));
 }
 
+/// In whatever unit.
+constexpr double kLargest = 1e15;
+
 bool in_bounds(double v, NumberSpec const& spec) {
     return std::isfinite(v) && v >= spec.min && v <= spec.max && v > spec.above && v < spec.below;
 }
@@ -326,7 +329,9 @@ class NodeFields final : public Fields {
         }
         std::vector<std::string> const names{words.begin(), words.end()};
         auto const near = node->is_scalar() ? nearest_spelling(node->text, names) : std::nullopt;
-        wrong(key, *node, (near ? fmt::format("did you mean '{}'? ", *near) : "") + fmt::format("expected one of: {}", join(names, ", ")));
+        wrong(key, *node,
+              (near ? fmt::format("did you mean '{}'? ", *near) : "") +
+                  fmt::format("expected one of: {}", join(names, ", ")));
         return std::nullopt;
     }
 
@@ -343,7 +348,8 @@ class NodeFields final : public Fields {
         }
         if (node == nullptr && required) {
             std::string_view const unit = unit_of_key(key);
-            missing_.push_back({std::string{key}, fmt::format("{} lacks the key '{}'", path_.empty() ? "the file" : path_, key),
+            missing_.push_back({std::string{key},
+                                fmt::format("{} lacks the key '{}'", path_.empty() ? "the file" : path_, key),
                                 unit.empty() ? "" : fmt::format("a value in {}", unit)});
         }
         return node;
@@ -359,6 +365,13 @@ class NodeFields final : public Fields {
         }
         if (!in_bounds(*v, spec)) {
             out_of_range(key, node, spec);
+            return std::nullopt;
+        }
+        if (std::abs(*v) > kLargest) {
+            diagnostics_.error(
+                node.where, fmt::format("{} is {}, which is larger than anything", child(key), node.text),
+                fmt::format("expected at most {}: what is beyond would only overflow somewhere", shortest(kLargest)),
+                width_of(node));
             return std::nullopt;
         }
         return v;

@@ -10,6 +10,7 @@
 #include "common/comtrade/comtrade_writer.hpp"
 #include "sim/app/engine_factory.hpp"
 #include "sim/network/network_config.hpp"
+#include "sim/phasor/phasor_engine.hpp"
 #include "sim/runtime/simulation.hpp"
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
+#include <map>
 #include <unistd.h>
 
 namespace gridspace::cli {
@@ -24,11 +26,33 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// After so many steps somebody looks whether what was written are numbers.
+constexpr std::int64_t kStepsBetweenChecks = 256;
+
+/// Of an instrument transformer.
+struct Ratio {
+    double primary{1}, secondary{1};
+};
+
+/// By the beginning of the transformer's signals ("ct.NAME", "vt.NAME").
+std::map<std::string, Ratio> ratios_of(sim::Network const& n) {
+    std::map<std::string, Ratio> out;
+    for (sim::Ct const& ct : n.cts) {
+        sim::CtType const& type = *sim::find(n.ct_types, ct.type.name);
+        out["ct." + ct.name.name] = {type.primary_a, type.secondary_a};
+    }
+    for (sim::Vt const& vt : n.vts) {
+        sim::VtType const& type = *sim::find(n.vt_types, vt.type.name);
+        out["vt." + vt.name.name] = {type.primary_v, type.secondary_v};
+    }
+    return out;
+}
+
 /// What is written of the simulation, row by row.
 class Output {
   public:
     Output(sim::Engine const& engine, std::vector<std::size_t> columns)
-        : engine_{engine}, columns_{std::move(columns)} {}
+        : engine_{engine}, columns_{std::move(columns)}, values_(columns_.size()) {}
 
     Result<void> open_csv(std::filesystem::path const& file) {
         csv_.open(file);
@@ -44,17 +68,25 @@ class Output {
         return {};
     }
 
-    Result<void> open_comtrade(std::filesystem::path const& file, double frequency_hz, double rate_hz,
-                               double trigger_s) {
+    Result<void> open_comtrade(std::filesystem::path const& file, double frequency_hz, double rate_hz, double trigger_s,
+                               std::map<std::string, Ratio> const& ratios) {
         ComtradeHeader header;
         header.line_frequency_hz = frequency_hz;
         header.sample_rate_hz = rate_hz;
-        header.trigger_unix_ns = std::llround(trigger_s * 1e9); // simulated time 0 is 1970: a network alone has no epoch
+        header.trigger_unix_ns =
+            std::llround(trigger_s * 1e9); // simulated time 0 is 1970: a network alone has no epoch
         for (std::size_t const c : columns_) {
             sim::SignalDef const& s = engine_.signals()[c];
             std::string const tail = s.name.substr(s.name.rfind('.') + 1);
             std::string const phase = tail == "a" || tail == "b" || tail == "c" ? tail : "";
-            (s.unit == "dpc" ? header.digital : header.analog).push_back({s.name, phase, s.unit});
+            if (!s.may_be_unknown) { // samples of a recording are numbers
+                ComtradeChannel channel{s.name, phase, s.unit};
+                if (auto const ratio = ratios.find(s.name.substr(0, s.name.find('.', 3))); ratio != ratios.end()) {
+                    channel.primary = ratio->second.primary;
+                    channel.secondary = ratio->second.secondary;
+                }
+                (s.unit == "dpc" ? header.digital : header.analog).push_back(std::move(channel));
+            }
         }
         auto writer = ComtradeWriter::create(file, std::move(header));
         if (!writer) {
@@ -64,12 +96,31 @@ class Output {
         return {};
     }
 
+    /// What cannot be written: the first value that is no number, where there should be one.
+    [[nodiscard]] Result<void> const& state() const { return state_; }
+
     void row(double t) {
+        if (!state_) {
+            return;
+        }
+        for (std::size_t k = 0; k < columns_.size(); ++k) {
+            values_[k] = engine_.value(columns_[k]);
+            sim::SignalDef const& s = engine_.signals()[columns_[k]];
+            if (!std::isfinite(values_[k]) && !s.may_be_unknown) {
+                state_ = fail(ExitCode::usage, fmt::format("'{}' is {} at {} s", s.name, values_[k], t),
+                              "the rows before that are written; look at the element there");
+                return;
+            }
+        }
         if (csv_.is_open()) {
             line_.clear();
             fmt::format_to(std::back_inserter(line_), "{}", t);
-            for (std::size_t const c : columns_) {
-                fmt::format_to(std::back_inserter(line_), ",{}", engine_.value(c));
+            for (double const value : values_) {
+                if (std::isfinite(value)) {
+                    fmt::format_to(std::back_inserter(line_), ",{}", value);
+                } else {
+                    line_.push_back(','); // not known yet: an empty cell
+                }
             }
             line_.push_back('\n');
             csv_.write(line_.data(), static_cast<std::streamsize>(line_.size()));
@@ -77,12 +128,12 @@ class Output {
         if (comtrade_) {
             analog_.clear();
             std::size_t digital = 0;
-            for (std::size_t const c : columns_) {
-                double const value = engine_.value(c);
-                if (engine_.signals()[c].unit == "dpc") {
-                    digital_[digital++] = value == 2; // closed
-                } else {
-                    analog_.push_back(value);
+            for (std::size_t k = 0; k < columns_.size(); ++k) {
+                sim::SignalDef const& s = engine_.signals()[columns_[k]];
+                if (s.unit == "dpc") {
+                    digital_[digital++] = values_[k] == 2; // closed
+                } else if (!s.may_be_unknown) {
+                    analog_.push_back(values_[k]);
                 }
             }
             comtrade_->row(analog_, {digital_.get(), digital});
@@ -102,6 +153,8 @@ class Output {
   private:
     sim::Engine const& engine_;
     std::vector<std::size_t> columns_;
+    std::vector<double> values_;
+    Result<void> state_;
     std::ofstream csv_;
     std::optional<ComtradeWriter> comtrade_;
     std::string line_;
@@ -138,8 +191,8 @@ Result<std::vector<std::size_t>> select(sim::Engine const& engine, std::vector<s
     return out;
 }
 
-std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& file, sim::Network const& network, bool waveform,
-                                                   config::Diagnostics& diagnostics) {
+std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& file, sim::Network const& network,
+                                                   bool waveform, config::Diagnostics& diagnostics) {
     std::vector<sim::Event> events;
     if (file.empty()) {
         return events;
@@ -192,7 +245,8 @@ int simulate(SimulateArguments const& a) {
     }
     bool const emt = a.solver == "emt";
     if (emt && a.fixed_step) {
-        return print_error({ExitCode::usage, "--fixed-step is for phasors: waveforms always have fixed steps", "leave it out"});
+        return print_error(
+            {ExitCode::usage, "--fixed-step is for phasors: waveforms always have fixed steps", "leave it out"});
     }
     auto const until = parse_duration(a.until);
     auto const step = Rational::parse(a.step.empty() ? (emt ? "1/48000" : "1/1000") : a.step);
@@ -205,6 +259,12 @@ int simulate(SimulateArguments const& a) {
             {ExitCode::usage, fmt::format("--step '{}' is not a time in seconds", a.step), "for example 1/48000"});
     }
     std::vector<sim::TimedAction> const timeline = sim::timeline(*events);
+    for (sim::TimedAction const& event : timeline) {
+        if (event.at_s > *until && !a.list_signals) {
+            fmt::print(stderr, "warning: event '{}' at {} s comes after the end of the simulation ({} s)\n",
+                       event.event, event.at_s.to_double(), until->to_double());
+        }
+    }
     sim::SimulationConfig simulation;
     simulation.solver = emt ? sim::SolverKind::emt : sim::SolverKind::phasor;
     simulation.step_s = *step;
@@ -219,9 +279,13 @@ int simulate(SimulateArguments const& a) {
         return print_error({ExitCode::usage, "the times of the events and the step have no common fraction",
                             "write them with fewer digits"});
     }
+    for (std::string const& unseen : emt ? std::vector<std::string>{} : sim::phasor::unseen_by_phasors(*network)) {
+        fmt::print(stderr, "note: {} (--solver emt does)\n", unseen);
+    }
     TimeBase const base{quantum};
     double const frequency_hz = network->frequency_hz;
     std::string const name = network->name;
+    auto const ratios = ratios_of(*network);
     auto engine = sim::make_engine(simulation, std::move(*network), base);
     if (!engine) {
         return print_error(engine.error());
@@ -245,7 +309,9 @@ int simulate(SimulateArguments const& a) {
         }
     }
     if (!a.comtrade.empty()) {
-        if (auto ok = output.open_comtrade(a.comtrade, frequency_hz, 1 / step->to_double() / a.every, trigger_s); !ok) {
+        if (auto ok =
+                output.open_comtrade(a.comtrade, frequency_hz, 1 / step->to_double() / a.every, trigger_s, ratios);
+            !ok) {
             return print_error(ok.error());
         }
     }
@@ -278,13 +344,19 @@ int simulate(SimulateArguments const& a) {
         }
     };
     auto done = run.start(observer);
-    if (done) {
-        done = run.run_until(SimTime{} + base.nearest(*until), observer);
+    SimTime const end = SimTime{} + base.nearest(*until);
+    SimSpan const stretch = base.nearest(*step) * kStepsBetweenChecks;
+    for (SimTime t; done && output.state() && t < end;) {
+        t = std::min(end, t + stretch);
+        done = run.run_until(t, observer);
     }
     progress.finish();
     auto const written = output.finish(a.csv);
     if (!done) {
         return print_error(done.error());
+    }
+    if (!output.state()) {
+        return print_error(output.state().error());
     }
     if (!written) {
         return print_error(written.error());

@@ -78,7 +78,7 @@ class SimApp {
             }
         }
         for (LineGatewayConfig const& line : gateways.lines) {
-            auto gateway = LineGateway::create(node_, simulation_.engine(), line, sampling);
+            auto gateway = LineGateway::create(node_, simulation_.engine(), network_, line, sampling);
             if (!gateway) {
                 return std::unexpected{gateway.error()};
             }
@@ -118,11 +118,14 @@ class SimApp {
         double const duration_s = node_.time_base().seconds(duration_);
         pacer_.start();
         if (!node_.lockstep()) {
-            clock_.set_start(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+            clock_.set_start(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                 std::chrono::system_clock::now().time_since_epoch())
+                                 .count());
         }
         signals_->announce({});
         if (!node_.lockstep()) {
-            publisher_ = std::make_unique<PublisherThread>([this](SimTime end, bool final) { return publish(end, final); });
+            publisher_ =
+                std::make_unique<PublisherThread>([this](SimTime end, bool final) { return publish(end, final); });
             step_below_the_others();
         }
         for (std::uint64_t k = 0;; ++k) {
@@ -185,7 +188,9 @@ class SimApp {
     /// Real time: the publishing thread does it.
     Result<void> hand_over(SimTime end, bool final) {
         if (!publisher_->tick_ended(end, final)) {
-            return publisher_->failed() ? publisher_->finish() : fail(ExitCode::stall, "the publishing thread cannot keep up with the simulation");
+            return publisher_->failed()
+                       ? publisher_->finish()
+                       : fail(ExitCode::stall, "the publishing thread cannot keep up with the simulation");
         }
         std::uint64_t lost = signals_->lost();
         for (auto const& gateway : gateways_) {
@@ -195,7 +200,9 @@ class SimApp {
             lost += gateway->lost();
         }
         if (lost > 0) {
-            return fail(ExitCode::stall, fmt::format("the publishing thread cannot keep up with the simulation: {} messages lost", lost));
+            return fail(
+                ExitCode::stall,
+                fmt::format("the publishing thread cannot keep up with the simulation: {} messages lost", lost));
         }
         return final ? publisher_->finish() : Result<void>{};
     }
@@ -224,7 +231,8 @@ class SimApp {
         } else if (words.size() >= 2 && words[0] == "rejoin") {
             clock_.rejoin(words[1]);
         } else if (words.size() >= 3 && words[0] == "restarted") {
-            return clock_.await_restarted(words[1], static_cast<std::uint32_t>(std::strtoul(words[2].c_str(), nullptr, 10)));
+            return clock_.await_restarted(words[1],
+                                          static_cast<std::uint32_t>(std::strtoul(words[2].c_str(), nullptr, 10)));
         }
         return {};
     }

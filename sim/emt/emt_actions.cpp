@@ -226,8 +226,20 @@ Result<void> EmtEngine::act(Disconnect const& a) {
     return {};
 }
 
+/// Its converter stays as it is: it gives no more current than before.
+Result<void> EmtEngine::set_dc_load(std::size_t index, SetParameter const& a) {
+    if (!a.path.ends_with(".p_kw")) {
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be set: a DC load has only p_kw", a.path));
+    }
+    network_.loads[index].p_kw = a.value;
+    return {};
+}
+
 Result<void> EmtEngine::set_load(std::size_t index, std::string const& parameter, SetParameter const& a) {
     Load& load = network_.loads[index];
+    if (load.model == LoadModel::dc_constant_power) {
+        return set_dc_load(index, a);
+    }
     if (!load.phase_p_kw.empty()) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be set: the load has powers by phase", a.path),
                     "disconnect it and connect another, or describe it with p_kw");
@@ -278,13 +290,24 @@ Result<void> EmtEngine::act(SetParameter const& a) {
         if (std::size_t const i = index_of(network_.sources, path[1]);
             path[0] == "sources" && i < network_.sources.size()) {
             auto const source = static_cast<std::size_t>(parts_.sources[i].source);
-            if (path[2] == "frequency_hz" && a.value > 0) {
+            double const step_s = options_.time_base.seconds(options_.step);
+            if (path[2] == "frequency_hz" && a.value > 0 && a.value * step_s * kLeastStepsPerPeriod <= 1) {
                 solver_.set_source_frequency(source, a.value);
                 return {};
             }
             if (path[2] == "voltage_pu" && a.value >= 0) {
                 std::size_t const bus = index_of(network_.buses, network_.sources[i].bus.name);
                 solver_.set_source_amplitude(source, a.value * parts_.bus_peak_v[bus]);
+                return {};
+            }
+        }
+        if (path[0] == "evs" && path[2] == "current_a" && a.value >= 0) {
+            return act(SetChargingCurrent{path[1], a.value});
+        }
+        if (std::size_t const i = index_of(network_.batteries, path[1]);
+            path[0] == "batteries" && i < network_.batteries.size()) {
+            if (path[2] == "p_kw" || path[2] == "q_kvar") {
+                (path[2] == "p_kw" ? network_.batteries[i].p_kw : network_.batteries[i].q_kvar) = a.value;
                 return {};
             }
         }
@@ -307,7 +330,7 @@ Result<void> EmtEngine::act(SetParameter const& a) {
         ExitCode::usage,
         fmt::format("'{}' cannot be set to {} while a waveform simulation runs", a.path, shortest(a.value)),
         "loads.<name>.p_kw, .q_kvar, .power_factor, sources.<name>.voltage_pu, .frequency_hz, machines.<name>.p_kw and "
-        ".voltage_setpoint_pu can");
+        ".voltage_setpoint_pu, batteries.<name>.p_kw and .q_kvar, evs.<name>.current_a can");
 }
 
 } // namespace gridspace::sim::emt

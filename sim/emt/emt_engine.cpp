@@ -27,6 +27,7 @@ Result<void> EmtEngine::initialise() {
     }
     PowerFlowOptions options;
     options.start_hour_of_day = options_.start_hour_of_day;
+    options.enforce_q_limits = true; // as the converters of generators do
     auto const flow = solve_power_flow(network_, SwitchState{network_}, options);
     if (!flow) {
         return std::unexpected{flow.error()};
@@ -154,6 +155,32 @@ std::complex<double> EmtEngine::switch_power(std::size_t bus, std::size_t index)
             1.5e-3 * (v.beta * i.alpha - v.alpha * i.beta)};
 }
 
+namespace {
+
+/// Waves that the step cannot resolve would appear as others.
+Result<void> check_step(Network const& n, double step_s) {
+    if (step_s * n.frequency_hz * kLeastStepsPerPeriod > 1) {
+        return fail(ExitCode::usage,
+                    fmt::format("a step of {} s is too long for {} Hz: a period needs at least {} steps",
+                                shortest(step_s), shortest(n.frequency_hz), kLeastStepsPerPeriod),
+                    fmt::format("a step of at most {:.3g} s", 1 / (kLeastStepsPerPeriod * n.frequency_hz)));
+    }
+    for (Source const& s : n.sources) {
+        for (Source::Harmonic const& h : s.harmonics) {
+            double const hz = static_cast<double>(h.order) * n.frequency_hz;
+            if (2 * step_s * hz >= 1) {
+                return fail(ExitCode::usage,
+                            fmt::format("harmonic {} of source '{}' has {:.4g} Hz, which steps of {:.4g} s cannot show",
+                                        h.order, s.name.name, hz, step_s),
+                            fmt::format("a step below {:.3g} s", 1 / (2 * hz)));
+            }
+        }
+    }
+    return {};
+}
+
+} // namespace
+
 Result<std::unique_ptr<Engine>> make_emt_engine(Network network, EmtOptions options) {
     auto parts = make_circuit(network);
     if (!parts) {
@@ -163,6 +190,9 @@ Result<std::unique_ptr<Engine>> make_emt_engine(Network network, EmtOptions opti
         return fail(ExitCode::usage, "the waveform solver needs a step longer than 0");
     }
     double const step_s = options.time_base.seconds(options.step);
+    if (auto ok = check_step(network, step_s); !ok) {
+        return std::unexpected{ok.error()};
+    }
     for (BergeronLine const& line : parts->circuit.bergeron) {
         double const tau = std::min(line.tau1, line.tau0);
         if (tau < step_s) {

@@ -15,6 +15,9 @@
 
 namespace gridspace::sim::emt {
 
+/// Fewer steps in a period of the fundamental do not describe it.
+constexpr double kLeastStepsPerPeriod = 8;
+
 /// An instrument transformer and what it is connected to.
 struct Instrument {
     InstrumentTransformer transformer;
@@ -51,6 +54,7 @@ class EmtEngine final : public Engine {
     [[nodiscard]] Result<int> cut(NetworkCircuit::LineParts& line, std::size_t section, double place,
                                   std::string const& name);
     [[nodiscard]] Result<void> set_load(std::size_t load, std::string const& parameter, SetParameter const& a);
+    [[nodiscard]] Result<void> set_dc_load(std::size_t load, SetParameter const& a);
     [[nodiscard]] Result<void> step(double t_end, double h);
     [[nodiscard]] Result<void> initialise_unbalanced();
     [[nodiscard]] Result<void> begin(std::vector<Solver::MachineStart> const& machines,
@@ -66,6 +70,8 @@ class EmtEngine final : public Engine {
     [[nodiscard]] std::complex<double> beyond_star(Load const& load, std::size_t phase, double t, double v,
                                                    std::complex<double>& lagged, double h) const;
     void charge(std::size_t ev, double h);
+    /// What the battery gives now, kW; its state of charge after `h`.
+    double discharge(std::size_t battery, double t, double h);
     void step_followers(double t_end, double h);
     /// Voltages by bus and phase, p.u. of nominal; reactive powers of generators that hold a voltage, kvar.
     using BusPhases = std::array<std::complex<double>, 3>;
@@ -100,6 +106,7 @@ class EmtEngine final : public Engine {
         demand_;                         ///< by follower: what it follows, with the lag of its load
     std::vector<double> regulated_kvar_; ///< by follower: of a generator that holds a voltage
     std::vector<EvState> evs_;
+    std::vector<double> battery_soc_;     ///< percent
     std::vector<Instrument> instruments_; ///< CTs, then VTs
     std::map<std::string, std::size_t> faults_;
     std::vector<SignalDef> signals_;

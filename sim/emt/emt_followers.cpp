@@ -58,6 +58,15 @@ std::complex<double> EmtEngine::wanted(std::size_t follower, double t, double v,
         Ev const& ev = network_.evs[f.element];
         return std::complex<double>{-evs_[f.element].current_a * ev.battery_v / ev.efficiency, 0} - filter;
     }
+    case Follower::Kind::battery:
+        return std::complex<double>{1e3 * discharge(f.element, t, h), 1e3 * network_.batteries[f.element].q_kvar} -
+               filter;
+    case Follower::Kind::dc_load: {
+        Load const& load = network_.loads[f.element];
+        double const target = load.p_kw * scale(load.scale, t);
+        lagged = load.lag_s > 0 && h > 0 ? lagged + (target - lagged) * (h / (load.lag_s + h)) : target;
+        return -1e3 * lagged - filter;
+    }
     case Follower::Kind::load:
         break;
     }
@@ -78,6 +87,14 @@ void EmtEngine::charge(std::size_t index, double h) {
         s.current_a = 0;
         s.full = true;
     }
+}
+
+double EmtEngine::discharge(std::size_t index, double t, double h) {
+    Battery const& b = network_.batteries[index];
+    double& soc = battery_soc_[index];
+    double const p_kw = battery_p_kw(b, scale(b.scale, t), soc);
+    soc = std::clamp(soc + battery_soc_slope(b, p_kw) * h, b.soc_min_percent, b.soc_max_percent);
+    return p_kw;
 }
 
 std::complex<double> EmtEngine::beyond_star(Load const& load, std::size_t phase, double t, double v,
@@ -113,6 +130,10 @@ std::vector<EmtEngine::BusPhases> EmtEngine::start_followers(std::vector<BusPhas
     for (Ev const& ev : network_.evs) {
         evs_.push_back({0, 0, ev.soc_start_percent, ev.soc_start_percent >= ev.soc_stop_percent});
     }
+    battery_soc_.clear();
+    for (Battery const& b : network_.batteries) {
+        battery_soc_.push_back(b.soc_start_percent);
+    }
     std::complex<double> const turn = std::polar(1.0, 2 * std::numbers::pi / 3);
     std::vector<BusPhases> currents;
     for (std::size_t i = 0; i < parts_.followers.size(); ++i) {
@@ -143,6 +164,9 @@ std::vector<EmtEngine::BusPhases> EmtEngine::start_followers(std::vector<BusPhas
 
 void EmtEngine::step_followers(double t_end, double h) {
     for (std::size_t f = 0; f < followers_.size(); ++f) {
+        if (followers_[f].tripped()) {
+            continue; // out of service: nothing measures, charges or ages
+        }
         int const node = parts_.followers[f].node;
         double const a = solver_.node_voltage(node), b = solver_.node_voltage(node + 1),
                      c = solver_.node_voltage(node + 2);

@@ -90,6 +90,7 @@ void EmtEngine::branch_signals() {
         });
         phases(prefix + ".pole", "dpc", [this, s](int k) { return solver_.pole_closed(s, k) ? kClosed : kOpen; });
         signal(prefix + ".opened_s", "s", [this, s] { return solver_.opened_at(s); });
+        signals_.back().may_be_unknown = true;
     }
     auto const instrument = [&](std::string const& prefix, std::string const& quantity, std::string const& unit,
                                 std::size_t i, bool saturates) {
@@ -170,6 +171,11 @@ void EmtEngine::converter_signals() {
             signal(prefix + ".soc_percent", "%", [this, e] { return evs_[e].soc_percent; });
             signal(prefix + ".current_a", "A", [this, e] { return evs_[e].current_a; });
             signal(prefix + ".reference_a", "A", [this, e] { return evs_[e].reference_a; });
+        } else if (f.kind == NetworkCircuit::Follower::Kind::battery) {
+            std::size_t const b = f.element;
+            std::string const prefix = "battery." + network_.batteries[b].name.name;
+            consumer(prefix, network_.batteries[b].bus, f.breaker, -1);
+            signal(prefix + ".soc_percent", "%", [this, b] { return battery_soc_[b]; });
         } else if (f.kind == NetworkCircuit::Follower::Kind::generator) {
             consumer("generator." + network_.generators[f.element].name.name, network_.generators[f.element].bus,
                      f.breaker, -1);

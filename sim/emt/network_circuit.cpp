@@ -67,6 +67,10 @@ class Builder {
             converter(NetworkCircuit::Follower::Kind::ev, "EV", i, ev.name.name, ev.bus,
                       ev.max_current_a * ev.battery_v / ev.efficiency / 1e3);
         }
+        for (std::size_t i = 0; i < n_.batteries.size(); ++i) {
+            converter(NetworkCircuit::Follower::Kind::battery, "battery", i, n_.batteries[i].name.name,
+                      n_.batteries[i].bus, n_.batteries[i].rating_kva);
+        }
         return std::move(out_);
     }
 
@@ -275,6 +279,16 @@ class Builder {
     }
 
     void load(Load const& l) {
+        if (l.model == LoadModel::dc_constant_power) {
+            converter(NetworkCircuit::Follower::Kind::dc_load, "load", index_of(n_.loads, l.name.name), l.name.name,
+                      l.bus, std::abs(l.p_kw));
+            NetworkCircuit::Follower const& f = out_.followers.back();
+            NetworkCircuit::LoadParts parts;
+            parts.node = f.node;
+            parts.breaker = f.breaker;
+            out_.loads.push_back(parts);
+            return;
+        }
         out_.loads.push_back(l.phase_p_kw.empty() ? star("load", l.name.name, l.bus, l.p_kw, load_q_kvar(l))
                                                   : star_by_phase(l));
         bool const constant_impedance = l.model == LoadModel::constant_impedance || l.model == LoadModel::dc_resistive;
@@ -293,10 +307,9 @@ class Builder {
 
     void converter(NetworkCircuit::Follower::Kind kind, std::string const& word, std::size_t element,
                    std::string const& name, Ref const& bus, double rating_kva) {
-        constexpr double kOverload = 1.2;
         NetworkCircuit::Follower f{kind, element, bus_of(bus), 0, 0, 0, 0, false};
         f.node = terminal(fmt::format("{} '{}'", word, name), out_.bus_node[f.bus], f.breaker);
-        f.max_peak_a = kOverload * 2 * rating_kva * 1e3 / (3 * out_.bus_peak_v[f.bus]);
+        f.max_peak_a = kConverterOverload * 2 * rating_kva * 1e3 / (3 * out_.bus_peak_v[f.bus]);
         // Its filter leaves a path for what is not its current; the converter draws what the filter gives.
         f.filter_kvar = 1e-3 * (rating_kva > 0 ? rating_kva : n_.power_kva);
         capacitor(f.node, kEarth,

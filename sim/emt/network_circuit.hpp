@@ -25,13 +25,14 @@ struct NetworkCircuit {
         int from_switch{0}, to_switch{0};
     };
     struct LoadParts {
-        int resistance{-1}, inductance{-1}, capacitance{-1}; ///< rl, rl, capacitor branch; -1 for a load by phase
+        /// rl, rl, capacitor branch; -1 for a load by phase or behind a converter
+        int resistance{-1}, inductance{-1}, capacitance{-1};
         int node{0}, breaker{0};
     };
     /// A converter, or what a load draws beyond a constant impedance.
     struct Follower {
-        enum class Kind { load, pv, generator, ev } kind{Kind::load};
-        std::size_t element{0}; ///< index in the network's loads, PV, generators or EVs
+        enum class Kind { load, dc_load, pv, generator, ev, battery } kind{Kind::load};
+        std::size_t element{0}; ///< index in the network's loads, PV, generators, EVs or batteries
         std::size_t bus{0};
         int node{0}, breaker{0};
         double max_peak_a{0};

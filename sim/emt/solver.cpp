@@ -15,6 +15,9 @@ namespace {
 /// Switch states whose factors are kept.
 constexpr std::size_t kCacheSize = 64;
 
+/// A machine this far from nominal speed (p.u.) has left what its equations describe.
+constexpr double kRunaway = 5;
+
 } // namespace
 
 Solver::Solver(Circuit circuit, double step_s) : circuit_{std::move(circuit)}, step_s_{step_s} {
@@ -113,7 +116,8 @@ Result<void> Solver::use(double h) {
         if (!fresh) {
             auto made = make_system(circuit_, bits_, *coefficients_, state_.machines);
             if (!made) {
-                return std::unexpected{made.error()};
+                return fail(made.error().code, fmt::format("at {} s {}", shortest(t_), made.error().message),
+                            made.error().remedy);
             }
             fresh = std::move(*made);
         }
@@ -228,8 +232,21 @@ Result<void> Solver::check() const {
     for (double const v : state_.v) {
         sum += v;
     }
-    if (std::abs(sum) < limit_v_) [[likely]] { // false for NaN
+    bool turning = true;
+    for (EmtMachine const& m : state_.machines) {
+        turning = turning && std::abs(m.state()[machines::kSpeed]) < kRunaway; // false for NaN
+    }
+    if (std::abs(sum) < limit_v_ && turning) [[likely]] { // false for NaN
         return {};
+    }
+    for (std::size_t m = 0; m < state_.machines.size(); ++m) {
+        double const deviation = state_.machines[m].state()[machines::kSpeed];
+        if (!(std::abs(deviation) < kRunaway)) {
+            return fail(ExitCode::usage,
+                        fmt::format("machine '{}' runs away at {} s: its speed is {} p.u.", circuit_.machines[m].name,
+                                    shortest(t_), shortest(1 + deviation)),
+                        "nothing brakes or drives it any more; look at its governor, its inertia and what it feeds");
+        }
     }
     std::size_t worst = 0;
     for (std::size_t i = 0; i < state_.v.size(); ++i) {
@@ -240,8 +257,9 @@ Result<void> Solver::check() const {
     auto const& slots = system_->topology.slot;
     auto const node = std::find(slots.begin(), slots.end(), static_cast<int>(worst)) - slots.begin();
     return fail(ExitCode::usage,
-                fmt::format("the waveforms diverge at {} s: the voltage of {} is {} V", shortest(t_),
-                            circuit_.node_name(static_cast<int>(node)), shortest(state_.v[worst])),
+                fmt::format("the waveforms diverge at {} s: the voltage of {} is {}", shortest(t_),
+                            circuit_.node_name(static_cast<int>(node)),
+                            std::isfinite(state_.v[worst]) ? shortest(state_.v[worst]) + " V" : "no number any more"),
                 "look at the element there; a shorter step_s may help");
 }
 

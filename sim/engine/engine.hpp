@@ -15,6 +15,7 @@ namespace gridspace::sim {
 struct SignalDef {
     std::string name;
     std::string unit;
+    bool may_be_unknown{false}; ///< its value may be NaN: nothing happened yet
 };
 
 /// A solver with a network in it. The same object serves a co-simulation and an offline run.

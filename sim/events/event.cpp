@@ -17,11 +17,14 @@ void describe(Fields& f, Event& e) {
     f.raw("set", set, {.doc = "parameters of the network or of `impairments:` by path, and their new values"});
     for (config::Node::Entry const& entry : set.entries) {
         bool const of_a_cable = entry.key.starts_with("impairments.");
-        bool const flag = of_a_cable && entry.value.is_scalar() && (entry.value.text == "true" || entry.value.text == "false");
-        if (auto const value = flag ? std::optional{entry.value.text == "true" ? 1.0 : 0.0} : config::number_of(entry.value)) {
+        bool const flag =
+            of_a_cable && entry.value.is_scalar() && (entry.value.text == "true" || entry.value.text == "false");
+        if (auto const value =
+                flag ? std::optional{entry.value.text == "true" ? 1.0 : 0.0} : config::number_of(entry.value)) {
             (of_a_cable ? e.set_impairments : e.set).emplace_back(Ref{entry.key, entry.where}, *value);
         } else {
-            f.error("set", fmt::format("'{}' is set to {}", entry.key, config::describe(entry.value)), "expected a number");
+            f.error("set", fmt::format("'{}' is set to {}", entry.key, config::describe(entry.value)),
+                    "expected a number");
         }
     }
     f.references("open", e.open, {.doc = "breakers to open"});
@@ -31,7 +34,8 @@ void describe(Fields& f, Event& e) {
         fault.name = e.name.name;
         g.reference("line", e.fault_line, {.doc = "the faulted line"});
         g.reference("bus", e.fault_bus, {.doc = "the faulted bus"});
-        g.number("position_percent", fault.position_percent, {.doc = "place on the line, from its `from` end", .min = 0, .max = 100});
+        g.number("position_percent", fault.position_percent,
+                 {.doc = "place on the line, from its `from` end", .min = 0, .max = 100});
         g.choice<FaultType>("type", fault.type,
                             {{"3ph_g", FaultType::three_phase_ground},
                              {"3ph", FaultType::three_phase},
@@ -43,27 +47,33 @@ void describe(Fields& f, Event& e) {
         fault.line = e.fault_line.name;
         fault.bus = e.fault_bus.name;
         if (e.fault_line.empty() == e.fault_bus.empty()) {
-            g.error("", fmt::format("event '{}': a fault is on a line or at a bus", e.name.name), "give one of `line` and `bus`");
+            g.error("", fmt::format("event '{}': a fault is on a line or at a bus", e.name.name),
+                    "give one of `line` and `bus`");
         }
     });
     f.fraction("clear_after_ms", e.clear_after_ms, {.doc = "the fault clears by itself after so long", .above = 0});
     f.reference("disconnect", e.disconnect, {.doc = "element taken out of service"});
-    f.references("fail_to_open", e.fail_to_open, {.doc = "breakers that stay closed from then on, whatever opens them"});
+    f.references("fail_to_open", e.fail_to_open,
+                 {.doc = "breakers that stay closed from then on, whatever opens them"});
     f.reference("desynchronise", e.desynchronise, {.doc = "merging unit that loses its clock: smpSynch becomes 0"});
-    f.integer("shift_samples", e.shift_samples, {.doc = "desynchronise: how far its counter runs ahead of the samples", .min = -4800, .max = 4800});
+    f.integer("shift_samples", e.shift_samples,
+              {.doc = "desynchronise: how far its counter runs ahead of the samples", .min = -4800, .max = 4800});
     f.reference("resynchronise", e.resynchronise, {.doc = "merging unit whose clock is right again"});
     f.reference("kill", e.kill, {.doc = "process killed (SIGKILL)"});
     f.reference("pause", e.pause, {.doc = "process stopped (SIGSTOP)"});
     f.reference("resume", e.resume, {.doc = "process continued (SIGCONT)"});
     f.reference("restart", e.restart, {.doc = "process killed and started again"});
-    constexpr std::string_view kDeeds[] = {"set",          "open",          "close", "apply_fault", "disconnect", "fail_to_open", "desynchronise",
-                                           "resynchronise", "kill", "pause", "resume",      "restart"};
+    constexpr std::string_view kDeeds[] = {"set",        "open",         "close",         "apply_fault",
+                                           "disconnect", "fail_to_open", "desynchronise", "resynchronise",
+                                           "kill",       "pause",        "resume",        "restart"};
     if (std::none_of(std::begin(kDeeds), std::end(kDeeds), [&](std::string_view deed) { return f.has(deed); })) {
         f.error("", fmt::format("event '{}' does nothing", e.name.name),
-                "one of: set, open, close, apply_fault, disconnect, fail_to_open, desynchronise, resynchronise, kill, pause, resume, restart");
+                "one of: set, open, close, apply_fault, disconnect, fail_to_open, desynchronise, resynchronise, kill, "
+                "pause, resume, restart");
     }
     if (e.shift_samples != 0 && e.desynchronise.empty()) {
-        f.error("shift_samples", fmt::format("event '{}' desynchronises nothing", e.name.name), "it belongs to `desynchronise: PROCESS`");
+        f.error("shift_samples", fmt::format("event '{}' desynchronises nothing", e.name.name),
+                "it belongs to `desynchronise: PROCESS`");
     }
     if (e.clear_after_ms && !e.fault) {
         f.error("clear_after_ms", fmt::format("event '{}' has no fault to clear", e.name.name));
@@ -139,11 +149,15 @@ void check_set(Event const& e, Ref const& path, Network const& n, bool waveform,
         std::vector<std::string> elements, parameters;
     };
     std::vector<Section> sections{{"loads", names_of(n.loads), {"p_kw"}},
-                                  {"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}}};
+                                  {"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}},
+                                  {"batteries", names_of(n.batteries), {"p_kw", "q_kvar"}},
+                                  {"evs", names_of(n.evs), {"current_a"}}};
     if (waveform) {
         sections = {{"loads", names_of(n.loads), {"p_kw", "q_kvar", "power_factor"}},
                     {"sources", names_of(n.sources), {"voltage_pu", "frequency_hz"}},
-                    {"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}}};
+                    {"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}},
+                    {"batteries", names_of(n.batteries), {"p_kw", "q_kvar"}},
+                    {"evs", names_of(n.evs), {"current_a"}}};
     }
     std::vector<std::string> const parts = split(path.name, '.');
     auto const wrong = [&](std::string message, std::string const& word, std::vector<std::string> const& words) {
@@ -183,6 +197,17 @@ void check_set(Event const& e, Ref const& path, Network const& n, bool waveform,
         wrong(fmt::format("event '{}' sets '{}': '{}' cannot be changed in a run", e.name.name, path.name, parts[2]),
               parts[2], section->parameters);
     }
+    Load const* const load = section->name == "loads" ? find(n.loads, parts[1]) : nullptr;
+    auto const refuse = [&](std::string_view why, std::string hint) {
+        diagnostics.error(path.where, fmt::format("event '{}' sets '{}', but {}", e.name.name, path.name, why),
+                          std::move(hint), static_cast<int>(path.name.size()));
+    };
+    if (load != nullptr && !load->phase_p_kw.empty()) {
+        refuse("this load has powers by phase", "take it out of service with `disconnect`, or describe it with p_kw");
+    } else if (load != nullptr && parts[2] != "p_kw" &&
+               (load->model == LoadModel::dc_resistive || load->model == LoadModel::dc_constant_power)) {
+        refuse("a DC load has only p_kw", "");
+    }
 }
 
 } // namespace
@@ -197,8 +222,9 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
             names.push_back(element.name.name);
         }
         auto const near = nearest_spelling(ref.name, names);
-        diagnostics.error(ref.where, fmt::format("event '{}' names the {} '{}', which does not exist", e.name.name, kind, ref.name),
-                          near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(ref.name.size()));
+        diagnostics.error(
+            ref.where, fmt::format("event '{}' names the {} '{}', which does not exist", e.name.name, kind, ref.name),
+            near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(ref.name.size()));
     };
     for (Event const& e : events) {
         for (Ref const& b : e.open) {

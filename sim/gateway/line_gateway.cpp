@@ -8,7 +8,8 @@
 
 namespace gridspace::sim {
 
-Result<std::unique_ptr<LineGateway>> LineGateway::create(bus::Node& node, Engine& engine, LineGatewayConfig const& config,
+Result<std::unique_ptr<LineGateway>> LineGateway::create(bus::Node& node, Engine& engine, Network const& network,
+                                                         LineGatewayConfig const& config,
                                                          SamplingConfig const& sampling) {
     auto gateway = std::unique_ptr<LineGateway>{new LineGateway};
     LineGateway& g = *gateway;
@@ -16,8 +17,9 @@ Result<std::unique_ptr<LineGateway>> LineGateway::create(bus::Node& node, Engine
     g.engine_ = &engine;
     Rational const period_s = Rational{1} / sampling.rate_hz;
     if (!(period_s / node.time_base().quantum_s()).is_whole()) {
-        return fail(ExitCode::usage, fmt::format("a sampling period of {} s does not fall on the time grid of {} s", period_s.to_string(),
-                                                 node.time_base().quantum_s().to_string()),
+        return fail(ExitCode::usage,
+                    fmt::format("a sampling period of {} s does not fall on the time grid of {} s",
+                                period_s.to_string(), node.time_base().quantum_s().to_string()),
                     "choose a step of which the sampling period is a whole multiple");
     }
     g.sample_span_ = node.time_base().nearest(period_s);
@@ -29,7 +31,8 @@ Result<std::unique_ptr<LineGateway>> LineGateway::create(bus::Node& node, Engine
             std::string const name = fmt::format("ct.{}.i.{}", publish.transformer.name, "abc"[phase]);
             transformer.phases[phase] = engine.find_signal(name);
             if (transformer.phases[phase] == engine.signals().size()) {
-                return fail(ExitCode::usage, fmt::format("the solver has no signal '{}' for the gateway '{}'", name, config.name.name),
+                return fail(ExitCode::usage,
+                            fmt::format("the solver has no signal '{}' for the gateway '{}'", name, config.name.name),
                             "sampled currents need `solver: emt`");
             }
         }
@@ -53,6 +56,10 @@ Result<std::unique_ptr<LineGateway>> LineGateway::create(bus::Node& node, Engine
         Trip trip;
         for (Ref const& breaker : subscribe.breakers) {
             trip.breakers.push_back(breaker.name);
+            Breaker const* const switched = find(network.breakers, breaker.name);
+            BreakerType const* const type =
+                switched == nullptr ? nullptr : find(network.breaker_types, switched->type.name);
+            trip.follows.push_back(type != nullptr && !type->latched);
         }
         auto reader = node.reader<TripCommand>(subscribe.topic.name);
         if (!reader) {
@@ -108,7 +115,8 @@ void LineGateway::flush() {
 
 void LineGateway::drain(SimTime until) {
     for (Transformer& transformer : transformers_) {
-        transformer.outbox->drain(until, [&](LineCurrents const& message, SimTime time) { transformer.writer->write(message, time); });
+        transformer.outbox->drain(
+            until, [&](LineCurrents const& message, SimTime time) { transformer.writer->write(message, time); });
     }
 }
 
@@ -120,8 +128,8 @@ std::uint64_t LineGateway::lost() const {
     return lost;
 }
 
-/// In real time a command acts when it says, or when it arrives if that is later. What lies far ahead is a stamp of somebody
-/// else's time: then at once, for a trip must not wait.
+/// In real time a command acts when it says, or when it arrives if that is later. What lies far ahead is a stamp of
+/// somebody else's time: then at once, for a trip must not wait.
 SimTime LineGateway::realtime_effect(std::int64_t time_ns, SimTime now) const {
     constexpr std::int64_t kFarNs = 100'000'000;
     bool const plausible = time_ns > 0 && time_ns - node_->time_base().nanoseconds(now) < kFarNs;
@@ -131,12 +139,19 @@ SimTime LineGateway::realtime_effect(std::int64_t time_ns, SimTime now) const {
 void LineGateway::take_commands(Simulation& simulation) {
     for (Trip& trip : trips_) {
         for (auto const& received : trip.commands->take()) {
-            if (!received.value.status()) {
-                continue; // false never closes
+            // A latched breaker ignores false. One that is not closes when the signal falls, and not at every
+            // repetition of it.
+            bool const open = received.value.status();
+            if (!open && !trip.last) {
+                continue;
             }
-            SimTime const effect = node_->lockstep() ? received.origin.time : realtime_effect(received.value.time_ns(), simulation.now());
-            for (std::string const& breaker : trip.breakers) {
-                simulation.command(effect, SwitchBreaker{breaker, false});
+            trip.last = open;
+            SimTime const effect =
+                node_->lockstep() ? received.origin.time : realtime_effect(received.value.time_ns(), simulation.now());
+            for (std::size_t i = 0; i < trip.breakers.size(); ++i) {
+                if (open || trip.follows[i]) {
+                    simulation.command(effect, SwitchBreaker{trip.breakers[i], !open});
+                }
             }
         }
     }

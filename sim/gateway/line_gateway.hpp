@@ -16,10 +16,13 @@ struct TripCommand;
 
 namespace gridspace::sim {
 
-/// The simulator's DDS gateway of one line: sampled currents of its transformers out, trip commands for its breakers in.
+/// The simulator's DDS gateway of one line: sampled currents of its transformers out, trip commands for its breakers
+/// in.
 class LineGateway {
   public:
-    [[nodiscard]] static Result<std::unique_ptr<LineGateway>> create(bus::Node& node, Engine& engine, LineGatewayConfig const& config,
+    [[nodiscard]] static Result<std::unique_ptr<LineGateway>> create(bus::Node& node, Engine& engine,
+                                                                     Network const& network,
+                                                                     LineGatewayConfig const& config,
                                                                      SamplingConfig const& sampling);
     ~LineGateway();
 
@@ -43,6 +46,8 @@ class LineGateway {
     };
     struct Trip {
         std::vector<std::string> breakers;
+        std::vector<bool> follows; ///< by breaker: not latched
+        bool last{false};          ///< the signal
         std::shared_ptr<bus::Reader<TripCommand>> commands;
     };
     void send(Transformer& transformer);

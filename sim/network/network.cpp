@@ -17,7 +17,7 @@ LineTotals line_totals(Network const& network, Line const& line) {
         t.l_h = type->l_mh_per_km ? *type->l_mh_per_km * 1e-3 * km : type->x_ohm_per_km.value_or(0) / omega * km;
         t.c_f = type->c_nf_per_km * 1e-9 * km;
         t.r0_ohm = type->r0_ohm_per_km ? *type->r0_ohm_per_km * km : t.r_ohm;
-        t.l0_h = type->l0_mh_per_km   ? *type->l0_mh_per_km * 1e-3 * km
+        t.l0_h = type->l0_mh_per_km    ? *type->l0_mh_per_km * 1e-3 * km
                  : type->x0_ohm_per_km ? *type->x0_ohm_per_km / omega * km
                                        : t.l_h;
         t.c0_f = type->c0_nf_per_km ? *type->c0_nf_per_km * 1e-9 * km : t.c_f;
@@ -32,20 +32,34 @@ LineTotals line_totals(Network const& network, Line const& line) {
     return t;
 }
 
+double battery_p_kw(Battery const& b, double scale, double soc_percent) {
+    constexpr double kSamePercent = 1e-6; // what is left after a limit was met is no energy
+    double const most =
+        std::sqrt(b.rating_kva * b.rating_kva - std::min(b.q_kvar * b.q_kvar, b.rating_kva * b.rating_kva));
+    double const p = std::clamp(b.p_kw * scale, -most, most);
+    bool const spent =
+        p > 0 ? soc_percent <= b.soc_min_percent + kSamePercent : soc_percent >= b.soc_max_percent - kSamePercent;
+    return spent ? 0 : p;
+}
+
+double battery_soc_slope(Battery const& b, double p_kw) {
+    double const of_cells = p_kw > 0 ? p_kw / b.efficiency : p_kw * b.efficiency;
+    return -100 * of_cells / (b.capacity_kwh * 3600);
+}
+
 double load_q_kvar(Load const& load) {
     if (load.q_kvar) {
         return *load.q_kvar;
     }
-    if (load.model == LoadModel::dc_resistive) {
+    if (load.model == LoadModel::dc_resistive || load.model == LoadModel::dc_constant_power) {
         return 0;
     }
     return load.p_kw * std::sqrt(1 - load.power_factor * load.power_factor) / load.power_factor;
 }
 
 double profile_value(Profile const& p, double hours_since_start, double start_hour_of_day) {
-    double const hours = p.time == Profile::Time::hour_of_day
-                             ? std::fmod(start_hour_of_day + hours_since_start, 24.0)
-                             : hours_since_start;
+    double const hours = p.time == Profile::Time::hour_of_day ? std::fmod(start_hour_of_day + hours_since_start, 24.0)
+                                                              : hours_since_start;
     double value = 1;
     if (p.half_sine) {
         double const x = (hours - p.half_sine->rise_h) / (p.half_sine->set_h - p.half_sine->rise_h);

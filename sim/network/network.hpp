@@ -48,8 +48,8 @@ struct LineType : Element {
     std::optional<double> x_ohm_per_km, l_mh_per_km; ///< exactly one of the two
     double c_nf_per_km{0};
     std::optional<double> r0_ohm_per_km, x0_ohm_per_km, l0_mh_per_km, c0_nf_per_km;
-    /// Lower triangle of the phase impedance matrix: aa, ab, bb, ac, bc, cc; empty: from the sequences. The sequence values
-    /// are then those of the transposed line.
+    /// Lower triangle of the phase impedance matrix: aa, ab, bb, ac, bc, cc; empty: from the sequences. The sequence
+    /// values are then those of the transposed line.
     std::vector<double> phase_r_ohm_per_km, phase_x_ohm_per_km;
 };
 
@@ -207,7 +207,17 @@ struct Generator : Element {
     std::optional<double> q_min_kvar, q_max_kvar;
 };
 
-enum class LoadModel { constant_power, constant_current, constant_impedance, exponential, zip, dc_resistive };
+/// `dc_*`: behind a rectifier. `dc_resistive` draws with the square of the voltage; `dc_constant_power` is held by a
+/// converter.
+enum class LoadModel {
+    constant_power,
+    constant_current,
+    constant_impedance,
+    exponential,
+    zip,
+    dc_resistive,
+    dc_constant_power
+};
 
 struct Load : Element {
     Ref bus;
@@ -217,7 +227,7 @@ struct Load : Element {
     LoadModel model{LoadModel::constant_power};
     double exponent_p{0}, exponent_q{0};
     std::array<double, 3> zip_p{0, 0, 1}, zip_q{0, 0, 1}; ///< shares of constant impedance, current, power
-    std::vector<double> phase_p_kw, phase_q_kvar; ///< a, b, c between phase and earth; empty: a third each
+    std::vector<double> phase_p_kw, phase_q_kvar;         ///< a, b, c between phase and earth; empty: a third each
     double lag_s{0};
     Ref scale; ///< profile that multiplies p and q
 };
@@ -241,6 +251,16 @@ struct Ev : Element {
     double capacity_kwh{24}, battery_v{360}, max_current_a{15}, efficiency{0.95};
     double soc_start_percent{0}, soc_stop_percent{100};
     double current_lag_s{1}; ///< first-order response of the converter to its reference
+};
+
+/// Stationary battery behind an averaged converter.
+struct Battery : Element {
+    Ref bus;
+    double capacity_kwh{0}, rating_kva{0};
+    double p_kw{0}, q_kvar{0}; ///< into the network: discharging is positive
+    double efficiency{0.95};   ///< of the converter, each way
+    double soc_start_percent{50}, soc_min_percent{0}, soc_max_percent{100};
+    Ref scale; ///< profile that multiplies p
 };
 
 struct ProfileHalfSine {
@@ -280,6 +300,7 @@ struct Network {
     std::vector<Shunt> shunts;
     std::vector<Pv> pv;
     std::vector<Ev> evs;
+    std::vector<Battery> batteries;
     std::vector<Profile> profiles;
     config::SourceMark where; ///< the file
 };
@@ -307,6 +328,16 @@ struct LineTotals {
     double r0_ohm{0}, l0_h{0}, c0_f{0};
 };
 [[nodiscard]] LineTotals line_totals(Network const& network, Line const& line);
+
+/// More current than this share of its rating no converter gives.
+constexpr double kConverterOverload = 1.2;
+
+/// What a battery gives its bus at a state of charge (negative: takes), kW; `scale` is the value of its profile.
+/// Nothing out of an empty one or into a full one.
+[[nodiscard]] double battery_p_kw(Battery const& battery, double scale, double soc_percent);
+
+/// Change of its state of charge while it gives `p_kw`, percent per second.
+[[nodiscard]] double battery_soc_slope(Battery const& battery, double p_kw);
 
 /// Reactive power of a load at nominal voltage, from its power factor or as given.
 [[nodiscard]] double load_q_kvar(Load const& load);

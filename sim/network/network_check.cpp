@@ -4,8 +4,11 @@
 
 #include "common/text.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 namespace gridspace::sim {
@@ -13,7 +16,9 @@ namespace {
 
 using config::Diagnostics;
 
-int width(Ref const& ref) { return static_cast<int>(ref.name.size()); }
+int width(Ref const& ref) {
+    return static_cast<int>(ref.name.size());
+}
 
 /// `ref`, which `owner` uses, must name one of `elements`.
 template <class T>
@@ -27,8 +32,8 @@ bool must_exist(std::vector<T> const& elements, Ref const& ref, std::string_view
         names.push_back(element.name.name);
     }
     auto const near = nearest_spelling(ref.name, names);
-    std::string const hint = near            ? fmt::format("did you mean '{}'?", *near)
-                             : names.empty() ? fmt::format("the network has no {}", kind)
+    std::string const hint = near                 ? fmt::format("did you mean '{}'?", *near)
+                             : names.empty()      ? fmt::format("the network has no {}", kind)
                              : names.size() <= 12 ? fmt::format("there are: {}", join(names, ", "))
                                                   : "";
     diagnostics.error(ref.where, fmt::format("{} names the {} '{}', which does not exist", owner, kind, ref.name), hint,
@@ -56,9 +61,10 @@ void check_names(Network const& n, Diagnostics& diagnostics) {
         for (auto const& e : elements) {
             auto const [it, fresh] = seen.try_emplace(e.name.name, kind, e.name);
             if (!fresh) {
-                diagnostics.error(e.name.where, fmt::format("the name '{}' is used twice", e.name.name),
-                                  fmt::format("a {} has it at {}", it->second.first, it->second.second.where.to_string()),
-                                  width(e.name));
+                diagnostics.error(
+                    e.name.where, fmt::format("the name '{}' is used twice", e.name.name),
+                    fmt::format("a {} has it at {}", it->second.first, it->second.second.where.to_string()),
+                    width(e.name));
             }
         }
     };
@@ -74,10 +80,33 @@ void check_names(Network const& n, Diagnostics& diagnostics) {
     add(n.shunts, "shunt");
     add(n.pv, "PV");
     add(n.evs, "EV");
+    add(n.batteries, "battery");
     add(n.sources, "source");
 }
 
+/// Below this share of the base impedance the current of a branch is a difference of voltages that agree in nearly all
+/// of their digits: rounding errors would be amperes.
+constexpr double kLeastImpedancePu = 1e-9;
+
+/// Impedances in ohm, `positive` and `zero` sequence, of something at a bus.
+void check_least_impedance(Network const& n, std::string const& owner, Ref const& name, Bus const* bus,
+                           double positive_ohm, double zero_ohm, Diagnostics& diagnostics) {
+    if (bus == nullptr) {
+        return;
+    }
+    double const least = kLeastImpedancePu * bus->voltage_v * bus->voltage_v / (n.power_kva * 1e3);
+    double const smaller = std::min(positive_ohm, zero_ohm);
+    if (smaller > 0 && smaller < least) {
+        diagnostics.error(
+            name.where,
+            fmt::format("{} has {} ohm{}, too little to compute its current: at least {:.2g} ohm are needed here",
+                        owner, shortest(smaller), smaller < positive_ohm ? " in the zero sequence" : "", least),
+            "make its two ends one bus, or give it more", width(name));
+    }
+}
+
 void check_branches(Network const& n, Diagnostics& diagnostics) {
+    double const omega = 2 * std::numbers::pi * n.frequency_hz;
     for (Line const& line : n.lines) {
         std::string const owner = fmt::format("line '{}'", line.name.name);
         must_exist(n.buses, line.from, "bus", owner, diagnostics);
@@ -104,6 +133,9 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
             diagnostics.error(line.name.where, fmt::format("{} has no zero sequence impedance", owner),
                               "leave out r0_ohm and l0_mh (x0_ohm) to take those of the positive sequence",
                               width(line.name));
+        } else {
+            check_least_impedance(n, owner, line.name, from, std::hypot(t.r_ohm, omega * t.l_h),
+                                  std::hypot(t.r0_ohm, omega * t.l0_h), diagnostics);
         }
     }
     for (Source const& s : n.sources) {
@@ -112,20 +144,51 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
         if (impedance != zero) {
             diagnostics.error(s.name.where,
                               fmt::format("source '{}' has a {} sequence impedance but no {} sequence impedance",
-                                          s.name.name, impedance ? "positive" : "zero", impedance ? "zero" : "positive"),
+                                          s.name.name, impedance ? "positive" : "zero",
+                                          impedance ? "zero" : "positive"),
                               "give both, or neither", width(s.name));
         }
+        check_least_impedance(n, fmt::format("source '{}'", s.name.name), s.name, find(n.buses, s.bus.name),
+                              std::hypot(s.r_ohm, omega * s.l_mh * 1e-3),
+                              std::hypot(s.r0_ohm.value_or(s.r_ohm), omega * s.l0_mh.value_or(s.l_mh) * 1e-3),
+                              diagnostics);
     }
     for (Transformer const& t : n.transformers) {
         std::string const owner = fmt::format("transformer '{}'", t.name.name);
         must_exist(n.buses, t.from, "bus", owner, diagnostics);
         must_exist(n.buses, t.to, "bus", owner, diagnostics);
         if (t.from == t.to) {
-            diagnostics.error(t.to.where, fmt::format("{} starts and ends at bus '{}'", owner, t.to.name), "", width(t.to));
+            diagnostics.error(t.to.where, fmt::format("{} starts and ends at bus '{}'", owner, t.to.name), "",
+                              width(t.to));
         }
         if (t.r_percent == 0 && t.x_percent == 0) {
             diagnostics.error(t.name.where, fmt::format("{} has no short-circuit impedance", owner),
-                              "give x_percent; an ideal transformer has no current that could be computed", width(t.name));
+                              "give x_percent; an ideal transformer has no current that could be computed",
+                              width(t.name));
+        }
+    }
+}
+
+/// Between two ideal sources at one bus any current could flow.
+void check_ideal_sources(Network const& n, Diagnostics& diagnostics) {
+    std::map<std::string, std::string> holders;
+    auto const hold = [&](Ref const& name, Ref const& bus, std::string const& owner) {
+        auto const [it, fresh] = holders.try_emplace(bus.name, owner);
+        if (!fresh) {
+            diagnostics.error(
+                name.where,
+                fmt::format("{} holds the voltage of bus '{}', which {} already does", owner, bus.name, it->second),
+                "nothing decides the current between two ideal sources: give one of them an impedance", width(name));
+        }
+    };
+    for (Source const& s : n.sources) {
+        if (s.r_ohm == 0 && s.l_mh == 0) {
+            hold(s.name, s.bus, fmt::format("source '{}'", s.name.name));
+        }
+    }
+    for (Generator const& g : n.generators) {
+        if (g.role == GeneratorRole::slack) {
+            hold(g.name, g.bus, fmt::format("generator '{}'", g.name.name));
         }
     }
 }
@@ -158,7 +221,9 @@ void check_islands(Network const& n, Diagnostics& diagnostics) {
         }
         return i;
     };
-    auto const join_buses = [&](Ref const& a, Ref const& b) { root[top(index_of(n.buses, a.name))] = top(index_of(n.buses, b.name)); };
+    auto const join_buses = [&](Ref const& a, Ref const& b) {
+        root[top(index_of(n.buses, a.name))] = top(index_of(n.buses, b.name));
+    };
     for (Line const& line : n.lines) {
         bool open = false;
         for (Breaker const& b : n.breakers) {
@@ -215,6 +280,7 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     }
     check_names(n, diagnostics);
     check_branches(n, diagnostics);
+    check_ideal_sources(n, diagnostics);
     check_line_ends(n, n.breakers, "breaker", diagnostics);
     check_line_ends(n, n.cts, "CT", diagnostics);
     at_bus(n, n.sources, "source", diagnostics);
@@ -225,6 +291,7 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     at_bus(n, n.shunts, "shunt", diagnostics);
     at_bus(n, n.pv, "PV", diagnostics);
     at_bus(n, n.evs, "EV", diagnostics);
+    at_bus(n, n.batteries, "battery", diagnostics);
     for (Breaker const& b : n.breakers) {
         must_exist(n.breaker_types, b.type, "breaker type", fmt::format("breaker '{}'", b.name.name), diagnostics);
     }
@@ -246,6 +313,7 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     };
     scaled(n.loads, "load");
     scaled(n.pv, "PV");
+    scaled(n.batteries, "battery");
     if (diagnostics.errors() == before) {
         check_islands(n, diagnostics);
     }

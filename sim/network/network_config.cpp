@@ -10,6 +10,7 @@
 #include "sim/network/profile_csv.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace gridspace::sim {
@@ -215,9 +216,9 @@ void ratio(Fields& f, std::string& text, double& primary, double& secondary, std
 void instrument_filter(Fields& f, std::string const& name, double& error_percent, InstrumentFilter& filter,
                        double& cutoff_hz) {
     f.number("error_percent", error_percent, any("ratio error"));
-    f.choice<InstrumentFilter>(
-        "filter", filter, {{"none", InstrumentFilter::none}, {"butterworth2", InstrumentFilter::butterworth2}},
-        {.doc = "anti-alias filter"});
+    f.choice<InstrumentFilter>("filter", filter,
+                               {{"none", InstrumentFilter::none}, {"butterworth2", InstrumentFilter::butterworth2}},
+                               {.doc = "anti-alias filter"});
     f.number("cutoff_hz", cutoff_hz, positive("of the filter, -3 dB"));
     if ((filter == InstrumentFilter::none) != !f.has("cutoff_hz")) {
         f.error(f.has("cutoff_hz") ? "cutoff_hz" : "filter",
@@ -349,6 +350,30 @@ void generator(Fields& f, Generator& g) {
     f.number("q_max_kvar", g.q_max_kvar, any("most reactive power"));
 }
 
+/// Keys that the chosen model does not read are mistakes.
+void load_model_keys(Fields& f, Load const& l, bool by_phase) {
+    auto const belongs = [&](std::string_view key, LoadModel model, std::string_view word) {
+        if (f.has(key) && l.model != model) {
+            f.error(key, fmt::format("load '{}' has {}, but its model is another", l.name.name, key),
+                    fmt::format("it belongs to `model: {}`", word));
+        }
+    };
+    belongs("exponent_p", LoadModel::exponential, "exponential");
+    belongs("exponent_q", LoadModel::exponential, "exponential");
+    belongs("zip_p", LoadModel::zip, "zip");
+    belongs("zip_q", LoadModel::zip, "zip");
+    bool const dc = l.model == LoadModel::dc_resistive || l.model == LoadModel::dc_constant_power;
+    if (dc && (l.q_kvar.value_or(0) != 0 || l.power_factor != 1) && !by_phase) {
+        std::string_view const key = f.has("q_kvar") ? "q_kvar" : "power_factor";
+        f.error(key, fmt::format("load '{}' is a DC load: its rectifier has unity power factor", l.name.name),
+                "leave it out");
+    }
+    if (dc && by_phase) {
+        f.error("phase_p_kw", fmt::format("load '{}' is a DC load: it has no powers by phase", l.name.name),
+                "give p_kw");
+    }
+}
+
 void load(Fields& f, Load& l) {
     f.reference("bus", l.bus, {.doc = "its bus", .required = true});
     f.numbers("phase_p_kw", l.phase_p_kw, any("active powers of phases a, b, c at 1 p.u., instead of p_kw"));
@@ -365,7 +390,8 @@ void load(Fields& f, Load& l) {
                          {"constant_impedance", LoadModel::constant_impedance},
                          {"exponential", LoadModel::exponential},
                          {"zip", LoadModel::zip},
-                         {"dc_resistive", LoadModel::dc_resistive}},
+                         {"dc_resistive", LoadModel::dc_resistive},
+                         {"dc_constant_power", LoadModel::dc_constant_power}},
                         {.doc = "how it depends on voltage"});
     f.number("exponent_p", l.exponent_p, any("P = p (V/1)^exponent (exponential)"));
     f.number("exponent_q", l.exponent_q, any("Q = q (V/1)^exponent (exponential)"));
@@ -403,6 +429,7 @@ void load(Fields& f, Load& l) {
     if (f.has("q_kvar") && f.has("power_factor")) {
         f.error("q_kvar", fmt::format("load '{}' has both q_kvar and power_factor", l.name.name));
     }
+    load_model_keys(f, l, by_phase);
 }
 
 void shunt(Fields& f, Shunt& s) {
@@ -435,6 +462,29 @@ void ev(Fields& f, Ev& e) {
     if (e.soc_stop_percent < e.soc_start_percent) {
         f.error("soc_stop_percent", fmt::format("'{}' stops at {} %, below its start at {} %", e.name.name,
                                                 e.soc_stop_percent, e.soc_start_percent));
+    }
+}
+
+void battery(Fields& f, Battery& b) {
+    f.reference("bus", b.bus, {.doc = "its bus", .required = true});
+    f.number("capacity_kwh", b.capacity_kwh, positive("energy of the cells", true));
+    f.number("rating_kva", b.rating_kva, positive("rated power of the converter", true));
+    f.number("p_kw", b.p_kw, any("power into the network; negative: charging"));
+    f.number("q_kvar", b.q_kvar, any("reactive power into the network"));
+    NumberSpec efficiency = positive("of the converter, each way");
+    efficiency.max = 1;
+    f.number("efficiency", b.efficiency, efficiency);
+    f.number("soc_start_percent", b.soc_start_percent, percent("state of charge at the start"));
+    f.number("soc_min_percent", b.soc_min_percent, percent("discharging stops exactly here"));
+    f.number("soc_max_percent", b.soc_max_percent, percent("charging stops exactly here"));
+    f.reference("scale", b.scale, {.doc = "profile that multiplies p_kw"});
+    if (!(b.soc_min_percent <= b.soc_start_percent && b.soc_start_percent <= b.soc_max_percent)) {
+        f.error("soc_start_percent", fmt::format("'{}' starts at {} %, which is not between {} % and {} %", b.name.name,
+                                                 b.soc_start_percent, b.soc_min_percent, b.soc_max_percent));
+    }
+    if (b.rating_kva > 0 && std::hypot(b.p_kw, b.q_kvar) > b.rating_kva * (1 + 1e-9)) {
+        f.error("rating_kva", fmt::format("p_kw and q_kvar of '{}' are {:.4g} kVA, more than its rating", b.name.name,
+                                          std::hypot(b.p_kw, b.q_kvar)));
     }
 }
 
@@ -519,6 +569,7 @@ void describe(Fields& f, Network& n) {
     section(f, "shunts", "shunts", n.shunts, shunt);
     section(f, "pv", "photovoltaic inverters", n.pv, pv);
     section(f, "evs", "electric vehicles", n.evs, ev);
+    section(f, "batteries", "stationary batteries", n.batteries, battery);
     section(f, "profiles", "values over time", n.profiles, profile);
 }
 

@@ -20,6 +20,13 @@ std::vector<SignalDef> powers(std::string const& prefix) {
     return {{prefix + ".p_kw", "kW"}, {prefix + ".q_kvar", "kvar"}};
 }
 
+/// What a converter of this rating can give of `s` at a voltage |v| (all p.u.): its current is limited.
+Complex within(Complex s, double v, double rating) {
+    double const most = kConverterOverload * rating * v;
+    double const size = std::abs(s);
+    return size > most ? s * (most / size) : s;
+}
+
 double part(Complex s, std::size_t signal) {
     return signal == 0 ? s.real() : s.imag();
 }
@@ -70,7 +77,7 @@ double LoadComponent::value(std::size_t signal, double t, std::span<double const
 PvComponent::PvComponent(Pv const& pv, std::size_t bus, double base_kva, Scale scale)
     : Component{bus}, pv_{pv}, base_kva_{base_kva}, scale_{std::move(scale)} {}
 
-Complex PvComponent::power(double t) const {
+Complex PvComponent::power(double t, double v) const {
     if (!connected_) {
         return {};
     }
@@ -78,19 +85,21 @@ Complex PvComponent::power(double t) const {
     if (pv_.rating_kva > 0) {
         p = std::min(p, pv_.rating_kva * pv_.power_factor);
     }
-    return Complex{p, -p * std::sqrt(1 - pv_.power_factor * pv_.power_factor) / pv_.power_factor} / base_kva_;
+    double const rating = pv_.rating_kva > 0 ? pv_.rating_kva : pv_.p_kw / pv_.power_factor;
+    Complex const s{p, -p * std::sqrt(1 - pv_.power_factor * pv_.power_factor) / pv_.power_factor};
+    return within(s, v, rating) / base_kva_;
 }
 
 Complex PvComponent::flow(double t, std::span<double const>, Complex v, std::span<double>) const {
-    return consumed(-power(t), v);
+    return consumed(-power(t, std::abs(v)), v);
 }
 
 std::vector<SignalDef> PvComponent::signals() const {
     return powers("pv." + pv_.name.name);
 }
 
-double PvComponent::value(std::size_t signal, double t, std::span<double const>, Complex) const {
-    return part(power(t), signal) * base_kva_;
+double PvComponent::value(std::size_t signal, double t, std::span<double const>, Complex v) const {
+    return part(power(t, std::abs(v)), signal) * base_kva_;
 }
 
 EvComponent::EvComponent(Ev const& ev, std::size_t bus, double base_kva)
@@ -113,7 +122,8 @@ Complex EvComponent::flow(double, std::span<double const> x, Complex v, std::spa
     dx[0] = (target - x[0]) / std::max(ev_.current_lag_s, 1e-6);
     double const current = charging ? x[0] : 0;
     dx[1] = 100 * current * ev_.battery_v / (ev_.capacity_kwh * 1e3 * 3600);
-    return consumed(Complex{power_kw(current) / base_kva_, 0}, v);
+    return consumed(within({power_kw(current) / base_kva_, 0}, std::abs(v), power_kw(ev_.max_current_a) / base_kva_),
+                    v);
 }
 
 double EvComponent::event(double, std::span<double const> x) const {
@@ -138,8 +148,9 @@ std::vector<SignalDef> EvComponent::signals() const {
             {prefix + ".p_kw", "kW"}};
 }
 
-double EvComponent::value(std::size_t signal, double, std::span<double const> x, Complex) const {
+double EvComponent::value(std::size_t signal, double, std::span<double const> x, Complex v) const {
     double const current = connected_ && !full_ ? x[0] : 0;
+    double const kw = power_kw(current);
     switch (signal) {
     case 0:
         return x[1];
@@ -148,7 +159,7 @@ double EvComponent::value(std::size_t signal, double, std::span<double const> x,
     case 2:
         return reference_a_;
     default:
-        return power_kw(current);
+        return within({kw, 0}, std::abs(v), power_kw(ev_.max_current_a)).real();
     }
 }
 
@@ -171,19 +182,66 @@ double SourceComponent::value(std::size_t signal, double, std::span<double const
     return part(v * std::conj((emf_ - v) * admittance_), signal) * base_kva_;
 }
 
-FixedPowerComponent::FixedPowerComponent(std::string name, Complex power_pu, std::size_t bus, double base_kva)
-    : Component{bus}, name_{std::move(name)}, power_{power_pu}, base_kva_{base_kva} {}
+BatteryComponent::BatteryComponent(Battery const& battery, std::size_t bus, double base_kva, Scale scale)
+    : Component{bus}, battery_{battery}, base_kva_{base_kva}, scale_{std::move(scale)} {}
+
+void BatteryComponent::start(double, Complex, std::span<double> x) {
+    x[0] = battery_.soc_start_percent;
+}
+
+Complex BatteryComponent::power(double t, double soc_percent, double v) const {
+    if (!connected_) {
+        return {};
+    }
+    Complex const s{battery_p_kw(battery_, scale_(t), soc_percent), battery_.q_kvar};
+    return within(s, v, battery_.rating_kva) / base_kva_;
+}
+
+Complex BatteryComponent::flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const {
+    Complex const s = power(t, x[0], std::abs(v));
+    dx[0] = battery_soc_slope(battery_, s.real() * base_kva_);
+    return consumed(-s, v);
+}
+
+double BatteryComponent::event(double t, std::span<double const> x) const {
+    double const p = connected_ ? battery_p_kw(battery_, scale_(t), x[0]) : 0;
+    return p == 0 ? 1 : p > 0 ? x[0] - battery_.soc_min_percent : battery_.soc_max_percent - x[0];
+}
+
+void BatteryComponent::on_event(std::span<double> x) {
+    bool const empty = x[0] - battery_.soc_min_percent < battery_.soc_max_percent - x[0];
+    x[0] = empty ? battery_.soc_min_percent : battery_.soc_max_percent;
+}
+
+std::vector<SignalDef> BatteryComponent::signals() const {
+    auto out = powers("battery." + battery_.name.name);
+    out.push_back({"battery." + battery_.name.name + ".soc_percent", "%"});
+    return out;
+}
+
+double BatteryComponent::value(std::size_t signal, double t, std::span<double const> x, Complex v) const {
+    return signal == 2 ? x[0] : part(power(t, x[0], std::abs(v)), signal) * base_kva_;
+}
+
+FixedPowerComponent::FixedPowerComponent(std::string name, Complex power_pu, double rating_pu, std::size_t bus,
+                                         double base_kva)
+    : Component{bus}, name_{std::move(name)}, power_{power_pu}, rating_{std::max(rating_pu, std::abs(power_pu))},
+      base_kva_{base_kva} {}
+
+Complex FixedPowerComponent::power(Complex v) const {
+    return connected_ ? within(power_, std::abs(v), rating_) : Complex{};
+}
 
 Complex FixedPowerComponent::flow(double, std::span<double const>, Complex v, std::span<double>) const {
-    return connected_ ? consumed(-power_, v) : Complex{};
+    return consumed(-power(v), v);
 }
 
 std::vector<SignalDef> FixedPowerComponent::signals() const {
     return powers("generator." + name_);
 }
 
-double FixedPowerComponent::value(std::size_t signal, double, std::span<double const>, Complex) const {
-    return connected_ ? part(power_, signal) * base_kva_ : 0;
+double FixedPowerComponent::value(std::size_t signal, double, std::span<double const>, Complex v) const {
+    return part(power(v), signal) * base_kva_;
 }
 
 } // namespace gridspace::sim::phasor

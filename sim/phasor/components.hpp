@@ -44,7 +44,7 @@ class PvComponent final : public Component {
     void set_connected(bool connected) { connected_ = connected; }
 
   private:
-    [[nodiscard]] Complex power(double t) const;
+    [[nodiscard]] Complex power(double t, double v) const;
     Pv pv_;
     double base_kva_;
     Scale scale_;
@@ -77,6 +77,33 @@ class EvComponent final : public Component {
     bool connected_{true};
 };
 
+/// Stationary battery behind an averaged converter. State: state of charge (%), which stops exactly at its limits.
+class BatteryComponent final : public Component {
+  public:
+    BatteryComponent(Battery const& battery, std::size_t bus, double base_kva, Scale scale);
+    [[nodiscard]] std::size_t states() const override { return 1; }
+    void start(double t, Complex v, std::span<double> x) override;
+    Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
+    [[nodiscard]] bool has_event() const override { return true; }
+    [[nodiscard]] double event(double t, std::span<double const> x) const override;
+    void on_event(std::span<double> x) override;
+    [[nodiscard]] std::vector<SignalDef> signals() const override;
+    [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
+    void set_power(double p_kw, double q_kvar) {
+        battery_.p_kw = p_kw;
+        battery_.q_kvar = q_kvar;
+    }
+    [[nodiscard]] Battery const& data() const { return battery_; }
+    void set_connected(bool connected) { connected_ = connected; }
+
+  private:
+    [[nodiscard]] Complex power(double t, double soc_percent, double v) const;
+    Battery battery_;
+    double base_kva_;
+    Scale scale_;
+    bool connected_{true};
+};
+
 /// Ideal source behind an impedance.
 class SourceComponent final : public Component {
   public:
@@ -94,16 +121,17 @@ class SourceComponent final : public Component {
 /// Generator with given powers (role pq; pv in quasi-static runs is a held voltage, see PhasorEngine).
 class FixedPowerComponent final : public Component {
   public:
-    FixedPowerComponent(std::string name, Complex power_pu, std::size_t bus, double base_kva);
+    FixedPowerComponent(std::string name, Complex power_pu, double rating_pu, std::size_t bus, double base_kva);
     Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
     [[nodiscard]] std::vector<SignalDef> signals() const override;
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
     void set_connected(bool connected) { connected_ = connected; }
 
   private:
+    [[nodiscard]] Complex power(Complex v) const;
     std::string name_;
     Complex power_;
-    double base_kva_;
+    double rating_, base_kva_;
     bool connected_{true};
 };
 

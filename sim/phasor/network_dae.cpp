@@ -9,6 +9,17 @@ namespace gridspace::sim::phasor {
 
 using Kind = BusRule::Kind;
 
+namespace {
+
+/// A generator that left its limit is this far beyond its voltage before it holds it again, p.u.
+constexpr double kRegained = 1e-6;
+
+Complex limited_power(BusRule const& rule) {
+    return {rule.p, rule.at_limit > 0 ? rule.q_max : rule.q_min};
+}
+
+} // namespace
+
 NetworkDae::NetworkDae(std::vector<std::unique_ptr<Component>> const& components, std::size_t buses)
     : components_{components}, buses_{buses}, rows_(buses), rules_(buses), components_at_(buses) {
     std::size_t most = 0;
@@ -78,6 +89,11 @@ Complex NetworkDae::component_current(std::size_t bus, double t, std::span<doubl
     return current;
 }
 
+double NetworkDae::regulating_q(std::size_t bus, double t, std::span<double const> y) const {
+    Complex const current = network_current(bus, y) - component_current(bus, t, y);
+    return (voltage(bus, y) * std::conj(current)).imag();
+}
+
 std::vector<double> NetworkDae::differential() const {
     std::vector<double> out(size(), 0.0);
     std::fill(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(voltage_start_), 1.0);
@@ -112,6 +128,9 @@ void NetworkDae::residual(double t, std::span<double const> y, std::span<double 
                     std::norm(v) - rules_[i].v_set * rules_[i].v_set};
             break;
         }
+        case Kind::limited:
+            rest = injected + std::conj(limited_power(rules_[i]) / v) - network_current(i, y);
+            break;
         case Kind::dead:
             rest = v;
             break;
@@ -127,12 +146,13 @@ void NetworkDae::assemble(double t, double c, std::span<double const> y, Emit co
         Complex const v = voltage(i, y);
         std::size_t const row = voltage_start_ + 2 * i;
         BusRule const& rule = rules_[i];
-        bool const coupled = rule.kind == Kind::balance || rule.kind == Kind::regulated;
+        bool const sum = rule.kind == Kind::balance || rule.kind == Kind::limited;
+        bool const coupled = sum || rule.kind == Kind::regulated;
         Complex const generated =
             rule.kind == Kind::regulated ? network_current(i, y) - component_current(i, t, y) : Complex{};
         // How a change (dre, dim) of the injected minus the network current enters the two equations of the bus.
         auto const enter = [&](std::size_t column, Complex change) {
-            if (rule.kind == Kind::balance) {
+            if (sum) {
                 emit(row, column, change.real());
                 emit(row + 1, column, change.imag());
             } else if (rule.kind == Kind::regulated) {
@@ -150,6 +170,10 @@ void NetworkDae::assemble(double t, double c, std::span<double const> y, Emit co
             emit(row, row + 1, generated.imag());
             emit(row + 1, row, 2 * v.real());
             emit(row + 1, row + 1, 2 * v.imag());
+        } else if (rule.kind == Kind::limited) {
+            Complex const slope = -std::conj(limited_power(rule) / (v * v));
+            enter(row, slope);
+            enter(row + 1, slope * Complex{0, -1});
         } else if (!coupled) {
             emit(row, row, 1.0);
             emit(row + 1, row + 1, 1.0);
@@ -205,6 +229,17 @@ void NetworkDae::jacobian(double t, double c, std::span<double const> y, std::sp
 void NetworkDae::event_values(double t, std::span<double const> y, std::span<double> g) {
     for (std::size_t k = 0; k < components_.size(); ++k) {
         g[k] = components_[k]->has_event() ? components_[k]->event(t, states_of(k, y)) : 1.0;
+    }
+    for (std::size_t i = 0; i < buses_; ++i) {
+        BusRule const& rule = rules_[i];
+        double value = 1;
+        if (rule.kind == Kind::regulated) {
+            double const q = regulating_q(i, t, y);
+            value = std::min({1.0, rule.q_max - q, q - rule.q_min});
+        } else if (rule.kind == Kind::limited) {
+            value = rule.at_limit * (rule.v_set - std::abs(voltage(i, y))) + kRegained;
+        }
+        g[components_.size() + i] = value;
     }
 }
 

@@ -17,11 +17,14 @@ struct BusRule {
         balance,   ///< currents add up to zero
         held,      ///< an ideal source: voltage given
         regulated, ///< a generator holds |v| and gives a power
+        limited,   ///< such a generator at its reactive limit
         dead,      ///< nothing feeds it
     } kind{Kind::balance};
-    Complex v;       ///< held
-    double v_set{1}; ///< regulated
-    double p{0};     ///< regulated: generated power, p.u.
+    Complex v;                        ///< held
+    double v_set{1};                  ///< regulated
+    double p{0};                      ///< regulated: generated power, p.u.
+    double q_min{-1e30}, q_max{1e30}; ///< regulated, limited: reactive power, p.u.
+    int at_limit{0};                  ///< limited: 1 at q_max, -1 at q_min
 };
 
 /// The equations of network and components. Unknowns: all component states, then real and imaginary part of each bus
@@ -42,13 +45,18 @@ class NetworkDae final : public DaeProblem {
     /// Current that all components inject at the bus.
     [[nodiscard]] Complex component_current(std::size_t bus, double t, std::span<double const> y) const;
 
+    [[nodiscard]] BusRule const& rule(std::size_t bus) const { return rules_[bus]; }
+    /// Reactive power of the generators that hold a regulated bus, p.u.
+    [[nodiscard]] double regulating_q(std::size_t bus, double t, std::span<double const> y) const;
+
     [[nodiscard]] std::size_t size() const override { return voltage_start_ + 2 * buses_; }
     [[nodiscard]] std::vector<double> differential() const override;
     void residual(double t, std::span<double const> y, std::span<double const> yp, std::span<double> f) override;
     [[nodiscard]] std::vector<SparsityEntry> sparsity() const override;
     void jacobian(double t, double c, std::span<double const> y, std::span<double const> yp,
                   std::span<double> values) override;
-    [[nodiscard]] std::size_t events() const override { return components_.size(); }
+    /// Of the components, then of the buses: a generator meets its reactive limit, or leaves it.
+    [[nodiscard]] std::size_t events() const override { return components_.size() + buses_; }
     void event_values(double t, std::span<double const> y, std::span<double> g) override;
 
   private:

@@ -3,6 +3,7 @@
 #include "sim/phasor/phasor_engine.hpp"
 
 #include "common/text.hpp"
+#include "sim/network/earth_connection.hpp"
 #include "sim/phasor/components.hpp"
 #include "sim/phasor/faults.hpp"
 #include "sim/phasor/fixed_step_solver.hpp"
@@ -22,6 +23,10 @@ namespace gridspace::sim::phasor {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
+/// Time constant of the frequency of a bus.
+constexpr double kFrequencyLagS = 0.02;
+/// Reactive power of a generator without limits, kvar.
+constexpr double kUnlimited = 1e30;
 /// Double-point values of IEC 61850-7-3: intermediate 0, off 1, on 2, bad 3.
 constexpr double kIntermediate = 0, kOpen = 1, kClosed = 2;
 
@@ -32,19 +37,30 @@ class PhasorEngine final : public Engine {
         add_components();
         dae_ = std::make_unique<NetworkDae>(components_, network_.buses.size());
         y_.assign(dae_->size(), 0.0);
+        at_q_limit_.assign(network_.buses.size(), 0);
+        angles_.assign(network_.buses.size(), 0.0);
+        slopes_hz_.assign(network_.buses.size(), 0.0);
         yp_.assign(dae_->size(), 0.0);
         define_signals();
     }
 
     Result<void> initialise() override {
+        if (auto const bus = unearthed_bus(network_)) {
+            return fail(ExitCode::usage,
+                        fmt::format("nothing connects bus '{}' to earth: its voltage is undefined",
+                                    network_.buses[*bus].name.name),
+                        "earth a star point, or add a load, a shunt or line capacitance there");
+        }
         PowerFlowOptions options;
         options.start_hour_of_day = options_.start_hour_of_day;
+        options.enforce_q_limits = true;
         auto const flow = solve_power_flow(network_, switches_, options);
         if (!flow) {
             return std::unexpected{flow.error()};
         }
         for (std::size_t i = 0; i < network_.buses.size(); ++i) {
             dae_->set_voltage(i, flow->buses[i].v, y_);
+            angles_[i] = std::arg(flow->buses[i].v);
         }
         for (std::size_t m = 0; m < machines_.size(); ++m) {
             machines_[m]->set_start_power(Complex{flow->machines[m].p_kw, flow->machines[m].q_kvar} /
@@ -52,6 +68,13 @@ class PhasorEngine final : public Engine {
         }
         for (std::size_t k = 0; k < components_.size(); ++k) {
             components_[k]->start(0, flow->buses[components_[k]->bus()].v, dae_->states_of(k, std::span{y_}));
+        }
+        for (Generator const& g : network_.generators) {
+            std::size_t const bus = bus_of(g.bus);
+            double const v = std::abs(flow->buses[bus].v);
+            if (g.role == GeneratorRole::pv && std::abs(v - g.voltage_setpoint_pu) > 1e-9) {
+                at_q_limit_[bus] = v < g.voltage_setpoint_pu ? 1 : -1; // as the power flow found it
+            }
         }
         if (auto ok = set_topology(); !ok) {
             return ok;
@@ -65,7 +88,7 @@ class PhasorEngine final : public Engine {
     }
 
     Result<void> advance(SimTime until) override {
-        double const target = options_.time_base.seconds(until);
+        double const target = options_.time_base.seconds(until), before = t_;
         if (input_changed_) {
             if (auto ok = restart(); !ok) {
                 return ok;
@@ -85,15 +108,25 @@ class PhasorEngine final : public Engine {
             }
             t_ = stop->events.empty() ? next : stop->t;
             if (!stop->events.empty()) {
-                for (int const k : stop->events) {
-                    components_[static_cast<std::size_t>(k)]->on_event(
-                        dae_->states_of(static_cast<std::size_t>(k), std::span{y_}));
+                bool limits = false;
+                for (int const found : stop->events) {
+                    auto const k = static_cast<std::size_t>(found);
+                    if (k < components_.size()) {
+                        components_[k]->on_event(dae_->states_of(k, std::span{y_}));
+                    } else {
+                        limits = true;
+                        reach_q_limit(k - components_.size());
+                    }
+                }
+                if (auto ok = limits ? set_topology() : Result<void>{}; !ok) {
+                    return ok;
                 }
                 if (auto ok = restart(); !ok) {
                     return ok;
                 }
             }
         }
+        follow_angles(target - before);
         return check_voltages();
     }
 
@@ -151,6 +184,17 @@ class PhasorEngine final : public Engine {
                 return {};
             }
         }
+        if (path.size() == 3 && path[0] == "evs" && path[2] == "current_a" && a.value >= 0) {
+            return act(SetChargingCurrent{path[1], a.value});
+        }
+        if (path.size() == 3 && path[0] == "batteries" && (path[2] == "p_kw" || path[2] == "q_kvar")) {
+            if (auto const it = batteries_.find(path[1]); it != batteries_.end()) {
+                Battery const& b = it->second->data();
+                it->second->set_power(path[2] == "p_kw" ? a.value : b.p_kw, path[2] == "p_kw" ? b.q_kvar : a.value);
+                input_changed_ = true;
+                return {};
+            }
+        }
         for (std::size_t m = 0; m < machines_.size() && path.size() == 3 && path[0] == "machines"; ++m) {
             Machine& machine = network_.machines[m];
             if (path[1] != machine.name.name) {
@@ -169,7 +213,8 @@ class PhasorEngine final : public Engine {
             return {};
         }
         return fail(ExitCode::usage, fmt::format("'{}' cannot be changed while a phasor simulation runs", a.path),
-                    "loads.<name>.p_kw, machines.<name>.p_kw and .voltage_setpoint_pu can");
+                    "loads.<name>.p_kw, machines.<name>.p_kw and .voltage_setpoint_pu, batteries.<name>.p_kw and "
+                    ".q_kvar, evs.<name>.current_a can");
     }
     Result<void> act(Disconnect const& a) {
         if (auto const it = switchable_.find(a.element); it != switchable_.end()) {
@@ -182,9 +227,10 @@ class PhasorEngine final : public Engine {
         } else if (std::size_t const j = index_of(network_.transformers, a.element); j < network_.transformers.size()) {
             switches_.transformer_out[j] = true;
         } else {
-            return fail(ExitCode::usage, fmt::format("'{}' cannot be disconnected: there is no such load, PV, EV, "
-                                                     "generator with given power, line or transformer",
-                                                     a.element));
+            return fail(ExitCode::usage,
+                        fmt::format("'{}' cannot be disconnected: there is no such load, PV, EV, battery, "
+                                    "generator with given power, line or transformer",
+                                    a.element));
         }
         return set_topology();
     }
@@ -241,6 +287,11 @@ class PhasorEngine final : public Engine {
             evs_[ev.name.name] = c;
             switchable_[ev.name.name] = [c] { c->set_connected(false); };
         }
+        for (Battery const& b : network_.batteries) {
+            auto* c = add(std::make_unique<BatteryComponent>(b, bus_of(b.bus), base, scale_of(b.scale)));
+            batteries_[b.name.name] = c;
+            switchable_[b.name.name] = [c] { c->set_connected(false); };
+        }
         for (Source const& source : network_.sources) {
             if (source.r_ohm != 0 || source.l_mh != 0) {
                 add(std::make_unique<SourceComponent>(network_, source, bus_of(source.bus)));
@@ -254,7 +305,7 @@ class PhasorEngine final : public Engine {
         for (Generator const& g : network_.generators) {
             if (g.role == GeneratorRole::pq) {
                 auto* c = add(std::make_unique<FixedPowerComponent>(g.name.name, Complex{g.p_kw, g.q_kvar} / base,
-                                                                    bus_of(g.bus), base));
+                                                                    g.rating_kva / base, bus_of(g.bus), base));
                 switchable_[g.name.name] = [c] { c->set_connected(false); };
             }
         }
@@ -287,8 +338,21 @@ class PhasorEngine final : public Engine {
                 rule = {BusRule::Kind::held, std::polar(g.voltage_setpoint_pu, g.angle_deg / kDegrees), 1, 0};
                 fed[bus_of(g.bus)] = true;
             } else if (g.role == GeneratorRole::pv && rule.kind != BusRule::Kind::held) {
-                double const before = rule.kind == BusRule::Kind::regulated ? rule.p : 0;
-                rule = {BusRule::Kind::regulated, {}, g.voltage_setpoint_pu, before + g.p_kw / network_.power_kva};
+                double const base = network_.power_kva;
+                bool const first = rule.kind != BusRule::Kind::regulated;
+                rule = {BusRule::Kind::regulated,
+                        {},
+                        first ? g.voltage_setpoint_pu : rule.v_set,
+                        (first ? 0 : rule.p) + g.p_kw / base,
+                        (first ? 0 : rule.q_min) + g.q_min_kvar.value_or(-kUnlimited) / base,
+                        (first ? 0 : rule.q_max) + g.q_max_kvar.value_or(kUnlimited) / base,
+                        0};
+            }
+        }
+        for (std::size_t i = 0; i < rules.size(); ++i) {
+            if (rules[i].kind == BusRule::Kind::regulated && at_q_limit_[i] != 0) {
+                rules[i].kind = BusRule::Kind::limited;
+                rules[i].at_limit = at_q_limit_[i];
             }
         }
         mark_dead(branches, fed, rules);
@@ -326,6 +390,25 @@ class PhasorEngine final : public Engine {
         }
     }
 
+    /// Frequencies of the buses: slopes of their angles behind a lag.
+    void follow_angles(double h) {
+        for (std::size_t i = 0; i < angles_.size() && h > 0; ++i) {
+            Complex const v = dae_->voltage(i, y_);
+            double const ahead = v == Complex{} ? 0 : std::remainder(std::arg(v) - angles_[i], 2 * std::numbers::pi);
+            double const share = h / (kFrequencyLagS + h);
+            angles_[i] += ahead * share;
+            slopes_hz_[i] = ahead * (1 - share) / (2 * std::numbers::pi * kFrequencyLagS);
+        }
+    }
+
+    /// A generator that holds a voltage meets its reactive limit, or the voltage is back.
+    void reach_q_limit(std::size_t bus) {
+        int& at = at_q_limit_[bus];
+        BusRule const& rule = dae_->rule(bus);
+        double const q = rule.kind == BusRule::Kind::regulated ? dae_->regulating_q(bus, t_, y_) : 0;
+        at = at != 0 ? 0 : rule.q_max - q < q - rule.q_min ? 1 : -1;
+    }
+
     Result<void> restart() {
         input_changed_ = false;
         auto ok = solver_->restart(t_, y_, yp_);
@@ -336,8 +419,10 @@ class PhasorEngine final : public Engine {
         for (std::size_t i = 0; i < network_.buses.size(); ++i) {
             double const v = std::abs(dae_->voltage(i, y_));
             if (!(v < 10)) {
-                return fail(ExitCode::usage, fmt::format("the voltage of bus '{}' is {} p.u. at {} s",
-                                                         network_.buses[i].name.name, shortest(v), shortest(t_)));
+                return fail(ExitCode::usage,
+                            fmt::format("the voltage of bus '{}' is {} at {} s", network_.buses[i].name.name,
+                                        std::isfinite(v) ? shortest(v) + " p.u." : "no number any more", shortest(t_)),
+                            "the network has no sensible state there; look at what happened just before");
             }
         }
         return {};
@@ -354,7 +439,7 @@ class PhasorEngine final : public Engine {
             std::string const bus = "bus." + network_.buses[i].name.name;
             signal(bus + ".v_pu", "p.u.", [this, i] { return std::abs(dae_->voltage(i, y_)); });
             signal(bus + ".angle_deg", "deg", [this, i] { return std::arg(dae_->voltage(i, y_)) * kDegrees; });
-            signal(bus + ".frequency_hz", "Hz", [this] { return network_.frequency_hz; });
+            signal(bus + ".frequency_hz", "Hz", [this, i] { return network_.frequency_hz + slopes_hz_[i]; });
             auto const net = [this, i] { return -dae_->voltage(i, y_) * std::conj(dae_->network_current(i, y_)); };
             signal(bus + ".p_kw", "kW", [net, base] { return net().real() * base; });
             signal(bus + ".q_kvar", "kvar", [net, base] { return net().imag() * base; });
@@ -446,6 +531,7 @@ class PhasorEngine final : public Engine {
     std::vector<std::unique_ptr<Component>> components_;
     std::vector<MachineComponent*> machines_;
     Faults faults_;
+    std::map<std::string, BatteryComponent*> batteries_;
     std::map<std::string, EvComponent*> evs_;
     std::map<std::string, LoadComponent*> loads_;
     std::map<std::string, std::function<void()>> switchable_;
@@ -453,6 +539,8 @@ class PhasorEngine final : public Engine {
     std::unique_ptr<DaeIntegrator> solver_;
     std::multimap<double, std::size_t> pending_; ///< breakers that will part, by time
     std::set<std::string> out_;                  ///< disconnected elements
+    std::vector<double> angles_, slopes_hz_;     ///< by bus: what follows its angle, rad; and how fast that goes
+    std::vector<int> at_q_limit_; ///< by bus: its generators are at their lower (-1) or upper (1) reactive limit
     std::vector<TwoPort> branches_;
     std::vector<double> y_, yp_;
     double t_{0};
@@ -465,6 +553,24 @@ class PhasorEngine final : public Engine {
 
 Result<std::unique_ptr<Engine>> make_phasor_engine(Network network, PhasorOptions options) {
     return std::make_unique<PhasorEngine>(std::move(network), options);
+}
+
+std::vector<std::string> unseen_by_phasors(Network const& n) {
+    std::vector<std::string> out;
+    auto const note = [&](auto const& elements, auto const& has, std::string_view words) {
+        auto const it = std::find_if(elements.begin(), elements.end(), has);
+        if (it != elements.end()) {
+            out.push_back(fmt::format("phasors do not know {} '{}'", words, it->name.name));
+        }
+    };
+    note(n.sources, [](Source const& s) { return !s.harmonics.empty(); }, "the harmonics of source");
+    note(n.transformers, [](Transformer const& t) { return t.saturation.has_value(); }, "the saturation of transformer");
+    note(n.lines, [](Line const& l) { return l.model == LineModel::bergeron; }, "the travelling waves of line");
+    note(n.line_types, [](LineType const& t) { return !t.phase_r_ohm_per_km.empty(); },
+         "unequal phases: they transpose the lines of type");
+    note(n.loads, [](Load const& l) { return !l.phase_p_kw.empty(); },
+         "loads by phase: they take a third of the sum for each of load");
+    return out;
 }
 
 std::vector<SignalDef> phasor_signals(Network const& network) {

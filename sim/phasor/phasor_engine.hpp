@@ -22,6 +22,9 @@ struct PhasorOptions {
 /// (docs/design/phasor.md). Fails when the network holds what it has no model for yet.
 [[nodiscard]] Result<std::unique_ptr<Engine>> make_phasor_engine(Network network, PhasorOptions options);
 
+/// What of this network phasors do not show, in words: harmonics, saturation, travelling waves, unbalance.
+[[nodiscard]] std::vector<std::string> unseen_by_phasors(Network const& network);
+
 /// The signals that such an engine has, without solving anything.
 [[nodiscard]] std::vector<SignalDef> phasor_signals(Network const& network);
 

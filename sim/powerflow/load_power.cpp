@@ -23,10 +23,16 @@ Value zip(double v, std::array<double, 3> const& shares) {
 } // namespace
 
 VoltagePower load_factor(Load const& load, double v, double floor_pu) {
+    if (load.model == LoadModel::dc_constant_power) {
+        // Its converter holds the power until its current is at the limit.
+        double const most = kConverterOverload * v;
+        return most < 1 ? VoltagePower{most, most, kConverterOverload, kConverterOverload} : VoltagePower{1, 1, 0, 0};
+    }
     double const at = v < floor_pu ? floor_pu : v;
     Value p, q;
     switch (load.model) {
     case LoadModel::constant_power:
+    case LoadModel::dc_constant_power:
         p = q = {1, 0};
         break;
     case LoadModel::constant_current:

@@ -129,6 +129,11 @@ PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerF
         node.p += power / base;
         node.q -= power / base * std::sqrt(1 - p.power_factor * p.power_factor) / p.power_factor;
     }
+    for (Battery const& b : n.batteries) {
+        PowerFlowProblem::Node& node = problem.nodes[bus_of(b.bus)];
+        node.p += battery_p_kw(b, scale(b.scale), b.soc_start_percent) / base;
+        node.q += b.q_kvar / base;
+    }
     problem.shunts.assign(problem.nodes.size(), Complex{});
     for (Shunt const& s : n.shunts) {
         problem.shunts[bus_of(s.bus)] += Complex{s.p_kw, s.q_kvar} / base;

@@ -254,6 +254,9 @@ class Feeder {
             }
             convert(node_of(pv.bus), {p, -p * std::sqrt(1 - pv.power_factor * pv.power_factor) / pv.power_factor});
         }
+        for (Battery const& b : n_.batteries) {
+            convert(node_of(b.bus), {battery_p_kw(b, scale(b.scale), b.soc_start_percent), b.q_kvar});
+        }
         for (Generator const& g : n_.generators) {
             if (g.role == GeneratorRole::pq) {
                 convert(node_of(g.bus), {g.p_kw, g.q_kvar});

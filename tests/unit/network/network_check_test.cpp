@@ -44,6 +44,43 @@ TEST(NetworkCheck, NamesImpedancesThatAreMissingInOneSequenceOrInATransformer) {
                                  ::testing::HasSubstr("transformer 'T' has no short-circuit impedance")));
 }
 
+TEST(NetworkCheck, NamesAnImpedanceThatIsTooSmallToComputeACurrentThrough) {
+    EXPECT_THAT(mistakes("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
+                         "lines: {L: {from: A, to: B, r_ohm: 1e-9}}\n"
+                         "generators: {G: {bus: A, role: slack}}\n"),
+                ::testing::HasSubstr("n.yaml:5:9: error: line 'L' has 1e-09 ohm, too little to compute its current: at "
+                                     "least 2.3e-09 ohm are needed here"));
+    EXPECT_EQ(mistakes("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
+                       "lines: {L: {from: A, to: B, r_ohm: 2.4e-9}}\n"
+                       "generators: {G: {bus: A, role: slack}}\n"),
+              "");
+}
+
+TEST(NetworkCheck, TwoIdealSourcesAtABusAreAnError) {
+    EXPECT_THAT(
+        mistakes("buses: {A: {voltage_v: 480}}\nsources: {S: {bus: A}}\ngenerators: {G: {bus: A, role: slack}}\n"),
+        ::testing::HasSubstr("generator 'G' holds the voltage of bus 'A', which source 'S' already does"));
+}
+
+TEST(NetworkCheck, KeysThatTheModelOfALoadDoesNotReadAreMistakes) {
+    std::string const head = "buses: {A: {voltage_v: 480}}\nsources: {S: {bus: A}}\nloads: {D: {bus: A, p_kw: 1, ";
+    EXPECT_THAT(mistakes(head + "exponent_p: 2}}\n"), ::testing::HasSubstr("it belongs to `model: exponential`"));
+    EXPECT_THAT(mistakes(head + "model: exponential, zip_p: [1, 0, 0]}}\n"),
+                ::testing::HasSubstr("it belongs to `model: zip`"));
+    EXPECT_THAT(mistakes(head + "model: dc_resistive, power_factor: 0.9}}\n"),
+                ::testing::HasSubstr("unity power factor"));
+    EXPECT_EQ(mistakes(head + "model: dc_constant_power, power_factor: 1}}\n"), "");
+}
+
+TEST(NetworkCheck, ABatteryBeyondItsRatingOrItsLimitsIsAMistake) {
+    std::string const head = "buses: {A: {voltage_v: 480}}\nsources: {S: {bus: A}}\nbatteries: {X: {bus: A, "
+                             "capacity_kwh: 1, rating_kva: 5, ";
+    EXPECT_THAT(mistakes(head + "p_kw: 4, q_kvar: 4}}\n"), ::testing::HasSubstr("more than its rating"));
+    EXPECT_THAT(mistakes(head + "soc_start_percent: 5, soc_min_percent: 10}}\n"),
+                ::testing::HasSubstr("'X' starts at 5 %"));
+    EXPECT_EQ(mistakes(head + "p_kw: -4}}\n"), "");
+}
+
 TEST(NetworkCheck, ABreakerThatIsOpenAtTheStartIslandsToo) {
     EXPECT_THAT(mistakes("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
                          "lines: {L: {from: A, to: B, r_ohm: 0.1, x_ohm: 0.2}}\n"
@@ -66,8 +103,10 @@ TEST(NetworkCheck, RefusesImpossibleElements) {
                 ::testing::AllOf(::testing::HasSubstr("joins buses of 480 V and 208 V"),
                                  ::testing::HasSubstr("line 'L' has no impedance")));
     EXPECT_THAT(mistakes("buses: {A: {voltage_v: 480}}\n"), ::testing::HasSubstr("nothing holds the voltage"));
-    EXPECT_THAT(mistakes("buses: {A: {voltage_v: 480}}\ngenerators: {X: {bus: A, role: slack}}\nloads: {X: {bus: A, p_kw: 1}}\n"),
-                ::testing::HasSubstr("the name 'X' is used twice"));
+    EXPECT_THAT(
+        mistakes(
+            "buses: {A: {voltage_v: 480}}\ngenerators: {X: {bus: A, role: slack}}\nloads: {X: {bus: A, p_kw: 1}}\n"),
+        ::testing::HasSubstr("the name 'X' is used twice"));
     EXPECT_THAT(mistakes("buses: {A: {voltage_v: 480}}\ngenerators: {G: {bus: A, role: slack}}\n"
                          "evs: {E: {capacity_kwh: 24, battery_v: 360, max_current_a: 15, soc_start_percent: 20}}\n"),
                 ::testing::HasSubstr("evs.E lacks the key 'bus'"));
