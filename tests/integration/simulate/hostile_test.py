@@ -174,7 +174,7 @@ loads: {D: {bus: A, p_kw: 1, model: constant_impedance}}
     def test_a_machine_that_runs_away_ends_the_run_with_its_name_and_the_time(self):
         text = SET_A.read_text().replace("inertia_h_s: 2.0", "inertia_h_s: 0.002").replace(
             "governor: {droop_percent: 4, tg_s: 0.05, tt_s: 0.15, integral_ki: 0}", "governor: {droop_percent: 1000, tg_s: 5, tt_s: 5}")
-        self.refused(r"(machine 'G1' runs away|diverge) at \d.*s", text, until="3s", signals="machine.*", events=(
+        self.refused(r"(machine 'G\d' runs away|diverge) at \d.*s", text, until="3s", signals="machine.*", events=(
             "events:\n  d: {at_s: 0.01, open: [CB1, CB3, CB5]}\n  l: {at_s: 0.05, disconnect: AC4}\n"))
 
     def test_the_time_of_an_opening_is_an_empty_cell_before_it(self):
