@@ -84,6 +84,8 @@ void Solver::resize() {
     correction_.assign(nodes, 0.0);
     watched_before_.assign(3 * (c.switches.size() + c.faults.size()), 0.0);
     watched_after_ = watched_before_;
+    core_share_.assign(c.cores.size(), 2.0);
+    core_beyond_.assign(c.cores.size(), 0);
 }
 
 Result<void> Solver::use(double h) {
@@ -148,6 +150,7 @@ Result<void> Solver::use(double h) {
 
 Result<void> Solver::advance(double t_end, double h) {
     double const least = kLeastSegment * step_s_;
+    int changes = 0; // without time between them
     for (double left = h; left > 0;) {
         part_contacts();
         double piece = left;
@@ -179,9 +182,10 @@ Result<void> Solver::advance(double t_end, double h) {
             return ok;
         }
         remember_currents(watched_after_);
-        Crossing const crossing = first_crossing();
+        Crossing const crossing = first_crossing(changes <= kMostChangesAtOnce);
         if (!crossing.found || crossing.share * piece >= piece - least) {
             left = last ? 0 : left - piece;
+            changes = 0;
             if (crossing.found) {
                 open_crossed(crossing.share);
             }
@@ -198,6 +202,7 @@ Result<void> Solver::advance(double t_end, double h) {
         };
         back();
         double const part = crossing.share * piece;
+        changes = part > least ? 0 : changes + 1;
         if (part > least) {
             if (auto ok = segment(t_start + part, part); !ok) {
                 return ok;

@@ -115,7 +115,8 @@ class Solver {
     [[nodiscard]] Result<void> use(double h);
     void part_contacts();
     void switched();
-    [[nodiscard]] Crossing first_crossing() const;
+    /// The first zero of an armed current or knee of a core in the segment that was just tried.
+    [[nodiscard]] Crossing first_crossing(bool look_at_cores);
     void open_crossed(double share);
     void remember_currents(std::vector<double>& out) const;
     [[nodiscard]] bool watching() const;
@@ -135,6 +136,8 @@ class Solver {
     std::vector<double> wave_history_, rl_history_, capacitor_history_, coupled_history_, winding_history_,
         core_history_, rhs_, correction_, injected_;
     std::vector<double> watched_before_, watched_after_; ///< currents of armed poles at both ends of a segment
+    std::vector<double> core_share_;       ///< by core: where in the segment its flux passes a knee; 2: nowhere
+    std::vector<signed char> core_beyond_; ///< and the slope that it enters there
     StepCoefficients usual_, other_;
     StepCoefficients const* coefficients_{nullptr};
     std::vector<std::shared_ptr<NodalSystem>> cache_; ///< of the usual step
@@ -146,6 +149,8 @@ class Solver {
 
     /// Nothing is cut shorter than this share of the usual step.
     static constexpr double kLeastSegment = 1e-5;
+    /// Cores that change slope to and fro at one instant keep theirs for a segment after so many changes.
+    static constexpr int kMostChangesAtOnce = 12;
 };
 
 } // namespace gridspace::sim::emt

@@ -51,7 +51,7 @@ double knee_share(double before, double after, double knee, int segment) {
 
 } // namespace
 
-Solver::Crossing Solver::first_crossing() const {
+Solver::Crossing Solver::first_crossing(bool look_at_cores) {
     Crossing first;
     auto const consider = [&](double share) {
         if (share <= 1 && share < first.share) {
@@ -74,7 +74,11 @@ Solver::Crossing Solver::first_crossing() const {
         }
     }
     for (std::size_t c = 0; c < circuit_.cores.size(); ++c) {
-        consider(knee_share(saved_.core_flux[c], state_.core_flux[c], circuit_.cores[c].knee, bits_.segment[c]));
+        double const before = saved_.core_flux[c], after = state_.core_flux[c];
+        signed char const slope = bits_.segment[c];
+        core_share_[c] = look_at_cores ? knee_share(before, after, circuit_.cores[c].knee, slope) : 2;
+        core_beyond_[c] = static_cast<signed char>(slope != 0 ? 0 : after > 0 ? 1 : -1);
+        consider(core_share_[c]);
     }
     return first;
 }
@@ -106,15 +110,8 @@ void Solver::open_crossed(double share) {
         }
     }
     for (std::size_t c = 0; c < circuit_.cores.size(); ++c) {
-        auto& segment = bits_.segment[c];
-        double const flux = state_.core_flux[c], knee = circuit_.cores[c].knee;
-        constexpr double kAtKnee = 1e-6;
-        if (segment == 0 && std::abs(flux) >= knee * (1 - kAtKnee)) {
-            segment = flux > 0 ? 1 : -1;
-        } else if (segment != 0 && segment * flux <= knee * (1 + kAtKnee)) {
-            // It enters the other slope only when it moves there: the crossing said so.
-            bool const leaves = segment * saved_.core_flux[c] > segment * flux;
-            segment = leaves ? static_cast<signed char>(0) : segment;
+        if (core_share_[c] <= share + kTogether) {
+            bits_.segment[c] = core_beyond_[c];
         }
     }
     switched();

@@ -32,13 +32,14 @@ LineTotals line_totals(Network const& network, Line const& line) {
     return t;
 }
 
+double battery_p_kw(Battery const& b, double scale) {
+    double const most = std::sqrt(std::max(0.0, b.rating_kva * b.rating_kva - b.q_kvar * b.q_kvar));
+    return std::clamp(b.p_kw * scale, -most, most);
+}
+
 double battery_p_kw(Battery const& b, double scale, double soc_percent) {
-    constexpr double kSamePercent = 1e-6; // what is left after a limit was met is no energy
-    double const most =
-        std::sqrt(b.rating_kva * b.rating_kva - std::min(b.q_kvar * b.q_kvar, b.rating_kva * b.rating_kva));
-    double const p = std::clamp(b.p_kw * scale, -most, most);
-    bool const spent =
-        p > 0 ? soc_percent <= b.soc_min_percent + kSamePercent : soc_percent >= b.soc_max_percent - kSamePercent;
+    double const p = battery_p_kw(b, scale);
+    bool const spent = p > 0 ? soc_percent <= b.soc_min_percent : soc_percent >= b.soc_max_percent;
     return spent ? 0 : p;
 }
 

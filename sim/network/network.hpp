@@ -332,8 +332,10 @@ struct LineTotals {
 /// More current than this share of its rating no converter gives.
 constexpr double kConverterOverload = 1.2;
 
-/// What a battery gives its bus at a state of charge (negative: takes), kW; `scale` is the value of its profile.
-/// Nothing out of an empty one or into a full one.
+/// What a battery is asked to give its bus (negative: take) within its rating, kW; `scale` is the value of its profile.
+[[nodiscard]] double battery_p_kw(Battery const& battery, double scale);
+
+/// The same at a state of charge: nothing out of an empty one or into a full one.
 [[nodiscard]] double battery_p_kw(Battery const& battery, double scale, double soc_percent);
 
 /// Change of its state of charge while it gives `p_kw`, percent per second.

@@ -187,30 +187,47 @@ BatteryComponent::BatteryComponent(Battery const& battery, std::size_t bus, doub
 
 void BatteryComponent::start(double, Complex, std::span<double> x) {
     x[0] = battery_.soc_start_percent;
+    at_ = x[0] <= battery_.soc_min_percent ? -1 : x[0] >= battery_.soc_max_percent ? 1 : 0;
 }
 
-Complex BatteryComponent::power(double t, double soc_percent, double v) const {
+double BatteryComponent::asked_kw(double t) const {
+    return connected_ ? battery_p_kw(battery_, scale_(t)) : 0;
+}
+
+Complex BatteryComponent::power(double t, double v) const {
     if (!connected_) {
         return {};
     }
-    Complex const s{battery_p_kw(battery_, scale_(t), soc_percent), battery_.q_kvar};
-    return within(s, v, battery_.rating_kva) / base_kva_;
+    double const p = asked_kw(t);
+    bool const spent = p > 0 ? at_ < 0 : at_ > 0;
+    return within({spent ? 0 : p, battery_.q_kvar}, v, battery_.rating_kva) / base_kva_;
 }
 
-Complex BatteryComponent::flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const {
-    Complex const s = power(t, x[0], std::abs(v));
+Complex BatteryComponent::flow(double t, std::span<double const>, Complex v, std::span<double> dx) const {
+    Complex const s = power(t, std::abs(v));
     dx[0] = battery_soc_slope(battery_, s.real() * base_kva_);
     return consumed(-s, v);
 }
 
 double BatteryComponent::event(double t, std::span<double const> x) const {
-    double const p = connected_ ? battery_p_kw(battery_, scale_(t), x[0]) : 0;
+    constexpr double kLeftPercent = 1e-6; // this far from a limit it is no longer at it
+    double const p = asked_kw(t);
+    if (at_ < 0) {
+        return battery_.soc_min_percent + kLeftPercent - x[0];
+    }
+    if (at_ > 0) {
+        return x[0] - battery_.soc_max_percent + kLeftPercent;
+    }
     return p == 0 ? 1 : p > 0 ? x[0] - battery_.soc_min_percent : battery_.soc_max_percent - x[0];
 }
 
 void BatteryComponent::on_event(std::span<double> x) {
-    bool const empty = x[0] - battery_.soc_min_percent < battery_.soc_max_percent - x[0];
-    x[0] = empty ? battery_.soc_min_percent : battery_.soc_max_percent;
+    if (at_ != 0) {
+        at_ = 0;
+        return;
+    }
+    at_ = x[0] - battery_.soc_min_percent < battery_.soc_max_percent - x[0] ? -1 : 1;
+    x[0] = at_ < 0 ? battery_.soc_min_percent : battery_.soc_max_percent;
 }
 
 std::vector<SignalDef> BatteryComponent::signals() const {
@@ -220,7 +237,7 @@ std::vector<SignalDef> BatteryComponent::signals() const {
 }
 
 double BatteryComponent::value(std::size_t signal, double t, std::span<double const> x, Complex v) const {
-    return signal == 2 ? x[0] : part(power(t, x[0], std::abs(v)), signal) * base_kva_;
+    return signal == 2 ? x[0] : part(power(t, std::abs(v)), signal) * base_kva_;
 }
 
 FixedPowerComponent::FixedPowerComponent(std::string name, Complex power_pu, double rating_pu, std::size_t bus,

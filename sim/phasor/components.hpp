@@ -97,8 +97,10 @@ class BatteryComponent final : public Component {
     void set_connected(bool connected) { connected_ = connected; }
 
   private:
-    [[nodiscard]] Complex power(double t, double soc_percent, double v) const;
+    [[nodiscard]] double asked_kw(double t) const;
+    [[nodiscard]] Complex power(double t, double v) const;
     Battery battery_;
+    int at_{0}; ///< -1: empty, 1: full; then it gives, or takes, nothing
     double base_kva_;
     Scale scale_;
     bool connected_{true};

@@ -564,12 +564,15 @@ std::vector<std::string> unseen_by_phasors(Network const& n) {
         }
     };
     note(n.sources, [](Source const& s) { return !s.harmonics.empty(); }, "the harmonics of source");
-    note(n.transformers, [](Transformer const& t) { return t.saturation.has_value(); }, "the saturation of transformer");
+    note(
+        n.transformers, [](Transformer const& t) { return t.saturation.has_value(); }, "the saturation of transformer");
     note(n.lines, [](Line const& l) { return l.model == LineModel::bergeron; }, "the travelling waves of line");
-    note(n.line_types, [](LineType const& t) { return !t.phase_r_ohm_per_km.empty(); },
-         "unequal phases: they transpose the lines of type");
-    note(n.loads, [](Load const& l) { return !l.phase_p_kw.empty(); },
-         "loads by phase: they take a third of the sum for each of load");
+    note(
+        n.line_types, [](LineType const& t) { return !t.phase_r_ohm_per_km.empty(); },
+        "unequal phases: they transpose the lines of type");
+    note(
+        n.loads, [](Load const& l) { return !l.phase_p_kw.empty(); },
+        "loads by phase: they take a third of the sum for each of load");
     return out;
 }
 
