@@ -409,10 +409,35 @@ class PhasorEngine final : public Engine {
         at = at != 0 ? 0 : rule.q_max - q < q - rule.q_min ? 1 : -1;
     }
 
+    /// Generators that a jump of the voltages has taken across a reactive limit. False when there are none.
+    bool cross_q_limits() {
+        constexpr double kTouching = -1e-9;
+        std::vector<double> values(dae_->events());
+        dae_->event_values(t_, y_, values);
+        bool any = false;
+        for (std::size_t i = 0; i < network_.buses.size(); ++i) {
+            if (values[components_.size() + i] < kTouching) {
+                reach_q_limit(i);
+                any = true;
+            }
+        }
+        return any;
+    }
+
     Result<void> restart() {
-        input_changed_ = false;
-        auto ok = solver_->restart(t_, y_, yp_);
-        return ok;
+        // Each round moves some generator to or from its limit; more than a few are a network that has no state.
+        for (std::size_t round = 0;; ++round) {
+            input_changed_ = false;
+            if (auto ok = solver_->restart(t_, y_, yp_); !ok) {
+                return ok;
+            }
+            if (round > 2 * network_.generators.size() || !cross_q_limits()) {
+                return {};
+            }
+            if (auto ok = set_topology(); !ok) {
+                return ok;
+            }
+        }
     }
 
     Result<void> check_voltages() const {

@@ -54,6 +54,21 @@ class PublishedCases(unittest.TestCase):
                             elif name.startswith("machine."):
                                 self.assertAlmostEqual(row[k], 60, delta=1e-5, msg=f"{name} at {row[0]} s")
 
+    def test_every_shipped_network_with_machines_stays_where_it_starts_for_a_second_in_both_solvers(self):
+        tried = 0
+        for network in sorted((SOURCE / "configs/networks").glob("*.yaml")):
+            if "\nmachines:" not in network.read_text():
+                continue
+            tried += 1
+            for solver in ("phasor", "emt"):
+                with self.subTest(network=network.name, solver=solver):
+                    header, rows = self.simulate(network, solver, "1s", *(["--every", "960"] if solver == "emt" else []))
+                    for k, name in enumerate(header[1:], 1):
+                        start = rows[0][k]
+                        allowed = 1e-5 if name.startswith("machine.") else 1e-6
+                        self.assertLess(max(abs(row[k] - start) for row in rows), allowed, name)
+        self.assertGreaterEqual(tried, 7)
+
     def test_a_fault_swings_the_machines_alike_in_both_solvers(self):
         network = convert("case9.m", self.folder / "n.yaml", "--frequency-hz", "50")
         events = self.folder / "e.yaml"
