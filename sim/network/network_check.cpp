@@ -165,6 +165,13 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
             diagnostics.error(t.name.where, fmt::format("{} has no short-circuit impedance", owner),
                               "give x_percent; an ideal transformer has no current that could be computed",
                               width(t.name));
+        } else if (std::hypot(t.r_percent, t.x_percent) / 100 * n.power_kva < kLeastImpedancePu * t.rating_kva) {
+            diagnostics.error(
+                t.name.where,
+                fmt::format("{} has {} %, too little to compute its current", owner,
+                            shortest(std::hypot(t.r_percent, t.x_percent))),
+                fmt::format("give it at least {:.2g} %", 100 * kLeastImpedancePu * t.rating_kva / n.power_kva),
+                width(t.name));
         }
     }
 }
