@@ -176,6 +176,31 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
     }
 }
 
+/// What the model of a load does not read is a mistake.
+void check_loads(Network const& n, Diagnostics& diagnostics) {
+    for (Load const& l : n.loads) {
+        auto const wrong = [&](std::string_view what, std::string hint) {
+            diagnostics.error(l.name.where, fmt::format("load '{}' {}", l.name.name, what), std::move(hint),
+                              width(l.name));
+        };
+        if (l.model != LoadModel::exponential && (l.exponent_p != 0 || l.exponent_q != 0)) {
+            wrong("has exponents, but its model is another", "they belong to `model: exponential`");
+        }
+        std::array<double, 3> const all_power{0, 0, 1};
+        if (l.model != LoadModel::zip && (l.zip_p != all_power || l.zip_q != all_power)) {
+            wrong("has shares zip_p or zip_q, but its model is another", "they belong to `model: zip`");
+        }
+        if (l.model != LoadModel::dc_resistive && l.model != LoadModel::dc_constant_power) {
+            continue;
+        }
+        if (!l.phase_p_kw.empty()) {
+            wrong("is a DC load: it has no powers by phase", "give p_kw");
+        } else if (l.q_kvar.value_or(0) != 0 || l.power_factor != 1) {
+            wrong("is a DC load: its rectifier has unity power factor", "leave out q_kvar and power_factor");
+        }
+    }
+}
+
 /// Between two ideal sources at one bus any current could flow.
 void check_ideal_sources(Network const& n, Diagnostics& diagnostics) {
     std::map<std::string, std::string> holders;
@@ -288,6 +313,7 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     check_names(n, diagnostics);
     check_branches(n, diagnostics);
     check_ideal_sources(n, diagnostics);
+    check_loads(n, diagnostics);
     check_line_ends(n, n.breakers, "breaker", diagnostics);
     check_line_ends(n, n.cts, "CT", diagnostics);
     at_bus(n, n.sources, "source", diagnostics);

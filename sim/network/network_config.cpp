@@ -350,30 +350,6 @@ void generator(Fields& f, Generator& g) {
     f.number("q_max_kvar", g.q_max_kvar, any("most reactive power"));
 }
 
-/// Keys that the chosen model does not read are mistakes.
-void load_model_keys(Fields& f, Load const& l, bool by_phase) {
-    auto const belongs = [&](std::string_view key, LoadModel model, std::string_view word) {
-        if (f.has(key) && l.model != model) {
-            f.error(key, fmt::format("load '{}' has {}, but its model is another", l.name.name, key),
-                    fmt::format("it belongs to `model: {}`", word));
-        }
-    };
-    belongs("exponent_p", LoadModel::exponential, "exponential");
-    belongs("exponent_q", LoadModel::exponential, "exponential");
-    belongs("zip_p", LoadModel::zip, "zip");
-    belongs("zip_q", LoadModel::zip, "zip");
-    bool const dc = l.model == LoadModel::dc_resistive || l.model == LoadModel::dc_constant_power;
-    if (dc && (l.q_kvar.value_or(0) != 0 || l.power_factor != 1) && !by_phase) {
-        std::string_view const key = f.has("q_kvar") ? "q_kvar" : "power_factor";
-        f.error(key, fmt::format("load '{}' is a DC load: its rectifier has unity power factor", l.name.name),
-                "leave it out");
-    }
-    if (dc && by_phase) {
-        f.error("phase_p_kw", fmt::format("load '{}' is a DC load: it has no powers by phase", l.name.name),
-                "give p_kw");
-    }
-}
-
 void load(Fields& f, Load& l) {
     f.reference("bus", l.bus, {.doc = "its bus", .required = true});
     f.numbers("phase_p_kw", l.phase_p_kw, any("active powers of phases a, b, c at 1 p.u., instead of p_kw"));
@@ -429,7 +405,6 @@ void load(Fields& f, Load& l) {
     if (f.has("q_kvar") && f.has("power_factor")) {
         f.error("q_kvar", fmt::format("load '{}' has both q_kvar and power_factor", l.name.name));
     }
-    load_model_keys(f, l, by_phase);
 }
 
 void shunt(Fields& f, Shunt& s) {

@@ -64,9 +64,9 @@ TEST(NetworkCheck, TwoIdealSourcesAtABusAreAnError) {
 
 TEST(NetworkCheck, KeysThatTheModelOfALoadDoesNotReadAreMistakes) {
     std::string const head = "buses: {A: {voltage_v: 480}}\nsources: {S: {bus: A}}\nloads: {D: {bus: A, p_kw: 1, ";
-    EXPECT_THAT(mistakes(head + "exponent_p: 2}}\n"), ::testing::HasSubstr("it belongs to `model: exponential`"));
+    EXPECT_THAT(mistakes(head + "exponent_p: 2}}\n"), ::testing::HasSubstr("they belong to `model: exponential`"));
     EXPECT_THAT(mistakes(head + "model: exponential, zip_p: [1, 0, 0]}}\n"),
-                ::testing::HasSubstr("it belongs to `model: zip`"));
+                ::testing::HasSubstr("they belong to `model: zip`"));
     EXPECT_THAT(mistakes(head + "model: dc_resistive, power_factor: 0.9}}\n"),
                 ::testing::HasSubstr("unity power factor"));
     EXPECT_EQ(mistakes(head + "model: dc_constant_power, power_factor: 1}}\n"), "");
