@@ -57,7 +57,9 @@ NETWORK = {
                  "G2": {"bus": "A", "type": "m", "rating_kva": 20, "p_kw": 8, "voltage_setpoint_pu": 1.005, "inertia_h_s": 3,
                         "governor": {"droop_percent": 5, "tg_s": 0.06, "tt_s": 0.2, "integral_ki": 0.5}}},
     "generators": {"Q": {"bus": "C", "role": "pq", "rating_kva": 6, "p_kw": 5, "q_kvar": 1},
-                   "V": {"bus": "D", "role": "pv", "rating_kva": 20, "p_kw": 5, "voltage_setpoint_pu": 0.99, "q_min_kvar": -1,
+                   "V": {"bus": "D", "role": "pv", "rating_kva": 20, "p_kw": 5, "voltage_setpoint_pu": 1.1, "q_min_kvar": -1,
+                         "q_max_kvar": 1},
+                   "W": {"bus": "F", "role": "pv", "rating_kva": 20, "p_kw": 1, "voltage_setpoint_pu": 0.8, "q_min_kvar": -1,
                          "q_max_kvar": 1}},
     "loads": {"D1": {"bus": "C", "p_kw": 5, "power_factor": 0.9, "model": "constant_impedance"},
               "D2": {"bus": "D", "p_kw": 5, "q_kvar": 2, "model": "exponential", "exponent_p": 1.3, "exponent_q": 2.1, "lag_s": 0.01,
@@ -86,7 +88,8 @@ UNBALANCED = {
 EVENTS = """events:
   e: {at_s: 0.001, set: {evs.E1.current_a: 100}}
   f: {at_s: 0.003, apply_fault: {line: M, position_percent: 60, type: 2ph_g, resistance_ohm: 0.005}, clear_after_ms: 8}
-  o: {at_s: 0.02, open: [K]}
+  o: {at_s: 0.006, open: [K]}
+  g: {at_s: 0.015, apply_fault: {bus: I, type: 1ph_g, resistance_ohm: 0.05}, clear_after_ms: 4}
 """
 # What each key becomes: path (section.element.key...), new value.
 CHANGES = {
@@ -126,7 +129,7 @@ CHANGES = {
     "machines.G.voltage_setpoint_pu": 1.01, "machines.G2.inertia_h_s": 4,
     **{f"machines.G2.governor.{k}": v for k, v in {"droop_percent": 6, "tg_s": 0.07, "tt_s": 0.3, "integral_ki": 2}.items()},
     "generators.Q.bus": "D", "generators.Q.role": "pv", "generators.Q.rating_kva": 8, "generators.Q.p_kw": 6, "generators.Q.q_kvar": 2,
-    "generators.V.voltage_setpoint_pu": 0.98, "generators.V.q_min_kvar": -0.9, "generators.V.q_max_kvar": 0.9,
+    "generators.V.voltage_setpoint_pu": 0.7, "generators.W.q_min_kvar": -0.9, "generators.V.q_max_kvar": 0.9,
     "loads.D1.bus": "D", "loads.D1.p_kw": 6, "loads.D1.power_factor": 0.8, "loads.D1.model": "constant_current", "loads.D2.q_kvar": 3,
     "loads.D2.exponent_p": 1.5, "loads.D2.exponent_q": 2.5, "loads.D2.lag_s": 0.02, "loads.D2.scale": "s",
     "loads.D3.zip_p": [0.5, 0.3, 0.2], "loads.D3.zip_q": [0.2, 0.3, 0.5],
