@@ -51,7 +51,7 @@ NETWORK = {
     "machine_types": {"m": {"model": "full", "constants_pu": {"xd": 1.3, "xq": 0.5, "xd1": 0.3, "xd2": 0.25, "xq2": 0.24, "xl": 0.18,
                                                               "x0": 0.1, "ra": 0.006},
                             "times_s": {"td01": 4.5, "td02": 0.06, "tq02": 0.1}, "inertia_h_s": 2, "damping_pu": 1,
-                            "avr": {"ka": 50, "ta_s": 0.02, "tr_s": 0.02, "efd_min_pu": 0.3719, "efd_max_pu": 2},
+                            "avr": {"ka": 50, "ta_s": 0.02, "tr_s": 0.02, "efd_min_pu": 0.3, "efd_max_pu": 2},
                             "governor": {"droop_percent": 4, "tg_s": 0.05, "tt_s": 0.15, "integral_ki": 1}}},
     "machines": {"G": {"bus": "B", "type": "m", "rating_kva": 30, "p_kw": 10, "voltage_setpoint_pu": 1.0},
                  "G2": {"bus": "A", "type": "m", "rating_kva": 20, "p_kw": 8, "voltage_setpoint_pu": 1.005, "inertia_h_s": 3,
@@ -87,6 +87,7 @@ UNBALANCED = {
 }
 EVENTS = """events:
   e: {at_s: 0.001, set: {evs.E1.current_a: 100}}
+  v: {at_s: 0.019, set: {machines.G.voltage_setpoint_pu: 0.9}}
   f: {at_s: 0.003, apply_fault: {line: M, position_percent: 60, type: 2ph_g, resistance_ohm: 0.005}, clear_after_ms: 8}
   o: {at_s: 0.006, open: [K]}
   g: {at_s: 0.015, apply_fault: {bus: I, type: 1ph_g, resistance_ohm: 0.05}, clear_after_ms: 4}
@@ -123,7 +124,7 @@ CHANGES = {
     **{f"machine_types.m.times_s.{k}": v for k, v in {"td01": 5, "td02": 0.07, "tq02": 0.12}.items()},
     "machine_types.m.inertia_h_s": 2.5, "machine_types.m.damping_pu": 2,
     **{f"machine_types.m.avr.{k}": v for k, v in
-       {"ka": 60, "ta_s": 0.03, "tr_s": 0.03, "efd_min_pu": 0.3, "efd_max_pu": 1.8}.items()},
+       {"ka": 60, "ta_s": 0.03, "tr_s": 0.03, "efd_min_pu": 0.25, "efd_max_pu": 1.8}.items()},
     **{f"machine_types.m.governor.{k}": v for k, v in {"droop_percent": 5, "tg_s": 0.06, "tt_s": 0.2, "integral_ki": 2}.items()},
     "machines.G.bus": "C", "machines.G.type": "m2", "machines.G.rating_kva": 40, "machines.G.p_kw": 11,
     "machines.G.voltage_setpoint_pu": 1.01, "machines.G2.inertia_h_s": 4,
