@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // gridspace simulate: a network on its own, without a bus and other processes.
+#include "common/comtrade/comtrade_writer.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/progress.hpp"
-#include "common/comtrade/comtrade_writer.hpp"
 #include "sim/app/engine_factory.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/phasor/phasor_engine.hpp"
@@ -301,6 +301,7 @@ int simulate(SimulateArguments const& a) {
     if (!columns) {
         return print_error(columns.error());
     }
+    (*engine)->will_read(*columns);
     Output output{**engine, *columns};
     double const trigger_s = timeline.empty() ? 0 : timeline.front().at_s.to_double();
     if (!a.csv.empty()) {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <numeric>
 
 namespace gridspace::sim::emt {
 
@@ -17,6 +18,8 @@ EmtEngine::EmtEngine(Network network, NetworkCircuit parts, EmtOptions options)
     : network_{std::move(network)}, parts_{std::move(parts)}, options_{options},
       solver_{parts_.circuit, options_.time_base.seconds(options_.step)} {
     plls_.assign(network_.buses.size(), Pll{network_.frequency_hz});
+    read_plls_.resize(plls_.size());
+    std::iota(read_plls_.begin(), read_plls_.end(), std::size_t{0});
     add_instruments();
     define_signals();
 }
@@ -126,7 +129,7 @@ Result<void> EmtEngine::step(double t_end, double h) {
     if (auto ok = solver_.advance(t_end, h); !ok) {
         return ok;
     }
-    for (std::size_t i = 0; i < plls_.size(); ++i) {
+    for (std::size_t const i : read_plls_) {
         Space const v = bus_voltage(i);
         plls_[i].step(v.alpha, v.beta, h);
     }
@@ -137,6 +140,16 @@ Result<void> EmtEngine::step(double t_end, double h) {
         }
     }
     return {};
+}
+
+void EmtEngine::will_read(std::span<std::size_t const> signals) {
+    read_plls_.clear();
+    for (auto const& [signal, bus] : pll_signals_) {
+        if (std::find(signals.begin(), signals.end(), signal) != signals.end() &&
+            (read_plls_.empty() || read_plls_.back() != bus)) {
+            read_plls_.push_back(bus);
+        }
+    }
 }
 
 Space EmtEngine::bus_voltage(std::size_t bus) const {

@@ -41,6 +41,7 @@ class EmtEngine final : public Engine {
     [[nodiscard]] Result<void> apply(Action const& action) override;
     [[nodiscard]] std::vector<SignalDef> const& signals() const override { return signals_; }
     [[nodiscard]] double value(std::size_t signal) const override { return readers_[signal](); }
+    void will_read(std::span<std::size_t const> signals) override;
 
   private:
     [[nodiscard]] Result<void> act(SetChargingCurrent const& a);
@@ -99,7 +100,9 @@ class EmtEngine final : public Engine {
     EmtOptions options_;
     Solver solver_;
     SimTime now_;
-    std::vector<Pll> plls_; ///< by bus
+    std::vector<Pll> plls_;                                        ///< by bus
+    std::vector<std::size_t> read_plls_;                           ///< buses whose loop somebody reads
+    std::vector<std::pair<std::size_t, std::size_t>> pll_signals_; ///< signal, bus
     std::vector<GridFollowing> followers_;
     std::vector<PhaseFollowing> phase_followers_; ///< by follower; used where it is by phase
     std::vector<std::array<std::complex<double>, 3>>

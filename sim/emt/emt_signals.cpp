@@ -53,8 +53,10 @@ void EmtEngine::bus_signals() {
                 std::fmod(2 * std::numbers::pi * network_.frequency_hz * solver_.t(), 2 * std::numbers::pi);
             return std::remainder(std::atan2(v.beta, v.alpha) - turned, 2 * std::numbers::pi) * kDegrees;
         });
-        signal(bus + ".frequency_hz", "Hz", [this, i] { return plls_[i].frequency_hz(); });
-        signal("pll." + name + ".hz", "Hz", [this, i] { return plls_[i].frequency_hz(); });
+        for (std::string const& loop : {bus + ".frequency_hz", "pll." + name + ".hz"}) {
+            pll_signals_.emplace_back(signals_.size(), i);
+            signal(loop, "Hz", [this, i] { return plls_[i].frequency_hz(); });
+        }
     }
 }
 

@@ -68,10 +68,12 @@ void fill_coefficients(Circuit const& c, double h, StepCoefficients& out) {
     out.rl_g.clear();
     out.rl_trapezoid.clear();
     out.rl_euler.clear();
+    out.rl_stores.clear();
     for (RlBranch const& b : c.rl) {
         out.rl_g.push_back(map_sequences(b.r, b.l, g, h));
         out.rl_trapezoid.push_back(map_sequences(b.r, b.l, trapezoid, h));
         out.rl_euler.push_back(map_sequences(b.r, b.l, euler, h));
+        out.rl_stores.push_back(b.l.one != 0 || b.l.mutual != 0 ? 1 : 0);
     }
     out.capacitor_g.clear();
     for (CapacitorBranch const& b : c.capacitors) {

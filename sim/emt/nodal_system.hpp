@@ -18,6 +18,7 @@ namespace gridspace::sim::emt {
 struct StepCoefficients {
     double h{0};
     std::vector<PhaseMatrix> rl_g, rl_trapezoid, rl_euler; ///< i' = g v' + (g v + trapezoid i), or + euler i
+    std::vector<unsigned char> rl_stores;                  ///< has an inductance: a resistance alone has no history
     std::vector<PhaseMatrix> capacitor_g;
     /// i' = g v' + history; history = v_past v + i_past i, one pair for each rule.
     struct Coupled {

@@ -16,8 +16,9 @@ constexpr double kNoVoltage = 1e-6;
 /// Sine and cosine of a small angle by their series (|x| < 0.5: exact to rounding), without the library.
 void small_rotation(double x, double& s, double& c) {
     double const y = x * x;
-    s = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72 * (1 - y / 110)))));
-    c = 1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90 * (1 - y / 132)))));
+    s = x + x * y * (-1. / 6 + y * (1. / 120 + y * (-1. / 5040 + y * (1. / 362880 + y * (-1. / 39916800)))));
+    c = 1 +
+        y * (-1. / 2 + y * (1. / 24 + y * (-1. / 720 + y * (1. / 40320 + y * (-1. / 3628800 + y * (1. / 479001600))))));
 }
 
 } // namespace

@@ -41,8 +41,12 @@ void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
         int const *from = system_->rl_from.data(), *to = system_->rl_to.data();
         PhaseMatrix const* past = trapezoid ? c.rl_trapezoid.data() : c.rl_euler.data();
         PhaseMatrix const* g = c.rl_g.data();
+        unsigned char const* stores = c.rl_stores.data();
         for (std::size_t b = 0; b < circuit_.rl.size();
-             ++b, v += 3, i += 3, history += 3, from += 3, to += 3, ++past, ++g) {
+             ++b, v += 3, i += 3, history += 3, from += 3, to += 3, ++past, ++g, ++stores) {
+            if (*stores == 0) {
+                continue;
+            }
             double common = past->mutual * (i[0] + i[1] + i[2]);
             double one = 0;
             if (trapezoid) {

@@ -6,6 +6,7 @@
 #include "common/time.hpp"
 #include "sim/engine/action.hpp"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ class Engine {
 
     [[nodiscard]] virtual std::vector<SignalDef> const& signals() const = 0;
     [[nodiscard]] virtual double value(std::size_t signal) const = 0;
+
+    /// From now on only these signals are read: what serves others alone need not be computed. All, when never called.
+    virtual void will_read(std::span<std::size_t const> /*signals*/) {}
 
     /// The index of a signal; signals().size() when there is none of that name.
     [[nodiscard]] std::size_t find_signal(std::string const& name) const {
