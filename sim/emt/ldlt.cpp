@@ -123,26 +123,26 @@ std::vector<int> Ldlt<S>::factor(int n, std::vector<Entry<S>> const& entries) {
 template <class S>
 void Ldlt<S>::solve(S* x) const {
     S* const w = work_.data();
-    int const* const rows = rows_.data();
-    S const* const values = values_.data();
+    int const *const order = order_.data(), *const start = start_.data(), *const rows = rows_.data();
+    S const *const values = values_.data(), *const inverse = inverse_pivot_.data();
     for (int k = 0; k < n_; ++k) {
-        w[k] = x[order_[static_cast<std::size_t>(k)]];
+        w[k] = x[order[k]];
     }
     for (int k = 0; k < n_; ++k) {
         S const wk = w[k];
-        for (int p = start_[static_cast<std::size_t>(k)]; p < start_[static_cast<std::size_t>(k) + 1]; ++p) {
+        for (int p = start[k]; p < start[k + 1]; ++p) {
             w[rows[p]] -= values[p] * wk;
         }
     }
     for (int k = n_ - 1; k >= 0; --k) {
-        S wk = w[k] * inverse_pivot_[static_cast<std::size_t>(k)];
-        for (int p = start_[static_cast<std::size_t>(k)]; p < start_[static_cast<std::size_t>(k) + 1]; ++p) {
+        S wk = w[k] * inverse[k];
+        for (int p = start[k]; p < start[k + 1]; ++p) {
             wk -= values[p] * w[rows[p]];
         }
         w[k] = wk;
     }
     for (int k = 0; k < n_; ++k) {
-        x[order_[static_cast<std::size_t>(k)]] = w[k];
+        x[order[k]] = w[k];
     }
 }
 
