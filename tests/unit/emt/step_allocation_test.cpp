@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A step of the whole waveform engine allocates nothing, with every kind of element in it. A program of its own: it
+// counts allocations.
+#include "tests/unit/emt/emt_fixture.hpp"
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::size_t allocations = 0;
+}
+[[gnu::noinline]] void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* p = std::malloc(size)) {
+        return p;
+    }
+    throw std::bad_alloc{};
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept {
+    std::free(p);
+}
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
+    std::free(p);
+}
+
+namespace gridspace::sim::emt {
+namespace {
+
+TimeBase const kBase{Rational{1, 48000}};
+
+/// Allocations of a thousand steps and of reading everything after each tenth.
+std::size_t allocations_of_steps(Network network) {
+    auto const sut = started(std::move(network), kBase, Rational{1, 48000});
+    std::size_t const signals = sut->signals().size();
+    double sum = 0;
+    bool fine = true;
+    auto const run = [&](int from, int to) {
+        for (int n = from + 1; n <= to; ++n) {
+            fine = sut->advance(SimTime{n}).has_value() && fine;
+            for (std::size_t i = 0; n % 10 == 0 && i < signals; ++i) {
+                sum += sut->value(i);
+            }
+        }
+    };
+    run(0, 100);
+    std::size_t const before = allocations;
+    run(100, 1100);
+    std::size_t const counted = allocations - before;
+    EXPECT_TRUE(fine);
+    EXPECT_NE(sum, 0);
+    return counted;
+}
+
+TEST(EmtEngineStep, AllocatesNothingWithMachinesAndInstruments) {
+    EXPECT_EQ(allocations_of_steps(shipped_network("adn_set_a.yaml")), 0U);
+    EXPECT_EQ(allocations_of_steps(shipped_network("wscc9.yaml")), 0U);
+}
+
+TEST(EmtEngineStep, AllocatesNothingWithConvertersWavesCoresAndFilters) {
+    EXPECT_EQ(allocations_of_steps(network_of(
+                  "buses: {A: {voltage_v: 20000}, B: {voltage_v: 20000}, C: {voltage_v: 400}}\n"
+                  "sources: {S: {bus: A, r_ohm: 0.1, l_mh: 1, harmonics: [{order: 5, percent: 1}]}}\n"
+                  "lines: {L: {from: A, to: B, r_ohm: 1, l_mh: 20, c_nf: 300, model: bergeron}}\n"
+                  "transformers: {T: {from: B, to: C, rating_kva: 400, x_percent: 4, magnetising_percent: 1, "
+                  "saturation: {knee_pu: 1.3, air_core_percent: 30}}}\n"
+                  "ct_types: {c: {filter: butterworth2, cutoff_hz: 2000, quantum_ma: 1, saturation: {knee_v: 100, "
+                  "magnetising_ma: 50, winding_ohm: 1, burden_ohm: 1, air_core_mh: 5}}}\n"
+                  "cts: {K: {line: L, end: to, type: c}}\nvt_types: {v: {}}\nvts: {V: {bus: B, type: v}}\n"
+                  "profiles: {p: {hours: [0, 1], values: [1, 0.5]}}\n"
+                  "loads:\n  P: {bus: C, p_kw: 40, model: constant_power, lag_s: 0.1, scale: p}\n"
+                  "  D: {bus: C, p_kw: 10, model: dc_constant_power}\n"
+                  "pv: {P1: {bus: C, p_kw: 20, scale: p}}\n"
+                  "generators: {G: {bus: C, role: pv, rating_kva: 50, p_kw: 5}}\n"
+                  "batteries: {X: {bus: C, capacity_kwh: 1, rating_kva: 20, p_kw: 10}}\n"
+                  "evs: {E: {bus: C, capacity_kwh: 1, battery_v: 360, max_current_a: 15, soc_start_percent: 20}}\n")),
+              0U);
+}
+
+TEST(EmtEngineStep, AnEventIsCounted) { // negative control
+    auto const sut = started(shipped_network("adn_set_a.yaml"), kBase, Rational{1, 48000});
+    advance(*sut, SimTime{1});
+    std::size_t const before = allocations;
+    apply(*sut, ApplyFault{"TL2", "", 50, FaultType::three_phase_ground, 0.01, "f"});
+    advance(*sut, SimTime{2});
+    EXPECT_GT(allocations, before);
+}
+
+} // namespace
+} // namespace gridspace::sim::emt
