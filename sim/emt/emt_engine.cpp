@@ -48,7 +48,19 @@ Result<void> EmtEngine::initialise() {
         bus_v.push_back({bus.v, bus.v / turn, bus.v * turn});
     }
     std::vector<double> generator_kvar;
-    for (auto const& unit : flow->generators) {
+    for (std::size_t g = 0; g < flow->generators.size(); ++g) {
+        auto const& unit = flow->generators[g];
+        Generator const& generator = network_.generators[g];
+        double const kva = std::hypot(unit.p_kw, unit.q_kvar), most = kConverterOverload * generator.rating_kva;
+        double const v = std::abs(flow->buses[index_of(network_.buses, generator.bus.name)].v);
+        if (generator.role == GeneratorRole::pv && most > 0 && kva > most * v) {
+            return fail(
+                ExitCode::usage,
+                fmt::format("generator '{}' would have to give {:.4g} kVA at the start, more than the {:.4g} kVA "
+                            "that its converter can ({} of rating_kva)",
+                            generator.name.name, kva, most * v, kConverterOverload),
+                "give it a larger rating_kva, reactive limits, or less power");
+        }
         generator_kvar.push_back(unit.q_kvar);
     }
     return begin(starts, start_followers(bus_v, generator_kvar));

@@ -7,6 +7,7 @@
 #include "sim/network/matlab_case.hpp"
 #include "sim/network/network_check.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
@@ -44,7 +45,8 @@ class Table {
 
 class Converter {
   public:
-    Converter(MatlabCase const& source, std::shared_ptr<config::SourceText const> text, config::Diagnostics& diagnostics)
+    Converter(MatlabCase const& source, std::shared_ptr<config::SourceText const> text,
+              config::Diagnostics& diagnostics)
         : case_{source}, text_{std::move(text)}, diagnostics_{diagnostics} {}
 
     Network convert() {
@@ -149,7 +151,10 @@ class Converter {
             Generator g;
             g.name = ref(fmt::format("G{}", r + 1), table.line(r));
             g.bus = ref(bus_name(number), table.line(r));
-            g.rating_kva = table.at(r, 7) * 1e3;
+            // mBase is a base, not a limit: what the unit may give at most is its rating; 0 where nothing limits it.
+            double const p_most = std::max(std::abs(table.at(r, 2)), table.at(r, 9));
+            double const most = std::hypot(p_most, std::max(std::abs(table.at(r, 4)), std::abs(table.at(r, 5))));
+            g.rating_kva = std::isfinite(most) && most < 1e9 ? std::max(most, table.at(r, 7)) * 1e3 : 0;
             g.p_kw = table.at(r, 2) * 1e3;
             g.q_kvar = table.at(r, 3) * 1e3;
             g.q_max_kvar = table.at(r, 4) * 1e3;

@@ -61,6 +61,19 @@ TEST(EmtConverters, AGeneratorThatHoldsItsVoltageStartsSettledAndBringsItBack) {
     EXPECT_NEAR(read(*sut, "generator.G.q_kvar") - q, (40 - 9.686) * 1.02 * 1.02, 0.5);
 }
 
+TEST(EmtConverters, AGeneratorThatWouldStartBeyondItsConverterIsRefusedByName) {
+    auto const sut =
+        make_emt_engine(network_of("buses: {A: {voltage_v: 400}, B: {voltage_v: 400}}\nsources: {S: {bus: A}}\n"
+                                   "lines: {L: {from: A, to: B, r_ohm: 0.05, l_mh: 0.3}}\n"
+                                   "generators: {G: {bus: B, role: pv, rating_kva: 20, p_kw: 30}}\n"
+                                   "loads: {D: {bus: B, p_kw: 20, model: constant_impedance}}\n"),
+                        {kBase, SimSpan{1}, 0});
+    ASSERT_TRUE(sut.has_value());
+    auto const ok = (*sut)->initialise();
+    ASSERT_FALSE(ok.has_value());
+    EXPECT_NE(ok.error().message.find("generator 'G' would have to give 3"), std::string::npos) << ok.error().message;
+}
+
 TEST(EmtConverters, AnIdealSourceReportsWhatItsBusTakes) {
     auto const sut = started(network_of("buses: {A: {voltage_v: 400}}\ngenerators: {G: {bus: A, role: slack}}\n"
                                         "loads: {D: {bus: A, p_kw: 20, q_kvar: 5, model: constant_impedance}}\n"),
