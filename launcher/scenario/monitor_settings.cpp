@@ -70,6 +70,7 @@ void add_network(Node& run, sim::Network const& network) {
     add_devices(network.shunts, "shunt");
     add_devices(network.pv, "pv");
     add_devices(network.evs, "ev");
+    add_devices(network.batteries, "battery");
     run.set("buses", std::move(buses));
     run.set("branches", std::move(branches));
     run.set("breakers", std::move(breakers));
