@@ -11,6 +11,7 @@
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
+#include "gateways/port/statistics.hpp"
 #include "ids/forecaster/model_file.hpp"
 
 #include <array>
@@ -108,6 +109,13 @@ class RelayAgent {
             return std::unexpected{publisher.error()};
         }
         trip_ = std::move(*publisher);
+        auto statistics = gateways::StatisticsPublisher::create(node_);
+        if (!statistics) {
+            return std::unexpected{statistics.error()};
+        }
+        statistics_ = std::move(*statistics);
+        stream_rows_ = {&statistics_->add(from->name.name, STREAM_RECEIVED), &statistics_->add(to->name.name, STREAM_RECEIVED),
+                        &statistics_->add(trip->name.name, STREAM_SENT)};
         return open_signals();
     }
 
@@ -327,6 +335,13 @@ class RelayAgent {
             return;
         }
         reported_ = second;
+        for (std::size_t i = 0; i < 2; ++i) {
+            gateways::report_received(*stream_rows_[i], inputs_->end(i).subscriber);
+            stream_rows_[i]->dropped(port_->dropped());
+        }
+        gateways::report_sent(*stream_rows_[2], trip_->counters());
+        stream_rows_[2]->dropped(port_->sent_counters().send_failed);
+        statistics_->publish(time);
         std::array<double, 12> row{};
         std::size_t const columns = node_.lockstep() ? 5 : 6;
         std::int64_t const wall = clock_.now();
@@ -373,6 +388,8 @@ class RelayAgent {
     std::unique_ptr<CurrentInputs> inputs_;
     std::unique_ptr<WirePort> port_;
     std::unique_ptr<TripPublisher> trip_;
+    std::unique_ptr<gateways::StatisticsPublisher> statistics_;
+    std::array<StreamStatistics*, 3> stream_rows_{}; ///< both currents, the trip
     std::unique_ptr<bus::SignalPublisher> state_signals_, counter_signals_;
     std::array<std::unique_ptr<bus::SignalPublisher>, 2> arrival_ages_; ///< real time
     std::unique_ptr<bus::SignalPublisher> decision_ages_;               ///< real time
