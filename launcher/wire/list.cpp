@@ -33,6 +33,10 @@ void print_table(Observer const& observer, ethernet::Port& port, std::int64_t no
     }
     fmt::print("{} frames, {} undecodable, {} dropped by the kernel; link {}\n", observer.frames(),
                observer.errors().total(), port.counters().dropped, state_name(port.maintain()));
+    if (observer.beyond_table() > 0) {
+        fmt::print("{} samples and messages of more than {} streams are not in the table\n", observer.beyond_table(),
+                   Observer::kMaxStreams);
+    }
     std::fflush(stdout);
 }
 
@@ -42,6 +46,7 @@ void print_json(Observer const& observer, ethernet::Port& port, std::int64_t now
                                {"frames", observer.frames()},
                                {"undecodable", observer.errors().total()},
                                {"dropped", port.counters().dropped},
+                               {"beyond_table", observer.beyond_table()},
                                {"streams", nlohmann::ordered_json::array()}};
     for (ObservedStream const* s : observer.streams()) {
         nlohmann::ordered_json j{{"kind", s->goose ? "goose" : "smv"},
