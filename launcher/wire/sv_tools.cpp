@@ -91,6 +91,7 @@ void print_frame(SvFrame const& frame, std::int64_t stamp_ns, streams::Stream co
 void print_second(Observer const& observer, ethernet::Port& port) {
     Json out{{"time_ns", utc_ns()},
              {"dropped", port.counters().dropped},
+             {"foreign", port.foreign()},
              {"undecodable", observer.errors().total()},
              {"streams", Json::array()}};
     for (ObservedStream const* s : observer.streams()) {
