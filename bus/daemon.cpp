@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstdio>
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -127,7 +128,16 @@ bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, c
             f.error("program", fmt::format("this file is for {}, and this is {}", program, daemon.program));
         }
         f.object("bus", {.doc = "its place on the bus and in the simulation clock", .required = true},
-                 [&](config::Fields& b) { describe(b, node); });
+                 [&](config::Fields& b) {
+                     describe(b, node);
+                     std::error_code ignored;
+                     if (node.qos.empty()) {
+                         b.error("", "no QoS profiles are named", "qos: FILE, of the folder `qos` of the installation or the source tree");
+                     } else if (!std::filesystem::is_regular_file(node.qos, ignored)) {
+                         b.error("qos", fmt::format("there is no file '{}'", node.qos.string()),
+                                 "the profiles are in the folder `qos` of the installation or the source tree");
+                     }
+                 });
         bool const given = f.object("settings", {.doc = "what the program itself does"}, daemon.describe_settings);
         if (!given) { // required settings are still missed
             config::Node const empty = config::Node::map(root->where);
