@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstdio>
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -118,6 +119,7 @@ bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, c
     if (!root) {
         return false;
     }
+    config::SourceMark qos_at;
     config::read_fields(*root, "", diagnostics, [&](config::Fields& f) {
         f.text("process", node.process, {.doc = "name of this process in the run", .required = true});
         node.program = daemon.program;
@@ -127,13 +129,24 @@ bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, c
             f.error("program", fmt::format("this file is for {}, and this is {}", program, daemon.program));
         }
         f.object("bus", {.doc = "its place on the bus and in the simulation clock", .required = true},
-                 [&](config::Fields& b) { describe(b, node); });
+                 [&](config::Fields& b) {
+                     describe(b, node);
+                     if (node.qos.empty()) {
+                         b.error("", "no QoS profiles are named", "qos: FILE, of the folder `qos` of the installation or the source tree");
+                     }
+                     qos_at = b.where("qos");
+                 });
         bool const given = f.object("settings", {.doc = "what the program itself does"}, daemon.describe_settings);
         if (!given) { // required settings are still missed
             config::Node const empty = config::Node::map(root->where);
             config::read_fields(empty, "settings", diagnostics, daemon.describe_settings);
         }
     });
+    std::error_code ignored;
+    if (!node.qos.empty() && !std::filesystem::is_regular_file(node.qos, ignored)) { // it may be on another machine
+        diagnostics.warning(qos_at, fmt::format("there is no file '{}'", node.qos.string()),
+                            "the QoS profiles are in the folder `qos` of the installation or the source tree");
+    }
     if (diagnostics.ok() && daemon.check) {
         daemon.check(diagnostics);
     }

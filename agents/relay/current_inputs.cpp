@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 namespace gridspace::relay {
 namespace {
@@ -15,13 +16,14 @@ Synch synch_of(std::uint8_t smp_synch) {
     return smp_synch == iec61850::kNotSynchronised ? Synch::none : smp_synch == iec61850::kGlobalClock ? Synch::global : Synch::local;
 }
 
-Result<CurrentInputs::End> make_end(streams::Stream const& stream, std::array<std::string, 3> const& channels) {
-    CurrentInputs::End end{iec61850::SvSubscriber{gateways::sv_subscription(stream)}, iec61850::SvLayout{stream.data_set}};
+Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs::Params const& params) {
+    CurrentInputs::End end{iec61850::SvSubscriber{gateways::sv_subscription(stream)}, iec61850::SvLayout{stream.data_set}, {}, {}, 1,
+                           gateways::SvFirstLine{params.first_line, stream.rate_hz.to_double(), params.accept_test, params.judge_arrival}};
     auto const& slots = end.layout.slots();
     for (std::size_t phase = 0; phase < 3; ++phase) {
-        auto const slot = end.layout.index_of(channels[phase]);
+        auto const slot = end.layout.index_of(params.channels[phase]);
         if (!slot || !iec61850::is_number(slots[*slot].leaf.type)) {
-            return fail(ExitCode::usage, fmt::format("stream '{}' has no number '{}'", stream.name.name, channels[phase]));
+            return fail(ExitCode::usage, fmt::format("stream '{}' has no number '{}'", stream.name.name, params.channels[phase]));
         }
         end.current[phase] = *slot;
         end.scale = iec61850::is_integer(slots[*slot].leaf.type) ? 1e-3 : 1.0;
@@ -34,17 +36,18 @@ Result<CurrentInputs::End> make_end(streams::Stream const& stream, std::array<st
 
 } // namespace
 
-Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams::Stream const& to,
-                                            std::array<std::string, 3> const& channels, std::int64_t partner_timeout_ns) {
+Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams::Stream const& to, Params const& params) {
     std::vector<End> ends;
     for (streams::Stream const* stream : {&from, &to}) {
-        auto end = make_end(*stream, channels);
+        auto end = make_end(*stream, params);
         if (!end) {
             return std::unexpected{end.error()};
         }
         ends.push_back(std::move(*end));
     }
-    return CurrentInputs{std::move(ends), partner_timeout_ns, static_cast<std::uint32_t>(from.rate_hz.num())};
+    // Who refuses looks for a second claim to a sample, which comes at most a sample later.
+    bool const refuses = params.first_line.on_finding == gateways::FirstLineConfig::OnFinding::refuse;
+    return CurrentInputs{std::move(ends), params.partner_timeout_ns, static_cast<std::uint32_t>(from.rate_hz.num()), refuses ? 1 : 0};
 }
 
 EndSample CurrentInputs::read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu) {
@@ -66,21 +69,43 @@ EndSample CurrentInputs::read(End const& end, iec61850::SvFrame const& frame, ie
     return sample;
 }
 
-void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair) {
+/// Whether the sample may be used, by the rules and by what is configured about them.
+bool CurrentInputs::pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place, std::int64_t arrival_ns) {
+    auto const verdict = ends_[end].first_line.judge(decoded_.header, asdu, place, arrival_ns);
+    if ((verdict.findings & ~gateways::kHarmlessSvFindings) != 0 && on_finding_) {
+        on_finding_(end, verdict.findings, decoded_.header.source);
+    }
+    if (verdict.contested) { // both are questionable: the one that was taken, and this one
+        if (EndSample* const taken = alignment_.waiting(end, asdu.smp_cnt)) {
+            taken->validity = std::max(taken->validity, Validity::questionable);
+        } else {
+            ends_[end].contest_next = true;
+        }
+    }
+    return verdict.use;
+}
+
+void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair, std::int64_t arrival_ns) {
     if (auto const read_frame = iec61850::decode_sv(octets, decoded_); !read_frame) {
         damaged_.count(read_frame.error().reason);
         return;
     }
-    for (iec61850::Asdu const& asdu : decoded_.view()) {
+    auto const asdus = decoded_.view();
+    for (std::size_t place = 0; place < asdus.size(); ++place) {
+        iec61850::Asdu const& asdu = asdus[place];
         for (std::size_t i = 0; i < ends_.size(); ++i) {
             End& end = ends_[i];
-            if (!end.subscriber.is_mine(asdu)) {
+            if (!end.subscriber.is_mine(asdu) || !pass_first_line(i, asdu, place, arrival_ns)) {
                 continue;
             }
             iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, now_ns);
             if (arrival.accepted) {
                 bool const restarted = arrival.event == iec61850::SvEvent::first || arrival.event == iec61850::SvEvent::restart;
-                alignment_.push(i, asdu.smp_cnt, asdu.smp_synch, read(end, decoded_, asdu), now_ns, restarted);
+                EndSample sample = read(end, decoded_, asdu);
+                if (std::exchange(end.contest_next, false)) {
+                    sample.validity = std::max(sample.validity, Validity::questionable);
+                }
+                alignment_.push(i, asdu.smp_cnt, asdu.smp_synch, sample, now_ns, restarted);
                 give_out(now_ns, on_pair);
             }
         }
@@ -93,6 +118,9 @@ void CurrentInputs::give_out(std::int64_t now_ns, OnPair const& on_pair) {
         sample.index = pair->index;
         sample.from = pair->first.value_or(EndSample{});
         sample.to = pair->second.value_or(EndSample{});
+        if (sample.from.present && sample.to.present && !pair->coherent()) { // each may have a clock, but not the same one
+            sample.from.synch = sample.to.synch = Synch::none;
+        }
         on_pair(sample);
     }
 }

@@ -4,6 +4,7 @@
 
 #include "agents/relay/line_sample.hpp"
 #include "common/result.hpp"
+#include "gateways/first_line/first_line.hpp"
 #include "gateways/iec61850/stream_alignment.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
@@ -20,12 +21,22 @@ class CurrentInputs {
   public:
     /// `channels`: members of the data sets that hold the phase currents. An integer counts milliamperes (9-2LE); a member
     /// of type quality right behind a current is its quality.
-    [[nodiscard]] static Result<CurrentInputs> create(streams::Stream const& from, streams::Stream const& to,
-                                                      std::array<std::string, 3> const& channels, std::int64_t partner_timeout_ns);
+    struct Params {
+        std::array<std::string, 3> channels;
+        std::int64_t partner_timeout_ns{20'000'000};
+        gateways::FirstLineConfig first_line;
+        bool accept_test{false};   ///< simulated frames are nothing suspicious
+        bool judge_arrival{false}; ///< real time: when a frame came says something
+    };
+    [[nodiscard]] static Result<CurrentInputs> create(streams::Stream const& from, streams::Stream const& to, Params const& params);
 
     using OnPair = std::function<void(LineSample const&)>;
-    /// A frame of sampled values. Pairs that are complete now are given out.
-    void frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair);
+    /// What the first-line rules found in a frame of end 0 or 1.
+    using OnFinding = std::function<void(std::size_t end, std::uint32_t findings, iec61850::Mac const& source)>;
+    void on_finding(OnFinding on_finding) { on_finding_ = std::move(on_finding); }
+    /// A frame of sampled values. Pairs that are complete now are given out. `arrival_ns`: when the kernel received it, on
+    /// any axis.
+    void frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair, std::int64_t arrival_ns = 0);
     /// When time alone gives something out, or a stream falls silent.
     [[nodiscard]] std::optional<std::int64_t> deadline() const;
     void elapse(std::int64_t now_ns, OnPair const& on_pair);
@@ -36,13 +47,16 @@ class CurrentInputs {
         std::array<std::size_t, 3> current{};
         std::array<std::optional<std::size_t>, 3> quality{};
         double scale{1};
+        gateways::SvFirstLine first_line;
+        bool contest_next{false}; ///< a contested sample had been given out already: its successor answers for it
     };
     [[nodiscard]] End const& end(std::size_t i) const { return ends_[i]; }
     [[nodiscard]] iec61850::DecodeCounters const& damaged() const { return damaged_; }
 
   private:
-    CurrentInputs(std::vector<End> ends, std::int64_t timeout_ns, std::uint32_t wrap)
-        : ends_{std::move(ends)}, alignment_{timeout_ns, wrap} {}
+    CurrentInputs(std::vector<End> ends, std::int64_t timeout_ns, std::uint32_t wrap, std::int64_t held_back)
+        : ends_{std::move(ends)}, alignment_{timeout_ns, wrap, held_back} {}
+    [[nodiscard]] bool pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place, std::int64_t arrival_ns);
     [[nodiscard]] static EndSample read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu);
     void give_out(std::int64_t now_ns, OnPair const& on_pair);
 
@@ -50,6 +64,7 @@ class CurrentInputs {
     iec61850::StreamAlignment<EndSample> alignment_;
     iec61850::SvFrame decoded_;
     iec61850::DecodeCounters damaged_;
+    OnFinding on_finding_;
 };
 
 } // namespace gridspace::relay

@@ -11,6 +11,8 @@
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
+#include "gateways/port/first_line_report.hpp"
+#include "gateways/port/statistics.hpp"
 #include "ids/forecaster/model_file.hpp"
 
 #include <array>
@@ -93,7 +95,10 @@ class RelayAgent {
         if (auto ok = make_relay(*params, from->rate_hz); !ok) {
             return ok;
         }
-        auto inputs = CurrentInputs::create(*from, *to, config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6));
+        bool const accept_test = config.logic.test_mode;
+        auto inputs = CurrentInputs::create(*from, *to,
+                                            {config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6), config.first_line,
+                                             accept_test, !node_.lockstep()});
         if (!inputs) {
             return std::unexpected{inputs.error()};
         }
@@ -108,7 +113,39 @@ class RelayAgent {
             return std::unexpected{publisher.error()};
         }
         trip_ = std::move(*publisher);
+        auto statistics = gateways::StatisticsPublisher::create(node_);
+        if (!statistics) {
+            return std::unexpected{statistics.error()};
+        }
+        statistics_ = std::move(*statistics);
+        stream_rows_ = {&statistics_->add(from->name.name, STREAM_RECEIVED), &statistics_->add(to->name.name, STREAM_RECEIVED),
+                        &statistics_->add(trip->name.name, STREAM_SENT)};
+        if (auto ok = open_first_line(); !ok) {
+            return ok;
+        }
         return open_signals();
+    }
+
+    Result<void> open_first_line() {
+        if (settings_.relay.first_line.on_finding == gateways::FirstLineConfig::OnFinding::ignore) {
+            return {};
+        }
+        std::vector<gateways::FirstLineReport::Stream> streams;
+        std::array<config::Ref const*, 2> const names{&settings_.relay.from_stream, &settings_.relay.to_stream};
+        for (std::size_t i = 0; i < 2; ++i) {
+            gateways::SvFirstLine const& rules = inputs_->end(i).first_line;
+            streams.push_back({names[i]->name, streams::Kind::smv, [&rules] { return rules.counters(); }, [&rules] { return rules.refused(); },
+                               [&rules] { return rules.contested(); }});
+        }
+        auto report = gateways::FirstLineReport::create(node_, run_, std::move(streams));
+        if (!report) {
+            return std::unexpected{report.error()};
+        }
+        first_line_ = std::move(*report);
+        inputs_->on_finding([this](std::size_t end, std::uint32_t findings, iec61850::Mac const& source) {
+            first_line_->finding(end, findings, source, now());
+        });
+        return {};
     }
 
     Result<void> make_relay(RelayParams const& params, Rational rate_hz) {
@@ -197,6 +234,9 @@ class RelayAgent {
         if (intrusion_ != nullptr) {
             intrusion_->announce(now);
         }
+        if (first_line_ != nullptr) {
+            first_line_->announce(now);
+        }
         trip_->announce(now);
         now_ns_ = node_.lockstep() ? clock_.of(now) : clock_.now();
         trip_->start(now_ns_);
@@ -249,7 +289,7 @@ class RelayAgent {
         for (bus::WireFrame const* frame : port_->take(iec61850::kSvEthertype)) {
             now_ns_ = clock_.now();
             std::array<std::uint64_t, 2> const before{samples_of(0), samples_of(1)};
-            inputs_->frame(WirePort::octets(*frame), now_ns_, on_pair_);
+            inputs_->frame(WirePort::octets(*frame), now_ns_, on_pair_, frame->kernel_ns);
             for (std::size_t i = 0; i < 2; ++i) {
                 if (samples_of(i) != before[i] && frame->kernel_ns != 0) {
                     publish_age(*arrival_ages_[i], inputs_->end(i).subscriber.last_index(), frame->kernel_ns);
@@ -327,6 +367,17 @@ class RelayAgent {
             return;
         }
         reported_ = second;
+        for (std::size_t i = 0; i < 2; ++i) {
+            gateways::report_received(*stream_rows_[i], inputs_->end(i).subscriber);
+            stream_rows_[i]->refused(stream_rows_[i]->refused() + inputs_->end(i).first_line.refused());
+            stream_rows_[i]->dropped(port_->dropped());
+        }
+        gateways::report_sent(*stream_rows_[2], trip_->counters());
+        stream_rows_[2]->dropped(port_->sent_counters().send_failed);
+        statistics_->publish(time);
+        if (first_line_ != nullptr) {
+            first_line_->report(time);
+        }
         std::array<double, 12> row{};
         std::size_t const columns = node_.lockstep() ? 5 : 6;
         std::int64_t const wall = clock_.now();
@@ -373,6 +424,9 @@ class RelayAgent {
     std::unique_ptr<CurrentInputs> inputs_;
     std::unique_ptr<WirePort> port_;
     std::unique_ptr<TripPublisher> trip_;
+    std::unique_ptr<gateways::FirstLineReport> first_line_; ///< unless the rules are off
+    std::unique_ptr<gateways::StatisticsPublisher> statistics_;
+    std::array<StreamStatistics*, 3> stream_rows_{}; ///< both currents, the trip
     std::unique_ptr<bus::SignalPublisher> state_signals_, counter_signals_;
     std::array<std::unique_ptr<bus::SignalPublisher>, 2> arrival_ages_; ///< real time
     std::unique_ptr<bus::SignalPublisher> decision_ages_;               ///< real time

@@ -19,6 +19,7 @@ void describe(config::Fields& f, RelayConfig& config) {
     f.choice<Output>("trip_output", config.trip_output, {{"enabled", Output::enabled}, {"blocked", Output::blocked}},
                      {.doc = "blocked: it decides and records, and sends no trip"});
     describe(f, config.logic);
+    describe(f, config.first_line);
     f.object("ids", {.doc = "intrusion detector in front of the relay"}, [&](config::Fields& d) { describe(d, config.ids.emplace()); });
     f.fraction("latency_us", config.latency_us, {.doc = "from a frame to the message; in real time the message is held back until then", .min = 0});
     f.number("frequency_hz", config.frequency_hz, {.doc = "nominal frequency; from the network when not given", .above = 0});

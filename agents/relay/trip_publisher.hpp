@@ -30,6 +30,7 @@ class TripPublisher {
     void start(std::int64_t now_ns);
 
     [[nodiscard]] std::uint64_t sent() const { return sent_; }
+    [[nodiscard]] iec61850::GoosePublisher::Counters const& counters() const { return publisher_->counters(); }
 
   private:
     struct Change {

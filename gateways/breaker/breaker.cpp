@@ -22,6 +22,7 @@ GatewayConfig table_of(BreakerConfig const& breaker, std::string const& process)
     mapping.to.topic = breaker.to;
     mapping.to.type.name = "TripCommand";
     mapping.accept_test = breaker.accept_test;
+    mapping.first_line = breaker.first_line;
     mapping.fields = Node::map();
     mapping.fields.set("source", Node::map()).set("value", Node::quoted_text(process));
     Node& status = mapping.fields.set("status", Node::map());

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/config/fields.hpp"
 #include "common/rational.hpp"
+#include "gateways/first_line/first_line_config.hpp"
 
 #include <string>
 
@@ -17,6 +17,7 @@ struct BreakerConfig {
     Ref to;                      ///< DDS topic of TripCommand
     enum class OnLoss { hold, open } on_loss{OnLoss::hold};
     bool accept_test{false};     ///< act on messages marked simulated
+    FirstLineConfig first_line;
     Rational latency_us{1000};   ///< from the message to the effect of the command; in real time no sooner
 
     [[nodiscard]] Ref stream() const { return {from.name.substr(0, from.name.find('.')), from.where}; }

@@ -9,9 +9,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fmt/format.h>
+#include <fstream>
 #include <linux/ethtool.h>
 #include <linux/sockios.h>
 #include <net/if.h>
+#include <sstream>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
@@ -86,6 +88,21 @@ std::string interface_driver(std::string const& interface) {
         return {};
     }
     return {info.driver, ::strnlen(info.driver, sizeof info.driver)};
+}
+
+std::optional<std::uint64_t> interface_received(std::string const& interface) {
+    // Of the calling thread's network namespace; /sys may still show another one's.
+    std::ifstream table{"/proc/thread-self/net/dev"};
+    for (std::string line; std::getline(table, line);) {
+        std::size_t const colon = line.find(':');
+        if (colon == std::string::npos || trim(line.substr(0, colon)) != interface) {
+            continue;
+        }
+        std::istringstream numbers{line.substr(colon + 1)};
+        std::uint64_t octets = 0, frames = 0;
+        return numbers >> octets >> frames ? std::optional{frames} : std::nullopt;
+    }
+    return std::nullopt;
 }
 
 std::vector<std::string> interfaces() {

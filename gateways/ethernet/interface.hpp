@@ -5,6 +5,7 @@
 #include "common/result.hpp"
 #include "gateways/iec61850/frame.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ enum class LinkState : std::uint8_t {
 [[nodiscard]] Result<unsigned> interface_index(std::string const& interface);
 [[nodiscard]] Result<iec61850::Mac> interface_mac(std::string const& interface);
 [[nodiscard]] std::vector<std::string> interfaces();
+/// Frames of any kind that the interface has received since it was made; nothing when the kernel does not say.
+[[nodiscard]] std::optional<std::uint64_t> interface_received(std::string const& interface);
 /// "veth", "e1000e", ...; empty when it does not say.
 [[nodiscard]] std::string interface_driver(std::string const& interface);
 

@@ -4,6 +4,7 @@
 
 #include "gateways/ethernet/packet_socket.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <ctime>
@@ -18,6 +19,9 @@ struct Port::Impl {
     std::unique_ptr<Receiver> receiver;
     PortCounters counters;
     Mac mac;
+    std::uint64_t already_received{0};  ///< by the interface, when it was opened
+    std::uint64_t accounted_before{0};  ///< of received and dropped, when it was opened
+    std::uint64_t foreign_before{0};    ///< at interfaces of the same name that are gone
 
     static constexpr std::size_t kBatch = 64;
     std::array<mmsghdr, kBatch> messages{};
@@ -35,6 +39,9 @@ struct Port::Impl {
             way = way ? std::move(way) : make_batch_receiver(made->fd.get());
         }
         auto const own = interface_mac(options.interface);
+        already_received = options.receive ? interface_received(options.interface).value_or(0) : 0;
+        accounted_before = counters.received + counters.dropped;
+        foreign_before = counters.foreign;
         if (auto bound = bind_socket(*made, options); !bound) {
             return bound;
         }
@@ -93,6 +100,17 @@ PortCounters const& Port::counters() noexcept {
     return impl_->counters;
 }
 
+std::uint64_t Port::foreign() {
+    Impl& impl = *impl_;
+    auto const all = impl.options.receive && impl.socket.fd ? interface_received(impl.options.interface) : std::nullopt;
+    if (all) {
+        std::uint64_t const since = *all - std::min(impl.already_received, *all);
+        std::uint64_t const ours = counters().received + counters().dropped - impl.accounted_before;
+        impl.counters.foreign = impl.foreign_before + (since - std::min(ours, since));
+    }
+    return impl.counters.foreign;
+}
+
 std::size_t Port::receive(std::span<ReceivedFrame> out) noexcept {
     if (!impl_->receiver) {
         return 0;
@@ -121,6 +139,16 @@ bool Port::wait(std::int64_t timeout_ns) const noexcept {
         ::getsockopt(fd(), SOL_SOCKET, SO_ERROR, &error, &size);
     }
     return ready > 0 && (entry.revents & POLLIN) != 0;
+}
+
+bool Port::send(Octets frame) noexcept {
+    Impl& impl = *impl_;
+    ssize_t sent = -1;
+    do { // one frame alone is cheaper without the batch around it
+        sent = impl.socket.fd ? ::send(fd(), frame.data(), frame.size(), MSG_DONTWAIT) : -1;
+    } while (sent < 0 && impl.socket.fd && errno == EINTR);
+    ++(sent >= 0 ? impl.counters.sent : impl.counters.send_failed);
+    return sent >= 0;
 }
 
 std::size_t Port::send(std::span<Octets const> frames) noexcept {

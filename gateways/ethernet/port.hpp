@@ -36,6 +36,7 @@ struct PortCounters {
     std::uint64_t send_failed{0};            ///< not taken by the kernel (link down, queue full)
     std::uint64_t truncated{0}, filtered{0}; ///< filtered: by us, not by the kernel
     std::uint64_t reconnects{0};
+    std::uint64_t foreign{0}; ///< on the interface since it was opened, and not asked for; as of the last Port::foreign()
 };
 
 /// Raw Ethernet frames of one interface (AF_PACKET). Not one frame is lost at the start: filter, memberships and
@@ -58,7 +59,7 @@ class Port {
     /// Hands frames to the kernel, all in one call where possible. Returns how many it took (they are counted; those
     /// that it did not take are not sent later).
     std::size_t send(std::span<Octets const> frames) noexcept;
-    bool send(Octets frame) noexcept { return send(std::span{&frame, 1}) == 1; }
+    bool send(Octets frame) noexcept;
 
     /// Looks after the link; call it a few times per second. Opens the interface again when it has come back.
     LinkState maintain();
@@ -68,6 +69,9 @@ class Port {
     [[nodiscard]] bool uses_ring() const noexcept;
     /// Asks the kernel for its drop counter.
     [[nodiscard]] PortCounters const& counters() noexcept;
+    /// How many frames of the interface the filter has kept away, by the interface's own count. Reads a file of the
+    /// kernel: for who reports, not for who receives.
+    [[nodiscard]] std::uint64_t foreign();
 
   private:
     struct Impl;

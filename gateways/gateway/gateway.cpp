@@ -27,8 +27,8 @@ struct Gateway::Event {
     std::uint16_t ethertype{0};
 };
 
-Gateway::Gateway(GatewaySettings const& settings, bus::Node& node, GatewayGuest* guest)
-    : settings_{settings}, node_{node}, guest_{guest}, grid_{node.config().clock}, clock_{node} {}
+Gateway::Gateway(GatewaySettings const& settings, DaemonRun& run, bus::Node& node, GatewayGuest* guest)
+    : settings_{settings}, run_{run}, node_{node}, guest_{guest}, grid_{node.config().clock}, clock_{node} {}
 Gateway::~Gateway() = default;
 
 Result<void> Gateway::run() {
@@ -139,6 +139,9 @@ Result<void> Gateway::prepare() {
     if (auto ok = open_signals(); !ok) {
         return ok;
     }
+    if (auto ok = open_first_line(); !ok) {
+        return ok;
+    }
     if (guest_ != nullptr) {
         if (auto ok = guest_->prepare(node_, sources_); !ok) {
             return ok;
@@ -155,7 +158,7 @@ Result<void> Gateway::open_route(Route& route) {
     if (route.from_stream == nullptr) {
         sources_.push_back(make_topic_source(route, **sink));
     } else if (route.from_stream->kind == streams::Kind::smv) {
-        sources_.push_back(make_sv_source(route, **sink));
+        sources_.push_back(make_sv_source(route, **sink, node_.lockstep()));
     } else {
         sources_.push_back(make_goose_source(route, **sink, clock_));
     }
@@ -295,6 +298,35 @@ Result<void> Gateway::open_signals() {
     return {};
 }
 
+/// The rules of every mapping from a stream that has them.
+Result<void> Gateway::open_first_line() {
+    std::vector<FirstLineReport::Stream> watched;
+    for (std::size_t i = 0; i < routes_.size(); ++i) {
+        streams::Stream const* stream = routes_[i].from_stream;
+        if (stream == nullptr || routes_[i].config.first_line.on_finding == FirstLineConfig::OnFinding::ignore) {
+            continue;
+        }
+        Source* source = sources_[i].get();
+        source->on_finding([this, at = watched.size()](Moment when, std::uint32_t findings, iec61850::Mac const& from) {
+            first_line_->finding(at, findings, from, when.time);
+        });
+        // Two mappings of one stream see the same frames: the name of the mapping tells them apart.
+        bool const again = std::any_of(watched.begin(), watched.end(), [&](auto const& w) { return w.name == stream->name.name; });
+        watched.push_back({again ? stream->name.name + "." + routes_[i].config.name.name : stream->name.name, stream->kind,
+                           [source] { return source->findings(); }, [source] { return source->first_line_refused(); },
+                           [source] { return source->contested(); }});
+    }
+    if (watched.empty()) {
+        return {};
+    }
+    auto report = FirstLineReport::create(node_, run_, std::move(watched));
+    if (!report) {
+        return std::unexpected{report.error()};
+    }
+    first_line_ = std::move(*report);
+    return {};
+}
+
 void Gateway::begin(bus::Tick const& tick) {
     bool const has_zero = node_.start_unix_ns() != 0 || node_.config().clock.simulator.empty(); // UTC counts from 1970
     if (pacer_ != nullptr && has_zero) {
@@ -316,6 +348,9 @@ void Gateway::begin(bus::Tick const& tick) {
         if (watch != nullptr) {
             watch->signals->announce(tick.time);
         }
+    }
+    if (first_line_ != nullptr) {
+        first_line_->announce(tick.time);
     }
     if (guest_ != nullptr) {
         guest_->announce(tick.time);
@@ -426,6 +461,9 @@ void Gateway::publish_counters(bus::Tick const& tick) {
         row->dropped(row->direction() == STREAM_SENT ? sent.send_failed : port_->dropped());
     }
     statistics_->publish(tick.time);
+    if (first_line_ != nullptr) {
+        first_line_->report(tick.time);
+    }
     if (counters_ == nullptr) {
         return;
     }
@@ -473,7 +511,7 @@ int run_gateway(GatewayProgram const& program, GatewaySettings& settings, int ar
                             }
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
                                 auto const guest = program.guest ? program.guest(run) : nullptr;
-                                return Gateway{settings, node, guest.get()}.run();
+                                return Gateway{settings, run, node, guest.get()}.run();
                             });
                         }};
     return run_daemon(daemon, argc, argv);

@@ -7,6 +7,7 @@
 #include "bus/tick_grid.hpp"
 #include "gateways/gateway/sample_pacer.hpp"
 #include "gateways/gateway/source.hpp"
+#include "gateways/port/first_line_report.hpp"
 #include "gateways/port/statistics.hpp"
 
 #include <map>
@@ -35,7 +36,7 @@ class GatewayGuest {
 /// simulated time and takes effect a latency later, whatever the tick.
 class Gateway {
   public:
-    Gateway(GatewaySettings const& settings, bus::Node& node, GatewayGuest* guest = nullptr);
+    Gateway(GatewaySettings const& settings, DaemonRun& run, bus::Node& node, GatewayGuest* guest = nullptr);
     ~Gateway();
 
     /// Until the run is over.
@@ -51,6 +52,7 @@ class Gateway {
     [[nodiscard]] Result<bus::CdrWriter*> writer_of(Route const& route);
     [[nodiscard]] Result<void> open_reader(Route const& route, Source& source);
     [[nodiscard]] Result<void> open_signals();
+    [[nodiscard]] Result<void> open_first_line();
     void begin(bus::Tick const& tick);
     void finish(Moment at);
     void take_input(bus::Tick const& tick);
@@ -65,6 +67,7 @@ class Gateway {
     void publish_ages();
 
     GatewaySettings const& settings_;
+    DaemonRun& run_;
     bus::Node& node_;
     GatewayGuest* guest_;
     bus::TickGrid grid_;
@@ -82,6 +85,7 @@ class Gateway {
     iec61850::GooseFrame goose_;
     std::uint64_t undecodable_{0};
 
+    std::unique_ptr<FirstLineReport> first_line_; ///< of all mappings from streams; may be empty
     std::unique_ptr<StatisticsPublisher> statistics_;
     std::vector<StreamStatistics*> rows_; ///< by mapping
     std::unique_ptr<bus::SignalPublisher> counters_;

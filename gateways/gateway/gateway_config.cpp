@@ -106,6 +106,10 @@ void describe_mapping(Fields& f, MappingConfig& m) {
     f.integer("per_message", m.per_message,
               {.doc = "with `each`, to a topic: so many samples in a message", .min = 1, .max = 4096});
     f.flag("accept_test", m.accept_test, {.doc = "take frames that are marked as simulated, instead of real ones"});
+    describe(f, m.first_line);
+    if (m.from.is_topic() && f.has("first_line")) {
+        f.error("first_line", "the rules are for frames, and this mapping's source is a topic", "leave `first_line` out");
+    }
     f.number("lost_after_ms", m.lost_after_ms,
              {.doc = "the topic is lost when it was silent for so long; 0: never", .min = 0});
     f.choice<Start>("start", m.start, {{"first_sample", Start::first_sample}, {"at_once", Start::at_once}},

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/config/fields.hpp"
 #include "common/rational.hpp"
+#include "gateways/first_line/first_line_config.hpp"
 
 #include <cstdint>
 #include <map>
@@ -55,6 +55,7 @@ struct MappingConfig {
     std::int64_t every{1};       ///< sampled values: one sample in so many
     std::int64_t per_message{1}; ///< with `each`: so many samples in a message
     bool accept_test{false};     ///< take frames that are marked as simulated
+    FirstLineConfig first_line;  ///< from a stream
     // to a stream
     double lost_after_ms{0}; ///< the topic is lost when it was silent for so long; 0: never
     enum class Start { first_sample, at_once } start{Start::first_sample};

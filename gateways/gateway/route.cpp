@@ -127,6 +127,10 @@ class RouteMaker {
                                       : fmt::format("there are: {}", join(names, ", ")));
                 return false;
             }
+            if (stream->broken) {
+                stream = nullptr;
+                return false;
+            }
             fields = mapping::fields_of(stream->data_set);
             if (source) {
                 route_.stream_fields = fields.size();

@@ -115,13 +115,15 @@ void fill_common(std::vector<Value>& in, std::size_t first, bool alive, bool sim
 
 class SvSource final : public Source {
   public:
-    SvSource(Route& route, Sink& sink)
-        : Source{route, sink}, subscriber_{subscription_of(route)}, layout_{route.from_stream->data_set} {}
+    SvSource(Route& route, Sink& sink, bool lockstep)
+        : Source{route, sink}, subscriber_{subscription_of(route)}, layout_{route.from_stream->data_set},
+          first_line_{route.config.first_line, route.from_stream->rate_hz.to_double(), route.config.accept_test, !lockstep} {}
 
     void receive(Moment at, iec61850::SvFrame const& frame) override {
-        for (iec61850::Asdu const& asdu : frame.view()) {
-            if (subscriber_.is_mine(asdu)) {
-                receive(at, frame.header, asdu);
+        auto const asdus = frame.view();
+        for (std::size_t place = 0; place < asdus.size(); ++place) {
+            if (subscriber_.is_mine(asdus[place]) && may_use(at, frame.header, asdus[place], place)) {
+                receive(at, frame.header, asdus[place]);
             }
         }
     }
@@ -136,13 +138,25 @@ class SvSource final : public Source {
     void report(StreamStatistics& out) override {
         Source::report(out);
         report_received(out, subscriber_);
+        out.refused(out.refused() + first_line_.refused());
     }
+    [[nodiscard]] std::span<std::uint64_t const> findings() const override { return first_line_.counters(); }
+    [[nodiscard]] std::uint64_t first_line_refused() const override { return first_line_.refused(); }
+    [[nodiscard]] std::uint64_t contested() const override { return first_line_.contested(); }
 
   private:
     static iec61850::SvSubscription subscription_of(Route const& route) {
         auto out = sv_subscription(*route.from_stream);
         out.simulation = route.config.accept_test;
         return out;
+    }
+
+    bool may_use(Moment at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu, std::size_t place) {
+        auto const verdict = first_line_.judge(header, asdu, place, at.kernel_ns != 0 ? at.kernel_ns : at.ns);
+        if ((verdict.findings & ~kHarmlessSvFindings) != 0 && on_finding_) {
+            on_finding_(at, verdict.findings, header.source);
+        }
+        return verdict.use;
     }
 
     void receive(Moment at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu) {
@@ -173,14 +187,28 @@ class SvSource final : public Source {
 
     iec61850::SvSubscriber subscriber_;
     iec61850::SvLayout layout_;
+    SvFirstLine first_line_;
 };
 
 class GooseSource final : public Source {
   public:
     GooseSource(Route& route, Sink& sink, WireClock const& clock)
-        : Source{route, sink}, clock_{clock}, subscriber_{subscription_of(route)} {}
+        : Source{route, sink}, clock_{clock}, subscriber_{subscription_of(route)},
+          first_line_{route.config.first_line, route.from_stream->timing.min_time_ms, route.from_stream->timing.max_time_ms,
+                      route.config.accept_test} {}
 
     void receive(Moment at, iec61850::GooseFrame const& message) override {
+        if (message.gocb_ref != route_.from_stream->control_block) {
+            return;
+        }
+        if (auto const first = first_line_.judge(message, clock_.utc_ns(at.ns)); first.findings != 0) {
+            if (on_finding_) {
+                on_finding_(at, first.findings, message.header.source);
+            }
+            if (!first.use) {
+                return;
+            }
+        }
         auto const verdict = subscriber_.receive(message, at.ns, clock_.utc_ns(at.ns));
         if (verdict.event == iec61850::GooseEvent::not_ours) {
             return;
@@ -203,6 +231,7 @@ class GooseSource final : public Source {
     [[nodiscard]] std::optional<std::int64_t> deadline() const override { return subscriber_.deadline(); }
     void expire(Moment at) override {
         if (subscriber_.expire(at.ns)) {
+            first_line_.expired();
             fill(false, false);
             lost(at);
         }
@@ -210,7 +239,10 @@ class GooseSource final : public Source {
     void report(StreamStatistics& out) override {
         Source::report(out);
         report_received(out, subscriber_);
+        out.refused(out.refused() + first_line_.refused());
     }
+    [[nodiscard]] std::span<std::uint64_t const> findings() const override { return first_line_.counters(); }
+    [[nodiscard]] std::uint64_t first_line_refused() const override { return first_line_.refused(); }
 
   private:
     static iec61850::GooseSubscription subscription_of(Route const& route) {
@@ -232,6 +264,7 @@ class GooseSource final : public Source {
 
     WireClock const& clock_;
     iec61850::GooseSubscriber subscriber_;
+    GooseFirstLine first_line_;
     std::uint64_t refused_{0};
 };
 
@@ -240,8 +273,8 @@ class GooseSource final : public Source {
 std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink) {
     return std::make_unique<TopicSource>(route, sink);
 }
-std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink) {
-    return std::make_unique<SvSource>(route, sink);
+std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep) {
+    return std::make_unique<SvSource>(route, sink, lockstep);
 }
 std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock) {
     return std::make_unique<GooseSource>(route, sink, clock);

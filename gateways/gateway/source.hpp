@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "gateways/first_line/first_line.hpp"
 #include "gateways/gateway/sink.hpp"
 #include "gateways/iec61850/goose_subscriber.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
@@ -26,6 +27,9 @@ class Source {
         std::function<void(Moment at, iec61850::GooseFrame const&, iec61850::GooseVerdict const&)>
             heard; ///< every message of the stream
     };
+    /// What the first-line rules found in a frame of the stream.
+    using OnFinding = std::function<void(Moment at, std::uint32_t findings, iec61850::Mac const& source)>;
+    void on_finding(OnFinding on_finding) { on_finding_ = std::move(on_finding); }
 
     virtual ~Source() = default;
     [[nodiscard]] Route const& route() const { return route_; }
@@ -39,6 +43,11 @@ class Source {
     /// When the source counts as lost unless something comes; and: that moment has come.
     [[nodiscard]] virtual std::optional<std::int64_t> deadline() const = 0;
     virtual void expire(Moment at) = 0;
+
+    /// Counters of the first-line rules; none without a stream.
+    [[nodiscard]] virtual std::span<std::uint64_t const> findings() const { return {}; }
+    [[nodiscard]] virtual std::uint64_t first_line_refused() const { return 0; }
+    [[nodiscard]] virtual std::uint64_t contested() const { return 0; }
 
     /// Its part of the statistics.
     virtual void report(StreamStatistics& out);
@@ -55,11 +64,12 @@ class Source {
     Sink& sink_;
     std::vector<mapping::Value> in_; ///< a value per field of the source
     Observer observer_;
+    OnFinding on_finding_;
     bool alive_{false};
 };
 
 [[nodiscard]] std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink);
-[[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink);
+[[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep);
 /// `utc_ns`: for the skew of a message's time.
 [[nodiscard]] std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock);
 

@@ -39,7 +39,20 @@ class StreamAlignment {
         std::uint64_t pairs{0}, first_missing{0}, second_missing{0}, too_late{0}, restarts{0};
     };
 
-    StreamAlignment(std::int64_t timeout_ns, std::uint32_t wrap) : timeout_ns_{timeout_ns}, wrap_{wrap} {}
+    /// `held_back`: a pair waits until both streams are so many samples past it (or for the timeout), so that what is
+    /// said about it meanwhile, waiting(), still counts.
+    StreamAlignment(std::int64_t timeout_ns, std::uint32_t wrap, std::int64_t held_back = 0)
+        : timeout_ns_{timeout_ns}, wrap_{wrap}, held_back_{held_back} {}
+
+    /// The sample of `stream` with this counter, while it has not been given out; nullptr otherwise.
+    [[nodiscard]] T* waiting(std::size_t stream, std::uint16_t smp_cnt) noexcept {
+        if (!next_ || !ends_[stream].started) {
+            return nullptr;
+        }
+        std::int64_t const index = congruent(smp_cnt, ends_[stream].newest);
+        Slot& slot = slots_[static_cast<std::size_t>(index) & (kCapacity - 1)];
+        return slot.index == index && slot.values[stream] ? &*slot.values[stream] : nullptr;
+    }
 
     /// Sample `smp_cnt` of stream 0 or 1. `restarted`: the first of the stream, or behind a jump of its counter.
     void push(std::size_t stream, std::uint16_t smp_cnt, std::uint8_t synch, T const& value, std::int64_t now_ns,
@@ -91,7 +104,8 @@ class StreamAlignment {
         }
         Slot& slot = slots_[static_cast<std::size_t>(*next_) & (kCapacity - 1)];
         bool const here = slot.index == *next_;
-        bool const both = here && slot.values[0] && slot.values[1];
+        bool const both = here && slot.values[0] && slot.values[1] &&
+                          std::min(ends_[0].newest, ends_[1].newest) - *next_ >= held_back_;
         if (!both && !past(here ? &slot : nullptr, now_ns)) {
             return std::nullopt;
         }
@@ -153,7 +167,7 @@ class StreamAlignment {
     [[nodiscard]] bool past(Slot const* slot, std::int64_t now_ns) const noexcept {
         bool const first_done = (slot != nullptr && slot->values[0]) || (ends_[0].started && ends_[0].newest > *next_);
         bool const second_done = (slot != nullptr && slot->values[1]) || (ends_[1].started && ends_[1].newest > *next_);
-        if (first_done && second_done) {
+        if (first_done && second_done && std::min(ends_[0].newest, ends_[1].newest) - *next_ >= held_back_) {
             return true;
         }
         auto const at = deadline();
@@ -168,6 +182,7 @@ class StreamAlignment {
 
     std::int64_t timeout_ns_;
     std::uint32_t wrap_;
+    std::int64_t held_back_;
     std::array<Slot, kCapacity> slots_{};
     std::array<End, 2> ends_{};
     std::optional<std::int64_t> next_;

@@ -77,6 +77,81 @@ Decoded<void> read_asdu(Tlv const& asdu, Asdu& out) noexcept {
     return {};
 }
 
+/// An ASDU as nearly every publisher writes it: the standard's order, fixed widths, lengths of one octet. False: it is
+/// written in another way, or wrong, and read_asdu() has to look; `out` then holds anything.
+bool read_usual_asdu(Tlv const& asdu, Asdu& out) noexcept {
+    constexpr std::ptrdiff_t kCounters = 10, kSynch = 3, kHead = 2; // smpCnt and confRev; smpSynch; tag and length
+    std::uint8_t const* at = asdu.value.data();
+    std::uint8_t const* const end = at + asdu.value.size();
+    auto const left = [&] { return end - at; };
+    std::uint16_t fields = kMandatory;
+
+    if (left() < kHead || at[0] != 0x80 || at[1] >= 0x80 || left() < kHead + at[1] + kCounters + kSynch + kHead) {
+        return false;
+    }
+    out.sv_id = text_of({at + kHead, at[1]});
+    at += kHead + at[1];
+    out.dat_set = {};
+    if (at[0] == 0x81) {
+        if (at[1] >= 0x80 || left() < kHead + at[1] + kCounters + kSynch + kHead) {
+            return false;
+        }
+        out.dat_set = text_of({at + kHead, at[1]});
+        fields |= Asdu::dat_set_field;
+        at += kHead + at[1];
+    }
+    if (load_be<std::uint16_t>(at) != 0x8202 || load_be<std::uint16_t>(at + 4) != 0x8304) {
+        return false;
+    }
+    out.smp_cnt = load_be<std::uint16_t>(at + 2);
+    out.conf_rev = load_be<std::uint32_t>(at + 6);
+    at += kCounters;
+    out.refr_tm = {};
+    if (at[0] == 0x84) {
+        if (at[1] != 8 || left() < kHead + 8 + kSynch + kHead) {
+            return false;
+        }
+        out.refr_tm = UtcTime::from_bits(load_be<std::uint64_t>(at + kHead));
+        fields |= Asdu::refr_tm_field;
+        at += kHead + 8;
+    }
+    if (load_be<std::uint16_t>(at) != 0x8501) {
+        return false;
+    }
+    out.smp_synch = at[2];
+    at += kSynch;
+    out.smp_rate = 0;
+    if (at[0] == 0x86) {
+        if (at[1] != 2 || left() < kHead + 2 + kHead) {
+            return false;
+        }
+        out.smp_rate = load_be<std::uint16_t>(at + kHead);
+        fields |= Asdu::smp_rate_field;
+        at += kHead + 2;
+    }
+    if (at[0] != 0x87 || at[1] >= 0x80 || left() < kHead + at[1]) {
+        return false;
+    }
+    out.sample = {at + kHead, at[1]};
+    at += kHead + at[1];
+    out.smp_mod = 0;
+    if (left() >= kHead + 2 && load_be<std::uint16_t>(at) == 0x8802) {
+        out.smp_mod = load_be<std::uint16_t>(at + kHead);
+        fields |= Asdu::smp_mod_field;
+        at += kHead + 2;
+    }
+    out.gm_identity = 0;
+    if (left() >= kHead + 8 && load_be<std::uint16_t>(at) == 0x8908) {
+        out.gm_identity = load_be<std::uint64_t>(at + kHead);
+        fields |= Asdu::gm_identity_field;
+        at += kHead + 8;
+    }
+    out.fields = fields;
+    out.offset = asdu.offset;
+    return at == end;
+}
+
+template <bool kShortcut>
 Decoded<void> read_sequence(Tlv const& sequence, SvFrame& out) noexcept {
     BerCursor cursor{sequence};
     Tlv asdu;
@@ -90,17 +165,18 @@ Decoded<void> read_sequence(Tlv const& sequence, SvFrame& out) noexcept {
         if (out.count == kMaxAsdus) {
             return std::unexpected{asdu.error(Reason::too_many)};
         }
-        if (auto ok = read_asdu(asdu, out.asdus[out.count]); !ok) {
-            return ok;
+        if (!kShortcut || !read_usual_asdu(asdu, out.asdus[out.count])) {
+            if (auto ok = read_asdu(asdu, out.asdus[out.count]); !ok) {
+                return ok;
+            }
         }
         ++out.count;
     }
     return {};
 }
 
-} // namespace
-
-Decoded<void> decode_sv(Octets frame, SvFrame& out) noexcept {
+template <bool kShortcut>
+Decoded<void> decode(Octets frame, SvFrame& out) noexcept {
     out.count = 0;
     out.secured = false;
     if (auto ok = decode_header(frame, out.header); !ok) {
@@ -145,7 +221,7 @@ Decoded<void> decode_sv(Octets frame, SvFrame& out) noexcept {
     if (!counted || !found) {
         return undecodable(Reason::missing_field, pdu.offset, counted ? kSeqAsdu : kNoAsdu);
     }
-    if (auto ok = read_sequence(sequence, out); !ok) {
+    if (auto ok = read_sequence<kShortcut>(sequence, out); !ok) {
         out.count = 0;
         return ok;
     }
@@ -154,6 +230,16 @@ Decoded<void> decode_sv(Octets frame, SvFrame& out) noexcept {
         return undecodable(Reason::count_mismatch, sequence.offset, kNoAsdu);
     }
     return {};
+}
+
+} // namespace
+
+Decoded<void> decode_sv(Octets frame, SvFrame& out) noexcept {
+    return decode<true>(frame, out);
+}
+
+Decoded<void> decode_sv_without_shortcut(Octets frame, SvFrame& out) noexcept {
+    return decode<false>(frame, out);
 }
 
 } // namespace gridspace::iec61850

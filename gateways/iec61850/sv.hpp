@@ -62,4 +62,7 @@ struct SvFrame {
 /// `frame`.
 [[nodiscard]] Decoded<void> decode_sv(Octets frame, SvFrame& out) noexcept;
 
+/// The same, each element looked at one by one also where all is as usual: what the tests hold decode_sv() against.
+[[nodiscard]] Decoded<void> decode_sv_without_shortcut(Octets frame, SvFrame& out) noexcept;
+
 } // namespace gridspace::iec61850

@@ -4,6 +4,7 @@
 
 #include "gateways/iec61850/data_set.hpp"
 
+#include <cassert>
 #include <optional>
 
 namespace gridspace::iec61850 {
@@ -32,10 +33,26 @@ class SvLayout {
 
     /// `sample` must have sample_octets(): check it once per frame.
     [[nodiscard]] Value read(std::size_t slot, Octets sample) const noexcept {
-        return read_sv_value(slots_[slot].leaf.type, sample.subspan(slots_[slot].offset, slots_[slot].octets));
+        Slot const& s = slots_[slot];
+        assert(s.offset + s.octets <= sample.size());
+        if (s.octets == 4 && s.leaf.type != BasicType::bit_string) { // nearly all: currents, voltages, qualities
+            auto const bits = load_be<std::uint32_t>(sample.data() + s.offset);
+            return {s.leaf.type,
+                    0,
+                    is_signed(s.leaf.type) ? static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(bits)})
+                                           : bits,
+                    {}};
+        }
+        return read_sv_value(s.leaf.type, sample.subspan(s.offset, s.octets));
     }
     void write(std::size_t slot, Value const& value, std::span<std::uint8_t> sample) const noexcept {
-        write_sv_value(value, sample.subspan(slots_[slot].offset, slots_[slot].octets));
+        Slot const& s = slots_[slot];
+        assert(s.offset + s.octets <= sample.size());
+        if (s.octets == 4) {
+            store_be(sample.data() + s.offset, static_cast<std::uint32_t>(value.bits));
+            return;
+        }
+        write_sv_value(value, sample.subspan(s.offset, s.octets));
     }
 
   private:

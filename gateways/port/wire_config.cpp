@@ -34,7 +34,7 @@ streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, c
     if (stream == nullptr) {
         std::vector<std::string> names;
         for (streams::Stream const& s : declared) {
-            if (s.kind == kind) {
+            if (s.kind == kind || s.broken) {
                 names.push_back(s.name.name);
             }
         }
@@ -44,6 +44,9 @@ streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, c
                           : names.empty() ? fmt::format("`streams:` declares none of kind {}", wanted)
                                           : fmt::format("there are: {}", join(names, ", ")),
                           static_cast<int>(ref.name.size()));
+        return nullptr;
+    }
+    if (stream->broken) {
         return nullptr;
     }
     if (stream->kind != kind) {

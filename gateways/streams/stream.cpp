@@ -256,6 +256,8 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
             int const errors = diagnostics.errors();
             describe(s, stream);
             if (diagnostics.errors() > errors) {
+                stream.broken = true;
+                out.push_back(std::move(stream));
                 return;
             }
             std::optional<Error> problem;
@@ -270,7 +272,7 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
                 s.error("", fmt::format("stream '{}': {}", name.name, problem->message), problem->remedy);
             }
             for (Stream const& other : out) {
-                bool const same = other.kind == stream.kind &&
+                bool const same = !other.broken && other.kind == stream.kind &&
                                   (stream.kind == Kind::smv ? other.sv_id == stream.sv_id
                                                             : other.control_block == stream.control_block);
                 if (same && other.address.destination == stream.address.destination &&
@@ -281,6 +283,7 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
                             "another mac, app_id, sv_id or control_block");
                 }
             }
+            stream.broken = diagnostics.errors() > errors;
             out.push_back(std::move(stream));
         });
     });

@@ -34,6 +34,7 @@ struct GooseTiming {
 /// its name.
 struct Stream {
     Ref name;
+    bool broken{false}; ///< its entry has mistakes, which have been told: whoever refers to it says nothing more
     Kind kind{Kind::smv};
     iec61850::Address address; ///< the source is the sender's port
     std::uint32_t conf_rev{1};
@@ -67,7 +68,7 @@ struct Stream {
 void describe(config::Fields& f, Stream& stream);
 
 /// Reads a whole `streams:` map (`like:` already resolved) and checks that every stream can be written as the standard
-/// says and that no two are the same on the wire.
+/// says and that no two are the same on the wire. Entries with mistakes are there too, and broken.
 [[nodiscard]] std::vector<Stream> read_streams(config::Node const& streams, config::Diagnostics& diagnostics);
 
 [[nodiscard]] Stream const* find_stream(std::vector<Stream> const& streams, std::string_view name);

@@ -35,6 +35,7 @@ enum GooseFinding : std::uint32_t {
     kGooseStretched = 1U << 9U,     ///< time to live above three times the usual
     kGooseSilentChange = 1U << 10U, ///< values changed and stNum did not
 };
+inline constexpr std::size_t kGooseFindings = 11;
 [[nodiscard]] std::string goose_finding_names(std::uint32_t findings);
 
 struct GooseRuleParams {
@@ -58,7 +59,7 @@ class GooseRules {
     /// The time to live has run out: the publisher may have been restarted, and starts again at state 1.
     void expired() { running_ = false; }
 
-    [[nodiscard]] std::array<std::uint64_t, 11> const& counters() const { return counters_; }
+    [[nodiscard]] std::array<std::uint64_t, kGooseFindings> const& counters() const { return counters_; }
 
   private:
     [[nodiscard]] bool flooded(std::int64_t now_ns);
@@ -69,7 +70,7 @@ class GooseRules {
     double tokens_;
     std::int64_t last_token_ns_{0};
     bool counted_{false};
-    std::array<std::uint64_t, 11> counters_{};
+    std::array<std::uint64_t, kGooseFindings> counters_{};
 };
 
 } // namespace gridspace::ids

@@ -84,18 +84,18 @@ SvRules::Verdict SvRules::judge(SvFacts const& f) {
 }
 
 bool SvRules::late_or_early(std::int64_t interval_ns) {
-    bool odd = false;
-    if (interval_count_ >= intervals_.size()) {
+    constexpr std::size_t kRenewAfter = 16; // what is usual changes slowly, and sorting for each frame would cost a microsecond
+    if (interval_count_ >= intervals_.size() && interval_count_ % kRenewAfter == 0) {
         std::array<std::int64_t, 64> sorted = intervals_;
         std::nth_element(sorted.begin(), sorted.begin() + 32, sorted.end());
-        std::int64_t const median = sorted[32];
+        usual_ns_ = sorted[32];
         for (std::int64_t& x : sorted) {
-            x = std::llabs(x - median);
+            x = std::llabs(x - usual_ns_);
         }
         std::nth_element(sorted.begin(), sorted.begin() + 32, sorted.end());
-        std::int64_t const least = 500'000'000LL / params_.rate_hz;
-        odd = std::llabs(interval_ns - median) > std::max(6 * sorted[32], least);
+        allowed_ns_ = std::max<std::int64_t>(6 * sorted[32], 500'000'000 / params_.rate_hz);
     }
+    bool const odd = interval_count_ >= intervals_.size() && std::llabs(interval_ns - usual_ns_) > allowed_ns_;
     intervals_[interval_count_++ % intervals_.size()] = interval_ns;
     return odd;
 }

@@ -29,9 +29,10 @@ enum SvFinding : std::uint32_t {
     kGap = 1U << 4U,           ///< samples are missing before it; the frame itself is good
     kSimulatedFrame = 1U << 5U,
     kUnsynchronised = 1U << 6U, ///< smpSynch fell
-    kBadArrival = 1U << 7U, ///< outside the usual interval: median + 6 MAD of the last 64, at least half an interval
+    kBadArrival = 1U << 7U, ///< outside the usual interval: median + 6 MAD of 64 recent ones, at least half an interval
     kBadCounter = 1U << 8U, ///< smpCnt beyond the rate
 };
+inline constexpr std::size_t kSvFindings = 9;
 [[nodiscard]] std::string sv_finding_names(std::uint32_t findings);
 
 struct SvRuleParams {
@@ -59,7 +60,7 @@ class SvRules {
     /// Forgets both: an engineer has changed the publisher.
     void unbind() { *this = SvRules{params_}; }
 
-    [[nodiscard]] std::array<std::uint64_t, 9> const& counters() const { return counters_; } ///< by bit of SvFinding
+    [[nodiscard]] std::array<std::uint64_t, kSvFindings> const& counters() const { return counters_; } ///< by bit of SvFinding
 
   private:
     [[nodiscard]] bool late_or_early(std::int64_t interval_ns);
@@ -73,7 +74,8 @@ class SvRules {
     std::int64_t last_arrival_ns_{0};
     std::array<std::int64_t, 64> intervals_{};
     std::size_t interval_count_{0};
-    std::array<std::uint64_t, 9> counters_{};
+    std::int64_t usual_ns_{0}, allowed_ns_{0}; ///< interval, and how far from it is not odd
+    std::array<std::uint64_t, kSvFindings> counters_{};
 };
 
 } // namespace gridspace::ids

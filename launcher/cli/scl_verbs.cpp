@@ -33,9 +33,11 @@ int write(std::string const& text, std::filesystem::path const& out) {
 }
 
 int import_scl(Arguments const& a) {
+    std::error_code ignored;
     std::ifstream stream{a.file, std::ios::binary};
-    if (!stream) {
-        return print_error({ExitCode::usage, fmt::format("cannot read '{}'", a.file.string()), ""});
+    if (!stream || std::filesystem::is_directory(a.file, ignored)) {
+        return print_error({ExitCode::usage, fmt::format("cannot read '{}'", a.file.string()),
+                            stream ? "it is a folder; expected an SCD, ICD or CID file" : ""});
     }
     std::string const text{std::istreambuf_iterator<char>{stream}, {}};
     auto const imported = scl::import_streams(text, a.file.string(), a.import);

@@ -9,11 +9,40 @@
 #include "launcher/wire/tools.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <fmt/format.h>
 #include <memory>
 
 namespace gridspace::cli {
 namespace {
+
+/// A finite number, from `least` on; the library's own check lets "nan" pass.
+CLI::Validator number(double least, char const* what) {
+    return CLI::Validator{[least, what](std::string& text) {
+                              double value = 0;
+                              auto const [end, ec] = std::from_chars(text.data(), text.data() + text.size(), value);
+                              bool const ok = ec == std::errc{} && end == text.data() + text.size() &&
+                                              std::abs(value) <= 1e9 && value >= least;
+                              return ok ? std::string{} : fmt::format("'{}' is not {}", text, what);
+                          },
+                          ""};
+}
+CLI::Validator seconds() {
+    return number(0, "a number of seconds (0 to 1e9)");
+}
+CLI::Validator finite() {
+    return number(-1e9, "a number (-1e9 to 1e9)");
+}
+CLI::Validator count() {
+    return CLI::Validator{[](std::string& text) {
+                              bool const ok = !text.empty() && text.size() <= 18 &&
+                                              std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+                              return ok ? std::string{} : fmt::format("'{}' is not a whole number from 0 on", text);
+                          },
+                          ""};
+}
 
 int finish(Result<void> const& result) {
     return result ? 0 : print_error(result.error());
@@ -51,7 +80,7 @@ void add_wire_verbs(CLI::App& app, std::function<int()>& action) {
     auto const [list, l] =
         verb_of<wire::ListOptions>(wire, action, "list", "live table of the streams on an interface", wire::list);
     list->add_option("IF", l->interface, "interface")->required();
-    list->add_option("--duration", l->duration_s, "seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
+    list->add_option("--duration", l->duration_s, "seconds; 0: until Ctrl-C")->check(seconds());
     list->add_flag("--json", l->json, "JSON lines");
     list->add_flag("--once", l->once, "one table, at the end");
 
@@ -60,9 +89,9 @@ void add_wire_verbs(CLI::App& app, std::function<int()>& action) {
     sv_pub->add_option("IF", sp->interface, "interface")->required();
     stream_options(sv_pub, sp->stream);
     sv_pub->add_option("--source", sp->source, "source address (default: the interface's)");
-    sv_pub->add_option("--duration", sp->duration_s, "seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
-    sv_pub->add_option("--amplitude", sp->amplitude, "in the units of the data set");
-    sv_pub->add_option("--frequency", sp->frequency_hz, "Hz");
+    sv_pub->add_option("--duration", sp->duration_s, "seconds; 0: until Ctrl-C")->check(seconds());
+    sv_pub->add_option("--amplitude", sp->amplitude, "in the units of the data set")->check(finite());
+    sv_pub->add_option("--frequency", sp->frequency_hz, "Hz")->check(finite());
     sv_pub->add_option("--streams", sp->streams, "publish so many: APPID, address and svID count up")
         ->check(CLI::Range(1, 64));
     sv_pub->add_option("--first-smp-cnt", sp->first_smp_cnt, "begin with this counter (default: by the time of day)")
@@ -72,8 +101,8 @@ void add_wire_verbs(CLI::App& app, std::function<int()>& action) {
         wire, action, "sv-sub", "watch sampled values, as JSON lines", wire::sv_subscribe);
     sv_sub->add_option("IF", ss->interface, "interface")->required();
     stream_options(sv_sub, ss->stream);
-    sv_sub->add_option("--duration", ss->duration_s, "seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
-    sv_sub->add_option("--count", ss->count, "end after so many frames");
+    sv_sub->add_option("--duration", ss->duration_s, "seconds; 0: until Ctrl-C")->check(seconds());
+    sv_sub->add_option("--count", ss->count, "end after so many frames")->check(count());
     sv_sub->add_flag("--frames", ss->frames, "a line per sample instead of one per second");
 
     auto const [goose_pub, gp] =
@@ -84,9 +113,9 @@ void add_wire_verbs(CLI::App& app, std::function<int()>& action) {
     goose_pub->add_option("--value", gp->values, "NAME=VALUE of a member, at the start (may be repeated)")
         ->take_all()
         ->allow_extra_args(false);
-    goose_pub->add_option("--duration", gp->duration_s, "seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
+    goose_pub->add_option("--duration", gp->duration_s, "seconds; 0: until Ctrl-C")->check(seconds());
     goose_pub->add_option("--toggle", gp->toggle_s, "change the first boolean every so many seconds")
-        ->check(CLI::NonNegativeNumber);
+        ->check(seconds());
     goose_pub->add_option("--first-st-num", gp->first_st_num, "stNum of the first message");
     goose_pub->add_flag("--nds-com", gp->nds_com, "say that the control block needs commissioning");
     goose_pub->add_flag("--interactive", gp->interactive, "change members by NAME=VALUE lines on standard input");
@@ -95,8 +124,8 @@ void add_wire_verbs(CLI::App& app, std::function<int()>& action) {
         wire, action, "goose-sub", "watch GOOSE messages, as JSON lines", wire::goose_subscribe);
     goose_sub->add_option("IF", gs->interface, "interface")->required();
     stream_options(goose_sub, gs->stream);
-    goose_sub->add_option("--duration", gs->duration_s, "seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
-    goose_sub->add_option("--count", gs->count, "end after so many lines");
+    goose_sub->add_option("--duration", gs->duration_s, "seconds; 0: until Ctrl-C")->check(seconds());
+    goose_sub->add_option("--count", gs->count, "end after so many lines")->check(count());
     goose_sub->add_flag("--strict", gs->strict, "refuse replayed states");
 
     auto const [replay, r] = verb_of<wire::ReplayOptions>(
@@ -104,8 +133,8 @@ void add_wire_verbs(CLI::App& app, std::function<int()>& action) {
     replay->add_option("FILE", r->file, "pcapng or pcap")->required();
     replay->add_option("IF", r->interface, "interface: a virtual cable")->required();
     replay->add_option("--speed", r->speed, "times the original; 0: as fast as possible")
-        ->check(CLI::NonNegativeNumber);
-    replay->add_option("--loop", r->loops, "so many times; 0: for ever")->check(CLI::NonNegativeNumber);
+        ->check(number(0, "a speed (0 to 1e9)"));
+    replay->add_option("--loop", r->loops, "so many times; 0: for ever")->check(CLI::Range(0, 1'000'000'000));
     replay->add_option("--only", r->only, "only the frames of this interface of the capture");
     replay->add_flag("--all", r->all_protocols, "other protocols too");
     replay->add_option("--allow-attacks-on", r->allow_attacks_on, "an interface that is not a virtual cable");

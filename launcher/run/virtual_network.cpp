@@ -3,6 +3,7 @@
 #include "launcher/run/virtual_network.hpp"
 
 #include "launcher/run/installation.hpp"
+#include "launcher/run/offloads.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -186,6 +187,25 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
     }
     for (auto const& [host, commands] : inside) {
         if (auto ok = ip(hosts_.at(host), "link set lo up\n" + commands); !ok) {
+            return ok;
+        }
+    }
+    return prepare_ip_cables(plan);
+}
+
+/// Cables that carry IP and have somebody in them.
+Result<void> VirtualNetwork::prepare_ip_cables(RunPlan const& plan) const {
+    for (std::size_t p = 0; p < plan.ports.size(); ++p) {
+        Port const& port = plan.ports[p];
+        bool const cut = std::any_of(plan.cut_ins.begin(), plan.cut_ins.end(),
+                                     [&](PlacedCutIn const& c) { return c.host == port.host && c.link == port.link; });
+        if (!cut || port.address.empty()) {
+            continue;
+        }
+        if (auto ok = finish_frames_before_sending(hosts_.at(port.host), port.interface); !ok) {
+            return ok;
+        }
+        if (auto ok = finish_frames_before_sending(own_, switch_port_name(p)); !ok) {
             return ok;
         }
     }

@@ -32,6 +32,7 @@ class VirtualNetwork {
     /// The commands for the cable between a port and the switch; `inside`: what is to be done in each host.
     [[nodiscard]] std::string cable(RunPlan const& plan, Port const& port, std::string const& switch_end,
                                     std::map<std::string, std::string>& inside) const;
+    [[nodiscard]] Result<void> prepare_ip_cables(RunPlan const& plan) const;
     [[nodiscard]] Result<void> ip(int netns, std::string const& batch) const;
     int own_{-1};
     std::map<std::string, int> hosts_;

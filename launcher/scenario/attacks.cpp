@@ -107,6 +107,9 @@ void check_stream(Scenario const& s, AttackConfig const& a, Diagnostics& diagnos
         unknown(a.stream, fmt::format("attack '{}' is on the stream", a.name.name), names, diagnostics);
         return;
     }
+    if (stream->broken) {
+        return; // said where it is declared
+    }
     bool const smv = stream->kind == streams::Kind::smv;
     if (smv == a.goose.has_value()) {
         diagnostics.error(a.stream.where,

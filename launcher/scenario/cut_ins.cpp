@@ -208,20 +208,12 @@ void check_cut_ins(Scenario const& scenario, Process const& process, config::Dia
         }
         Host const& host = *std::find_if(scenario.hosts.begin(), scenario.hosts.end(),
                                          [&](Host const& h) { return h.name == use.host; });
-        Link const& link = *std::find_if(scenario.links.begin(), scenario.links.end(),
-                                         [&](Link const& l) { return l.name == use.link; });
         if (std::find(host.links.begin(), host.links.end(), use.link) == host.links.end()) {
             diagnostics.error(use.link.where,
                               fmt::format("process '{}' sits between '{}' and '{}', and there is no cable",
                                           process.name.name, use.host.name, use.link.name),
                               fmt::format("host '{}' is not plugged into that link", use.host.name), width(use.link));
             continue;
-        }
-        if (!link.ipv4.empty()) {
-            diagnostics.error(
-                use.link.where,
-                fmt::format("process '{}' sits in a cable of '{}', which carries IP", process.name.name, use.link.name),
-                "places for impairments and attacks are on links of raw frames, without ipv4", width(use.link));
         }
         if (piece_from(use.host.name, use.link.name).size() + 3 > kLongestPiece) {
             diagnostics.error(use.host.where,

@@ -93,6 +93,17 @@ class GatewaySettings final : public ProcessSettings {
                 out.push_back({"stream." + stream->name.name + "." + name, "ms", 0});
             }
         }
+        std::vector<std::pair<std::string, bool>> watched; // names as Gateway::open_first_line makes them
+        for (MappingConfig const& mapping : config_.mappings) {
+            streams::Stream const* stream = streams::find_stream(s.streams, mapping.from.stream.name);
+            if (stream == nullptr || mapping.first_line.on_finding == gateways::FirstLineConfig::OnFinding::ignore) {
+                continue;
+            }
+            bool const again = std::any_of(watched.begin(), watched.end(), [&](auto const& w) { return w.first == stream->name.name; });
+            watched.emplace_back(again ? stream->name.name + "." + mapping.name.name : stream->name.name,
+                                 stream->kind == streams::Kind::smv);
+        }
+        add_first_line_signals(process, {}, watched, out);
         for (Route const& route : routes_) {
             for (std::size_t const field : route.watched) {
                 out.push_back(

@@ -119,7 +119,12 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
             l.error("kind", fmt::format("link '{}' is a '{}'", name.name, kind), "expected switch");
         }
         l.text("ipv4", link.ipv4, {.doc = "addresses on it, for example 10.10.0.0/24; none: no IP"});
-        l.number("delay_us", link.delay_us, {.doc = "delay of every frame", .min = 0});
+        l.number("delay_us", link.delay_us, {.doc = "0: a switch does not delay; cables do, see `impairments`", .min = 0});
+        if (link.delay_us > 0) {
+            l.error("delay_us", fmt::format("the switch '{}' cannot delay frames", name.name),
+                    fmt::format("delay the cables: `impairments: {{slow: {{place: {{between: [HOST, {}]}}, delay_us: {}}}}}`", name.name,
+                                shortest(link.delay_us)));
+        }
         s.links.push_back(std::move(link));
     });
     Node defaults;

@@ -5,6 +5,7 @@
 #include "agents/relay/relay_program.hpp"
 #include "common/text.hpp"
 #include "gateways/breaker/breaker_config.hpp"
+#include "gateways/first_line/first_line.hpp"
 #include "gateways/mu/mu_config.hpp"
 #include "gateways/port/wire_config.hpp"
 #include "ids/forecaster/model_file.hpp"
@@ -146,7 +147,10 @@ class BreakerSettings final : public ProcessSettings {
     }
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
         std::string const prefix = "breaker_ied." + process.name.name + ".";
-        return {{prefix + "command", "", 0}, {prefix + "stream_alive", "", 0}, {prefix + "commanded_after_ms", "ms", 0}, {prefix + "effect_ms", "ms", 0}};
+        std::vector<SignalUse> out{
+            {prefix + "command", "", 0}, {prefix + "stream_alive", "", 0}, {prefix + "commanded_after_ms", "ms", 0}, {prefix + "effect_ms", "ms", 0}};
+        add_first_line_signals(process, config_.first_line, {{config_.stream().name, false}}, out);
+        return out;
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
@@ -193,6 +197,7 @@ class RelaySettings final : public ProcessSettings {
         if (config_.ids && !config_.ids->verdicts.empty()) {
             out.push_back({config_.ids->verdicts, "IdsVerdict"});
         }
+        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
         return out;
     }
     [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
@@ -221,6 +226,7 @@ class RelaySettings final : public ProcessSettings {
         }
         out.push_back({"stream." + config_.trip.name + ".interval_ms", "ms", 0});
         out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0});
+        add_first_line_signals(process, config_.first_line, {{config_.from_stream.name, true}, {config_.to_stream.name, true}}, out);
         if (config_.ids) {
             add_detector_signals("ids." + process.name.name + ".", out);
         }
@@ -324,6 +330,20 @@ class RelaySettings final : public ProcessSettings {
 };
 
 } // namespace
+
+void add_first_line_signals(Process const& process, gateways::FirstLineConfig const& config,
+                            std::vector<std::pair<std::string, bool>> const& streams, std::vector<SignalUse>& out) {
+    if (config.on_finding == gateways::FirstLineConfig::OnFinding::ignore || streams.empty()) {
+        return;
+    }
+    std::string const prefix = "first_line." + process.name.name + ".";
+    out.push_back({prefix + "alarm", "", 0});
+    for (auto const& [stream, sampled_values] : streams) {
+        for (std::string const& name : gateways::first_line_counters(sampled_values)) {
+            out.push_back({prefix + stream + "." + name, "", 1});
+        }
+    }
+}
 
 void add_signals(std::vector<TopicUse>& topics) {
     topics.push_back({"signals", "SignalFrame"});

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "gateways/first_line/first_line_config.hpp"
 #include "launcher/scenario/program.hpp"
 
 #include <memory>
@@ -18,6 +19,10 @@ namespace gridspace::launcher {
 
 /// The topics on which signals are published.
 void add_signals(std::vector<TopicUse>& topics);
+
+/// Signals of the first-line rules: of a process's received streams, each with whether it is one of sampled values.
+void add_first_line_signals(Process const& process, gateways::FirstLineConfig const& config,
+                            std::vector<std::pair<std::string, bool>> const& streams, std::vector<SignalUse>& out);
 
 /// Own keys, the port, and the declarations of the streams that the process uses.
 [[nodiscard]] config::Node wire_process_settings(Scenario const& s, Process const& process, std::vector<std::string> const& used);

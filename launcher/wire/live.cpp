@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/wire/live.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <ctime>
@@ -27,8 +28,12 @@ std::int64_t utc_ns() {
 }
 
 void sleep_until(std::int64_t at_ns) {
-    timespec const at{at_ns / 1'000'000'000, at_ns % 1'000'000'000};
-    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr); // a signal ends it: the caller looks at stopped()
+    constexpr std::int64_t kLookUpNs = 100'000'000; // a signal just before the call would otherwise be slept over
+    for (std::int64_t now = monotonic_ns(); now < at_ns && !stopped(); now = monotonic_ns()) {
+        std::int64_t const until = std::min(at_ns, now + kLookUpNs);
+        timespec const at{until / 1'000'000'000, until % 1'000'000'000};
+        ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
+    }
 }
 
 void catch_signals() {

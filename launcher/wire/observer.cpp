@@ -58,8 +58,13 @@ bool ObservedStream::alive(std::int64_t now_ns) const {
     return static_cast<double>(now_ns - last_ns) < std::max(10 * period_ns, 100e6);
 }
 
-ObservedStream& Observer::stream_of(bool goose, std::string_view id, FrameHeader const& header, std::int64_t time_ns) {
-    auto const [at, fresh] = streams_.try_emplace(Key{goose, std::string{id}, header.source, header.app_id});
+ObservedStream* Observer::stream_of(bool goose, std::string_view id, FrameHeader const& header, std::int64_t time_ns) {
+    Key const key{goose, std::string{id}, header.source, header.app_id};
+    if (streams_.size() >= kMaxStreams && !streams_.contains(key)) {
+        ++beyond_table_;
+        return nullptr;
+    }
+    auto const [at, fresh] = streams_.try_emplace(key);
     ObservedStream& s = at->second;
     if (fresh) {
         s.goose = goose;
@@ -76,7 +81,7 @@ ObservedStream& Observer::stream_of(bool goose, std::string_view id, FrameHeader
     }
     s.destination = header.destination;
     s.vlan = header.vlan;
-    return s;
+    return &s;
 }
 
 void Observer::add_sv(Octets frame, std::int64_t time_ns) {
@@ -86,7 +91,11 @@ void Observer::add_sv(Octets frame, std::int64_t time_ns) {
     }
     ObservedStream const* last = nullptr;
     for (Asdu const& asdu : sv_->view()) {
-        ObservedStream& s = stream_of(false, asdu.sv_id, sv_->header, time_ns);
+        ObservedStream* const found = stream_of(false, asdu.sv_id, sv_->header, time_ns);
+        if (found == nullptr) {
+            continue;
+        }
+        ObservedStream& s = *found;
         if (&s != last) {
             ++s.frames;
             s.asdus = 0;
@@ -113,7 +122,11 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
         return;
     }
     GooseFrame const& m = goose_;
-    ObservedStream& s = stream_of(true, m.gocb_ref, m.header, time_ns);
+    ObservedStream* const found = stream_of(true, m.gocb_ref, m.header, time_ns);
+    if (found == nullptr) {
+        return;
+    }
+    ObservedStream& s = *found;
     bool const first = s.frames++ == 0;
     bool const same_state = !first && m.st_num == s.st_num;
     double const interval_ms = static_cast<double>(time_ns - s.last_ns) * 1e-6;

@@ -44,26 +44,30 @@ struct ObservedStream {
     [[nodiscard]] bool alive(std::int64_t now_ns) const;
 };
 
-/// Sorts frames into streams. Streams are told apart by source address, APPID and name.
+/// Sorts frames into streams. Streams are told apart by source address, APPID and name. Of a flood of made-up names the
+/// first kMaxStreams are kept, the frames of the others are counted.
 class Observer {
   public:
+    static constexpr std::size_t kMaxStreams = 1024;
+
     /// Any Ethernet frame; frames of other protocols are counted and otherwise ignored.
     void add(iec61850::Octets frame, std::int64_t time_ns);
 
     [[nodiscard]] std::vector<ObservedStream const*> streams() const; ///< by name
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
     [[nodiscard]] std::uint64_t other() const { return other_; }
+    [[nodiscard]] std::uint64_t beyond_table() const { return beyond_table_; } ///< SV samples and GOOSE messages
     [[nodiscard]] iec61850::DecodeCounters const& errors() const { return errors_; }
 
   private:
     using Key = std::tuple<bool, std::string, iec61850::Mac, std::uint16_t>;
-    ObservedStream& stream_of(bool goose, std::string_view id, iec61850::FrameHeader const& header,
+    ObservedStream* stream_of(bool goose, std::string_view id, iec61850::FrameHeader const& header,
                               std::int64_t time_ns);
     void add_sv(iec61850::Octets frame, std::int64_t time_ns);
     void add_goose(iec61850::Octets frame, std::int64_t time_ns);
 
     std::map<Key, ObservedStream> streams_;
-    std::uint64_t frames_{0}, other_{0};
+    std::uint64_t frames_{0}, other_{0}, beyond_table_{0};
     iec61850::DecodeCounters errors_;
     std::unique_ptr<iec61850::SvFrame> sv_{std::make_unique<iec61850::SvFrame>()};
     iec61850::GooseFrame goose_;

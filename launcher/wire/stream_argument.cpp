@@ -39,7 +39,10 @@ std::optional<Node> base_of(StreamArgument const& argument, streams::Kind kind, 
         return defaults_of(kind);
     }
     auto root = config::load_extended(argument.file, diagnostics);
-    Node* const all = root ? root->find("streams") : nullptr;
+    if (!root) {
+        return std::nullopt; // it has been said why
+    }
+    Node* const all = root->find("streams");
     if (all == nullptr || !all->is_map()) {
         diagnostics.error({}, fmt::format("'{}' has no `streams:`", argument.file.string()));
         return std::nullopt;

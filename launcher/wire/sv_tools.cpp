@@ -91,6 +91,7 @@ void print_frame(SvFrame const& frame, std::int64_t stamp_ns, streams::Stream co
 void print_second(Observer const& observer, ethernet::Port& port) {
     Json out{{"time_ns", utc_ns()},
              {"dropped", port.counters().dropped},
+             {"foreign", port.foreign()},
              {"undecodable", observer.errors().total()},
              {"streams", Json::array()}};
     for (ObservedStream const* s : observer.streams()) {
@@ -224,6 +225,7 @@ Result<void> sv_subscribe(SvSubscribeOptions const& o) {
     std::vector<ethernet::ReceivedFrame> batch(256);
     Duration const duration{o.duration_s};
     std::int64_t next = monotonic_ns() + 1'000'000'000;
+    std::uint64_t said_of = ~std::uint64_t{0}; // frames that the last line spoke of
     while (!duration.over() && (o.count == 0 || observer.frames() < o.count)) {
         port->wait(std::max<std::int64_t>(
             1, std::min({next - monotonic_ns(), duration.end_ns() - monotonic_ns(), std::int64_t{100'000'000}})));
@@ -239,15 +241,19 @@ Result<void> sv_subscribe(SvSubscribeOptions const& o) {
                 fmt::print("{}\n", Json{{"time_ns", stamp}, {"error", describe(ok.error())}}.dump());
             }
         }
+        if (o.frames) {
+            std::fflush(stdout); // who reads them in a pipe gets them while they are new
+        }
         if (monotonic_ns() >= next) {
             next += 1'000'000'000;
             port->maintain();
             if (!o.frames) {
                 print_second(observer, *port);
+                said_of = observer.frames();
             }
         }
     }
-    if (!o.frames) {
+    if (!o.frames && said_of != observer.frames()) {
         print_second(observer, *port);
     }
     return {};

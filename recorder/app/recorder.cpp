@@ -82,6 +82,9 @@ class RecorderShell {
                 return ok;
             }
             if ((*tick)->final) {
+                if (auto ok = node_.lockstep() ? Result<void>{} : take_last_words(); !ok) {
+                    return ok;
+                }
                 if (auto ok = frames_->close(); !ok) {
                     return ok;
                 }
@@ -102,6 +105,21 @@ class RecorderShell {
     }
 
   private:
+    /// Real time: the others hear of the end when this process does, and say their last counters then.
+    Result<void> take_last_words() {
+        constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20};
+        for (auto const end = std::chrono::steady_clock::now() + kTime; std::chrono::steady_clock::now() < end;) {
+            std::this_thread::sleep_for(kRound);
+            if (auto ok = frames_->write_due(); !ok) {
+                return ok;
+            }
+            if (auto ok = write_due(true); !ok) {
+                return ok;
+            }
+        }
+        return {};
+    }
+
     Result<void> open_taps() {
         auto const add = [&](RecorderConfig::Topic const& topic, std::shared_ptr<bus::CdrReader> reader) -> Result<void> {
             Tap tap;

@@ -26,7 +26,7 @@ void PrintTo(Target const& target, std::ostream* out) {
 class Corpus : public testing::TestWithParam<Target> {};
 INSTANTIATE_TEST_SUITE_P(Of, Corpus,
                          testing::Values(Target{"sv", sv}, Target{"goose", goose}, Target{"ber", ber},
-                                         Target{"pcapng", pcapng}, Target{"streams", streams}),
+                                         Target{"pcapng", pcapng}, Target{"streams", streams}, Target{"scl", scl}, Target{"mapping", mapping}),
                          [](auto const& p) { return p.param.name; });
 
 TEST_P(Corpus, IsSurvivedWholeCutShortAndDamaged) {

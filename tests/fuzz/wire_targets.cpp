@@ -22,6 +22,24 @@ bool inside(Octets whole, Octets part) {
     return part.empty() || (part.data() >= whole.data() && part.data() + part.size() <= whole.data() + whole.size());
 }
 
+/// The shortcut for usual frames changes nothing.
+void compare_decoders(Octets octets, Decoded<void> const& said, SvFrame const& frame) {
+    static auto const other = std::make_unique<SvFrame>();
+    auto const again = decode_sv_without_shortcut(octets, *other);
+    require(again.has_value() == said.has_value() && (again || again.error() == said.error()),
+            "two decoders, two opinions");
+    require(!again || (other->count == frame.count && other->secured == frame.secured), "two decoders, two frames");
+    for (std::size_t i = 0; again && i < frame.count; ++i) {
+        Asdu const &a = frame.asdus[i], &b = other->asdus[i];
+        require(a.sv_id == b.sv_id && a.dat_set == b.dat_set && a.sample.data() == b.sample.data() &&
+                    a.sample.size() == b.sample.size() && a.refr_tm == b.refr_tm && a.gm_identity == b.gm_identity &&
+                    a.conf_rev == b.conf_rev && a.smp_cnt == b.smp_cnt && a.smp_rate == b.smp_rate &&
+                    a.smp_mod == b.smp_mod && a.fields == b.fields && a.smp_synch == b.smp_synch &&
+                    a.offset == b.offset,
+                "two decoders, two samples");
+    }
+}
+
 void reencode(SvFrame const& frame) {
     std::vector<AsduDescription> asdus;
     for (Asdu const& a : frame.view()) {
@@ -75,6 +93,7 @@ void sv(std::uint8_t const* data, std::size_t size) {
     static auto const frame = std::make_unique<SvFrame>();
     Octets const octets{data, size};
     auto const ok = decode_sv(octets, *frame);
+    compare_decoders(octets, ok, *frame);
     if (!ok) {
         require(ok.error().reason != Reason::none && ok.error().offset <= size, "an error without a reason or a place");
         return;

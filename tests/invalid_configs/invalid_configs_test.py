@@ -22,7 +22,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parents[1]
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", SOURCE / "build/release/bin"))
-BASES = {name: HERE / "base" / name for name in ("ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml")}  # copies: line numbers stay
+BASES = {name: HERE / "base" / name for name in ("ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml", "wire.yaml")}  # copies: line numbers stay
 MODEL = (SOURCE / "configs/models/ar_20.json").read_text()
 BESIDE = {  # what the bases refer to
     "adn_set_a.yaml": (SOURCE / "configs/networks/adn_set_a.yaml").read_text(),
@@ -30,7 +30,7 @@ BESIDE = {  # what the bases refer to
     "damaged.json": MODEL.replace('"scale_a": 0.', '"scale_a": 0.5', 1),  # one digit, and the hash does not fit
     "other_rate.json": (HERE / "base" / "model_4000_hz.json").read_text(),
 }
-VALID = ["ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml"]  # the negative control: without a mistake nothing is said
+VALID = ["ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml", "wire.yaml"]  # the negative control: without a mistake nothing is said
 
 
 def make(file, folder):

@@ -7,14 +7,19 @@ import contextlib
 import json
 import os
 import pathlib
+import random
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "wire"))
+from foreign_frames import TRUE, goose, integer, tlv  # noqa: E402
 
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin")).resolve()
 SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[3]))
@@ -160,6 +165,84 @@ class Gateway(unittest.TestCase):
         while wanted:
             sample = self.first_line(original, lambda m: m["smp_cnt"] in wanted)
             self.assertEqual(sample["values"], wanted.pop(sample["smp_cnt"]))
+
+    INWARD_GOOSE = {"m": {"from": {"stream": "IN"}, "to": {"topic": "feeders", "type": "example::FeederState"},
+                          "fields": {"feeder": {"value": "A"}, "voltage_kv": {"from": "n", "scale": 0.5}, "energised": "ok"}}}
+    OUTWARD_GOOSE = {"m": {"from": {"topic": "feeders", "type": "example::FeederState"}, "to": {"stream": "OUT"},
+                           "fields": {"mv": {"from": "voltage_kv", "scale": 1000}, "there": "energised"}}}
+
+    def until_heard(self, subscriber, values, send):
+        """Sends again and again, each time with a new state, until the far end of the chain says `values`."""
+        heard = threading.Event()
+
+        def keep_sending():
+            while not heard.is_set():
+                send()
+                heard.wait(0.2)
+
+        sending = threading.Thread(target=keep_sending)
+        sending.start()
+        try:
+            return self.first_line(subscriber, lambda m: m.get("values", "") == values)
+        finally:
+            heard.set()
+            sending.join()
+
+    def foreign_goose(self, number, state):
+        data = [tlv(0x85, integer(number)), tlv(0x84, b"\x06\x40"), tlv(0x83, b"\x01")]
+        return goose(data, gocb=GOOSE_IN["control_block"], dat_set=GOOSE_IN["data_set_name"], go_id=GOOSE_IN["control_block"], st=state,
+                     app_id=GOOSE_IN["app_id"], destination=GOOSE_IN["mac"], live=4000)
+
+    def raw_port(self, interface):
+        port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, 0)
+        port.bind((interface, 0))
+        self.addCleanup(port.close)
+        return port
+
+    def test_damaged_and_foreign_frames_do_not_stop_it(self):
+        """Frames of an independent encoder, whole ones between damaged ones and a storm of somebody else's."""
+        self.gateway("inward", "in1", {"IN": GOOSE_IN}, self.INWARD_GOOSE)
+        self.gateway("outward", "out0", {"OUT": GOOSE_OUT}, self.OUTWARD_GOOSE)
+        subscriber = self.start(self.wire("goose-sub", "out1", *keys_of(GOOSE_OUT)))
+        port, dice, state = self.raw_port("in0"), random.Random(11), 0
+
+        def send(number):
+            nonlocal state
+            state += 1
+            whole = self.foreign_goose(number, state)
+            for _ in range(100):
+                at = dice.randrange(14, len(whole))
+                port.send(whole[:at] + bytes([dice.randrange(256)]) + whole[at + 1:dice.randrange(at + 1, len(whole) + 1)])
+                port.send(goose([TRUE], gocb=f"FOREIGN/LLN0$GO${dice.randrange(1000)}", app_id=GOOSE_IN["app_id"], destination=GOOSE_IN["mac"]))
+            port.send(whole)
+
+        self.until_heard(subscriber, "21000, intermediate, true", lambda: send(42))
+        self.until_heard(subscriber, "5000, intermediate, true", lambda: send(10))
+        for process in self.running[:2]:
+            self.assertIsNone(process.poll(), "a gateway ended")
+
+    def test_an_interface_that_vanishes_and_comes_back_is_used_again(self):
+        self.gateway("inward", "in1", {"IN": GOOSE_IN}, self.INWARD_GOOSE)
+        self.gateway("outward", "out0", {"OUT": GOOSE_OUT}, self.OUTWARD_GOOSE)
+        subscriber = self.start(self.wire("goose-sub", "out1", *keys_of(GOOSE_OUT)))
+        state = 0
+
+        def send(number):
+            nonlocal state
+            state += 1
+            with contextlib.suppress(OSError):  # the interface may be on its way
+                port.send(self.foreign_goose(number, state))
+
+        port = self.raw_port("in0")
+        self.until_heard(subscriber, "21000, intermediate, true", lambda: send(42))
+        for command in ("ip link set in1 down && sleep 0.5 && ip link set in1 up", "ip link set in1 down && ip link set in1 name other && sleep 0.5 && ip link set other name in1 && "
+                        "ip link set in1 up", "ip link del in0 && sleep 0.5 && ip link add in0 type veth peer name in1 && ip link set in0 up && ip link set in1 up"):
+            subprocess.run(command, shell=True, check=True)
+            port = self.raw_port("in0")
+            number = 100 + state
+            self.until_heard(subscriber, f"{500 * number}, intermediate, true", lambda n=number: send(n))
+        for process in self.running[:2]:
+            self.assertIsNone(process.poll(), "a gateway ended")
 
     def test_a_table_with_a_mistake_is_refused_before_anything_starts(self):
         process = self.gateway("wrong", "in1", {"IN": GOOSE_IN}, {"m": {

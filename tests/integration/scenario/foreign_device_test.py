@@ -4,7 +4,7 @@
 import sys
 import unittest
 
-from harness import ENVIRONMENT, SOURCE, USAGE, ScenarioTest
+from harness import ENVIRONMENT, OK, SOURCE, USAGE, ScenarioTest, gridspace
 
 EXAMPLES = SOURCE / "examples/agents/python_iec61850"
 LEAN = ["--set", "processes.monitor=~"]
@@ -15,6 +15,20 @@ extends: {SOURCE}/configs/scenarios/protection.yaml
 name: real_interface
 simulation: {{duration_s: 1}}
 processes: {{monitor: ~, mu22: ~, relay2: ~, breaker2: ~, mu21: {{interface: outside}}}}
+events: ~
+record: {{comtrade: ~}}
+expect: ~
+"""
+
+ATTACK_ON_A_REAL_INTERFACE = f"""---
+gridspace: 1
+extends: {SOURCE}/configs/scenarios/protection.yaml
+name: real_attack
+simulation: {{duration_s: 1}}
+hosts: {{evil: {{links: []}}}}
+processes: {{monitor: ~, attacker: {{program: gridspace-attacker, host: evil, interface: outside}}}}
+attacks:
+  trip: {{by: attacker, place: second_publisher, target: {{stream: TRIP2, channels: [status]}}, window: {{from_s: 0.2, until_s: 0.3}}, message: {{kind: masquerade_trip}}}}
 events: ~
 record: {{comtrade: ~}}
 expect: ~
@@ -78,6 +92,17 @@ class RealInterface(ScenarioTest):
         prefix = ["unshare", "-rn"]
         run = self.run_to_end("run", scenario=self.write("real.yaml", ON_A_REAL_INTERFACE), prefix=prefix, code=ENVIRONMENT)
         self.assertIn("outside", run.stderr())
+
+    def test_an_attacker_stays_off_a_real_interface_unless_that_is_meant(self):
+        file = self.write("attack.yaml", ATTACK_ON_A_REAL_INTERFACE)
+        for arguments in ([], ["--allow-attacks-on", "another0"]):
+            code, _, said = gridspace("run", file, "--out", self.folder / "run", *arguments)
+            self.assertEqual(code, USAGE, said)
+            self.assertIn("'outside', which is not a virtual cable", said)
+            self.assertIn("--allow-attacks-on outside", said)
+            self.assertFalse((self.folder / "run").exists(), "nothing was started")
+        code, _, said = gridspace("run", file, "--dry-run", "--allow-attacks-on", "outside")
+        self.assertEqual(code, OK, said)
 
     def test_lockstep_refuses_a_real_interface(self):
         run = self.start("run", ["--set", "clock.mode=lockstep", "--set", "clock.speed=max", "--set", "clock.start_at=~"],

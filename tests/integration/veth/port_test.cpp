@@ -225,6 +225,7 @@ TEST_P(PortTest, IsNotDisturbedByAStormOfForeignFrames) {
     }
     EXPECT_EQ(expected, kForeign / kEvery);
     EXPECT_EQ(sut.counters().dropped, 0U);
+    EXPECT_EQ(sut.foreign(), kForeign) << "kept away, and counted";
 }
 
 TEST_P(PortTest, SurvivesALinkThatGoesDownAndComesBack) {
@@ -267,9 +268,12 @@ TEST_P(PortTest, ComesBackWithAnInterfaceThatWasRemoved) {
     SetUp();
     EXPECT_NE(sut.maintain(), LinkState::missing);
     EXPECT_EQ(sut.counters().reconnects, 1U);
+    std::uint64_t const foreign = sut.foreign();
     Port sender = open({.interface = "left", .filter = {}, .receive = false});
     ASSERT_TRUE(sender.send(frame(2)));
     EXPECT_EQ(receive(sut, 1).size(), 1U);
+    ASSERT_TRUE(sender.send(frame(3, kGoose)));
+    EXPECT_EQ(sut.foreign(), foreign + 1) << "counts go on behind a new interface of the name";
 }
 
 TEST_P(PortTest, LetsGoOfAnInterfaceThatIsCalledSomethingElseNow) {

@@ -32,7 +32,7 @@ void sleep_until(std::int64_t at) {
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
 }
 
-/// How long the streams run: GRIDSPACE_WIRE_SECONDS, else 2.
+/// How long the streams run: GRIDSPACE_WIRE_SECONDS (15 in CI, 60 by hand), else 2.
 double seconds() {
     char const* const text = std::getenv("GRIDSPACE_WIRE_SECONDS");
     return text != nullptr ? std::atof(text) : 2;
@@ -87,8 +87,8 @@ TEST_F(Streams, SixOf4800HertzArriveCompleteOnceAndInOrder) {
     while (schedule.due_ns() < end) {
         sleep_until(schedule.due_ns());
         for (std::size_t owed = schedule.owed(now(), 64); owed > 0; --owed, schedule.sent(1)) {
-            // On a machine that gives the listener no time at all, loss would say nothing about us.
-            while (schedule.next_frame() * static_cast<std::int64_t>(kStreams) - received_frames > 120) {
+            // On a machine that gives the listener no time for a fifth of a second, loss would say nothing about us.
+            while (schedule.next_frame() * static_cast<std::int64_t>(kStreams) - received_frames > 6'000) {
                 ::sched_yield();
             }
             for (std::size_t i = 0; i < kStreams; ++i) {

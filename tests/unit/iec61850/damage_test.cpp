@@ -12,6 +12,16 @@
 namespace gridspace::iec61850 {
 namespace {
 
+bool same(SvFrame const& a, SvFrame const& b) {
+    return a.count == b.count && a.secured == b.secured &&
+           std::equal(a.view().begin(), a.view().end(), b.view().begin(), [](Asdu const& x, Asdu const& y) {
+               return x.sv_id == y.sv_id && x.dat_set == y.dat_set && x.sample.data() == y.sample.data() &&
+                      x.sample.size() == y.sample.size() && x.refr_tm == y.refr_tm && x.gm_identity == y.gm_identity &&
+                      x.conf_rev == y.conf_rev && x.smp_cnt == y.smp_cnt && x.smp_rate == y.smp_rate &&
+                      x.smp_mod == y.smp_mod && x.fields == y.fields && x.smp_synch == y.smp_synch && x.offset == y.offset;
+           });
+}
+
 /// Decodes a copy that ends where the frame ends.
 template <class Frame>
 DecodeError decode_exact(Octets frame) {
@@ -21,6 +31,10 @@ DecodeError decode_exact(Octets frame) {
     Decoded<void> result;
     if constexpr (std::is_same_v<Frame, SvFrame>) {
         result = decode_sv({copy.get(), frame.size()}, *sut);
+        auto const slow = std::make_unique<SvFrame>();
+        auto const again = decode_sv_without_shortcut({copy.get(), frame.size()}, *slow);
+        EXPECT_EQ(again, result) << "the shortcut for usual frames decides otherwise";
+        EXPECT_TRUE(!result || same(*sut, *slow)) << "the shortcut for usual frames reads something else";
     } else {
         result = decode_goose({copy.get(), frame.size()}, *sut);
     }

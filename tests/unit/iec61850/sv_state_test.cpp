@@ -256,6 +256,28 @@ TEST(StreamAlignment, SaysWhetherTheClocksAreTheSame) {
     EXPECT_FALSE(sut.pop(0)->coherent());
 }
 
+TEST(StreamAlignment, HoldsAPairBackAndShowsItMeanwhile) {
+    Alignment sut{kTimeout, 4800, 1};
+    std::uint16_t const last = 4799;
+    sut.push(0, last, 2, 1, 0, true);
+    sut.push(1, last, 2, 2, 0, true);
+    EXPECT_FALSE(sut.pop(0));
+    ASSERT_NE(sut.waiting(0, last), nullptr);
+    *sut.waiting(0, last) = 7;
+    EXPECT_EQ(sut.waiting(0, 0), nullptr) << "not here yet";
+    sut.push(0, 0, 2, 3, kPeriod);
+    EXPECT_FALSE(sut.pop(kPeriod)) << "the other stream may still say something";
+    sut.push(1, 0, 2, 4, kPeriod);
+    auto const pair = sut.pop(kPeriod);
+    ASSERT_TRUE(pair);
+    EXPECT_EQ(*pair->first, 7);
+    EXPECT_EQ(sut.waiting(0, last), nullptr) << "given out";
+    EXPECT_NE(sut.waiting(0, 0), nullptr) << "behind the wrap";
+    auto const by_time = sut.pop(kPeriod + kTimeout);
+    ASSERT_TRUE(by_time) << "nothing waits for ever";
+    EXPECT_EQ(*by_time->second, 4);
+}
+
 TEST(StreamAlignment, BeginsAnewAfterAJumpOfBothStreams) {
     Alignment sut{kTimeout, 4800};
     for (std::size_t stream : {0U, 1U}) {

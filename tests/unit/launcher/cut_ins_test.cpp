@@ -149,7 +149,7 @@ TEST(CutIn, MustBeInACableThatIsThere) {
     EXPECT_THAT(said_about(s, "middle"), testing::HasSubstr("its own host"));
     s.links[0].ipv4 = "10.0.0.0/24";
     middle.places = {{{"mu", {}}, {"bus", {}}, true, false}};
-    EXPECT_THAT(said_about(s, "middle"), testing::HasSubstr("carries IP"));
+    EXPECT_EQ(said_about(s, "middle"), "") << "a link that carries IP too";
 }
 
 } // namespace

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/pacer.hpp"
+#include "common/realtime.hpp"
+
+#include <gmock/gmock.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gridspace {
+namespace {
+
+/// Runs `body` in a process of its own, which it may spoil; its exit code.
+template <class Body>
+int in_a_child(Body&& body) {
+    pid_t const child = ::fork();
+    if (child == 0) {
+        ::_exit(body());
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+TEST(Realtime, AskingWhetherItIsPermittedChangesNothingHere) {
+    int const before = ::sched_getscheduler(0);
+    bool const permitted = may_schedule_fifo(1);
+    EXPECT_EQ(::sched_getscheduler(0), before);
+    EXPECT_EQ(in_a_child([] { return schedule_fifo(1) ? 0 : 1; }) == 0, permitted) << "the answer is what happens then";
+}
+
+TEST(Realtime, TheComputingThreadStepsBelowTheOthersOnlyWhereThereIsAnOrder) {
+    EXPECT_EQ(in_a_child([] {
+                  step_below_the_others();
+                  return scheduling_text() == "SCHED_OTHER" ? 0 : 1;
+              }),
+              0);
+    if (!may_schedule_fifo(30)) {
+        EXPECT_EQ(scheduling_text(), "SCHED_OTHER");
+        return; // that is all that can be seen here
+    }
+    EXPECT_EQ(in_a_child([] {
+                  schedule_fifo(30);
+                  step_below_the_others();
+                  return scheduling_text() == "SCHED_FIFO 29" ? 0 : 1;
+              }),
+              0);
+}
+
+TEST(Realtime, MemoryIsLockedOnlyWhereThatCannotFailLater) {
+    // With a limit and without the capability, mlockall would succeed now and an allocation fail later.
+    EXPECT_EQ(in_a_child([] {
+                  rlimit const small{1 << 20, 1 << 20};
+                  ::setrlimit(RLIMIT_MEMLOCK, &small);
+                  bool const dropped = ::setresuid(65534, 65534, 65534) == 0; // nobody, where this is root
+                  std::string const why = lock_memory();
+                  return !dropped || why.find("RLIMIT_MEMLOCK is 1024 kB") != std::string::npos ? 0 : 1;
+              }),
+              0);
+}
+
+TEST(Pacer, CountsWhatWasDueAlready) {
+    Pacer sut{1e12}; // everything is due at once
+    std::atomic<bool> stop{false};
+    sut.start();
+    EXPECT_FALSE(sut.wait(0, stop));
+    EXPECT_EQ(sut.overruns(), 1U);
+    EXPECT_GE(sut.worst(), sut.late());
+    stop = true;
+    Pacer slow{1e-9}; // due in years
+    slow.start();
+    (void)slow.wait(1, stop); // returns, because the run is over
+    EXPECT_EQ(slow.overruns(), 0U);
+}
+
+} // namespace
+} // namespace gridspace

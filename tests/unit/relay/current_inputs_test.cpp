@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "agents/relay/current_inputs.hpp"
+
+#include <gtest/gtest.h>
+#include <vector>
+
+namespace gridspace::relay {
+namespace {
+
+constexpr std::int64_t kPeriod = 208'333;
+
+streams::Stream stream(std::string sv_id, std::uint8_t synch = iec61850::kGlobalClock) {
+    streams::Stream out;
+    out.name.name = sv_id;
+    out.sv_id = std::move(sv_id);
+    out.address.destination = *iec61850::Mac::parse("01:0C:CD:04:00:21");
+    out.address.app_id = 0x4021;
+    out.smp_synch = synch;
+    for (char const* phase : {"Ia", "Ib", "Ic"}) {
+        out.data_set.members.push_back(iec61850::DataNode::leaf(phase, iec61850::BasicType::float32));
+    }
+    return out;
+}
+
+/// Two merging units, a relay's inputs, and what comes out of them.
+class Bench {
+  public:
+    explicit Bench(gateways::FirstLineConfig::OnFinding on_finding, std::uint8_t from_synch = 2,
+                   std::uint8_t to_synch = 2)
+        : streams_{stream("A", from_synch), stream("B", to_synch)},
+          sut{*CurrentInputs::create(streams_[0], streams_[1], {{"Ia", "Ib", "Ic"}, 20'000'000, {on_finding, false}})} {
+        sut.on_finding([this](std::size_t end, std::uint32_t found, iec61850::Mac const&) { findings[end] |= found; });
+    }
+
+    /// Sample `n` of an end, from the address that ends in `source`.
+    void send(std::size_t end, std::uint16_t n, float value, std::uint8_t source = 1) {
+        auto frame = *streams_[end].sv_template(iec61850::Mac{{2, 0, 0, 0, 0, source}});
+        frame.set_smp_cnt(0, n);
+        iec61850::store_float(frame.sample(0), 0, value);
+        sut.frame(frame.frame(), now_, [this](LineSample const& s) { out.push_back(s); });
+    }
+    void next() { now_ += kPeriod; }
+
+  private:
+    std::array<streams::Stream, 2> streams_;
+    std::int64_t now_{0};
+
+  public:
+    CurrentInputs sut;
+    std::vector<LineSample> out;
+    std::array<std::uint32_t, 2> findings{};
+};
+
+constexpr auto kRefuse = gateways::FirstLineConfig::OnFinding::refuse,
+               kReport = gateways::FirstLineConfig::OnFinding::report;
+
+TEST(CurrentInputs, GiveAPairAsSoonAsBothEndsAreThere) {
+    Bench b{kReport};
+    b.send(0, 7, 1);
+    b.send(1, 7, 2);
+    ASSERT_EQ(b.out.size(), 1U);
+    EXPECT_EQ(b.out[0].from.i_a[0], 1);
+    EXPECT_EQ(b.out[0].to.i_a[0], 2);
+    EXPECT_EQ(b.out[0].from.validity, Validity::good);
+}
+
+TEST(CurrentInputs, CallQuestionableWhatTwoFramesOfOneAddressClaim) {
+    Bench b{kRefuse};
+    for (std::uint16_t n = 0; n < 10; ++n, b.next()) {
+        if (n == 5) {
+            b.send(0, n, 200); // with the address of the real one, and before it
+        }
+        b.send(0, n, 1);
+        b.send(1, n, 1);
+    }
+    ASSERT_EQ(b.out.size(), 9U) << "a sample is held back until nobody else can claim it";
+    for (LineSample const& s : b.out) {
+        EXPECT_EQ(s.from.validity, s.index == 5 ? Validity::questionable : Validity::good) << s.index;
+        EXPECT_EQ(s.to.validity, Validity::good);
+    }
+    EXPECT_NE(b.findings[0] & ids::kDuplicate, 0U);
+    EXPECT_EQ(b.findings[1], 0U);
+}
+
+TEST(CurrentInputs, LetTheNextSampleAnswerForOneThatWasGivenOutAlready) {
+    Bench b{kRefuse};
+    for (std::uint16_t n = 0; n < 10; ++n, b.next()) {
+        b.send(0, n, 1);
+        b.send(1, n, 1);
+        if (n == 5) {
+            b.send(0, 3, 200); // so late that sample 3 is gone
+        }
+    }
+    for (LineSample const& s : b.out) {
+        EXPECT_EQ(s.from.validity, s.index == 6 ? Validity::questionable : Validity::good) << s.index;
+    }
+}
+
+TEST(CurrentInputs, DoNotDoubtCopies) {
+    Bench b{kRefuse};
+    for (std::uint16_t n = 0; n < 10; ++n, b.next()) {
+        for (int copy = 0; copy < 2; ++copy) {
+            b.send(0, n, 1);
+            b.send(1, n, 1);
+        }
+    }
+    for (LineSample const& s : b.out) {
+        EXPECT_EQ(s.from.validity, Validity::good);
+    }
+    EXPECT_EQ(b.out.size(), 9U);
+}
+
+TEST(CurrentInputs, KeepTheSampleOfTheBoundAddress) {
+    for (auto const on_finding : {kReport, kRefuse}) {
+        Bench b{on_finding};
+        for (std::uint16_t n = 0; n < 10; ++n, b.next()) {
+            if (n == 5) {
+                b.send(0, n, 200, 66);
+            }
+            b.send(0, n, 1);
+            b.send(1, n, 1);
+        }
+        auto const fifth = b.out.at(5);
+        EXPECT_EQ(fifth.index, 5);
+        EXPECT_EQ(fifth.from.i_a[0], on_finding == kRefuse ? 1 : 200) << "who only reports is deceived";
+        EXPECT_EQ(fifth.from.validity, Validity::good);
+        EXPECT_NE(b.findings[0] & ids::kWrongSource, 0U);
+    }
+}
+
+TEST(CurrentInputs, CallUnsynchronisedWhatTwoDifferentClocksCount) {
+    for (auto const& [from, to, same] : {std::tuple{2, 2, true},
+                                         {1, 1, true},
+                                         {5, 5, true},
+                                         {5, 7, false},
+                                         {1, 2, false},
+                                         {0, 2, false},
+                                         {0, 0, false}}) {
+        Bench b{kReport, static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(to)};
+        b.send(0, 7, 1);
+        b.send(1, 7, 2);
+        ASSERT_EQ(b.out.size(), 1U);
+        EXPECT_EQ(b.out[0].from.synch != Synch::none && b.out[0].to.synch != Synch::none, same)
+            << from << " and " << to;
+    }
+}
+
+} // namespace
+} // namespace gridspace::relay
