@@ -1,19 +1,12 @@
 // What has happened, on one axis of time: a lane for each source.
 import { useEffect, useRef, useState } from "preact/hooks";
+import { kindOf } from "./kinds";
 import { events, run, type RunEvent } from "./model";
 import { choice, choose } from "./state";
 import { stamp } from "./text";
 import { position } from "./transport";
 
 const kLane = 22, kAxis = 20, kName = 92, kRight = 14, kMostLanes = 10, kLetter = 6.2;
-
-/** Shape and colour of an event: faults, what devices decide, alarms, and the rest. */
-export function kindOf(e: RunEvent): "fault" | "act" | "alarm" | "lost" | "note" {
-  if (e.event === "fault" || e.event.startsWith("apply_fault")) return "fault";
-  if (/alarm|attack/.test(e.event)) return "alarm";
-  if (/lost|killed|died|failed|stall/.test(e.event)) return "lost";
-  return /trip|command|open|close|pickup/.test(e.event) ? "act" : "note";
-}
 
 /** Shows the moment t everywhere. */
 export function jumpTo(t: number): void {
@@ -62,7 +55,7 @@ export function Timeline() {
     let free = 0;
     return new Map(own.map((e, i) => {
       const text = e.event === "event" ? e.text.slice(0, 28) : e.event, at = x(e.time_s) + 9;
-      const next = own.slice(i + 1).map(o => x(o.time_s)).find(o => o - 8 > at - 9 + 1) ?? width;
+      const next = own.slice(i + 1).map(o => x(o.time_s)).find(o => o > at - 8.5) ?? width + 8;
       const room = at >= free && at + text.length * kLetter < next - 8;
       if (room) free = at + text.length * kLetter;
       return [e.number, room ? text : ""];
