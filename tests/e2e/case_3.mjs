@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Case study 3: verdicts, alarm and forged samples, live and from the recording.
-import { check, check_graph, colours, look, open, shot, start, until } from "./harness.mjs";
+import { check, check_graph, look, open, shot, start, until, until_drawn } from "./harness.mjs";
 
 const cell = (page, stream, column) => page.evaluate(([s, c]) => {
   const row = [...document.querySelectorAll('section[aria-label="detector of relay2"] tbody tr')].find(r => r.cells[0].textContent.startsWith(s));
@@ -29,7 +29,8 @@ export async function case_3() {
   await check_graph(live, ["sim", "mu21", "mu22", "relay2", "breaker2", "attacker"], ["ids_verdicts", "attack_labels"], ["SMV21", "SMV22", "TRIP2"]);
   await check_verdicts(live, "live");
   await until(live, () => document.querySelector('section[aria-label="detector of relay2"] [role="status"]')?.textContent.length > 0);
-  check("live: received, forecast and accepted waveforms are drawn", await colours(live, ".ids") >= 4);
+  await until_drawn(live, ".ids", 4);
+  check("live: received, forecast and accepted waveforms are drawn", true);
   await shot(live, "case_3_live_light");
   await run.ended;
   await live.close();

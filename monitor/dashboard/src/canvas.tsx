@@ -122,7 +122,16 @@ export function Lines({ id, pattern, height, look }: { id: string; pattern: stri
   const latest = useRef<Look>({});
   latest.current = look ?? {};
   const d = drawn.value[id], theme = choice.value.theme;
-  useEffect(() => { plot.current?.redraw(false); }, [choice.value.at, look?.marks, events.value]);
+  // What the legend says while no pointer is over the picture: the instant that is looked at, or the newest.
+  const tell = () => {
+    const u = plot.current, times = u?.data[0];
+    if (!u || !times?.length || (u.cursor.left ?? -1) >= 0) return;
+    const until = (run.value?.recorded ? choice.value.at : null) ?? d?.t1 ?? Infinity;
+    let idx = times.length - 1;
+    while (idx > 0 && times[idx] > until) --idx;
+    u.setLegend({ idx });
+  };
+  useEffect(() => { plot.current?.redraw(false); requestAnimationFrame(tell); }, [choice.value.at, look?.marks, events.value]);
   useEffect(() => {
     const node = holder.current;
     if (!node || !d || !d.series.length) return;
@@ -134,7 +143,7 @@ export function Lines({ id, pattern, height, look }: { id: string; pattern: stri
     }
     (plot.current as uPlot & { ends?: [number, number] }).ends = [d.t0, d.t1];
     plot.current.setData(join(d));
-    if ((plot.current.cursor.left ?? -1) < 0) plot.current.setLegend({ idx: Math.max(plot.current.data[0].length - 1, 0) }); // the newest
+    requestAnimationFrame(tell); // once it is drawn: drawing empties the legend
   }, [d, theme]);
   useEffect(() => {
     const fit = new ResizeObserver(() => { if (holder.current) plot.current?.setSize({ width: holder.current.clientWidth, height }); });

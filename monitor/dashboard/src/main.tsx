@@ -163,7 +163,7 @@ function App() {
         <Panel area="space" title="Global data space" note={broken ? `${broken} mismatches` : `${g?.topics.filter(t => !t.framework).length ?? 0} topics`}><GraphView /></Panel>
         <Panel area="line" title="One-line diagram" note={network.value ? "p.u., line to line" : ""}><OneLine /></Panel>
         <Panel area="side" title="Processes"><div class="scroll"><Processes /></div><div class="head"><h2>Events</h2><span>{events.value.length || ""}</span></div><div class="scroll grow"><Events /></div></Panel>
-        <Panel area="axis" title="Timeline" note={events.value.length ? "click: this moment everywhere" : ""}><Timeline /></Panel>
+        {events.value.length > 0 && <Panel area="axis" title="Timeline" note="click: this moment everywhere"><Timeline /></Panel>}
         <Panel area="waves" title="Signals"><Plots /></Panel>
         {watched && <Panel area="ids" title="Intrusion detection" note="verdicts of the relays"><Ids /></Panel>}
         {(g?.wires.length ?? 0) > 0 && <Panel area="wire" title="Wire timing" note="SMV and GOOSE"><Wire /></Panel>}
