@@ -16,8 +16,9 @@ namespace {
 constexpr std::size_t kRows = 65536;    ///< of samples: 13 s of 4800 Hz as they came, then lowest and highest
 constexpr std::size_t kMostTracks = 64; ///< detectors times streams
 constexpr std::array kOfPhase{"raw", "forecast", "accepted", "limit", "flagged"};
-constexpr std::array kFigures{"judged", "flagged_samples", "false_positives", "false_positive_percent",
-                              "fakes",  "detected",        "detected_percent"};
+constexpr std::array kFigures{
+    "judged", "flagged_samples", "false_positives", "false_positive_percent", "open_loop_false_positive_percent",
+    "fakes",  "detected",        "detected_percent"};
 
 } // namespace
 
@@ -27,6 +28,7 @@ void IntrusionView::Track::tell(std::int64_t time_ns) {
                                                   static_cast<double>(c.flagged),
                                                   static_cast<double>(c.flagged - c.forged_flagged),
                                                   c.false_positive_percent(),
+                                                  c.open_loop_false_positive_percent(),
                                                   static_cast<double>(c.fakes),
                                                   static_cast<double>(c.detected),
                                                   c.detected_percent()};
@@ -67,7 +69,7 @@ bool IntrusionView::on_verdict(std::span<std::byte const> cdr, Signals& signals)
     for (SampleVerdict const& s : sample.samples()) {
         std::array<double, 3 * kOfPhase.size()> row{};
         std::uint8_t flagged = 0;
-        bool judged = false;
+        bool judged = false, open_flagged = false;
         for (std::size_t p = 0; p < 3; ++p) {
             PhaseVerdict const& v = p == 0 ? s.a() : p == 1 ? s.b() : s.c();
             bool const known = (v.flags() & VERDICT_JUDGED) != 0, bad = (v.flags() & VERDICT_FLAGGED) != 0;
@@ -78,10 +80,11 @@ bool IntrusionView::on_verdict(std::span<std::byte const> cdr, Signals& signals)
                 row[3 * i + p] = values[i];
             }
             judged = judged || known;
+            open_flagged = open_flagged || (v.flags() & VERDICT_OPEN_FLAGGED) != 0;
             flagged = static_cast<std::uint8_t>(flagged | (bad ? 1U << p : 0U));
         }
         track.samples->append(std::llround(static_cast<double>(index) * period_ns), row);
-        track.tally.verdict(index, judged, flagged);
+        track.tally.verdict(index, judged, flagged, open_flagged);
         ++index;
     }
     track.tell(sample.time_ns());

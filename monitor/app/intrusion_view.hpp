@@ -16,7 +16,8 @@ namespace gridspace::monitor {
 
 /// Makes signals of what detectors and attackers publish (idl/intrusion.idl), whatever their topics are called:
 ///   ids.DETECTOR.STREAM.raw.a, .forecast.a, .accepted.a, .limit.a, .flagged.a (b, c)     of each sample
-///   ids.DETECTOR.STREAM.judged, .false_positives, .false_positive_percent, .fakes, .detected_percent
+///   ids.DETECTOR.STREAM.judged, .false_positives, .false_positive_percent, .open_loop_false_positive_percent, .fakes,
+///   .detected_percent, …
 class IntrusionView {
   public:
     using Signals = std::map<std::pair<std::string, std::string>, std::unique_ptr<stream::SignalWindow>>;

@@ -20,11 +20,15 @@ double IntrusionTally::Counts::false_positive_percent() const {
     return percent(flagged - forged_flagged, judged - forged_judged);
 }
 
+double IntrusionTally::Counts::open_loop_false_positive_percent() const {
+    return percent(open_flagged - forged_open_flagged, judged - forged_judged);
+}
+
 double IntrusionTally::Counts::detected_percent() const {
     return percent(detected, fakes - unscored);
 }
 
-void IntrusionTally::verdict(std::uint64_t index, bool judged, std::uint8_t flagged) {
+void IntrusionTally::verdict(std::uint64_t index, bool judged, std::uint8_t flagged, bool open_flagged) {
     if (judged_.empty()) {
         judged_.resize(kSamples);
     }
@@ -32,15 +36,17 @@ void IntrusionTally::verdict(std::uint64_t index, bool judged, std::uint8_t flag
     if (place.index == index) {
         return; // it came twice
     }
-    place = {index, judged, flagged};
+    place = {index, judged, open_flagged, flagged};
     if (!judged) {
         return;
     }
     ++counts_.judged;
     counts_.flagged += flagged != 0 ? 1 : 0;
+    counts_.open_flagged += open_flagged ? 1 : 0;
     if (auto const it = forged_.find(index); it != forged_.end()) {
         ++counts_.forged_judged;
         counts_.forged_flagged += flagged != 0 ? 1 : 0;
+        counts_.forged_open_flagged += open_flagged ? 1 : 0;
         auto const phases = static_cast<std::uint64_t>(std::popcount(it->second));
         counts_.detected += static_cast<std::uint64_t>(std::popcount(static_cast<std::uint8_t>(it->second & flagged)));
         counts_.unscored -= phases;
@@ -67,6 +73,7 @@ void IntrusionTally::label(std::uint64_t index, std::uint8_t phase) {
     if (fresh) {
         ++counts_.forged_judged;
         counts_.forged_flagged += place->flagged != 0 ? 1 : 0;
+        counts_.forged_open_flagged += place->open_flagged ? 1 : 0;
     }
     counts_.detected += (place->flagged & bit) != 0 ? 1 : 0;
 }

@@ -20,16 +20,19 @@ class IntrusionTally {
         std::uint64_t flagged{0};        ///< of these: in at least one phase
         std::uint64_t forged_judged{0};  ///< samples of which at least one phase was forged
         std::uint64_t forged_flagged{0}; ///< of these: flagged in at least one phase
-        std::uint64_t fakes{0};          ///< forged values: samples times phases
-        std::uint64_t detected{0};       ///< of these: flagged in that phase
-        std::uint64_t unscored{0};       ///< fakes that nobody has judged yet
+        std::uint64_t open_flagged{0};   ///< of the judged: flagged by the loop that is not fed its own replacements
+        std::uint64_t forged_open_flagged{0}; ///< of the forged: the same
+        std::uint64_t fakes{0};               ///< forged values: samples times phases
+        std::uint64_t detected{0};            ///< of these: flagged in that phase
+        std::uint64_t unscored{0};            ///< fakes that nobody has judged yet
         /// Of the healthy samples, those that were flagged; NaN without any.
         [[nodiscard]] double false_positive_percent() const;
+        [[nodiscard]] double open_loop_false_positive_percent() const;
         /// Of the fakes that were judged; NaN without any.
         [[nodiscard]] double detected_percent() const;
     };
-    /// `flagged`: bit p is phase p.
-    void verdict(std::uint64_t index, bool judged, std::uint8_t flagged);
+    /// `flagged`: bit p is phase p. `open_flagged`: any of them by the open loop.
+    void verdict(std::uint64_t index, bool judged, std::uint8_t flagged, bool open_flagged = false);
     void label(std::uint64_t index, std::uint8_t phase);
     [[nodiscard]] Counts const& counts() const { return counts_; }
 
@@ -38,7 +41,7 @@ class IntrusionTally {
     static constexpr std::size_t kLabels = 1'000'000;
     struct Judged {
         std::uint64_t index{UINT64_MAX};
-        bool judged{false};
+        bool judged{false}, open_flagged{false};
         std::uint8_t flagged{0};
     };
     std::vector<Judged> judged_;                             ///< the newest, by index modulo kSamples

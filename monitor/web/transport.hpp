@@ -9,6 +9,7 @@
 #include <boost/asio/ssl/stream.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket/teardown.hpp>
+#include <chrono>
 #include <memory>
 #include <utility>
 
@@ -81,6 +82,7 @@ inline void teardown(boost::beast::role_type role, Transport& transport, boost::
 template <class Handler>
 void async_teardown(boost::beast::role_type role, Transport& transport, Handler&& done) {
     if (transport.secure()) {
+        transport.next_layer().expires_after(std::chrono::seconds{2}); // whoever does not say goodbye is not waited for
         transport.async_shutdown(std::forward<Handler>(done));
     } else {
         boost::beast::websocket::async_teardown(role, transport.next_layer().socket(), std::forward<Handler>(done));

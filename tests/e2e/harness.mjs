@@ -89,15 +89,15 @@ export async function until(page, question, argument) {
   }
 }
 
-/** How many different colours the n-th picture inside `selector` has: an empty one has two or three. */
-export const colours = (page, selector) => page.evaluate(s => {
+/** Waits until the first picture inside `selector` has so many different colours: an empty one has two or three. */
+export const until_drawn = (page, selector, least) => until(page, ([s, n]) => {
   const canvas = document.querySelector(`${s} canvas`);
-  if (!canvas) return 0;
+  if (!canvas) return false;
   const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
   const found = new Set();
   for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200) found.add(`${data[i] >> 4},${data[i + 1] >> 4},${data[i + 2] >> 4}`);
-  return found.size;
-}, selector);
+  return found.size >= n;
+}, [selector, least]);
 
 export const shot = (page, name, fullPage = true) => page.screenshot({ path: join(shots, `${name}.png`), fullPage });
 

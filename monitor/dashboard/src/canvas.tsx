@@ -1,6 +1,7 @@
 // A picture of some signals over time; all pictures share the cursor.
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
+import { kindOf } from "./kinds";
 import { drawn, events, run, type Drawn } from "./model";
 import { choice, choose } from "./state";
 import { compact, stamp } from "./text";
@@ -16,8 +17,15 @@ const css = (name: string) => getComputedStyle(document.documentElement).getProp
 
 /** The series on one axis of times: each signal has its own, and a value holds until the next. */
 function join(d: Drawn): uPlot.AlignedData {
-  const tables = d.series.map(s => [Array.from(s.t), Array.from(s.v)] as unknown as uPlot.AlignedData);
+  const tables = d.series.map(s => [Array.from(s.t), Array.from(s.v, v => (isNaN(v) ? null : v))] as unknown as uPlot.AlignedData);
   return tables.length ? uPlot.join(tables, d.series.map(() => [0, 2])) : [[]];
+}
+
+/** How many decimals tell multiples of a step: 3 of 0.025, 4 of 0.0025. */
+function digitsOf(step: number): number {
+  let digits = 0;
+  for (let scaled = step; digits < 9 && Math.abs(scaled - Math.round(scaled)) > 1e-6 * scaled; scaled *= 10) ++digits;
+  return digits;
 }
 
 /** What a picture shows beside the signals: names and dashes of its lines, marks at instants. */
@@ -40,7 +48,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
       y: { range: (_u, lo, hi) => { const pad = (hi - lo) * 0.08 || Math.abs(hi) * 0.02 || 1; return [lo - pad, hi + pad]; } },
     },
     axes: [
-      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at, _i, _s, incr) => at.map(t => (whole < 7200 ? t.toFixed(Math.max(0, Math.ceil(-Math.log10(incr) - 1e-9))) : stamp(t, whole))), space: 90, size: 34,
+      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at, _i, _s, incr) => at.map(t => (whole < 7200 ? t.toFixed(digitsOf(incr)) : stamp(t, whole))), space: 90, size: 34,
         incrs: whole >= 7200 ? [1, 5, 10, 30, 60, 300, 600, 900, 1800, 3600, 7200, 14400, 28800, 86400] : undefined },
       { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, size: 62, values: (_u, at) => at.map(compact) },
     ],
@@ -74,7 +82,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
         }
         for (const e of events.value) {
           const x = u.valToPos(e.time_s, "x", true);
-          if (x >= left && x <= left + width) stroke(e.event === "fault" ? css("--bad") : ink, x, top, x, top + h);
+          if (x >= left && x <= left + width) stroke(kindOf(e) === "fault" ? css("--bad") : ink, x, top, x, top + h);
         }
         u.ctx.setLineDash([]);
         u.ctx.fillStyle = css("--bad");
@@ -114,7 +122,16 @@ export function Lines({ id, pattern, height, look }: { id: string; pattern: stri
   const latest = useRef<Look>({});
   latest.current = look ?? {};
   const d = drawn.value[id], theme = choice.value.theme;
-  useEffect(() => { plot.current?.redraw(false); }, [choice.value.at, look?.marks, events.value]);
+  // What the legend says while no pointer is over the picture: the instant that is looked at, or the newest.
+  const tell = () => {
+    const u = plot.current, times = u?.data[0];
+    if (!u || !times?.length || (u.cursor.left ?? -1) >= 0) return;
+    const until = (run.value?.recorded ? choice.value.at : null) ?? d?.t1 ?? Infinity;
+    let idx = times.length - 1;
+    while (idx > 0 && times[idx] > until) --idx;
+    u.setLegend({ idx });
+  };
+  useEffect(() => { plot.current?.redraw(false); requestAnimationFrame(tell); }, [choice.value.at, look?.marks, events.value]);
   useEffect(() => {
     const node = holder.current;
     if (!node || !d || !d.series.length) return;
@@ -126,7 +143,7 @@ export function Lines({ id, pattern, height, look }: { id: string; pattern: stri
     }
     (plot.current as uPlot & { ends?: [number, number] }).ends = [d.t0, d.t1];
     plot.current.setData(join(d));
-    if ((plot.current.cursor.left ?? -1) < 0) plot.current.setLegend({ idx: Math.max(plot.current.data[0].length - 1, 0) }); // the newest
+    requestAnimationFrame(tell); // once it is drawn: drawing empties the legend
   }, [d, theme]);
   useEffect(() => {
     const fit = new ResizeObserver(() => { if (holder.current) plot.current?.setSize({ width: holder.current.clientWidth, height }); });

@@ -1,9 +1,8 @@
 // Intrusion detection: what the detectors in front of the relays say, against what an attacker really did where that is known.
-import { useEffect, useMemo } from "preact/hooks";
+import { useEffect } from "preact/hooks";
 import { Lines, type Look } from "./canvas";
-import { ask, drawn, forget, signals, values } from "./model";
+import { ask, drawn, forget, run, signals, values, type Series } from "./model";
 import { choice, choose } from "./state";
-import { run } from "./model";
 
 const kAlarms = ["flagged", "one end only", "unconfirmed pick-up", "noise", "locked out"]; // bits of alarm_reasons
 const kAround = 0.0125; // s on both sides of a moment: one and a half cycles of 60 Hz
@@ -47,13 +46,15 @@ function Verdicts({ relay, streams, shown }: { relay: string; streams: string[];
     <table class="plain">
       <thead><tr>
         <th>stream</th><th class="number" title="samples of which there was a forecast">judged</th><th class="number" title="samples with a value too far from its forecast">flagged</th>
-        <th class="number" title="flagged, and the attacker had not touched them">false positives</th><th class="number">share</th>
+        <th class="number" title="flagged, and the attacker had not touched them">false positives</th><th class="number" title="of the samples that nobody had touched">share</th>
+        <th class="number" title="the same for a forecaster that is not fed its own replacements: what the publication counts">open loop</th>
         <th class="number" title="values that the attacker has changed">fakes</th><th class="number">detected</th>
         <th class="number" title="values for which the forecast was taken">replaced</th><th class="number" title="missing samples that were filled">filled</th><th class="number">unusable</th>
       </tr></thead>
       <tbody>
         {streams.map(s => {
           const judged = told(s, "judged"), share = told(s, "false_positive_percent"), fakes = told(s, "fakes");
+          const open = told(s, "open_loop_false_positive_percent");
           const pick = () => choose({ ids: `${relay}.${s}.${choice.value.ids.split(".")[2] ?? "a"}` });
           return (
             <tr key={s} class={shown === s ? "chosen" : ""}>
@@ -61,7 +62,8 @@ function Verdicts({ relay, streams, shown }: { relay: string; streams: string[];
               <td class="number">{whole(judged ?? told(s, "samples"))}</td>
               <td class="number">{whole(told(s, "flagged_samples") ?? told(s, "flagged"))}</td>
               <td class="number">{whole(told(s, "false_positives"))}</td>
-              <td class={`number ${share !== undefined && share > 2 ? "bad" : ""}`}>{percent(share)}</td>
+              <td class="number">{percent(share)}</td>
+              <td class={`number ${open !== undefined && open > 2 ? "bad" : ""}`}>{percent(open)}</td>
               <td class="number">{whole(fakes)}</td>
               <td class={`number ${fakes ? "good" : ""}`}>{fakes ? percent(told(s, "detected_percent"), 1) : "–"}</td>
               <td class="number">{whole(told(s, "replaced"))}</td><td class="number">{whole(told(s, "filled"))}</td><td class="number">{whole(told(s, "unusable"))}</td>
@@ -73,23 +75,32 @@ function Verdicts({ relay, streams, shown }: { relay: string; streams: string[];
   );
 }
 
+const told = new WeakMap<Series, number[]>();
+
+/** The instants at which a series of flags is set. */
+function flaggedTimes(flags: Series | undefined): number[] {
+  if (!flags) return [];
+  let out = told.get(flags);
+  if (!out) {
+    out = [];
+    for (let i = 0; i < flags.t.length; ++i) if (flags.v[i] > 0 && out[out.length - 1] !== flags.t[i]) out.push(flags.t[i]);
+    told.set(flags, out);
+  }
+  return out;
+}
+
 function Waveform({ relay, stream, phase, streams }: { relay: string; stream: string; phase: string; streams: string[] }) {
   const prefix = `ids.${relay}.${stream}`, { window, t0, t1 } = choice.value;
   const there = signals.value.some(s => s.name === `${prefix}.raw.${phase}`);
   useEffect(() => {
     if (!there) return;
-    const names = ["raw", "forecast", "accepted"].map(w => `${prefix}.${w}.${phase}`);
-    ask(t0 !== null && t1 !== null ? { id: "ids", names, window_s: 0, t0, t1, px: 1400 }
-      : { id: "ids", names, window_s: window === "all" ? -1 : Number(window) || -1, t0: 0, t1: 0, px: 1400 });
-    ask({ id: "ids flagged", names: [`${prefix}.flagged.${phase}`], window_s: -1, t0: 0, t1: 0, px: 4000 });
-    return () => { forget("ids"); forget("ids flagged"); };
+    const stretch = t0 !== null && t1 !== null ? { window_s: 0, t0, t1 } : { window_s: window === "all" ? -1 : Number(window) || -1, t0: 0, t1: 0 };
+    ask({ id: "ids", names: ["raw", "forecast", "accepted"].map(w => `${prefix}.${w}.${phase}`), ...stretch, px: 1400 });
+    ask({ id: "ids marks", names: [`${prefix}.flagged.${phase}`], ...stretch, px: 1400 });
+    ask({ id: "ids flagged", names: [`${prefix}.flagged.${phase}`], window_s: -1, t0: 0, t1: 0, px: 4000 }); // where else to look
+    return () => { ["ids", "ids marks", "ids flagged"].forEach(forget); };
   }, [prefix, phase, there, window, t0, t1]);
-  const flags = drawn.value["ids flagged"]?.series[0];
-  const marks = useMemo(() => {
-    const out: number[] = [];
-    flags?.t.forEach((t, i) => { if (flags.v[i] > 0 && out[out.length - 1] !== t) out.push(t); });
-    return out;
-  }, [flags]);
+  const marks = flaggedTimes(drawn.value["ids marks"]?.series[0]), all = flaggedTimes(drawn.value["ids flagged"]?.series[0]);
   if (!there) return <p class="empty">its verdicts on single samples are not published (ids: verdicts)</p>;
   const look: Look = {
     label: name => ({ raw: "as received", forecast: "forecast", accepted: "accepted by the relay" })[name.split(".")[3]] ?? name,
@@ -98,7 +109,7 @@ function Waveform({ relay, stream, phase, streams }: { relay: string; stream: st
   };
   const shown = t0 !== null && t1 !== null ? (t0 + t1) / 2 : -1;
   const jump = (forward: boolean) => {
-    const to = forward ? marks.find(t => t > shown + 1e-6) : [...marks].reverse().find(t => shown < 0 || t < shown - 1e-6);
+    const to = forward ? all.find(t => t > shown + 1e-6) : [...all].reverse().find(t => shown < 0 || t < shown - 1e-6);
     if (to === undefined) return;
     choose({ t0: Math.max(0, to - kAround), t1: to + kAround, ...(run.value?.recorded ? { at: to } : {}) });
   };
@@ -108,8 +119,8 @@ function Waveform({ relay, stream, phase, streams }: { relay: string; stream: st
         <select aria-label="stream" value={stream} onChange={e => choose({ ids: `${relay}.${e.currentTarget.value}.${phase}` })}>{streams.map(s => <option key={s}>{s}</option>)}</select>
         <select aria-label="phase" value={phase} onChange={e => choose({ ids: `${relay}.${stream}.${e.currentTarget.value}` })}>{["a", "b", "c"].map(p => <option key={p} value={p}>phase {p}</option>)}</select>
         <span class="soft">A</span>
-        <button disabled={!marks.length} onClick={() => jump(false)} aria-label="to the flagged sample before">◀ flagged</button>
-        <button disabled={!marks.length} onClick={() => jump(true)} aria-label="to the next flagged sample">flagged ▶</button>
+        <button disabled={!all.length} onClick={() => jump(false)} aria-label="to the flagged sample before">◀ flagged</button>
+        <button disabled={!all.length} onClick={() => jump(true)} aria-label="to the next flagged sample">flagged ▶</button>
         <span class="soft">▾ flagged samples</span>
         {t0 !== null && <button onClick={() => choose({ t0: null, t1: null })}>whole stretch</button>}
       </div>

@@ -5,12 +5,13 @@ import "./style.css";
 import { Control } from "./control";
 import { GraphView } from "./graph";
 import { detectors, Ids } from "./ids";
+import { kindOf } from "./kinds";
 import { connect, connected, dropped, ended, events, graph, network, run, signals, topics } from "./model";
 import { OneLine } from "./oneline";
 import { Plots } from "./plots";
 import { choice, choose, picked } from "./state";
 import { rate, stamp, time } from "./text";
-import { jumpTo, kindOf, Timeline } from "./timeline";
+import { jumpTo, Timeline } from "./timeline";
 import { position, Transport } from "./transport";
 import { Wire } from "./wire";
 
@@ -49,7 +50,7 @@ function Processes() {
           <tr key={p.name} class={`state ${p.state}`}>
             <td><button class="link" onClick={() => { picked.value = { kind: "process", name: p.name }; }}>{p.name}</button></td>
             <td class="soft">{p.host}</td>
-            <td class="sign">{sign[p.state]} {p.state}{p.incarnation > 0 ? ` (restarted ${p.incarnation}x)` : ""}</td>
+            <td class="sign">{sign[p.state]} {r.recorded && p.state === "alive" ? "took part" : p.state}{p.incarnation > 0 ? ` (restarted ${p.incarnation}x)` : ""}</td>
             {lockstep && <td class="number soft">{p.tick?.toLocaleString("en") ?? ""}</td>}
           </tr>
         ))}
@@ -162,7 +163,7 @@ function App() {
         <Panel area="space" title="Global data space" note={broken ? `${broken} mismatches` : `${g?.topics.filter(t => !t.framework).length ?? 0} topics`}><GraphView /></Panel>
         <Panel area="line" title="One-line diagram" note={network.value ? "p.u., line to line" : ""}><OneLine /></Panel>
         <Panel area="side" title="Processes"><div class="scroll"><Processes /></div><div class="head"><h2>Events</h2><span>{events.value.length || ""}</span></div><div class="scroll grow"><Events /></div></Panel>
-        <Panel area="axis" title="Timeline" note={events.value.length ? "click: this moment everywhere" : ""}><Timeline /></Panel>
+        {events.value.length > 0 && <Panel area="axis" title="Timeline" note="click: this moment everywhere"><Timeline /></Panel>}
         <Panel area="waves" title="Signals"><Plots /></Panel>
         {watched && <Panel area="ids" title="Intrusion detection" note="verdicts of the relays"><Ids /></Panel>}
         {(g?.wires.length ?? 0) > 0 && <Panel area="wire" title="Wire timing" note="SMV and GOOSE"><Wire /></Panel>}

@@ -51,7 +51,8 @@ export function OneLine() {
   const yOf = (y: number) => kPad + 14 + rowHeight.slice(0, ys.indexOf(y)).reduce((a, b) => a + b, 0);
   const hasSource = net.devices.some(d => d.kind === "source");
   const xOf = (x: number) => kPad + (hasSource ? 50 : 34) + xs.indexOf(x) * kColumn;
-  const width = xOf(xs[xs.length - 1]) + kColumn - 2, height = yOf(ys[ys.length - 1]) + rowHeight[rowHeight.length - 1] - 20;
+  const longest = Math.max(4, ...net.devices.filter(d => at.get(d.bus)?.[0] === xs[xs.length - 1]).map(d => d.label.length + (d.kind === "ev" ? 16 : 10)));
+  const width = xOf(xs[xs.length - 1]) + Math.min(kColumn - 2, 36 + 6.2 * longest), height = yOf(ys[ys.length - 1]) + rowHeight[rowHeight.length - 1] - 20;
   const tapY = (bus: string, b: Branch) => // parallel lines side by side
     yOf(at.get(bus)![1]) + 16 + net.branches.filter(o => (o.from === b.from && o.to === b.to) || (o.from === b.to && o.to === b.from)).indexOf(b) * 9;
 

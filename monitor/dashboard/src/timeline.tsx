@@ -1,19 +1,12 @@
 // What has happened, on one axis of time: a lane for each source.
 import { useEffect, useRef, useState } from "preact/hooks";
+import { kindOf } from "./kinds";
 import { events, run, type RunEvent } from "./model";
 import { choice, choose } from "./state";
 import { stamp } from "./text";
 import { position } from "./transport";
 
 const kLane = 22, kAxis = 20, kName = 92, kRight = 14, kMostLanes = 10, kLetter = 6.2;
-
-/** Shape and colour of an event: faults, what devices decide, alarms, and the rest. */
-export function kindOf(e: RunEvent): "fault" | "act" | "alarm" | "lost" | "note" {
-  if (e.event === "fault" || e.event.startsWith("apply_fault")) return "fault";
-  if (/alarm|attack/.test(e.event)) return "alarm";
-  if (/lost|killed|died|failed|stall/.test(e.event)) return "lost";
-  return /trip|command|open|close|pickup/.test(e.event) ? "act" : "note";
-}
 
 /** Shows the moment t everywhere. */
 export function jumpTo(t: number): void {
@@ -50,23 +43,28 @@ export function Timeline() {
   }, []);
   const list = events.value;
   const { t0, t1 } = choice.value, zoomed = t0 !== null && t1 !== null;
-  const end = Math.max(run.value?.duration_s || 0, run.value?.time_s ?? 0, ...list.slice(-1).map(e => e.time_s)) || 1;
+  const end = Math.max(run.value?.recorded ? 0 : run.value?.duration_s || 0, run.value?.time_s ?? 0, ...list.slice(-1).map(e => e.time_s)) || 1;
   const now = run.value?.recorded ? position() : (run.value?.time_s ?? 0);
   const all = [...new Set(list.map(e => e.source))], lanes = all.slice(0, kMostLanes);
   const laneOf = (e: RunEvent) => Math.min(all.indexOf(e.source), kMostLanes - 1);
   const x = (t: number) => kName + (Math.min(Math.max(t, 0), end) / end) * (width - kName - kRight);
   const height = Math.max(lanes.length, 1) * kLane + kAxis;
-  // A label stands where it does not run into the next event of its lane.
+  // A label stands where it does not run into the next event of its lane; events that fall together share one.
   const labelled = lanes.map((_, lane) => {
-    const own = list.filter(e => laneOf(e) === lane);
-    let free = 0;
-    return new Map(own.map((e, i) => {
-      const text = e.event === "event" ? e.text.slice(0, 28) : e.event, at = x(e.time_s) + 9;
-      const next = own.slice(i + 1).map(o => x(o.time_s)).find(o => o - 8 > at - 9 + 1) ?? width;
-      const room = at >= free && at + text.length * kLetter < next - 8;
-      if (room) free = at + text.length * kLetter;
-      return [e.number, room ? text : ""];
-    }));
+    const own = list.filter(e => laneOf(e) === lane), out = new Map<number, string>();
+    for (let i = 0, free = 0; i < own.length; ) {
+      const at = x(own[i].time_s);
+      let end = i;
+      while (end < own.length && x(own[end].time_s) < at + 3) ++end;
+      const names = [...new Set(own.slice(i, end).map(e => (e.event === "event" ? e.text.slice(0, 28) : e.event)))].join(", ");
+      const after = at + 9 + names.length * kLetter, next = end < own.length ? x(own[end].time_s) - 8 : width;
+      if (at + 9 >= free && after < next) {
+        out.set(own[end - 1].number, names);
+        free = after;
+      }
+      i = end;
+    }
+    return out;
   });
   return (
     <div ref={box}>
@@ -95,7 +93,6 @@ export function Timeline() {
           );
         })}
       </svg>
-      {!list.length && <p class="empty">nothing has happened yet</p>}
     </div>
   );
 }

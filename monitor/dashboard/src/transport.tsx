@@ -9,11 +9,11 @@ const playing = signal(false);
 const pace = signal(0); // simulated seconds per second; 0: the whole run in half a minute
 
 /** The instant that is shown: the chosen one, or the end. */
-export const position = () => choice.value.at ?? run.value?.duration_s ?? 0;
+export const position = () => choice.value.at ?? run.value?.time_s ?? 0;
 
 export function Transport() {
   const r = run.value!;
-  const end = r.duration_s || r.time_s, at = position();
+  const end = r.time_s || r.duration_s, at = position(); // a run may have ended before its time
   const known = r.state === "recorded"; // while it is read, later instants are not there yet
   useEffect(() => { if (known) seek(choice.value.at); }, [known, choice.value.at]);
   useEffect(() => {

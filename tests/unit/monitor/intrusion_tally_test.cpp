@@ -48,6 +48,20 @@ TEST(IntrusionTally, DoesNotTakeAFlagOfAnotherPhaseForADetection) {
     EXPECT_EQ(sut.counts().forged_flagged, 1U); // and neither for a false positive
 }
 
+TEST(IntrusionTally, CountsTheOpenLoopByItself) {
+    IntrusionTally sut;
+    for (std::uint64_t i = 0; i < 10; ++i) {
+        sut.verdict(i, true, i < 4 ? 1 : 0, i < 2); // the closed loop is led astray by the sample before
+    }
+    EXPECT_DOUBLE_EQ(sut.counts().open_loop_false_positive_percent(), 20);
+    sut.label(0, 0);
+    EXPECT_DOUBLE_EQ(sut.counts().open_loop_false_positive_percent(), 100.0 / 9);
+    EXPECT_DOUBLE_EQ(sut.counts().false_positive_percent(), 300.0 / 9);
+    sut.label(10, 0); // and one that is judged later
+    sut.verdict(10, true, 1, true);
+    EXPECT_DOUBLE_EQ(sut.counts().open_loop_false_positive_percent(), 100.0 / 9);
+}
+
 TEST(IntrusionTally, SaysWhichFakesNobodyHasJudged) {
     IntrusionTally sut;
     sut.label(7, 0);
