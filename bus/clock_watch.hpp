@@ -26,10 +26,14 @@ class ClockWatch {
         return std::llabs(by) > kTolerableStep ? std::optional{by} : std::nullopt;
     }
 
-    /// How far this machine's clock is ahead of a sender's, when enough of its samples have said so. To be told when a
-    /// sample was sent and when it came; not of the first, which may have been kept for a late joiner.
+    /// How far this machine's clock is ahead of a sender's, when enough of its samples have said so. To be told when
+    /// each sample was sent and when it came.
     std::optional<std::int64_t> offset(std::int64_t sent_ns, std::int64_t arrived_ns) {
-        if (samples_ >= kSamples) {
+        // What was kept for a late joiner, or held up, comes in a burst: quicker than it was sent.
+        bool const in_time = sent_ != 0 && 2 * (arrived_ns - arrived_) >= sent_ns - sent_;
+        sent_ = sent_ns;
+        arrived_ = arrived_ns;
+        if (!in_time || samples_ >= kSamples) {
             return std::nullopt;
         }
         std::int64_t const ahead = arrived_ns - sent_ns;
@@ -41,7 +45,7 @@ class ClockWatch {
 
   private:
     std::optional<std::int64_t> difference_;
-    std::int64_t least_{0};
+    std::int64_t least_{0}, sent_{0}, arrived_{0};
     int samples_{0};
 };
 

@@ -109,7 +109,7 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
         pace.first_arrived = pace.last_arrived;
         pace.first = {clock.quanta()};
     }
-    if (!lockstep() && clock_seen) {
+    if (!lockstep()) {
         auto const wall_ns = wall_clock_ns();
         if (auto const ahead = clock_watch.offset(header.source_ns, wall_ns)) {
             fail_locked({ExitCode::environment,

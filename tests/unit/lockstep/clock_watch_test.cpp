@@ -27,17 +27,27 @@ TEST(ClockWatch, ToleratesAClockThatIsMadeToRunFaster) {
 
 TEST(ClockWatch, NoticesAnotherClockThanTheSimulators) {
     ClockWatch sut;
-    for (int i = 1; i < ClockWatch::kSamples; ++i) {
-        EXPECT_FALSE(sut.offset(kNow + i * kSecond, kNow + i * kSecond - 300 * kMs)) << "not after sample " << i;
+    for (int i = 0; i < ClockWatch::kSamples; ++i) {
+        EXPECT_FALSE(sut.offset(kNow + i * 10 * kMs, kNow + i * 10 * kMs - 300 * kMs)) << "not after sample " << i;
     }
-    EXPECT_EQ(sut.offset(kNow, kNow - 300 * kMs), -300 * kMs);
-    EXPECT_FALSE(sut.offset(kNow, kNow - 300 * kMs)) << "it is said once";
+    EXPECT_EQ(sut.offset(kNow + 200 * kMs, kNow - 100 * kMs), -300 * kMs);
+    EXPECT_FALSE(sut.offset(kNow + 210 * kMs, kNow - 90 * kMs)) << "it is said once";
 }
 
 TEST(ClockWatch, TakesALateSampleForNoOffset) {
     ClockWatch sut;
-    for (int i = 0; i < 2 * ClockWatch::kSamples; ++i) { // a busy machine: all late but one
-        EXPECT_FALSE(sut.offset(kNow, kNow + (i == 7 ? 2 * kMs : 900 * kMs)));
+    for (int i = 0; i < 3 * ClockWatch::kSamples; ++i) { // a busy machine: all late but one
+        EXPECT_FALSE(sut.offset(kNow + i * kSecond, kNow + i * kSecond + (i == 7 ? 2 * kMs : 450 * kMs)));
+    }
+}
+
+TEST(ClockWatch, TakesWhatWasKeptForALateJoinerForNoOffset) {
+    ClockWatch sut;
+    for (int i = 0; i < 64; ++i) { // sent in 0.64 s, handed over in a moment
+        EXPECT_FALSE(sut.offset(kNow + i * 10 * kMs, kNow + kSecond + i * kMs / 10));
+    }
+    for (int i = 0; i < 2 * ClockWatch::kSamples; ++i) {
+        EXPECT_FALSE(sut.offset(kNow + kSecond + i * 10 * kMs, kNow + kSecond + i * 10 * kMs + 7 * kMs));
     }
 }
 
