@@ -9,9 +9,20 @@
 
 #include <algorithm>
 #include <catalog.h>
+#include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace gridspace::bus {
+namespace {
+
+std::int64_t wall_clock_ns() {
+    auto const utc = std::chrono::system_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(utc).count();
+}
+
+} // namespace
+
 Participant& Node::Core::network_of(std::string const& topic) {
     bool const on_management = is_management_topic(topic) ||
                                std::find(config.management_topics.begin(), config.management_topics.end(), topic) !=
@@ -21,8 +32,7 @@ Participant& Node::Core::network_of(std::string const& topic) {
 
 SimTime Node::Core::time_now() const {
     if (!has_clock()) {
-        auto const utc = std::chrono::system_clock::now().time_since_epoch();
-        return base.from_nanoseconds(std::chrono::duration_cast<std::chrono::nanoseconds>(utc).count() - epoch_ns);
+        return base.from_nanoseconds(wall_clock_ns() - epoch_ns);
     }
     if (lockstep() || is_simulator() || !clock_seen || pace.last_arrived == pace.first_arrived) {
         return latest_time;
@@ -33,6 +43,14 @@ SimTime Node::Core::time_now() const {
     double const since_s = std::min(kLongestGapS, Seconds{std::chrono::steady_clock::now() - pace.last_arrived}.count());
     told = std::max(told, latest_time + SimSpan{static_cast<std::int64_t>(quanta_per_s * since_s)});
     return told;
+}
+
+void Node::Core::watch_clock() {
+    std::int64_t const steady_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    if (auto const by = clock_watch.step(wall_clock_ns(), steady_ns)) {
+        fail_locked({ExitCode::environment, fmt::format("the clock of this machine was set {} by {:.3f} s", *by > 0 ? "forward" : "back", std::abs(static_cast<double>(*by)) / 1e9),
+                     "in real time frames are stamped and delays measured with it: let chrony or ntpd finish before the run; in lockstep no clock is used"});
+    }
 }
 
 void Node::Core::fail(Error why) {
@@ -90,6 +108,15 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
     if (!clock_seen) {
         pace.first_arrived = pace.last_arrived;
         pace.first = {clock.quanta()};
+    }
+    if (!lockstep()) {
+        auto const wall_ns = wall_clock_ns();
+        if (auto const ahead = clock_watch.offset(header.source_ns, wall_ns)) {
+            fail_locked({ExitCode::environment,
+                         fmt::format("the clock of this machine is {:.3f} s {} that of the simulator's machine",
+                                     std::abs(static_cast<double>(*ahead)) / 1e9, *ahead > 0 ? "ahead of" : "behind"),
+                         "in real time they have to agree: chrony, ntpd or PTP on both; in lockstep no clock is used"});
+        }
     }
     clock_seen = true;
     if (clock_tap != nullptr && clock.state() != CLOCK_HELD) {

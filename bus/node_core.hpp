@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bus/clock_watch.hpp"
 #include "bus/lockstep/ledger_book.hpp"
 #include "bus/lockstep/tick_gate.hpp"
 #include "bus/lockstep/wire_book.hpp"
@@ -99,6 +100,8 @@ struct Node::Core {
     } pace;
     mutable SimTime told{INT64_MIN}; ///< time_now() never goes back
     [[nodiscard]] SimTime time_now() const;
+    ClockWatch clock_watch; ///< real time
+    void watch_clock();     ///< fails when this machine's clock was set. Under the mutex.
     std::chrono::steady_clock::time_point pending_since; ///< when the clock of the pending tick came
     std::uint64_t matches_generation{0};                 ///< counts discoveries, matches and departures
     std::uint64_t matches_published{0};

@@ -318,6 +318,10 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
     if (core.stop_requested || core.final_done) {
         return std::nullopt;
     }
+    core.watch_clock();
+    if (core.error) {
+        return std::unexpected{*core.error};
+    }
     core.clock_taken = core.clock_generation;
     core.input_taken = core.input_generation;
     Tick const tick{core.clock.tick(), core.time_now(), core.clock_seen && core.clock.state() == CLOCK_FINAL};

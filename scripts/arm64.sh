@@ -19,6 +19,7 @@ usage() {
 usage: ./gridspace arm64 VERB
   build      cross-compiles what runs on a board: build/arm64/bin
   image      the same, and the image of an emulated board (`run_on: qemu-system`): build/arm64-board
+  measure    code size, memory, start-up and time per sample; --write puts the tables into docs/reference/arm64.md
   test       the same with its unit tests, which run under qemu-user, and the scenarios with emulated processes; then the counts
 EOT
 }
@@ -90,6 +91,12 @@ case ${1:-} in
     run_bundle_tests || worst=1
     run_scenarios || worst=1
     exit "$worst"
+    ;;
+  measure)
+    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 programs sample_cost && make_board_image || exit
+    ensure_programs && build release sample_cost || exit
+    shift
+    exec python3 "$root/tests/arm64/measure.py" "$@"
     ;;
   '' | -h | --help) usage ;;
   *)

@@ -19,10 +19,10 @@ declare -A group_packages=(
            libasio-dev libtinyxml2-dev libeigen3-dev libsundials-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libboost-dev libzstd-dev
            liblz4-dev zlib1g-dev ip|iproute2 procps util-linux"
   [dashboard]="node|nodejs npm|npm"
-  [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark python3|python3 python3-yaml setpriv|util-linux node|nodejs npm|npm"
+  [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark python3|python3 python3-yaml sshd|openssh-server ssh|openssh-client setpriv|util-linux node|nodejs npm|npm"
   [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev"
   [e2e]="chromium|chromium node|nodejs npm|npm"
-  [arm64]="g++-aarch64-linux-gnu qemu-user-static qemu-system-aarch64|qemu-system-arm cpio|cpio"
+  [arm64]="g++-aarch64-linux-gnu qemu-user-static qemu-system-aarch64|qemu-system-arm cpio|cpio systemd-analyze|systemd readelf|binutils"
 )
 
 say() { printf 'gridspace: %s\n' "$*" >&2; }

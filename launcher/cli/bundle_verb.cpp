@@ -65,7 +65,7 @@ int bundle(BundleArguments const& a) {
     }
     PlanOptions options;
     options.folder = fs::absolute(a.out);
-    RunPlan const plan = make_plan(*scenario, options);
+    RunPlan plan = make_plan(*scenario, options);
     auto const it = std::find_if(plan.processes.begin(), plan.processes.end(),
                                  [&](PlannedProcess const& p) { return p.name == a.process; });
     if (it == plan.processes.end()) {
@@ -91,6 +91,8 @@ int bundle(BundleArguments const& a) {
                              : fmt::format("'{}' is a program for {}, not for {}", program.string(), machine, wanted),
              a.arch == "arm64" ? "./gridspace arm64 build makes it" : "is Gridspace built completely?"});
     }
+    // A board is switched on whenever that may be, and waits.
+    it->config.find("bus")->find("clock")->set("start_timeout_s", config::Node::scalar("0"));
     std::error_code error;
     fs::create_directories(a.out, error);
     fs::path const stage = fs::absolute(a.out) / fmt::format(".bundle-{}-{}", it->name, ::getpid());

@@ -67,6 +67,13 @@ std::vector<Port> plan_ports(Scenario const& scenario) {
         ports.push_back({scenario.hosts[h].name.name, std::string{kManagementLink}, std::string{kManagementLink}, mac_of(0, h + 1),
                          management.host(static_cast<std::uint32_t>(h) + 1), management.prefix});
     }
+    auto const plug = [](Host const& host, std::string_view link) {
+        auto const it = std::find_if(host.plugs.begin(), host.plugs.end(), [&](auto const& p) { return p.first.name == link; });
+        return it == host.plugs.end() ? std::string{} : it->second;
+    };
+    for (std::size_t h = 0; h < scenario.hosts.size(); ++h) {
+        ports[h].plug = plug(scenario.hosts[h], kManagementLink);
+    }
     for (std::size_t l = 0; l < scenario.links.size(); ++l) {
         Link const& link = scenario.links[l];
         auto const subnet = parse_subnet(link.ipv4);
@@ -76,7 +83,7 @@ std::vector<Port> plan_ports(Scenario const& scenario) {
             if (std::none_of(host.links.begin(), host.links.end(), [&](Ref const& r) { return r == link.name; })) {
                 continue;
             }
-            Port port{host.name.name, link.name.name, link.name.name.substr(0, IFNAMSIZ - 1), mac_of(l + 1, h + 1), "", 0};
+            Port port{host.name.name, link.name.name, link.name.name.substr(0, IFNAMSIZ - 1), mac_of(l + 1, h + 1), "", 0, plug(host, link.name.name)};
             if (subnet) {
                 port.address = subnet->host(next++);
                 port.prefix = subnet->prefix;

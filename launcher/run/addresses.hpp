@@ -29,6 +29,7 @@ struct Port {
     std::string mac;
     std::string address;   ///< IPv4; empty on a link without IP
     int prefix{0};
+    std::string plug{};    ///< a real interface of this machine in the place of the cable to the host
 };
 
 /// The management network: clock, acknowledgements, recording and health; not part of the scenario.

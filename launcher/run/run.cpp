@@ -218,18 +218,28 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
                         fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}", process.interface));
         }
     }
+    Progress progress{options.style, scenario.name, scenario.simulation.duration().to_double()};
+    bool const with_boards = std::any_of(scenario.processes.begin(), scenario.processes.end(), [](Process const& process) {
+        return parse_run_on(process.run_on).value_or(RunOn{}).kind == RunOn::Kind::ssh;
+    });
+    if (with_boards && !options.namespaces) {
+        return fail(ExitCode::usage, "this scenario runs processes on boards, and those take the place of hosts", "run it without --no-namespaces");
+    }
+    auto boards = prepare_boards(scenario, [&](std::string_view text) { progress.note(text); });
+    if (!boards) {
+        return std::unexpected{boards.error()};
+    }
     auto folder = make_run_folder(scenario.name, options.parent, options.out);
     if (!folder) {
         return std::unexpected{folder.error()};
     }
     bool const root = ::geteuid() == 0;
-    Progress progress{options.style, scenario.name, scenario.simulation.duration().to_double()};
     auto events = EventLog::create(*folder / "events.ndjson");
     if (!events) {
         return std::unexpected{events.error()};
     }
 
-    PlanOptions plan_options{*folder, options.namespaces, 0, options.log_level, options.allow_control};
+    PlanOptions plan_options{*folder, options.namespaces, 0, options.log_level, options.allow_control, std::move(*boards)};
     if (options.allow_control) {
         if (auto ok = write_control_token(*folder); !ok) {
             return std::unexpected{ok.error()};
@@ -248,6 +258,18 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         }
         outer.reset(::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC));
         plan.outer_network = outer.get();
+    }
+    if ((with_boards || std::any_of(plan.ports.begin(), plan.ports.end(), [](Port const& port) { return !port.plug.empty(); })) && !outer) {
+        if (!root) {
+            return fail(ExitCode::environment, "the scenario plugs real interfaces into its switches, and only root can do that", "run it as root, or without `plugs:`");
+        }
+        outer.reset(::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC));
+        plan.outer_network = outer.get();
+    }
+    for (PlannedProcess& process : plan.processes) {
+        if (process.run_on.kind == RunOn::Kind::ssh) { // of the supervisor, which is process 1 where this is read
+            process.environment["GRIDSPACE_OUTER_NETWORK"] = fmt::format("/proc/1/fd/{}", outer.get());
+        }
     }
     std::map<std::string, int> listen_fds;
     auto const closer = [&] {
@@ -274,6 +296,11 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         return fail(ExitCode::environment, fmt::format("no socket: {}", std::strerror(errno)));
     }
     progress.note(fmt::format("run folder: {}", folder->string()));
+    for (PlannedProcess const& process : plan.processes) {
+        if (process.run_on.kind == RunOn::Kind::external) {
+            progress.note(fmt::format("{}: is to be started by somebody else, with {}", process.name, process.config_file.string()));
+        }
+    }
 
     std::optional<DomainLock> domains;
     Result<pid_t> supervisor = fail(ExitCode::environment, "");
@@ -288,7 +315,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         }
         supervisor = start_in_namespaces(body);
     }
-    if (!supervisor && (!options.namespaces || !has_raw_frames(scenario))) {
+    if (!supervisor && !with_boards && (!options.namespaces || !has_raw_frames(scenario))) {
         if (options.namespaces) {
             progress.note(fmt::format("note: {}; running on the loopback interface instead", describe(supervisor.error())));
         }

@@ -161,6 +161,10 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
         out.command = qemu_user_command(std::move(out.command));
     } else if (out.run_on.kind == RunOn::Kind::qemu_system) {
         out.command = qemu_system_command(out.command, out.config_file, plan.ports, out.host);
+    } else if (out.run_on.kind == RunOn::Kind::ssh) {
+        auto const bundle = options.boards.find(out.name);
+        out.command = ssh_board_command(out.command, out.config_file, process, bundle == options.boards.end() ? "BUNDLE" : bundle->second, plan.ports,
+                                        plan.member_timeout_s);
     }
     bus::NodeConfig const node = node_config(scenario, process, flow, plan, options);
     out.environment = environment_of(node);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "launcher/run/addresses.hpp"
+#include "launcher/run/ssh_board.hpp"
 #include "launcher/scenario/cut_ins.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "launcher/scenario/scenario.hpp"
@@ -64,6 +65,7 @@ struct PlanOptions {
     int domain{0};                 ///< first of two DDS domains for the run (without namespaces)
     std::string log_level{"info"};
     bool allow_control{false};     ///< the monitor is given the token that RUN/control.token holds
+    BoardBundles boards{};         ///< what prepare_boards() made of the boards
 };
 
 /// Real time: takes SCHED_FIFO from all processes where the system does not permit it, and says so in `scheduling`.

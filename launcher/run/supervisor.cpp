@@ -60,6 +60,9 @@ class Supervisor {
             }
         }
         for (Watched& w : watched_) {
+            if (is_external(w)) {
+                continue;
+            }
             if (auto ok = start(w); !ok) {
                 end_all();
                 return finish(ok.error());
@@ -73,6 +76,8 @@ class Supervisor {
     }
 
   private:
+    static bool is_external(Watched const& w) { return w.plan.run_on.kind == RunOn::Kind::external; }
+
     Result<void> start(Watched& w) {
         SpawnOptions options;
         options.netns = plan_.namespaces ? network_.host(w.plan.host) : -1;
@@ -352,7 +357,7 @@ class Supervisor {
         config::Node absent = config::Node::sequence();
         std::vector<std::string> absent_names;
         for (Watched const& other : watched_) {
-            if (!other.running && &other != &w) {
+            if (!other.running && &other != &w && !is_external(other)) {
                 absent.items.push_back(config::Node::scalar(other.plan.name));
                 absent_names.push_back(other.plan.name);
             }

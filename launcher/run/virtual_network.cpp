@@ -123,6 +123,15 @@ Result<void> VirtualNetwork::take_interfaces(RunPlan const& plan, std::map<std::
     return {};
 }
 
+Result<void> VirtualNetwork::plug(RunPlan const& plan, Port const& port) const {
+    // This process is process 1 of its namespaces, and lives where the switches are.
+    if (auto ok = ip(plan.outer_network, fmt::format("link set {} netns 1\n", port.plug)); !ok) {
+        return fail(ok.error().code, fmt::format("the interface '{}' cannot be plugged into '{}' for host '{}': {}", port.plug, port.link, port.host, ok.error().message),
+                    "does `ip link` show it, and is this run started as root?");
+    }
+    return {};
+}
+
 std::string VirtualNetwork::cable(RunPlan const& plan, Port const& port, std::string const& switch_end,
                                   std::map<std::string, std::string>& inside) const {
     struct End {
@@ -171,6 +180,13 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
         Port const& port = plan.ports[p];
         auto const link = static_cast<std::size_t>(std::find(links.begin(), links.end(), port.link) - links.begin());
         std::string const outer = switch_port_name(p);
+        if (!port.plug.empty()) {
+            if (auto ok = plug(plan, port); !ok) {
+                return ok;
+            }
+            core += fmt::format("link property add dev {} altname {}\nlink set {} promisc on master {} up\n", port.plug, outer, port.plug, bridge_name(link));
+            continue;
+        }
         core += cable(plan, port, outer, inside);
         core += fmt::format("link set {} master {} up\n", outer, bridge_name(link));
         std::string& commands = inside[port.host];

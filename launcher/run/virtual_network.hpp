@@ -29,6 +29,8 @@ class VirtualNetwork {
     [[nodiscard]] Result<int> make_namespace();
     /// Takes the real interfaces of the plan into their hosts. When the run is over the kernel gives them back.
     [[nodiscard]] Result<void> take_interfaces(RunPlan const& plan, std::map<std::string, std::string>& inside) const;
+    /// Takes a real interface to the switches, in the place of a host's cable. When the run is over the kernel gives it back.
+    [[nodiscard]] Result<void> plug(RunPlan const& plan, Port const& port) const;
     /// The commands for the cable between a port and the switch; `inside`: what is to be done in each host.
     [[nodiscard]] std::string cable(RunPlan const& plan, Port const& port, std::string const& switch_end,
                                     std::map<std::string, std::string>& inside) const;

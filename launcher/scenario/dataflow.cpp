@@ -96,12 +96,17 @@ std::string find_circle(std::vector<bus::MemberPlan> const& members) {
     return circle;
 }
 
+/// In real time nobody waits for what somebody else starts, and it may come and go.
+bool joins_when_it_likes(Scenario const& scenario, Process const& process) {
+    return is_external(process) && scenario.clock.mode == bus::ClockMode::realtime;
+}
+
 } // namespace
 
 Dataflow dataflow(Scenario const& scenario) {
     Dataflow flow;
     for (Process const& process : scenario.processes) {
-        bool const expected = process.settings->is_expected();
+        bool const expected = process.settings->is_expected() && !joins_when_it_likes(scenario, process);
         for (TopicUse const& use : process.settings->writes(scenario, process)) {
             flow.writers[use.topic].push_back({process.name.name, use, expected});
         }
@@ -111,7 +116,7 @@ Dataflow dataflow(Scenario const& scenario) {
     }
     Process const* simulator = scenario.simulator();
     for (Process const& process : scenario.processes) {
-        if (!process.settings->is_member()) {
+        if (!process.settings->is_member() || joins_when_it_likes(scenario, process)) {
             continue;
         }
         bus::MemberPlan plan;

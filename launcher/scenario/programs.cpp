@@ -23,7 +23,7 @@ using config::Diagnostics;
 using config::Fields;
 using config::Node;
 
-constexpr std::array<std::string_view, 10> kCommonKeys{"program", "host", "qos", "run_on", "cpu", "link",
+constexpr std::array<std::string_view, 11> kCommonKeys{"program", "host", "qos", "run_on", "ssh", "cpu", "link",
                                                       "interface", "capture", "label", "comment"};
 
 /// A name must be among `names`, or it is an error with the nearest spelling.

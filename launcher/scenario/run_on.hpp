@@ -4,12 +4,14 @@
 
 #include "common/config/fields.hpp"
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace gridspace::launcher {
 
+struct Process;
 struct Scenario;
 
 /// Where a process runs: `run_on:` of a scenario.
@@ -18,13 +20,30 @@ struct RunOn {
         native,      ///< on this machine
         qemu_user,   ///< the program for ARM64, emulated instruction by instruction on this machine's kernel
         qemu_system, ///< an emulated ARM64 board with a kernel of its own, which takes the place of the host
+        ssh,         ///< a real board, which takes the place of the host
+        external,    ///< somebody else starts it, on the host or on what is plugged in its place
     } kind{Kind::native};
+    std::string user, host; ///< of ssh; the user may be empty: ssh's configuration says who
+    int port{0};            ///< of ssh; 0: its configuration says which
 
-    [[nodiscard]] bool is_emulated() const { return kind != Kind::native; }
+    [[nodiscard]] bool is_emulated() const { return kind == Kind::qemu_user || kind == Kind::qemu_system; }
+    /// "user@host:port", as it was written
+    [[nodiscard]] std::string place() const;
 };
+
+/// How a board is reached: `ssh:` of a process. What is not given is taken from ssh's own configuration.
+struct SshSettings {
+    std::filesystem::path identity; ///< private key
+    std::filesystem::path config;   ///< instead of ~/.ssh/config
+    std::string installed;          ///< folder of a bundle on the board; empty: it is copied there
+};
+void describe(config::Fields& f, SshSettings& ssh);
 
 /// Nothing for a text that means none of them.
 [[nodiscard]] std::optional<RunOn> parse_run_on(std::string_view text);
+
+/// Somebody else starts it.
+[[nodiscard]] bool is_external(Process const& process);
 
 /// By how much waits for processes are longer: an emulated one takes several times as long for everything.
 [[nodiscard]] double patience(Scenario const& scenario);

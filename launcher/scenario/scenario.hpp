@@ -8,6 +8,7 @@
 #include "gateways/streams/stream.hpp"
 #include "launcher/scenario/comtrade_settings.hpp"
 #include "launcher/scenario/program.hpp"
+#include "launcher/scenario/run_on.hpp"
 #include "sim/app/sim_config.hpp"
 #include "sim/events/event.hpp"
 #include "sim/network/network.hpp"
@@ -16,6 +17,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gridspace::launcher {
@@ -25,6 +27,7 @@ using config::Ref;
 struct Host {
     Ref name;
     std::vector<Ref> links;
+    std::vector<std::pair<Ref, std::string>> plugs; ///< by link: a real interface of this machine in the place of the cable
 };
 
 /// An Ethernet switch (a bridge) that hosts are plugged into.
@@ -40,6 +43,7 @@ struct Process {
     Ref host;
     Ref qos;                          ///< role: qos/<role>.xml
     std::string run_on{"native"};
+    SshSettings ssh;
     std::optional<std::int64_t> cpu;
     std::string interface;
     Ref link;                         ///< on which it exchanges raw frames, where the host is plugged into several

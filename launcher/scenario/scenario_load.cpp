@@ -82,7 +82,8 @@ void describe_process(Fields& f, Process& p) {
     f.reference("program", p.program, {.doc = "what is started", .required = true});
     f.reference("host", p.host, {.doc = "where it runs", .required = true});
     f.reference("qos", p.qos, {.doc = "role: qos/<role>.xml"});
-    f.text("run_on", p.run_on, {.doc = "native, qemu-user or qemu-system"});
+    f.text("run_on", p.run_on, {.doc = "native, qemu-user, qemu-system, ssh:USER@HOST:PORT, or external: somebody else starts it"});
+    f.object("ssh", {.doc = "how the board of `run_on: ssh:HOST` is reached"}, [&](Fields& g) { describe(g, p.ssh); });
     std::int64_t cpu = -1;
     f.integer("cpu", cpu, {.doc = "processor it is bound to", .min = 0, .max = 1023});
     if (cpu >= 0) {
@@ -108,6 +109,11 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
         Host host;
         host.name = name;
         h.references("links", host.links, {.doc = "switches it is plugged into"});
+        h.map("plugs", {.doc = "by link (or mgmt0, the management network): what is plugged into the switch in the place of this host"}, [&](Ref const& link, Fields& g) {
+            std::string interface;
+            g.text("interface", interface, {.doc = "a real network interface of this machine, which leads to the board", .required = true});
+            host.plugs.emplace_back(link, std::move(interface));
+        });
         s.hosts.push_back(std::move(host));
     });
     f.map("links", {.doc = "Ethernet switches"}, [&](Ref const& name, Fields& l) {

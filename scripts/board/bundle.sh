@@ -9,8 +9,9 @@
 set -eu
 name=$1 arch=$2 program=$3 stage=$4 root=$5 out=$6 version=$7
 here=$(dirname "$(readlink -f "$0")")
-case $arch in arm64) triplet=aarch64-linux-gnu machine=aarch64 loader=ld-linux-aarch64.so.1 ;; *) triplet=x86_64-linux-gnu machine=x86_64 loader=ld-linux-x86-64.so.2 ;; esac
-fail() { echo "error: $1; $2" >&2; exit 3; }
+# shellcheck source=scripts/board/stage.sh
+. "$here/stage.sh"
+of_arch "$arch"
 for tool in dpkg-deb readelf; do command -v "$tool" >/dev/null || fail "the program $tool is missing" "apt install dpkg binutils"; done
 base=$(basename "$program")
 
@@ -41,38 +42,23 @@ sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g; s|@MACHINE@|$machine|g" "$here/st
 sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g; s|@ARCH@|$arch|g; s|@MACHINE@|$machine|g" "$here/README.in" >"$stage/README"
 sed 's/^/    /' "$stage/network" >>"$stage/README"
 
-# libraries NEEDED...: every library that is needed, and what those need, without the C library (which is the board's).
-needed() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p'; }
-collect() {
-  for library in $(needed "$1"); do
-    case $library in libc.so.* | libm.so.* | libpthread.so.* | libdl.so.* | librt.so.* | "$loader") continue ;; esac
-    [ ! -e "$stage/lib/$library" ] || continue
-    found=""
-    for folder in "$root/usr/lib/$triplet" "$root/lib/$triplet"; do [ ! -e "$folder/$library" ] || found=$folder/$library; done
-    [ -n "$found" ] || fail "the library $library, which $base needs, is not in $root" "./gridspace arm64 build"
-    cp -L "$found" "$stage/lib/$library"
-    collect "$found"
-  done
-}
 mkdir -p "$stage/lib"
-collect "$program"
-
-# strip FILE TO: without symbols where there is a tool for the architecture.
-strip_to() { "$triplet-strip" -o "$2" "$1" 2>/dev/null || cp "$1" "$2"; }
+collect "$program" "$root" "$stage/lib"
 
 tree=$stage/gridspace-$name
 mkdir -p "$tree/bin" "$tree/conf"
 strip_to "$program" "$tree/bin/$base"
+strip_to "$(dirname "$program")/gridspace-cable" "$tree/bin/gridspace-cable" # for `run_on: ssh:HOST` with what is installed
 cp "$stage/start" "$tree/start" && cp "$stage/README" "$tree/README" && cp -r "$stage/lib" "$tree/lib" && cp "$stage"/conf/* "$tree/conf/"
 sed "s|$conf/|/opt/gridspace-$name/conf/|g" "$stage/conf/config.yaml" >"$tree/conf/config.yaml"
 sed "s|/usr/lib/gridspace/$name|/opt/gridspace-$name|g" "$stage/gridspace-$name.service" >"$tree/gridspace-$name.service"
-chmod 755 "$tree/start" "$tree/bin/$base"
+chmod 755 "$tree/start" "$tree"/bin/*
 tar -C "$stage" --owner=0 --group=0 --sort=name --mtime=@0 -czf "$out/gridspace-${name}_$arch.tar.gz" "gridspace-$name"
 
 # The Debian package: program and start script in /usr/lib/gridspace/NAME, configuration in /etc/gridspace/NAME.
 deb=$stage/deb
 mkdir -p "$deb/DEBIAN" "$deb/usr/lib/gridspace/$name/bin" "$deb$conf" "$deb/lib/systemd/system" "$deb/usr/share/doc/gridspace-$name"
-cp "$tree/bin/$base" "$deb/usr/lib/gridspace/$name/bin/"
+cp "$tree"/bin/* "$deb/usr/lib/gridspace/$name/bin/"
 cp "$stage/start" "$deb/usr/lib/gridspace/$name/start" && chmod 755 "$deb/usr/lib/gridspace/$name/start"
 cp "$stage"/conf/* "$deb$conf/"
 cp "$stage/gridspace-$name.service" "$deb/lib/systemd/system/"
@@ -112,7 +98,7 @@ CONTROL
 cat >"$deb/DEBIAN/postinst" <<POST
 #!/bin/sh
 set -e
-if [ "\$1" = configure ] && [ -d /run/systemd/system ]; then
+if [ "\$1" = configure ] && [ -z "\${DPKG_ROOT:-}" ] && [ -d /run/systemd/system ]; then
   systemctl daemon-reload
   echo "gridspace-$name: read /usr/share/doc/gridspace-$name/README, then: systemctl enable --now gridspace-$name"
 fi

@@ -97,6 +97,125 @@ class Bundle(unittest.TestCase):
         self.assertIn("CAP_NET_RAW", text)
 
 
+class DebianPackage(unittest.TestCase):
+    """The package, installed by dpkg into the root of a Debian for arm64."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="gridspace_deb_"))
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        code, text = run(GRIDSPACE, "bundle", SCENARIO, "relay2", "--out", cls.folder)
+        assert code == 0, text
+        cls.package = cls.folder / "gridspace-relay2_arm64.deb"
+
+    def root(self, name, without=()):
+        """A root whose dpkg knows the packages that the sysroot was made of, but for some."""
+        root = self.folder / name
+        (root / "var/lib/dpkg/updates").mkdir(parents=True)
+        (root / "var/lib/dpkg/info").mkdir()
+        (root / "var/lib/dpkg/arch").write_text("amd64\narm64\n")
+        status = []
+        for package in sorted((ROOT / "build/arm64-packages/cache/archives").glob("*.deb")):
+            name = package.name.split("_")[0]
+            if name not in without:
+                fields = subprocess.run(["dpkg-deb", "-f", package], capture_output=True, text=True, check=True).stdout
+                status.append("\n".join(["Status: install ok installed", *(line for line in fields.splitlines() if line)]) + "\n")
+                (root / "var/lib/dpkg/info" / f"{name}.list").write_text("")
+        (root / "var/lib/dpkg/status").write_text("\n".join(status))
+        return root
+
+    def dpkg(self, root, *words):
+        # Scripts of packages would have to be run by an emulator: ours is told that the root is elsewhere.
+        return run("dpkg", f"--root={root}", "--force-not-root", "--force-script-chrootless", *words)
+
+    def test_it_installs_runs_and_leaves_nothing(self):
+        root = self.root("board")
+        code, text = self.dpkg(root, "-i", self.package)
+        self.assertEqual(code, 0, text)
+        for file in ("usr/lib/gridspace/relay2/start", "etc/gridspace/relay2/config.yaml", "lib/systemd/system/gridspace-relay2.service"):
+            self.assertTrue((root / file).exists(), file)
+        for library in ("lib", "usr/lib"):
+            (root / library).mkdir(exist_ok=True)
+            (root / library / "aarch64-linux-gnu").symlink_to(SYSROOT / "usr/lib/aarch64-linux-gnu")
+        (root / "lib/ld-linux-aarch64.so.1").symlink_to(SYSROOT / "lib/ld-linux-aarch64.so.1")
+        code, text = run(EMULATOR, "-L", root, root / "usr/lib/gridspace/relay2/bin/gridspace-relay", "--config", "/etc/gridspace/relay2/config.yaml", "--check")
+        self.assertEqual(code, 0, text)
+        self.assertIn("valid", text)
+        config = root / "etc/gridspace/relay2/config.yaml"
+        config.write_text(config.read_text() + "# mine\n")
+        code, text = self.dpkg(root, "-r", "gridspace-relay2")
+        self.assertEqual(code, 0, text)
+        self.assertTrue(config.exists(), "what the user changed stays until it is purged")
+        code, text = self.dpkg(root, "-P", "gridspace-relay2")
+        self.assertEqual(code, 0, text)
+        self.assertEqual([p for p in root.rglob("*relay2*")], [])
+
+    def test_it_does_not_install_where_fast_dds_is_missing(self):
+        code, text = self.dpkg(self.root("without_dds", {"libfastrtps2.9"}), "-i", self.package)
+        self.assertNotEqual(code, 0, text)
+        self.assertIn("gridspace-relay2 depends on libfastrtps2.9", text)
+
+    def unit(self, change=lambda text: text):
+        """What systemd has to say about the unit, in a root with systemd's own."""
+        root = self.folder / "systemd"
+        shutil.rmtree(root, ignore_errors=True)
+        run("dpkg-deb", "-x", self.package, root)
+        shutil.copytree("/lib/systemd/system", root / "lib/systemd/system", dirs_exist_ok=True, symlinks=True)
+        file = root / "lib/systemd/system/gridspace-relay2.service"
+        file.write_text(change(file.read_text()))
+        return run("systemd-analyze", "verify", f"--root={root}", "gridspace-relay2.service"), file
+
+    def test_systemd_finds_nothing_wrong_with_its_unit_and_it_is_locked_down(self):
+        (code, text), file = self.unit()
+        self.assertEqual((code, text.strip()), (0, ""))
+        _, text = self.unit(lambda unit: unit.replace("ProtectHome=", "ProtectHom="))[0]
+        self.assertIn("ProtectHom", text)  # it would have said so
+        (code, text), _ = self.unit(lambda unit: unit.replace("/relay2/start", "/relay2/begin"))
+        self.assertIn("begin", text)
+        _, file = self.unit()
+        code, text = run("systemd-analyze", "security", "--offline=true", "--threshold=25", file)
+        self.assertEqual(code, 0, text)  # of 100, where 100 is an unconfined service
+
+
+class OnAnAmd64Board(unittest.TestCase):
+    """The start script of a bundle, on a processor that runs it."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="gridspace_amd64_"))
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        code, text = run(GRIDSPACE, "bundle", ROOT / "configs/scenarios/protection_lockstep.yaml", "relay2", "--arch", "amd64", "--out", cls.folder)
+        assert code == 0, text
+        run("dpkg-deb", "-x", cls.folder / "gridspace-relay2_amd64.deb", cls.folder / "root")
+        cls.start = cls.folder / "root/usr/lib/gridspace/relay2/start"
+        cls.program = cls.folder / "root/usr/lib/gridspace/relay2/bin/gridspace-relay"
+
+    def test_it_starts_the_program(self):
+        code, text = run("sh", self.start, "--version")
+        self.assertEqual(code, 0, text)
+        self.assertIn("gridspace-relay", text)
+
+    def start_damaged(self, before, after):
+        whole = self.program.read_bytes()
+        self.assertIn(before, whole)
+        self.assertEqual(len(before), len(after))
+        try:
+            self.program.write_bytes(whole.replace(before, after))
+            return run("sh", self.start, "--version")
+        finally:
+            self.program.write_bytes(whole)
+
+    def test_a_missing_library_is_named_with_exit_code_3(self):
+        code, text = self.start_damaged(b"libfastcdr.so.1", b"libfastcdr.so.x")
+        self.assertEqual(code, 3, text)
+        self.assertIn("libraries are missing: libfastcdr.so.x", text)
+
+    def test_a_program_that_cannot_be_loaded_says_so_with_exit_code_3(self):
+        code, text = self.start_damaged(b"\x7fELF", b"\x7fELV")
+        self.assertEqual(code, 3, text)
+        self.assertIn("gridspace-relay cannot be loaded", text)
+
+
 class Mistakes(unittest.TestCase):
     def test_a_process_that_is_not_there_is_refused_with_the_names_that_are(self):
         code, text = run(GRIDSPACE, "bundle", SCENARIO, "relay9", "--out", "/nonexistent")

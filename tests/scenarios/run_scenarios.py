@@ -34,6 +34,7 @@ def main():
     parser.add_argument("--all", action="store_true", help="also the scenarios that are marked so")
     parser.add_argument("--sanitizer", action="store_true", help="a sanitizer build: one run of each, and its reports are failures")
     parser.add_argument("--arm64", action="store_true", help="the scenarios with emulated processes, and no others")
+    parser.add_argument("--only", metavar="NAME", help="this scenario of those, and no other")
     parser.add_argument("--keep", type=pathlib.Path, help="keep the run folders here")
     arguments = parser.parse_args()
 
@@ -51,7 +52,7 @@ def main():
     ran = 0
     for file in files:
         plan = wanted.get(file.stem)
-        if plan is None:
+        if plan is None or (arguments.only and file.stem != arguments.only):
             continue
         if arguments.arm64 != ("arm64" in plan):
             if not arguments.arm64:

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+
+namespace gridspace::bus {
+
+/// Notices that a machine's clock is set while a run in real time measures with it, or that it is another than the
+/// simulator's. All times in nanoseconds. In lockstep no machine's clock counts.
+class ClockWatch {
+  public:
+    static constexpr std::int64_t kTolerableStep = 100'000'000; ///< what chrony corrects by running faster or slower
+    static constexpr std::int64_t kTolerableOffset = 200'000'000;
+    static constexpr int kSamples = 20; ///< a late sample looks like an offset; not all of so many are late
+
+    /// By how much the wall clock has been set since the first call, if it was.
+    std::optional<std::int64_t> step(std::int64_t wall_ns, std::int64_t steady_ns) {
+        std::int64_t const difference = wall_ns - steady_ns;
+        if (!difference_) {
+            difference_ = difference;
+        }
+        std::int64_t const by = difference - *difference_;
+        return std::llabs(by) > kTolerableStep ? std::optional{by} : std::nullopt;
+    }
+
+    /// How far this machine's clock is ahead of a sender's, when enough of its samples have said so. To be told when
+    /// each sample was sent and when it came.
+    std::optional<std::int64_t> offset(std::int64_t sent_ns, std::int64_t arrived_ns) {
+        // What was kept for a late joiner, or held up, comes in a burst: quicker than it was sent.
+        bool const in_time = sent_ != 0 && 2 * (arrived_ns - arrived_) >= sent_ns - sent_;
+        sent_ = sent_ns;
+        arrived_ = arrived_ns;
+        if (!in_time || samples_ >= kSamples) {
+            return std::nullopt;
+        }
+        std::int64_t const ahead = arrived_ns - sent_ns;
+        if (samples_ == 0 || std::llabs(ahead) < std::llabs(least_)) {
+            least_ = ahead;
+        }
+        return ++samples_ == kSamples && std::llabs(least_) > kTolerableOffset ? std::optional{least_} : std::nullopt;
+    }
+
+  private:
+    std::optional<std::int64_t> difference_;
+    std::int64_t least_{0}, sent_{0}, arrived_{0};
+    int samples_{0};
+};
+
+} // namespace gridspace::bus

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/clock_watch.hpp"
+
+#include <gtest/gtest.h>
+
+namespace gridspace::bus {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000, kSecond = 1000 * kMs, kNow = 1'700'000'000 * kSecond;
+
+TEST(ClockWatch, NoticesThatTheClockIsSetForwardOrBack) {
+    for (std::int64_t const by : {3600 * kSecond, -3600 * kSecond, 101 * kMs, -101 * kMs}) {
+        ClockWatch sut;
+        EXPECT_FALSE(sut.step(kNow, 5 * kSecond));
+        EXPECT_FALSE(sut.step(kNow + kSecond, 6 * kSecond));
+        EXPECT_EQ(sut.step(kNow + 2 * kSecond + by, 7 * kSecond), by);
+    }
+}
+
+TEST(ClockWatch, ToleratesAClockThatIsMadeToRunFaster) {
+    ClockWatch sut;
+    for (std::int64_t t = 0; t < 100; ++t) { // 500 ppm, the most that the kernel slews
+        EXPECT_FALSE(sut.step(kNow + t * kSecond + t * kMs / 2, t * kSecond));
+    }
+}
+
+TEST(ClockWatch, NoticesAnotherClockThanTheSimulators) {
+    ClockWatch sut;
+    for (int i = 0; i < ClockWatch::kSamples; ++i) {
+        EXPECT_FALSE(sut.offset(kNow + i * 10 * kMs, kNow + i * 10 * kMs - 300 * kMs)) << "not after sample " << i;
+    }
+    EXPECT_EQ(sut.offset(kNow + 200 * kMs, kNow - 100 * kMs), -300 * kMs);
+    EXPECT_FALSE(sut.offset(kNow + 210 * kMs, kNow - 90 * kMs)) << "it is said once";
+}
+
+TEST(ClockWatch, TakesALateSampleForNoOffset) {
+    ClockWatch sut;
+    for (int i = 0; i < 3 * ClockWatch::kSamples; ++i) { // a busy machine: all late but one
+        EXPECT_FALSE(sut.offset(kNow + i * kSecond, kNow + i * kSecond + (i == 7 ? 2 * kMs : 450 * kMs)));
+    }
+}
+
+TEST(ClockWatch, TakesWhatWasKeptForALateJoinerForNoOffset) {
+    ClockWatch sut;
+    for (int i = 0; i < 64; ++i) { // sent in 0.64 s, handed over in a moment
+        EXPECT_FALSE(sut.offset(kNow + i * 10 * kMs, kNow + kSecond + i * kMs / 10));
+    }
+    for (int i = 0; i < 2 * ClockWatch::kSamples; ++i) {
+        EXPECT_FALSE(sut.offset(kNow + kSecond + i * 10 * kMs, kNow + kSecond + i * 10 * kMs + 7 * kMs));
+    }
+}
+
+} // namespace
+} // namespace gridspace::bus
