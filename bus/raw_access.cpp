@@ -10,6 +10,7 @@
 #include <fastdds/rtps/transport/TCPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -44,6 +45,21 @@ Result<void> check_free(std::uint16_t port) {
         return fail(ExitCode::environment, fmt::format("cannot listen at port {}: {}", port, std::strerror(errno)));
     }
     return {};
+}
+
+/// The IPv4 address of a host, which may be written as one.
+Result<std::string> resolve(std::string const& host) {
+    addrinfo hints{};
+    hints.ai_family = AF_INET;
+    hints.ai_socktype = SOCK_STREAM;
+    addrinfo* found = nullptr;
+    if (int const error = ::getaddrinfo(host.c_str(), nullptr, &hints, &found); error != 0) {
+        return fail(ExitCode::environment, fmt::format("cannot find the host '{}': {}", host, ::gai_strerror(error)));
+    }
+    char text[INET_ADDRSTRLEN]{};
+    ::inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in const*>(found->ai_addr)->sin_addr, text, sizeof text);
+    ::freeaddrinfo(found);
+    return std::string{text};
 }
 
 Result<void> secure(TcpLink::Tls const& tls, TCPv4TransportDescriptor& tcp) {
@@ -91,9 +107,11 @@ Result<void> apply(TcpLink const& link, dds::DomainParticipantQos& qos) {
     } else {
         rtps::Locator_t peer;
         peer.kind = LOCATOR_KIND_TCPv4;
-        if (!rtps::IPLocator::setIPv4(peer, link.address)) {
-            return fail(ExitCode::usage, fmt::format("'{}' is not an IPv4 address", link.address));
+        auto const address = resolve(link.address);
+        if (!address) {
+            return std::unexpected{address.error()};
         }
+        rtps::IPLocator::setIPv4(peer, *address);
         rtps::IPLocator::setPhysicalPort(peer, link.port);
         tcp->maxInitialPeersRange = kMostParticipants;
         qos.wire_protocol().builtin.initialPeersList.clear();

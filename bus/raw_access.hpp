@@ -16,7 +16,7 @@ namespace gridspace::bus {
 /// How two participants meet where no multicast goes: one listens, others connect to it.
 struct TcpLink {
     bool listens{false};
-    std::string address; ///< IPv4 of the one who listens
+    std::string address; ///< name or IPv4 address of the one who listens
     std::uint16_t port{0};
     struct Tls {
         std::filesystem::path certificate, private_key; ///< PEM; the certificate with its chain

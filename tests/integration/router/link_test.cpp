@@ -116,6 +116,19 @@ TEST_F(Link, APortThatSomebodyHasIsNamed) {
     }
 }
 
+TEST_F(Link, AHostOrAnAddressThatIsNotThereIsNamed) {
+    for (auto const& [wan, expected] :
+         {std::pair{"connect: 'nowhere.invalid:7411'", "cannot find the host 'nowhere.invalid'"},
+          {"domain: 3, addresses: [10.255.1.2]", "no interface has the address 10.255.1.2"}}) {
+        try {
+            RunningRouter sut{site("site_a", 1, wan)};
+            FAIL() << "it started";
+        } catch (std::runtime_error const& e) {
+            EXPECT_NE(std::string{e.what()}.find(expected), std::string::npos) << e.what();
+        }
+    }
+}
+
 TEST_F(Link, AMissingCertificateIsNamed) {
     try {
         RunningRouter sut{

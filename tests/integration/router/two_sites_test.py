@@ -136,11 +136,11 @@ class TwoSites(ScenarioTest):
             "router": "sim", "ends": {"site": {"domain": DOMAIN_THERE, "addresses": ["127.0.0.1"]}, "wan": wan},
             "topics": {"simulation_clock": {"from": ["wan"]}, "bus_measurements": {"from": ["wan"]}, "requests": {"from": ["site"]}}})
 
-    def agent(self, bus):
-        """gridspace-ev of EV4, alone on the other site."""
-        clock = {"mode": "realtime", "quantum_s": 1, "tick_s": 1, "epoch": EPOCH, "simulator": "sim", "start_timeout_s": 0}
+    def agent(self, bus, clock_from="sim"):
+        """gridspace-ev of EV4, alone on the other site; it hears the clock from a process, or router, of that name."""
+        clock = {"mode": "realtime", "quantum_s": 1, "tick_s": 1, "epoch": EPOCH, "simulator": clock_from, "start_timeout_s": 0}
         config = self.json_file("agent.yaml", {
-            "process": "ev4", "program": "gridspace-ev", "bus": {"qos": str(SOURCE / "qos/ev_agent.xml"), "clock": clock, **bus},
+            "process": "car4", "program": "gridspace-ev", "bus": {"qos": str(SOURCE / "qos/ev_agent.xml"), "clock": clock, **bus},
             "settings": {"ev": "EV4", "bus": "B4", "capacity_kwh": 24, "requested_h": 5, "period_s": 360, "soc_target_percent": 80,
                          "rated_current_a": 15, "battery_v": 360, "time_base": "remaining", "min_remaining_h": 0.1}})
         return self.launch([*self.on_the_other_site(), BIN / "gridspace-ev", "--config", config])
@@ -229,16 +229,15 @@ class TwoSites(ScenarioTest):
 
     def test_an_agent_joins_over_tcp_without_a_router_of_its_own(self):
         """qos/tcp_server.xml and tcp_client.xml."""
-        agent = self.agent({"qos": str(self.profile("tcp_client.xml")), "management": {"domain": 0}})
+        agent = self.agent({"qos": str(self.profile("tcp_client.xml")), "management": {"domain": 0}}, clock_from="ev4")
         run = self.run_here(self.scenario(self.router_here({"qos": str(self.profile("tcp_server.xml"))})))
-        # The agent hears the clock from "ev4", which is what the router here is called; it stands for the simulator.
         self.assertEqual(run.finish(), OK, run.stderr())
         agent.process.wait(HANG_S)
         self.assert_charged_as_in_one_piece(run)
 
     def test_an_agent_joins_through_a_discovery_server(self):
         """qos/discovery_server.xml and discovery_client.xml: UDP without multicast."""
-        agent = self.agent({"qos": str(self.profile("discovery_client.xml")), "management": {"domain": 0}})
+        agent = self.agent({"qos": str(self.profile("discovery_client.xml")), "management": {"domain": 0}}, clock_from="ev4")
         run = self.run_here(self.scenario(self.router_here({"qos": str(self.profile("discovery_server.xml")), "addresses": [HERE]})))
         self.assertEqual(run.finish(), OK, run.stderr())
         agent.process.wait(HANG_S)
