@@ -12,6 +12,9 @@
 #include <fmt/format.h>
 #include <netdb.h>
 #include <netinet/in.h>
+#include <openssl/conf.h>
+#include <openssl/ssl.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -62,7 +65,29 @@ Result<std::string> resolve(std::string const& host) {
     return std::string{text};
 }
 
+/// The listening side of Fast DDS 2.9 never asks for a certificate, whatever its verify mode is. OpenSSL's own defaults
+/// do (qos/openssl.cnf says the same for programs that take TLS from a profile). They hold for the whole process.
+Result<void> require_certificates() {
+    constexpr std::string_view kDefaults = "openssl_conf = all\n[all]\nssl_conf = ssl\n[ssl]\nsystem_default = tls\n"
+                                           "[tls]\nVerifyMode = Require\nMinProtocol = TLSv1.2\n";
+    UniqueFd const file{::memfd_create("openssl.cnf", MFD_CLOEXEC)};
+    bool const written =
+        ::write(file.get(), kDefaults.data(), kDefaults.size()) == static_cast<ssize_t>(kDefaults.size());
+    bool const loaded =
+        written && ::CONF_modules_load_file(fmt::format("/proc/self/fd/{}", file.get()).c_str(), nullptr, 0) > 0;
+    std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)> const probe{::SSL_CTX_new(::TLS_method()), ::SSL_CTX_free};
+    if (!loaded || probe == nullptr ||
+        ::SSL_CTX_get_verify_mode(probe.get()) != (SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT)) {
+        return fail(ExitCode::environment,
+                    "OpenSSL does not take the setting that asks the other side for its certificate");
+    }
+    return {};
+}
+
 Result<void> secure(TcpLink::Tls const& tls, TCPv4TransportDescriptor& tcp) {
+    if (auto ok = require_certificates(); !ok) {
+        return ok;
+    }
     for (auto const& [file, what] : {std::pair{&tls.certificate, "certificate"},
                                      {&tls.private_key, "private key"},
                                      {&tls.authority, "authority's certificate"}}) {
