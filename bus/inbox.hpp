@@ -104,6 +104,9 @@ struct CdrSample {
 
 class CdrReader final : public Inbox {
   public:
+    /// In real time nobody waits for this reader: what comes when so many octets wait already is dropped, and counted.
+    void bound(std::size_t octets);
+    [[nodiscard]] std::uint64_t dropped() const;
     /// What is due now, oldest first.
     [[nodiscard]] std::vector<Received<CdrSample>> take();
     bool push(std::span<std::byte const> cdr, Origin origin, TimeBase const& base) override;
@@ -111,6 +114,8 @@ class CdrReader final : public Inbox {
 
   private:
     std::vector<Received<CdrSample>> waiting_;
+    std::size_t waiting_octets_{0}, bound_{SIZE_MAX};
+    std::uint64_t dropped_{0};
 };
 
 } // namespace gridspace::bus

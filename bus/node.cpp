@@ -39,7 +39,9 @@ SimTime Node::Core::time_now() const {
     }
     constexpr double kLongestGapS = 0.02; // the simulator may be late, or paused
     using Seconds = std::chrono::duration<double>;
-    double const quanta_per_s = static_cast<double>((latest_time - pace.first).quanta) / Seconds{pace.last_arrived - pace.first_arrived}.count();
+    double const arrived_s = Seconds{pace.last_arrived - pace.first_arrived}.count();
+    double const sent_s = static_cast<double>(pace.last_sent_ns - pace.first_sent_ns) / 1e9;
+    double const quanta_per_s = static_cast<double>((latest_time - pace.first).quanta) / std::max(arrived_s, sent_s);
     double const since_s = std::min(kLongestGapS, Seconds{std::chrono::steady_clock::now() - pace.last_arrived}.count());
     told = std::max(told, latest_time + SimSpan{static_cast<std::int64_t>(quanta_per_s * since_s)});
     return told;
@@ -105,7 +107,9 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
         return;
     }
     pace.last_arrived = std::chrono::steady_clock::now();
+    pace.last_sent_ns = header.source_ns;
     if (!clock_seen) {
+        pace.first_sent_ns = header.source_ns;
         pace.first_arrived = pace.last_arrived;
         pace.first = {clock.quanta()};
     }

@@ -96,6 +96,7 @@ struct Node::Core {
     /// Real time: the clock is not told at every tick; between its samples time goes on at the pace of the run so far.
     struct Pace {
         std::chrono::steady_clock::time_point first_arrived, last_arrived;
+        std::int64_t first_sent_ns{0}, last_sent_ns{0}; ///< who joins late gets many at once
         SimTime first;
     } pace;
     mutable SimTime told{INT64_MIN}; ///< time_now() never goes back

@@ -446,12 +446,30 @@ std::vector<Received<CdrSample>> CdrReader::take() {
         std::partition(waiting_.begin(), waiting_.end(), [&](auto const& r) { return r.origin.time <= until_; });
     std::vector<Received<CdrSample>> due{std::make_move_iterator(waiting_.begin()), std::make_move_iterator(later)};
     waiting_.erase(waiting_.begin(), later);
+    for (auto const& received : due) {
+        waiting_octets_ -= received.value.cdr.size();
+    }
     std::sort(due.begin(), due.end(), [](auto const& a, auto const& b) { return a.origin < b.origin; });
     return due;
 }
 
+void CdrReader::bound(std::size_t octets) {
+    std::lock_guard const lock{mutex_};
+    bound_ = octets;
+}
+
+std::uint64_t CdrReader::dropped() const {
+    std::lock_guard const lock{mutex_};
+    return dropped_;
+}
+
 bool CdrReader::push(std::span<std::byte const> cdr, Origin origin, TimeBase const&) {
     std::lock_guard const lock{mutex_};
+    if (waiting_octets_ + cdr.size() > bound_) {
+        ++dropped_;
+        return true;
+    }
+    waiting_octets_ += cdr.size();
     waiting_.push_back({origin, {{cdr.begin(), cdr.end()}}});
     return true;
 }

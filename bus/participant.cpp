@@ -4,23 +4,17 @@
 
 #include "bus/corked_transport.hpp"
 #include "bus/discovery_impl.hpp"
-#include "bus/fastdds_type.hpp"
+#include "bus/endpoints_impl.hpp"
+#include "bus/raw_access_impl.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
 
-#include <algorithm>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
-#include <fastdds/dds/publisher/DataWriter.hpp>
-#include <fastdds/dds/publisher/DataWriterListener.hpp>
-#include <fastdds/dds/publisher/Publisher.hpp>
-#include <fastdds/dds/subscriber/DataReader.hpp>
-#include <fastdds/dds/subscriber/DataReaderListener.hpp>
-#include <fastdds/dds/subscriber/SampleInfo.hpp>
-#include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 #include <map>
 #include <mutex>
@@ -28,101 +22,6 @@
 
 namespace gridspace::bus {
 namespace {
-
-namespace dds = eprosima::fastdds::dds;
-namespace rtps = eprosima::fastrtps::rtps;
-using eprosima::fastrtps::types::ReturnCode_t;
-
-/// Who is behind a GUID prefix; and tells the owner about changes. Shared by the listeners of a participant.
-class Directory {
-  public:
-    std::uint32_t index_of(rtps::GuidPrefix_t const& prefix) {
-        std::lock_guard const lock{mutex_};
-        return locked_index(prefix);
-    }
-    Peer peer(std::uint32_t index) const {
-        std::lock_guard const lock{mutex_};
-        return index < peers_.size() ? peers_[index] : Peer{};
-    }
-    void announce(rtps::GuidPrefix_t const& prefix, Peer peer) {
-        {
-            std::lock_guard const lock{mutex_};
-            peers_[locked_index(prefix)] = std::move(peer);
-        }
-        changed();
-    }
-    void depart(rtps::GuidPrefix_t const& prefix, bool clean) {
-        std::function<void(Peer const&, bool)> callback;
-        Peer who;
-        {
-            std::lock_guard const lock{mutex_};
-            callback = on_departure_;
-            who = peers_[locked_index(prefix)];
-        }
-        if (callback) {
-            callback(who, clean);
-        }
-        changed();
-    }
-    void changed() {
-        std::function<void()> callback;
-        {
-            std::lock_guard const lock{mutex_};
-            callback = on_change_;
-        }
-        if (callback) {
-            callback();
-        }
-    }
-    void on_change(std::function<void()> callback) {
-        std::lock_guard const lock{mutex_};
-        on_change_ = std::move(callback);
-    }
-    void on_departure(std::function<void(Peer const&, bool)> callback) {
-        std::lock_guard const lock{mutex_};
-        on_departure_ = std::move(callback);
-    }
-
-  private:
-    std::uint32_t locked_index(rtps::GuidPrefix_t const& prefix) {
-        auto const [it, added] = index_.try_emplace(prefix, static_cast<std::uint32_t>(peers_.size()));
-        if (added) {
-            peers_.emplace_back();
-        }
-        return it->second;
-    }
-
-    mutable std::mutex mutex_;
-    std::map<rtps::GuidPrefix_t, std::uint32_t> index_;
-    std::vector<Peer> peers_;
-    std::function<void()> on_change_;
-    std::function<void(Peer const&, bool)> on_departure_;
-};
-
-/// The endpoints that one endpoint is matched with.
-class Matches {
-  public:
-    void update(rtps::GUID_t const& guid, int change) {
-        std::lock_guard const lock{mutex_};
-        if (change > 0) {
-            guids_.insert(guid);
-        } else {
-            guids_.erase(guid);
-        }
-    }
-    std::vector<Peer> peers(Directory& directory) const {
-        std::vector<Peer> out;
-        std::lock_guard const lock{mutex_};
-        for (rtps::GUID_t const& guid : guids_) {
-            out.push_back(directory.peer(directory.index_of(guid.guidPrefix)));
-        }
-        return out;
-    }
-
-  private:
-    mutable std::mutex mutex_;
-    std::set<rtps::GUID_t> guids_;
-};
 
 constexpr std::string_view kUserDataMark = "gridspace/1";
 
@@ -202,129 +101,6 @@ class ParticipantListener final : public dds::DomainParticipantListener {
     DiscoveryObserver* observer_;
 };
 
-class Writer final : public RawWriter, private dds::DataWriterListener {
-  public:
-    Writer(Directory& directory, dds::Publisher* publisher, Codec const& codec)
-        : directory_{directory}, publisher_{publisher}, codec_{codec} {}
-    ~Writer() override {
-        if (writer_ != nullptr) {
-            writer_->set_listener(nullptr);
-            publisher_->delete_datawriter(writer_);
-        }
-    }
-    bool open(dds::Topic* topic, dds::DataWriterQos const& qos) {
-        writer_ = publisher_->create_datawriter(topic, qos, this, dds::StatusMask::publication_matched());
-        return writer_ != nullptr;
-    }
-    bool write(void const* sample, std::optional<std::int64_t> source_ns) override {
-        Outgoing out;
-        out.codec = &codec_;
-        out.sample = sample;
-        return send(out, source_ns);
-    }
-    bool write_cdr(std::span<std::byte const> cdr, std::optional<std::int64_t> source_ns, KeyHash const* key_hash) override {
-        Outgoing out;
-        out.codec = &codec_;
-        out.cdr = cdr;
-        out.key_hash = key_hash;
-        return send(out, source_ns);
-    }
-    [[nodiscard]] std::vector<Peer> matched() const override { return matches_.peers(directory_); }
-    bool wait_acknowledged(std::chrono::milliseconds deadline) override {
-        auto const ms = deadline.count();
-        eprosima::fastrtps::Duration_t const limit{static_cast<std::int32_t>(ms / 1000),
-                                                   static_cast<std::uint32_t>(ms % 1000) * 1'000'000U};
-        return writer_->wait_for_acknowledgments(limit) == ReturnCode_t::RETCODE_OK;
-    }
-
-  private:
-    bool send(Outgoing& out, std::optional<std::int64_t> source_ns) {
-        if (!source_ns) {
-            return writer_->write(&out);
-        }
-        eprosima::fastrtps::Time_t stamp;
-        stamp.seconds = static_cast<std::int32_t>(*source_ns / 1'000'000'000);
-        stamp.nanosec = static_cast<std::uint32_t>(*source_ns % 1'000'000'000);
-        return writer_->write_w_timestamp(&out, rtps::c_InstanceHandle_Unknown, stamp) == ReturnCode_t::RETCODE_OK;
-    }
-    void on_publication_matched(dds::DataWriter*, dds::PublicationMatchedStatus const& status) override {
-        matches_.update(rtps::iHandle2GUID(status.last_subscription_handle), status.current_count_change);
-        directory_.changed();
-    }
-
-    Directory& directory_;
-    dds::Publisher* publisher_;
-    Codec codec_;
-    dds::DataWriter* writer_{nullptr};
-    Matches matches_;
-};
-
-class Reader final : public RawReader, private dds::DataReaderListener {
-  public:
-    Reader(Directory& directory, dds::Subscriber* subscriber, SampleHandler handler)
-        : directory_{directory}, subscriber_{subscriber}, handler_{std::move(handler)} {}
-    ~Reader() override {
-        if (reader_ != nullptr) {
-            reader_->set_listener(nullptr);
-            subscriber_->delete_datareader(reader_);
-        }
-    }
-    bool open(dds::Topic* topic, dds::DataReaderQos const& qos) {
-        dds::StatusMask mask = dds::StatusMask::data_available();
-        mask << dds::StatusMask::subscription_matched();
-        reader_ = subscriber_->create_datareader(topic, qos, this, mask);
-        return reader_ != nullptr;
-    }
-    [[nodiscard]] std::vector<Peer> matched() const override { return matches_.peers(directory_); }
-
-  private:
-    void on_data_available(dds::DataReader* reader) override {
-        // Unicast and multicast arrive on different threads; samples are handed on one at a time, in the order of the writer.
-        std::lock_guard const lock{take_mutex_};
-        dds::SampleInfo info;
-        while (reader->take_next_sample(&incoming_, &info) == ReturnCode_t::RETCODE_OK) {
-            if (!info.valid_data) {
-                continue; // an instance went away; departures are seen by the participant
-            }
-            SampleHeader header;
-            auto const& guid = info.sample_identity.writer_guid();
-            header.source = writer_index(guid);
-            header.peer = writers_[header.source].peer;
-            header.writer = guid.entityId.to_uint32();
-            header.sequence = info.sample_identity.sequence_number().to64long();
-            header.source_ns = info.source_timestamp.to_ns();
-            handler_(incoming_.cdr, header);
-        }
-    }
-    void on_subscription_matched(dds::DataReader*, dds::SubscriptionMatchedStatus const& status) override {
-        matches_.update(rtps::iHandle2GUID(status.last_publication_handle), status.current_count_change);
-        directory_.changed();
-    }
-    std::uint32_t writer_index(rtps::GUID_t const& guid) {
-        for (std::size_t i = 0; i < writers_.size(); ++i) {
-            if (writers_[i].guid == guid) {
-                return static_cast<std::uint32_t>(i);
-            }
-        }
-        writers_.push_back({guid, directory_.index_of(guid.guidPrefix)});
-        return static_cast<std::uint32_t>(writers_.size() - 1);
-    }
-
-    struct KnownWriter {
-        rtps::GUID_t guid;
-        std::uint32_t peer;
-    };
-
-    Directory& directory_;
-    dds::Subscriber* subscriber_;
-    SampleHandler handler_;
-    dds::DataReader* reader_{nullptr};
-    Matches matches_;
-    std::mutex take_mutex_; // guards the next two
-    Incoming incoming_;
-    std::vector<KnownWriter> writers_;
-};
-
 class FastDdsParticipant final : public Participant {
   public:
     FastDdsParticipant(ParticipantOptions options, DiscoveryObserver* observer)
@@ -339,11 +115,11 @@ class FastDdsParticipant final : public Participant {
         dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
     }
 
-    Result<void> open() {
+    Result<void> open(TcpLink const* link = nullptr) {
+        std::lock_guard const lock{profiles_mutex()};
         auto* factory = dds::DomainParticipantFactory::get_instance();
-        if (factory->load_XML_profiles_file(options_.qos_file.string()) != ReturnCode_t::RETCODE_OK) {
-            return fail(ExitCode::usage, fmt::format("cannot read the QoS profiles '{}'", options_.qos_file.string()),
-                        "the file must exist and be valid Fast DDS XML");
+        if (auto ok = load_profiles(); !ok) {
+            return ok;
         }
         dds::DomainParticipantQos qos;
         if (factory->get_participant_qos_from_profile(options_.profile, qos) != ReturnCode_t::RETCODE_OK) {
@@ -354,6 +130,11 @@ class FastDdsParticipant final : public Participant {
         std::string const user_data = user_data_of(options_);
         qos.user_data().setValue(std::vector<rtps::octet>{user_data.begin(), user_data.end()});
         prepare_transports(qos);
+        if (link != nullptr) {
+            if (auto ok = apply(*link, qos); !ok) {
+                return ok;
+            }
+        }
         participant_ = factory->create_participant(static_cast<std::uint32_t>(options_.domain), qos, &listener_,
                                                    dds::StatusMask::none());
         if (participant_ == nullptr) {
@@ -368,15 +149,95 @@ class FastDdsParticipant final : public Participant {
     }
 
     Result<std::unique_ptr<RawWriter>> create_writer(std::string const& topic_name, Codec const& codec) override {
-        auto topic = find_topic(topic_name, codec);
-        if (!topic) {
-            return std::unexpected{topic.error()};
+        auto qos = writer_profile(topic_name);
+        return qos ? make_writer(topic_name, codec, *qos) : std::unexpected{qos.error()};
+    }
+    Result<std::unique_ptr<RawReader>> create_reader(std::string const& topic_name, Codec const& codec,
+                                                     SampleHandler handler) override {
+        auto qos = reader_profile(topic_name);
+        return qos ? make_reader(topic_name, codec, *qos, std::move(handler), false) : std::unexpected{qos.error()};
+    }
+    Result<std::unique_ptr<RawWriter>> create_writer_like(std::string const& topic_name, Codec const& codec,
+                                                          EndpointQos const& like, std::int32_t depth) {
+        auto qos = writer_profile("default");
+        if (!qos) {
+            return std::unexpected{qos.error()};
+        }
+        apply(like, depth, *qos);
+        return make_writer(topic_name, codec, *qos);
+    }
+    Result<std::unique_ptr<RawReader>> create_reader_like(std::string const& topic_name, Codec const& codec,
+                                                          EndpointQos const& like, SampleHandler handler) {
+        auto qos = reader_profile("default");
+        if (!qos) {
+            return std::unexpected{qos.error()};
+        }
+        apply(like, *qos);
+        return make_reader(topic_name, codec, *qos, std::move(handler), true);
+    }
+
+    [[nodiscard]] Peer peer(std::uint32_t index) const override { return directory_.peer(index); }
+    void on_change(std::function<void()> callback) override { directory_.on_change(std::move(callback)); }
+    void on_departure(std::function<void(Peer const&, bool)> callback) override {
+        directory_.on_departure(std::move(callback));
+    }
+
+  private:
+    /// Fast DDS keeps one set of profiles for the whole process, by name: participants with another file take turns.
+    static std::mutex& profiles_mutex() {
+        static std::mutex mutex;
+        return mutex;
+    }
+    Result<void> load_profiles() const {
+        static std::filesystem::path loaded;
+        if (loaded == options_.qos_file) {
+            return {};
+        }
+        if (!loaded.empty()) {
+            eprosima::fastrtps::xmlparser::XMLProfileManager::DeleteInstance();
+        }
+        loaded.clear();
+        if (dds::DomainParticipantFactory::get_instance()->load_XML_profiles_file(options_.qos_file.string()) !=
+            ReturnCode_t::RETCODE_OK) {
+            return fail(ExitCode::usage, fmt::format("cannot read the QoS profiles '{}'", options_.qos_file.string()),
+                        "the file must exist and be valid Fast DDS XML");
+        }
+        loaded = options_.qos_file;
+        return {};
+    }
+
+    Result<dds::DataWriterQos> writer_profile(std::string const& topic_name) const {
+        std::lock_guard const lock{profiles_mutex()};
+        if (auto ok = load_profiles(); !ok) {
+            return std::unexpected{ok.error()};
         }
         dds::DataWriterQos qos;
         if (publisher_->get_datawriter_qos_from_profile(topic_name, qos) != ReturnCode_t::RETCODE_OK &&
             publisher_->get_datawriter_qos_from_profile("default", qos) != ReturnCode_t::RETCODE_OK) {
             return fail(ExitCode::usage, fmt::format("'{}' has no data_writer profile named '{}', and no 'default'",
                                                      options_.qos_file.string(), topic_name));
+        }
+        return qos;
+    }
+    Result<dds::DataReaderQos> reader_profile(std::string const& topic_name) const {
+        std::lock_guard const lock{profiles_mutex()};
+        if (auto ok = load_profiles(); !ok) {
+            return std::unexpected{ok.error()};
+        }
+        dds::DataReaderQos qos;
+        if (subscriber_->get_datareader_qos_from_profile(topic_name, qos) != ReturnCode_t::RETCODE_OK &&
+            subscriber_->get_datareader_qos_from_profile("default", qos) != ReturnCode_t::RETCODE_OK) {
+            return fail(ExitCode::usage, fmt::format("'{}' has no data_reader profile named '{}', and no 'default'",
+                                                     options_.qos_file.string(), topic_name));
+        }
+        return qos;
+    }
+
+    Result<std::unique_ptr<RawWriter>> make_writer(std::string const& topic_name, Codec const& codec,
+                                                   dds::DataWriterQos& qos) {
+        auto topic = find_topic(topic_name, codec);
+        if (!topic) {
+            return std::unexpected{topic.error()};
         }
         qos.endpoint().history_memory_policy =
             codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
@@ -387,22 +248,18 @@ class FastDdsParticipant final : public Participant {
         }
         return writer;
     }
-
-    Result<std::unique_ptr<RawReader>> create_reader(std::string const& topic_name, Codec const& codec,
-                                                     SampleHandler handler) override {
+    Result<std::unique_ptr<RawReader>> make_reader(std::string const& topic_name, Codec const& codec,
+                                                   dds::DataReaderQos& qos, SampleHandler handler, bool ignore_own) {
         auto topic = find_topic(topic_name, codec);
         if (!topic) {
             return std::unexpected{topic.error()};
         }
-        dds::DataReaderQos qos;
-        if (subscriber_->get_datareader_qos_from_profile(topic_name, qos) != ReturnCode_t::RETCODE_OK &&
-            subscriber_->get_datareader_qos_from_profile("default", qos) != ReturnCode_t::RETCODE_OK) {
-            return fail(ExitCode::usage, fmt::format("'{}' has no data_reader profile named '{}', and no 'default'",
-                                                     options_.qos_file.string(), topic_name));
-        }
         qos.endpoint().history_memory_policy =
             codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
         auto reader = std::make_unique<Reader>(directory_, subscriber_, std::move(handler));
+        if (ignore_own) {
+            reader->ignore(participant_->guid().guidPrefix);
+        }
         if (!reader->open(*topic, qos)) {
             return fail(ExitCode::usage, fmt::format("DDS refused the reader of topic '{}'", topic_name),
                         "its QoS profile is not consistent (depth against resource limits?)");
@@ -410,13 +267,6 @@ class FastDdsParticipant final : public Participant {
         return reader;
     }
 
-    [[nodiscard]] Peer peer(std::uint32_t index) const override { return directory_.peer(index); }
-    void on_change(std::function<void()> callback) override { directory_.on_change(std::move(callback)); }
-    void on_departure(std::function<void(Peer const&, bool)> callback) override {
-        directory_.on_departure(std::move(callback));
-    }
-
-  private:
     /// The profile's transports, on the configured interfaces only, each with a cork.
     void prepare_transports(dds::DomainParticipantQos& qos) const {
         for (auto& transport : qos.transport().user_transports) {
@@ -472,6 +322,26 @@ Result<std::unique_ptr<Participant>> Participant::create(ParticipantOptions opti
         return std::unexpected{opened.error()};
     }
     return participant;
+}
+
+Result<std::unique_ptr<Participant>> join_over_tcp(ParticipantOptions options, TcpLink const& link,
+                                                   DiscoveryObserver* observer) {
+    auto participant = std::make_unique<FastDdsParticipant>(std::move(options), observer);
+    if (auto opened = participant->open(&link); !opened) {
+        return std::unexpected{opened.error()};
+    }
+    return participant;
+}
+
+Result<std::unique_ptr<RawReader>> create_reader_like(Participant& participant, std::string const& topic,
+                                                      Codec const& codec, EndpointQos const& like,
+                                                      SampleHandler handler) {
+    return static_cast<FastDdsParticipant&>(participant).create_reader_like(topic, codec, like, std::move(handler));
+}
+
+Result<std::unique_ptr<RawWriter>> create_writer_like(Participant& participant, std::string const& topic,
+                                                      Codec const& codec, EndpointQos const& like, std::int32_t depth) {
+    return static_cast<FastDdsParticipant&>(participant).create_writer_like(topic, codec, like, depth); // the only kind
 }
 
 } // namespace gridspace::bus

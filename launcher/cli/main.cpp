@@ -7,6 +7,7 @@
 #include "launcher/cli/bundle_verb.hpp"
 #include "launcher/cli/completion.hpp"
 #include "launcher/cli/live_verbs.hpp"
+#include "launcher/cli/play_verb.hpp"
 #include "launcher/cli/scl_verbs.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/cli/wire_verbs.hpp"
@@ -173,6 +174,13 @@ int main_function(int argc, char** argv) {
     report_verb->add_flag("--json", report_json, "the summary as JSON");
     report_verb->callback([&] { action = [&] { return report(report_run, report_json); }; });
 
+    std::filesystem::path info_run;
+    bool info_json = false;
+    CLI::App* info_verb = verb("info", "what a run folder holds");
+    info_verb->add_option("RUN", info_run, "run folder, its data.mcap, or latest")->required();
+    info_verb->add_flag("--json", info_json, "as JSON");
+    info_verb->callback([&] { action = [&] { return info(info_run, info_json); }; });
+
     ExportArguments export_arguments;
     CLI::App* export_verb = verb("export", "write a recording as tables, or as disturbance records");
     export_verb->add_option("RUN", export_arguments.run, "run folder, or latest")->required();
@@ -199,6 +207,13 @@ int main_function(int argc, char** argv) {
     monitor_verb->add_option("--tls-key", monitor_arguments.tls_key, "its key (PEM)")->needs(certificate);
     monitor_verb->add_option("--idl", monitor_arguments.idl, "IDL of foreign types")->check(CLI::ExistingFile);
     monitor_verb->callback([&] { action = [&] { return monitor(monitor_arguments); }; });
+
+    RouterArguments router_arguments;
+    CLI::App* router_verb = verb("router", "carry topics between DDS domains and sites");
+    router_verb->add_option("CONFIG", router_arguments.config, "ends and the topics that may pass (YAML)")->required();
+    router_verb->add_flag("--check", router_arguments.check, "check the configuration and end");
+    router_verb->add_flag("--json", router_arguments.json, "what happens, as JSON lines on standard output");
+    router_verb->callback([&] { action = [&] { return router(router_arguments); }; });
 
     GraphArguments graph_arguments;
     bool graph_dot = false, graph_json = false, graph_svg = false;
@@ -256,6 +271,7 @@ int main_function(int argc, char** argv) {
     doctor_verb->callback([&] { action = [&] { return doctor(doctor_json); }; });
 
     add_bundle_verb(app, action);
+    add_play_verb(app, action);
     add_wire_verbs(app, action);
     add_scl_verbs(app, action);
     std::filesystem::path schema_root;

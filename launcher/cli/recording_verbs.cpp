@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Verbs that look at finished runs: compare, report, export.
+// Verbs that look at finished runs: compare, report, info, export.
 #include "common/config/yaml.hpp"
 #include "common/time.hpp"
 #include "launcher/cli/load.hpp"
@@ -9,6 +9,7 @@
 #include "launcher/report/comtrade_output.hpp"
 #include "launcher/report/html_report.hpp"
 #include "launcher/report/results.hpp"
+#include "launcher/report/run_info.hpp"
 #include "recorder/compare/compare.hpp"
 #include "recorder/export/csv_export.hpp"
 
@@ -156,6 +157,15 @@ int report(std::filesystem::path const& run, bool json) {
     return results->exit_code();
 }
 
+int info(std::filesystem::path const& run, bool json) {
+    auto const found = launcher::run_info(run_folder(run));
+    if (!found) {
+        return print_error(found.error());
+    }
+    fmt::print("{}", json ? found->json : found->text);
+    return 0;
+}
+
 int export_run(ExportArguments const& arguments) {
     if (arguments.comtrade) {
         int const code = export_comtrade(arguments);
@@ -170,11 +180,14 @@ int export_run(ExportArguments const& arguments) {
         epoch = parse_utc(manifest["clock"].value("epoch", "")).value_or(0);
     }
     std::filesystem::path const out = arguments.out.empty() ? folder / "csv" : arguments.out;
-    auto const files = export_csv(recording_of(arguments.run), epoch * 1'000'000'000, out);
-    if (!files) {
-        return print_error(files.error());
+    auto const written = export_csv(recording_of(arguments.run), epoch * 1'000'000'000, out);
+    if (!written) {
+        return print_error(written.error());
     }
-    for (std::filesystem::path const& file : *files) {
+    for (std::string const& note : written->notes) {
+        fmt::print(stderr, "note: {}\n", note);
+    }
+    for (std::filesystem::path const& file : written->files) {
         fmt::print("{}\n", file.string());
     }
     return 0;

@@ -214,6 +214,7 @@ int schema(std::filesystem::path const& root) {
     std::filesystem::create_directories(root / "configs/schema", ignored);
     for (auto const& [file, text] : {std::pair{"configs/schema/scenario.schema.json", launcher::scenario_schema()},
                                      {"configs/schema/network.schema.json", launcher::network_schema()},
+                                     {"configs/schema/router.schema.json", launcher::router_schema()},
                                      {"docs/reference/config.md", launcher::config_page()}}) {
         std::ofstream stream{root / file, std::ios::trunc};
         stream << text;

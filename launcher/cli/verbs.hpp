@@ -65,7 +65,15 @@ struct MonitorArguments {
 };
 int monitor(MonitorArguments const& arguments);
 
+struct RouterArguments {
+    std::filesystem::path config;
+    bool check{false}, json{false};
+};
+int router(RouterArguments const& arguments);
+
 int report(std::filesystem::path const& run, bool json);
+
+int info(std::filesystem::path const& run, bool json);
 
 struct ExportArguments {
     std::filesystem::path run, out;

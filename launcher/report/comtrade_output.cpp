@@ -218,6 +218,10 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
                 out.notes.push_back(fmt::format("no recorded signal matches '{}'", pattern));
             }
         }
+        if (maker.record.header.analog.empty() && maker.record.header.digital.empty()) {
+            out.notes.push_back("nothing that was recorded is a channel of such a record: name signals (--signals, or record.comtrade.signals)");
+            return out;
+        }
         ComtradeHeader& header = maker.record.header;
         header.station = r.scenario;
         header.device = settings.trigger.name.substr(0, settings.trigger.name.find('.'));

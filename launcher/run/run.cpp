@@ -346,6 +346,10 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     ::close(channel[0]);
     finished.outcome.total_wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
     if (auto ok = write_outcome(*folder, finished.outcome); !ok) {
+        RunOutcome const& outcome = finished.outcome;
+        if (outcome.exit_code != 0) { // a full disk: why the run ended comes first
+            return fail(static_cast<ExitCode>(outcome.exit_code), fmt::format("{} (then: {})", outcome.cause, ok.error().message), outcome.remedy);
+        }
         return std::unexpected{ok.error()};
     }
     return finished;

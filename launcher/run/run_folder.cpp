@@ -55,11 +55,21 @@ Json host_of(bool root) {
                 {"root", root}};
 }
 
+/// A full disk leaves what was there before.
 Result<void> write_text(fs::path const& file, std::string const& text) {
-    std::ofstream stream{file, std::ios::trunc};
+    fs::path const fresh = file.string() + ".new";
+    std::ofstream stream{fresh, std::ios::trunc};
     stream << text;
     stream.close();
-    return stream ? Result<void>{} : fail(ExitCode::environment, fmt::format("cannot write '{}'", file.string()));
+    std::error_code error;
+    if (stream) {
+        fs::rename(fresh, file, error);
+    }
+    if (!stream || error) {
+        fs::remove(fresh, error);
+        return fail(ExitCode::environment, fmt::format("cannot write '{}'", file.string()));
+    }
+    return {};
 }
 
 } // namespace

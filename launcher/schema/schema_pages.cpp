@@ -7,6 +7,7 @@
 #include "gateways/streams/stream.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/schema/schema_fields.hpp"
+#include "router/router_config.hpp"
 #include "sim/network/network_config.hpp"
 
 #include <algorithm>
@@ -29,6 +30,10 @@ Keys scenario_keys() {
 }
 Keys program_keys(std::string const& program) {
     return keys_of([&](config::Fields& f) { (void)find_program(program)->read(f); });
+}
+Keys router_keys() {
+    router::RouterConfig router;
+    return keys_of([&](config::Fields& f) { describe(f, router); });
 }
 Keys stream_keys() {
     streams::Stream smv, goose;
@@ -225,6 +230,10 @@ std::string network_schema() {
     return finished(properties_of(network_keys()), "Gridspace network");
 }
 
+std::string router_schema() {
+    return finished(properties_of(router_keys()), "Gridspace router");
+}
+
 std::string scenario_schema() {
     Json root = properties_of(scenario_keys());
     Keys const common = [] {
@@ -287,6 +296,7 @@ yours. A key whose value is left open here is described where the table says.
            "the keys beside it.\n\n" +
            tables("streams.NAME", stream_keys());
     out += "\n## Network\n\n" + tables("", network_keys());
+    out += "\n## Router\nWhat `gridspace router CONFIG` reads ([how to](../how_to/connect_two_sites.md)).\n\n" + tables("", router_keys());
     bus::NodeConfig node;
     out += "\n## Place on the bus\n`bus:` of the configuration file of a process, which `gridspace run` writes.\n\n" +
            tables("bus", keys_of([&](config::Fields& f) { bus::describe(f, node); }));

@@ -6,10 +6,11 @@
 
 namespace gridspace::launcher {
 
-/// JSON schemas of the two kinds of file that users write, for editors; and docs/reference/config.md. All are made from
+/// JSON schemas of the kinds of file that users write, for editors; and docs/reference/config.md. All are made from
 /// the descriptions that read the files, so they cannot say anything else.
 [[nodiscard]] std::string scenario_schema();
 [[nodiscard]] std::string network_schema();
+[[nodiscard]] std::string router_schema();
 [[nodiscard]] std::string config_page();
 
 } // namespace gridspace::launcher

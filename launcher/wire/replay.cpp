@@ -11,25 +11,6 @@
 namespace gridspace::wire {
 namespace {
 
-/// A replay is an attack on whoever listens: only virtual cables, unless the user says which interface he means.
-Result<void> check_allowed(ReplayOptions const& o) {
-    if (o.interface == o.allow_attacks_on) {
-        return {};
-    }
-    if (auto const index = ethernet::interface_index(o.interface); !index) {
-        return std::unexpected{index.error()};
-    }
-    std::string const driver = ethernet::interface_driver(o.interface);
-    if (driver == "veth" || o.interface == "lo") {
-        return {};
-    }
-    return fail(ExitCode::usage,
-                fmt::format("'{}' is not a virtual cable{}", o.interface,
-                            driver.empty() ? "" : fmt::format(" (its driver is {})", driver)),
-                fmt::format("replayed frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
-                            o.interface));
-}
-
 Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o) {
     auto reader = pcapng::Reader::open(o.file);
     if (!reader) {
@@ -69,8 +50,26 @@ Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o) {
 
 } // namespace
 
+Result<void> check_attack_allowed(std::string const& interface, std::string const& allowed) {
+    if (interface == allowed) {
+        return {};
+    }
+    if (auto const index = ethernet::interface_index(interface); !index) {
+        return std::unexpected{index.error()};
+    }
+    std::string const driver = ethernet::interface_driver(interface);
+    if (driver == "veth" || interface == "lo") {
+        return {};
+    }
+    return fail(ExitCode::usage,
+                fmt::format("'{}' is not a virtual cable{}", interface,
+                            driver.empty() ? "" : fmt::format(" (its driver is {})", driver)),
+                fmt::format("replayed frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
+                            interface));
+}
+
 Result<void> replay(ReplayOptions const& o) {
-    if (auto ok = check_allowed(o); !ok) {
+    if (auto ok = check_attack_allowed(o.interface, o.allow_attacks_on); !ok) {
         return ok;
     }
     auto const frames = read_frames(o);

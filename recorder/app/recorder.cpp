@@ -34,6 +34,7 @@ struct Tap {
     std::uint16_t schema{0};      ///< 0: not added yet
     std::map<std::uint32_t, std::uint16_t> channels; ///< by process
     std::map<std::uint32_t, std::uint32_t> sequences;
+    std::uint64_t dropped{0}; ///< as reported
 };
 
 struct Entry {
@@ -43,10 +44,13 @@ struct Entry {
     std::vector<std::byte> cdr;
 };
 
+/// Real time: what may wait of one topic while the disk is slow.
+constexpr std::size_t kMostWaiting = 32U << 20U;
+
 class RecorderShell {
   public:
-    RecorderShell(RecorderConfig const& config, bus::Node& node, mcap::Writer file)
-        : config_{config}, node_{node}, file_{std::move(file)}, epoch_ns_{node.config().clock.epoch_unix_s * 1'000'000'000} {}
+    RecorderShell(RecorderConfig const& config, bus::Node& node, StatusReporter& status, mcap::Writer file)
+        : config_{config}, node_{node}, status_{status}, file_{std::move(file)}, epoch_ns_{node.config().clock.epoch_unix_s * 1'000'000'000} {}
 
     Result<void> run() {
         if (auto ok = open_taps(); !ok) {
@@ -70,6 +74,7 @@ class RecorderShell {
                 (void)file_.flush(); // what was recorded is worth reading
                 return std::unexpected{tick.error()};
             }
+            report_drops(*tick ? node_.time_base().seconds((*tick)->time) : last_s_, !*tick || (*tick)->final);
             if (!*tick) {
                 auto const closed = frames_->close();
                 auto recording = file_.close();
@@ -158,6 +163,9 @@ class RecorderShell {
                 }
                 reader = std::move(*opened);
             }
+            if (!node_.lockstep()) {
+                reader->bound(kMostWaiting);
+            }
             tap.reader = std::move(reader);
             taps_.push_back(std::move(tap));
             return {};
@@ -224,6 +232,25 @@ class RecorderShell {
                            entry.cdr);
     }
 
+    /// In real time nothing waits for the recorder; what it could not keep is said, once a second at most and at the end.
+    void report_drops(double now_s, bool at_the_end) {
+        last_s_ = now_s;
+        auto const now = std::chrono::steady_clock::now();
+        if (node_.lockstep() || (now - reported_ < std::chrono::seconds{1} && !at_the_end)) {
+            return;
+        }
+        reported_ = now;
+        for (Tap& tap : taps_) {
+            if (std::uint64_t const dropped = tap.reader->dropped(); dropped != tap.dropped) {
+                std::string const text = fmt::format("{} samples of '{}' are not in the recording: the disk is too slow ({} since the start)",
+                                                     dropped - tap.dropped, tap.topic, dropped);
+                log::warning("{}", text);
+                status_.event(now_s, node_.config().process, "samples_dropped", text);
+                tap.dropped = dropped;
+            }
+        }
+    }
+
     /// In real time a crash must not cost more than a second of the recording.
     Result<void> flush_sometimes() {
         auto const now = std::chrono::steady_clock::now();
@@ -236,12 +263,14 @@ class RecorderShell {
 
     RecorderConfig const& config_;
     bus::Node& node_;
+    StatusReporter& status_;
     mcap::Writer file_;
     std::int64_t epoch_ns_;
     std::unique_ptr<FrameCapture> frames_;
     std::vector<Tap> taps_;
     std::vector<Entry> batch_;
-    std::chrono::steady_clock::time_point flushed_{std::chrono::steady_clock::now()};
+    std::chrono::steady_clock::time_point flushed_{std::chrono::steady_clock::now()}, reported_{flushed_};
+    double last_s_{0};
 };
 
 } // namespace
@@ -259,7 +288,7 @@ int main(int argc, char** argv) {
                                 return std::unexpected{file.error()};
                             }
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
-                                return recorder::RecorderShell{config, node, std::move(*file)}.run();
+                                return recorder::RecorderShell{config, node, run.status, std::move(*file)}.run();
                             });
                         }};
     return run_daemon(daemon, argc, argv);

@@ -29,6 +29,12 @@ std::string column_name(std::string_view path) {
     return out;
 }
 
+/// A topic of somebody else's may be called "rt/chatter".
+std::string file_name(std::string topic) {
+    std::replace(topic.begin(), topic.end(), '/', '_');
+    return topic;
+}
+
 std::string cell(idl::Type const& type, idl::Value const& value) {
     if (type.kind == idl::Kind::enumeration) {
         auto const number = std::get<std::int64_t>(value);
@@ -56,6 +62,9 @@ struct Table {
     std::vector<std::string> columns;
     std::map<std::string, std::size_t, std::less<>> places;
     std::ofstream stream;
+    std::uint64_t unreadable{0};
+    std::string why;
+    [[nodiscard]] bool readable() const { return !columns.empty(); }
 };
 
 struct Columns final : idl::Visitor {
@@ -107,11 +116,10 @@ Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::p
 
 } // namespace
 
-Result<std::vector<std::filesystem::path>> export_csv(std::filesystem::path const& mcap, std::int64_t epoch_ns, std::filesystem::path const& folder) {
+Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epoch_ns, std::filesystem::path const& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     std::map<std::string, Table> tables;
-    std::string problem;
     auto const find_columns = [&](mcap::Message const& m) {
         if (is_signal_topic(m.channel.topic)) {
             return true;
@@ -121,17 +129,22 @@ Result<std::vector<std::filesystem::path>> export_csv(std::filesystem::path cons
         if (fresh) {
             auto model = idl::parse(m.schema.data);
             auto const type = model ? model->find(m.schema.name) : std::nullopt;
-            if (!type) {
-                problem = fmt::format("the type of topic '{}' cannot be read", m.channel.topic);
-                return false;
+            if (type) {
+                table.model = std::move(*model);
+                table.type = *type;
+            } else {
+                table.why = model ? fmt::format("its IDL does not define '{}'", m.schema.name) : model.error().message;
             }
-            table.model = std::move(*model);
-            table.type = *type;
+        }
+        if (table.model.types.empty()) {
+            ++table.unreadable;
+            return true;
         }
         Columns columns;
         if (auto ok = visit(table.model, table.type, m.data, columns); !ok) {
-            problem = ok.error().message;
-            return false;
+            ++table.unreadable;
+            table.why = ok.error().message;
+            return true;
         }
         for (std::string& path : columns.seen) {
             if (table.places.try_emplace(path, table.columns.size()).second) {
@@ -141,13 +154,22 @@ Result<std::vector<std::filesystem::path>> export_csv(std::filesystem::path cons
         return true;
     };
     auto outcome = mcap::read_messages(mcap, find_columns);
-    if (!outcome || !problem.empty()) {
-        return outcome ? fail(ExitCode::usage, problem) : std::unexpected{outcome.error()};
+    if (!outcome) {
+        return std::unexpected{outcome.error()};
     }
-    std::vector<std::filesystem::path> files;
+    CsvExport out;
+    if (!outcome->complete) {
+        out.notes.push_back(fmt::format("the recording is incomplete: {}", outcome->note));
+    }
     for (auto& [topic, table] : tables) {
-        files.push_back(folder / (topic + ".csv"));
-        table.stream.open(files.back());
+        if (table.unreadable > 0) {
+            out.notes.push_back(fmt::format("{} samples of '{}' cannot be read: {}", table.unreadable, topic, table.why));
+        }
+        if (!table.readable()) {
+            continue;
+        }
+        out.files.push_back(folder / (file_name(topic) + ".csv"));
+        table.stream.open(out.files.back());
         table.stream << "time_s,process";
         for (std::string const& column : table.columns) {
             table.stream << ',' << column_name(column);
@@ -162,7 +184,9 @@ Result<std::vector<std::filesystem::path>> export_csv(std::filesystem::path cons
         Cells cells;
         cells.table = &table;
         cells.row.resize(table.columns.size());
-        (void)visit(table.model, table.type, m.data, cells);
+        if (!table.readable() || !visit(table.model, table.type, m.data, cells)) {
+            return true;
+        }
         auto const process = m.channel.metadata.find("process");
         double const t = static_cast<double>(static_cast<std::int64_t>(m.time_ns) - epoch_ns) / 1e9;
         table.stream << shortest(t) << ',' << (process == m.channel.metadata.end() ? "" : process->second);
@@ -173,14 +197,14 @@ Result<std::vector<std::filesystem::path>> export_csv(std::filesystem::path cons
         return true;
     });
     for (auto& [topic, table] : tables) {
-        if (!table.stream.flush()) {
+        if (table.readable() && !table.stream.flush()) {
             return fail(ExitCode::environment, fmt::format("cannot write the table of '{}' into '{}'", topic, folder.string()));
         }
     }
-    if (auto ok = write_signals(mcap, folder, files); !ok) {
+    if (auto ok = write_signals(mcap, folder, out.files); !ok) {
         return std::unexpected{ok.error()};
     }
-    return files;
+    return out;
 }
 
 } // namespace gridspace

@@ -21,7 +21,8 @@ using Bytes = std::vector<std::uint8_t>;
 class Encoder {
   public:
     explicit Encoder(Bytes& out) : out_{out} {}
-    template <class T> Encoder& number(T value) {
+    template <class T>
+    Encoder& number(T value) {
         for (std::size_t i = 0; i < sizeof(T); ++i) {
             out_.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
         }
@@ -42,7 +43,8 @@ class Encoder {
         out_.insert(out_.end(), body.begin(), body.end());
         return *this;
     }
-    template <class K, class V> Encoder& numbers(std::map<K, V> const& map) {
+    template <class K, class V>
+    Encoder& numbers(std::map<K, V> const& map) {
         number(static_cast<std::uint32_t>(map.size() * (sizeof(K) + sizeof(V))));
         for (auto const& [key, value] : map) {
             number(key).number(value);
@@ -94,7 +96,8 @@ Result<Writer> Writer::create(std::filesystem::path const& file, Options options
     return writer;
 }
 
-Writer::Writer(UniqueFd fd, std::filesystem::path file, Options options) : fd_{std::move(fd)}, file_{std::move(file)}, options_{options} {
+Writer::Writer(UniqueFd fd, std::filesystem::path file, Options options)
+    : fd_{std::move(fd)}, file_{std::move(file)}, options_{options} {
     chunk_.reserve(options_.chunk_octets + 64 * 1024);
 }
 
@@ -107,7 +110,8 @@ Result<void> Writer::put(std::vector<std::uint8_t> const& bytes) {
         }
         if (written <= 0) {
             failed_ = true; // a half-written record would hide everything after it: no more is written
-            return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file_.string(), std::strerror(errno)),
+            return fail(ExitCode::environment,
+                        fmt::format("cannot write '{}': {}", file_.string(), std::strerror(errno)),
                         errno == ENOSPC ? "the disk is full; what was recorded before is readable" : "");
         }
         done += static_cast<std::size_t>(written);
@@ -175,12 +179,13 @@ Result<void> Writer::flush() {
         .number(static_cast<std::uint64_t>(stored.size()));
     body.insert(body.end(), stored.begin(), stored.end());
     record(out, Op::chunk, body);
-    ChunkIndex index{chunk_start_, chunk_end_, position_, out.size(), {}, 0, stored.size(), chunk_.size()};
+    std::uint64_t const length = out.size();
+    std::map<std::uint16_t, std::uint64_t> index_offsets;
     for (auto& [channel, messages] : chunk_messages_) {
         if (messages.empty()) {
             continue;
         }
-        index.index_offsets[channel] = position_ + out.size();
+        index_offsets[channel] = position_ + out.size();
         Bytes entries;
         Encoder encoder{entries};
         encoder.number(channel).number(static_cast<std::uint32_t>(messages.size() * 16));
@@ -190,11 +195,73 @@ Result<void> Writer::flush() {
         record(out, Op::message_index, entries);
         messages.clear();
     }
-    index.index_length = out.size() - index.length;
-    chunks_.push_back(std::move(index));
+    Bytes index;
+    Encoder{index}
+        .number(chunk_start_)
+        .number(chunk_end_)
+        .number(position_)
+        .number(length)
+        .numbers(index_offsets)
+        .number(static_cast<std::uint64_t>(out.size() - length))
+        .text(zstd ? "zstd" : "")
+        .number(static_cast<std::uint64_t>(stored.size()))
+        .number(static_cast<std::uint64_t>(chunk_.size()));
+    record(index_, Op::chunk_index, index);
+    ++chunk_count_;
+    spill_index();
     chunk_.clear();
     chunk_has_messages_ = false;
     return put(out);
+}
+
+/// The index grows with the recording; so that memory does not, its older part goes into a file without a name. Where
+/// that cannot be had it stays in memory.
+void Writer::spill_index() {
+    constexpr std::size_t kInMemory = 256 * 1024;
+    if (index_.size() < kInMemory) {
+        return;
+    }
+    if (!spilled_) {
+        std::filesystem::path const folder = file_.has_parent_path() ? file_.parent_path() : ".";
+        spilled_ = UniqueFd{::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600)};
+    }
+    std::size_t done = 0;
+    while (spilled_ && done < index_.size()) {
+        ssize_t const written = ::write(spilled_.get(), index_.data() + done, index_.size() - done);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written <= 0) {
+            break; // the recording itself will find the disk full, and say so
+        }
+        done += static_cast<std::size_t>(written);
+    }
+    index_.erase(index_.begin(), index_.begin() + static_cast<std::ptrdiff_t>(done));
+}
+
+Result<void> Writer::put_index() {
+    if (spilled_) {
+        Bytes part(256 * 1024);
+        ::lseek(spilled_.get(), 0, SEEK_SET);
+        while (true) {
+            ssize_t const size = ::read(spilled_.get(), part.data(), part.size());
+            if (size < 0 && errno == EINTR) {
+                continue;
+            }
+            if (size < 0) {
+                return fail(ExitCode::environment,
+                            fmt::format("cannot finish '{}': {}", file_.string(), std::strerror(errno)));
+            }
+            if (size == 0) {
+                break;
+            }
+            if (auto ok = put({part.begin(), part.begin() + size}); !ok) {
+                return ok;
+            }
+        }
+        spilled_.reset();
+    }
+    return put(index_);
 }
 
 Result<void> Writer::close() {
@@ -233,26 +300,22 @@ Result<void> Writer::close() {
             .number(static_cast<std::uint32_t>(channels_.size()))
             .number(std::uint32_t{0})
             .number(std::uint32_t{0})
-            .number(static_cast<std::uint32_t>(chunks_.size()))
+            .number(chunk_count_)
             .number(first_time_)
             .number(last_time_)
             .numbers(channel_counts_);
         return b;
     });
-    group(Op::chunk_index, chunks_, [&](ChunkIndex const& c) {
-        Bytes b;
-        Encoder{b}
-            .number(c.start_time)
-            .number(c.end_time)
-            .number(c.offset)
-            .number(c.length)
-            .numbers(c.index_offsets)
-            .number(c.index_length)
-            .text(options_.compress ? "zstd" : "")
-            .number(c.compressed)
-            .number(c.uncompressed);
-        return b;
-    });
+    if (auto ok = put(out); !ok) {
+        return ok;
+    }
+    out.clear();
+    if (std::uint64_t const start = position_; chunk_count_ > 0) {
+        if (auto ok = put_index(); !ok) {
+            return ok;
+        }
+        groups.push_back({Op::chunk_index, start, position_ - start});
+    }
     std::uint64_t const offsets_start = position_ + out.size();
     for (Group const& g : groups) {
         Bytes b;
@@ -268,9 +331,9 @@ Result<void> Writer::close() {
     }
     int const synced = ::fsync(fd_.get());
     int const closed = ::close(fd_.release());
-    return synced == 0 && closed == 0
-               ? Result<void>{}
-               : fail(ExitCode::environment, fmt::format("cannot finish '{}': {}", file_.string(), std::strerror(errno)));
+    return synced == 0 && closed == 0 ? Result<void>{}
+                                      : fail(ExitCode::environment, fmt::format("cannot finish '{}': {}",
+                                                                                file_.string(), std::strerror(errno)));
 }
 
 } // namespace gridspace::mcap

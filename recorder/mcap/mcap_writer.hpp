@@ -16,7 +16,7 @@
 namespace gridspace::mcap {
 
 /// Writes an MCAP file in compressed chunks, with an index at the end. What has been written as chunks survives a crash:
-/// readers use the prefix. Memory is bounded by one chunk and the index. Errors (disk full) are returned and stay.
+/// readers use the prefix. Memory is bounded, however long the recording is: what the index needs is kept in a file without a name. Errors (disk full) are returned and stay.
 class Writer {
   public:
     struct Options {
@@ -40,13 +40,10 @@ class Writer {
     [[nodiscard]] std::uint64_t octets() const { return position_; }
 
   private:
-    struct ChunkIndex {
-        std::uint64_t start_time, end_time, offset, length;
-        std::map<std::uint16_t, std::uint64_t> index_offsets;
-        std::uint64_t index_length, compressed, uncompressed;
-    };
     Writer(UniqueFd fd, std::filesystem::path file, Options options);
     [[nodiscard]] Result<void> put(std::vector<std::uint8_t> const& bytes);
+    void spill_index();
+    [[nodiscard]] Result<void> put_index();
 
     UniqueFd fd_;
     std::filesystem::path file_;
@@ -58,7 +55,9 @@ class Writer {
     std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages_; ///< (time, offset)
     bool chunk_has_messages_{false};
     std::uint64_t chunk_start_{0}, chunk_end_{0};
-    std::vector<ChunkIndex> chunks_;
+    std::uint32_t chunk_count_{0};
+    std::vector<std::uint8_t> index_; ///< records of the chunks' index that are not in `spilled_` yet
+    UniqueFd spilled_;                ///< a file without a name, beside the recording; none while the index is short
     std::map<std::uint16_t, std::uint64_t> channel_counts_;
     std::uint64_t message_count_{0};
     std::uint64_t first_time_{0}, last_time_{0};

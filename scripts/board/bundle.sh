@@ -73,7 +73,7 @@ for library in $(needed "$program"); do
     libfastcdr.so.1) package=libfastcdr1 ;;
     libyaml-cpp.so.0.7) package=libyaml-cpp0.7 ;;
     libfmt.so.9) package=libfmt9 ;;
-    libcrypto.so.3) package=libssl3 ;;
+    libcrypto.so.3 | libssl.so.3) package=libssl3 ;;
     libzstd.so.1) package=libzstd1 ;;
     libz.so.1) package=zlib1g ;;
     libtinyxml2.so.9) package=libtinyxml2-9 ;;

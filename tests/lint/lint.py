@@ -26,7 +26,7 @@ LAYERS = [
                       "recorder/pcapng/*", "common/comtrade/*", "agents/*_logic.?pp", "agents/relay/*element*", "agents/relay/line_relay.?pp",
                       "agents/relay/relay_events.?pp", "agents/relay/line_sample.hpp", "agents/attacker/*_attack.?pp"]),
     ("bus and wire", 2, ["bus/*", "gateways/ethernet/*", "idl/*"]),
-    ("shell", 3, ["sim/*", "agents/*", "gateways/*", "recorder/*"]),
+    ("shell", 3, ["sim/*", "agents/*", "gateways/*", "recorder/*", "router/*"]),
     ("monitor and launcher", 4, ["monitor/*", "launcher/*"]),
 ]
 

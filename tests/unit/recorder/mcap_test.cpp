@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <iterator>
 #include <unistd.h>
 
@@ -154,6 +155,33 @@ TEST_P(Recording, ThatCannotBeWrittenSaysSo) {
         failed = !writer.write(channel, 1, 1, std::vector<std::byte>(1000)) || !writer.flush() || !writer.close();
     }
     EXPECT_TRUE(failed);
+}
+
+TEST(LongRecording, MemoryDoesNotGrowWithItsLength) {
+    std::string folder = (std::filesystem::temp_directory_path() / "gridspace-long-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+    std::filesystem::path const file = std::filesystem::path{folder} / "long.mcap";
+    constexpr std::uint32_t kChunks = 40'000; // of one message each: ten gigabytes of a real recording
+    {
+        auto sut = Writer::create(file, {.compress = false, .chunk_octets = 1});
+        ASSERT_TRUE(sut);
+        auto const channel = sut->add_channel(sut->add_schema("T", "omgidl", ""), "t", "cdr", {});
+        std::size_t after_some = 0;
+        for (std::uint32_t i = 0; i < kChunks; ++i) {
+            ASSERT_TRUE(sut->write(channel, i, i, std::vector<std::byte>(4)));
+            if (i == kChunks / 4) {
+                after_some = ::mallinfo2().uordblks;
+            }
+        }
+        EXPECT_LT(::mallinfo2().uordblks, after_some + 512 * 1024) << "the index of the rest alone is three megabytes";
+        ASSERT_TRUE(sut->close());
+    }
+    std::uint32_t next = 0;
+    auto const outcome = read_messages(file, [&](Message const& m) { return m.sequence == next++; });
+    ASSERT_TRUE(outcome);
+    EXPECT_TRUE(outcome->complete);
+    EXPECT_EQ(next, kChunks);
+    std::filesystem::remove_all(folder);
 }
 
 INSTANTIATE_TEST_SUITE_P(Compressed, Recording, ::testing::Bool(), [](auto const& p) { return p.param ? "zstd" : "plain"; });

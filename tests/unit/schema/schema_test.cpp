@@ -22,6 +22,9 @@ TEST(Schema, TheCommittedSchemaOfScenariosIsCurrent) {
 TEST(Schema, TheCommittedSchemaOfNetworksIsCurrent) {
     EXPECT_TRUE(committed("configs/schema/network.schema.json") == network_schema()) << kHowTo;
 }
+TEST(Schema, TheCommittedSchemaOfRoutersIsCurrent) {
+    EXPECT_TRUE(committed("configs/schema/router.schema.json") == router_schema()) << kHowTo;
+}
 TEST(Schema, TheCommittedReferencePageIsCurrent) {
     EXPECT_TRUE(committed("docs/reference/config.md") == config_page()) << kHowTo;
 }

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/participant.hpp"
+
+#include <fastdds/rtps/common/Guid.h>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <set>
+
+namespace gridspace::bus {
+
+namespace rtps = eprosima::fastrtps::rtps;
+
+/// Who is behind a GUID prefix; and tells the owner about changes. Shared by the listeners of a participant.
+class Directory {
+  public:
+    std::uint32_t index_of(rtps::GuidPrefix_t const& prefix) {
+        std::lock_guard const lock{mutex_};
+        return locked_index(prefix);
+    }
+    Peer peer(std::uint32_t index) const {
+        std::lock_guard const lock{mutex_};
+        return index < peers_.size() ? peers_[index] : Peer{};
+    }
+    void announce(rtps::GuidPrefix_t const& prefix, Peer peer) {
+        {
+            std::lock_guard const lock{mutex_};
+            peers_[locked_index(prefix)] = std::move(peer);
+        }
+        changed();
+    }
+    void depart(rtps::GuidPrefix_t const& prefix, bool clean) {
+        std::function<void(Peer const&, bool)> callback;
+        Peer who;
+        {
+            std::lock_guard const lock{mutex_};
+            callback = on_departure_;
+            who = peers_[locked_index(prefix)];
+        }
+        if (callback) {
+            callback(who, clean);
+        }
+        changed();
+    }
+    void changed() {
+        std::function<void()> callback;
+        {
+            std::lock_guard const lock{mutex_};
+            callback = on_change_;
+        }
+        if (callback) {
+            callback();
+        }
+    }
+    void on_change(std::function<void()> callback) {
+        std::lock_guard const lock{mutex_};
+        on_change_ = std::move(callback);
+    }
+    void on_departure(std::function<void(Peer const&, bool)> callback) {
+        std::lock_guard const lock{mutex_};
+        on_departure_ = std::move(callback);
+    }
+
+  private:
+    std::uint32_t locked_index(rtps::GuidPrefix_t const& prefix) {
+        auto const [it, added] = index_.try_emplace(prefix, static_cast<std::uint32_t>(peers_.size()));
+        if (added) {
+            peers_.emplace_back();
+        }
+        return it->second;
+    }
+
+    mutable std::mutex mutex_;
+    std::map<rtps::GuidPrefix_t, std::uint32_t> index_;
+    std::vector<Peer> peers_;
+    std::function<void()> on_change_;
+    std::function<void(Peer const&, bool)> on_departure_;
+};
+
+/// The endpoints that one endpoint is matched with.
+class Matches {
+  public:
+    void update(rtps::GUID_t const& guid, int change) {
+        std::lock_guard const lock{mutex_};
+        if (change > 0) {
+            guids_.insert(guid);
+        } else {
+            guids_.erase(guid);
+        }
+    }
+    std::vector<Peer> peers(Directory& directory) const {
+        std::vector<Peer> out;
+        std::lock_guard const lock{mutex_};
+        for (rtps::GUID_t const& guid : guids_) {
+            out.push_back(directory.peer(directory.index_of(guid.guidPrefix)));
+        }
+        return out;
+    }
+
+  private:
+    mutable std::mutex mutex_;
+    std::set<rtps::GUID_t> guids_;
+};
+
+} // namespace gridspace::bus

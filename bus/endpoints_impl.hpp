@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/directory_impl.hpp"
+#include "bus/fastdds_type.hpp"
+
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+
+/// The readers and writers behind bus/participant.hpp.
+namespace gridspace::bus {
+
+namespace dds = eprosima::fastdds::dds;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+class Writer final : public RawWriter, private dds::DataWriterListener {
+  public:
+    Writer(Directory& directory, dds::Publisher* publisher, Codec const& codec)
+        : directory_{directory}, publisher_{publisher}, codec_{codec} {}
+    ~Writer() override {
+        if (writer_ != nullptr) {
+            writer_->set_listener(nullptr);
+            publisher_->delete_datawriter(writer_);
+        }
+    }
+    bool open(dds::Topic* topic, dds::DataWriterQos const& qos) {
+        writer_ = publisher_->create_datawriter(topic, qos, this, dds::StatusMask::publication_matched());
+        return writer_ != nullptr;
+    }
+    bool write(void const* sample, std::optional<std::int64_t> source_ns) override {
+        Outgoing out;
+        out.codec = &codec_;
+        out.sample = sample;
+        return send(out, source_ns);
+    }
+    bool write_cdr(std::span<std::byte const> cdr, std::optional<std::int64_t> source_ns,
+                   KeyHash const* key_hash) override {
+        Outgoing out;
+        out.codec = &codec_;
+        out.cdr = cdr;
+        out.key_hash = key_hash;
+        return send(out, source_ns);
+    }
+    [[nodiscard]] std::vector<Peer> matched() const override { return matches_.peers(directory_); }
+    bool wait_acknowledged(std::chrono::milliseconds deadline) override {
+        auto const ms = deadline.count();
+        eprosima::fastrtps::Duration_t const limit{static_cast<std::int32_t>(ms / 1000),
+                                                   static_cast<std::uint32_t>(ms % 1000) * 1'000'000U};
+        return writer_->wait_for_acknowledgments(limit) == ReturnCode_t::RETCODE_OK;
+    }
+
+  private:
+    bool send(Outgoing& out, std::optional<std::int64_t> source_ns) {
+        if (!source_ns) {
+            return writer_->write(&out);
+        }
+        eprosima::fastrtps::Time_t stamp;
+        stamp.seconds = static_cast<std::int32_t>(*source_ns / 1'000'000'000);
+        stamp.nanosec = static_cast<std::uint32_t>(*source_ns % 1'000'000'000);
+        return writer_->write_w_timestamp(&out, rtps::c_InstanceHandle_Unknown, stamp) == ReturnCode_t::RETCODE_OK;
+    }
+    void on_publication_matched(dds::DataWriter*, dds::PublicationMatchedStatus const& status) override {
+        matches_.update(rtps::iHandle2GUID(status.last_subscription_handle), status.current_count_change);
+        directory_.changed();
+    }
+
+    Directory& directory_;
+    dds::Publisher* publisher_;
+    Codec codec_;
+    dds::DataWriter* writer_{nullptr};
+    Matches matches_;
+};
+
+class Reader final : public RawReader, private dds::DataReaderListener {
+  public:
+    Reader(Directory& directory, dds::Subscriber* subscriber, SampleHandler handler)
+        : directory_{directory}, subscriber_{subscriber}, handler_{std::move(handler)} {}
+    ~Reader() override {
+        if (reader_ != nullptr) {
+            reader_->set_listener(nullptr);
+            subscriber_->delete_datareader(reader_);
+        }
+    }
+    /// Samples of this participant are not handed on.
+    void ignore(rtps::GuidPrefix_t const& own) { ignored_ = own; }
+    bool open(dds::Topic* topic, dds::DataReaderQos const& qos) {
+        dds::StatusMask mask = dds::StatusMask::data_available();
+        mask << dds::StatusMask::subscription_matched();
+        reader_ = subscriber_->create_datareader(topic, qos, this, mask);
+        return reader_ != nullptr;
+    }
+    [[nodiscard]] std::vector<Peer> matched() const override { return matches_.peers(directory_); }
+
+  private:
+    void on_data_available(dds::DataReader* reader) override {
+        // Unicast and multicast arrive on different threads; samples are handed on one at a time, in the order of the
+        // writer.
+        std::lock_guard const lock{take_mutex_};
+        dds::SampleInfo info;
+        while (reader->take_next_sample(&incoming_, &info) == ReturnCode_t::RETCODE_OK) {
+            if (!info.valid_data) {
+                continue; // an instance went away; departures are seen by the participant
+            }
+            SampleHeader header;
+            auto const& guid = info.sample_identity.writer_guid();
+            if (guid.guidPrefix == ignored_) {
+                continue;
+            }
+            header.source = writer_index(guid);
+            header.peer = writers_[header.source].peer;
+            header.writer = guid.entityId.to_uint32();
+            header.sequence = info.sample_identity.sequence_number().to64long();
+            header.source_ns = info.source_timestamp.to_ns();
+            handler_(incoming_.cdr, header);
+        }
+    }
+    void on_subscription_matched(dds::DataReader*, dds::SubscriptionMatchedStatus const& status) override {
+        matches_.update(rtps::iHandle2GUID(status.last_publication_handle), status.current_count_change);
+        directory_.changed();
+    }
+    std::uint32_t writer_index(rtps::GUID_t const& guid) {
+        for (std::size_t i = 0; i < writers_.size(); ++i) {
+            if (writers_[i].guid == guid) {
+                return static_cast<std::uint32_t>(i);
+            }
+        }
+        writers_.push_back({guid, directory_.index_of(guid.guidPrefix)});
+        return static_cast<std::uint32_t>(writers_.size() - 1);
+    }
+
+    struct KnownWriter {
+        rtps::GUID_t guid;
+        std::uint32_t peer;
+    };
+
+    Directory& directory_;
+    dds::Subscriber* subscriber_;
+    SampleHandler handler_;
+    dds::DataReader* reader_{nullptr};
+    rtps::GuidPrefix_t ignored_; ///< unknown: nobody
+    Matches matches_;
+    std::mutex take_mutex_; // guards the next two
+    Incoming incoming_;
+    std::vector<KnownWriter> writers_;
+};
+
+} // namespace gridspace::bus

@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/idl/key.hpp"
+
+#include "common/idl/cdr_visitor.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+
+namespace gridspace::idl {
+namespace {
+
+constexpr std::size_t kHashOctets = 16;
+constexpr int kMaxDepth = 16; ///< of structs in a key; a type that contains itself has no bounded key
+
+bool has_key(Type const& type) {
+    return std::any_of(type.members.begin(), type.members.end(), [](Type::Member const& m) { return m.key; });
+}
+
+/// A nested struct without keys of its own is a key as a whole.
+void key_members(Model const& model, std::size_t index, std::string const& prefix, int depth,
+                 std::vector<std::string>& out) {
+    for (Type::Member const& member : model.types[index].members) {
+        if (!member.key) {
+            continue;
+        }
+        Type const& type = model.types[member.type];
+        if (type.kind == Kind::structure && has_key(type) && depth < kMaxDepth) {
+            key_members(model, member.type, prefix + member.name + ".", depth + 1, out);
+        } else {
+            out.push_back(prefix + member.name);
+        }
+    }
+}
+
+std::size_t octets_of(Kind kind) {
+    switch (kind) {
+    case Kind::int16:
+    case Kind::uint16:
+        return 2;
+    case Kind::int32:
+    case Kind::uint32:
+    case Kind::float32:
+    case Kind::enumeration:
+    case Kind::string: // its length
+        return 4;
+    case Kind::int64:
+    case Kind::uint64:
+    case Kind::float64:
+        return 8;
+    default:
+        return 1;
+    }
+}
+
+std::size_t aligned(std::size_t at, std::size_t to) {
+    return (at + to - 1) / to * to;
+}
+
+/// Where the longest value ends that starts at `at`; nothing when that is beyond a hash. `only_keys`: of a struct.
+std::optional<std::size_t> longest_end(Model const& model, std::size_t index, std::size_t at, bool only_keys,
+                                       int depth) {
+    Type const& type = model.types[index];
+    std::optional<std::size_t> end = at;
+    switch (type.kind) {
+    case Kind::structure:
+        for (Type::Member const& member : type.members) {
+            if (only_keys && !member.key) {
+                continue;
+            }
+            if (end && depth < kMaxDepth) {
+                end = longest_end(model, member.type, *end, has_key(model.types[member.type]), depth + 1);
+            } else {
+                return std::nullopt;
+            }
+        }
+        return end;
+    case Kind::sequence:
+    case Kind::array: {
+        if (type.kind == Kind::sequence && type.bound == 0) {
+            return std::nullopt;
+        }
+        end = type.kind == Kind::sequence ? aligned(at, 4) + 4 : at;
+        for (std::uint32_t i = 0; i < type.bound && end; ++i) {
+            std::size_t const before = *end;
+            end = depth < kMaxDepth ? longest_end(model, type.element, before, false, depth + 1) : std::nullopt;
+            if (end == before) {
+                break; // elements without content
+            }
+        }
+        return end;
+    }
+    default:
+        end = aligned(at, octets_of(type.kind)) + octets_of(type.kind);
+        if (type.kind == Kind::string) {
+            end = type.bound == 0 ? std::nullopt : std::optional{*end + type.bound + 1};
+        }
+        return end && *end <= kHashOctets ? end : std::nullopt;
+    }
+}
+
+struct KeyWriter final : Visitor {
+    explicit KeyWriter(std::vector<std::string> const& wanted) : members{wanted} {}
+
+    void leaf(std::string_view path, Type const& type, Value const& value) override {
+        if (!wanted(path)) {
+            return;
+        }
+        if (std::string const* const text = std::get_if<std::string>(&value); text != nullptr) {
+            number(text->size() + 1, 4);
+            auto const* octets = reinterpret_cast<std::byte const*>(text->data());
+            out.insert(out.end(), octets, octets + text->size());
+            out.push_back(std::byte{0});
+            return;
+        }
+        std::size_t const octets = octets_of(type.kind);
+        std::uint64_t bits = 0;
+        if (double const* const real = std::get_if<double>(&value); real != nullptr) {
+            bits = type.kind == Kind::float32 ? std::bit_cast<std::uint32_t>(static_cast<float>(*real))
+                                              : std::bit_cast<std::uint64_t>(*real);
+        } else if (bool const* const flag = std::get_if<bool>(&value); flag != nullptr) {
+            bits = *flag ? 1 : 0;
+        } else if (auto const* const integer = std::get_if<std::int64_t>(&value); integer != nullptr) {
+            bits = static_cast<std::uint64_t>(*integer);
+        } else {
+            bits = std::get<std::uint64_t>(value);
+        }
+        number(bits, octets);
+    }
+    void sequence(std::string_view path, std::size_t length) override {
+        if (wanted(path)) {
+            number(length, 4);
+        }
+    }
+
+    [[nodiscard]] bool wanted(std::string_view path) const {
+        return std::any_of(members.begin(), members.end(), [&](std::string const& member) {
+            return path.starts_with(member) &&
+                   (path.size() == member.size() || path[member.size()] == '.' || path[member.size()] == '[');
+        });
+    }
+    void number(std::uint64_t bits, std::size_t octets) {
+        out.resize(aligned(out.size(), octets));
+        for (std::size_t i = octets; i-- > 0;) {
+            out.push_back(static_cast<std::byte>(bits >> (8 * i)));
+        }
+    }
+
+    std::vector<std::string> const& members;
+    std::vector<std::byte> out;
+};
+
+} // namespace
+
+KeyFinder::KeyFinder(Model const& model, std::size_t type) : model_{model}, type_{type} {
+    key_members(model, type, "", 0, members_);
+    is_short_ = longest_end(model, type, 0, true, 0).has_value();
+}
+
+Result<std::vector<std::byte>> KeyFinder::key_of(std::span<std::byte const> cdr) const {
+    KeyWriter writer{members_};
+    if (auto ok = visit(model_, type_, cdr, writer); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    return std::move(writer.out);
+}
+
+} // namespace gridspace::idl

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// gridspace play RUN: gridspace-player takes the place of this process.
+#include "launcher/cli/play_verb.hpp"
+
+#include "launcher/cli/load.hpp"
+#include "launcher/play/play_options.hpp"
+#include "launcher/run/installation.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fmt/format.h>
+#include <memory>
+#include <unistd.h>
+
+namespace gridspace::cli {
+namespace {
+
+int play(play::PlayOptions options) {
+    std::filesystem::path const folder = run_folder(options.run);
+    std::error_code ignored;
+    bool const is_run = std::filesystem::is_directory(folder, ignored);
+    if (!std::filesystem::exists(is_run ? folder / "data.mcap" : folder, ignored) && !options.no_samples) {
+        return print_error({ExitCode::usage,
+                            is_run ? fmt::format("the run '{}' has no data.mcap", folder.string())
+                                   : fmt::format("there is no '{}'", folder.string()),
+                            is_run ? "only a run that was recorded (program: gridspace-recorder) can be played"
+                                   : "give a run folder, its data.mcap, or latest"});
+    }
+    options.run = folder;
+    std::string const program = launcher::program_file("gridspace-player").string();
+    std::vector<std::string> words{program, "--qos", launcher::qos_file("player").string()};
+    for (std::string& word : to_words(options)) {
+        words.push_back(std::move(word));
+    }
+    std::vector<char*> argv;
+    for (std::string& word : words) {
+        argv.push_back(word.data());
+    }
+    argv.push_back(nullptr);
+    ::setenv("SKIP_DEFAULT_XML_FILE", "1", 1); // a stray Fast DDS profile file must not change what it does
+    ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+    ::execv(program.c_str(), argv.data());
+    return print_error({ExitCode::environment, fmt::format("cannot start '{}': {}", program, std::strerror(errno)),
+                        "is Gridspace built completely?"});
+}
+
+} // namespace
+
+void add_play_verb(CLI::App& app, std::function<int()>& action) {
+    CLI::App* const verb =
+        app.add_subcommand("play", "put a recorded run back onto the bus and the wire, or into the dashboard");
+    auto const options = std::make_shared<play::PlayOptions>();
+    add_options(*verb, *options);
+    auto const dashboard = std::make_shared<MonitorArguments>();
+    auto const in_dashboard = std::make_shared<bool>(false);
+    verb->add_flag("--dashboard", *in_dashboard, "only into the dashboard: nothing is sent (as gridspace monitor RUN)");
+    verb->add_option("--listen", dashboard->listen, "address and port of the dashboard (port 0: a free one)")
+        ->needs("--dashboard");
+    verb->final_callback([&action, options, dashboard, in_dashboard] {
+        action = [options, dashboard, in_dashboard] {
+            if (*in_dashboard) {
+                dashboard->run = options->run;
+                return monitor(*dashboard);
+            }
+            return play(*options);
+        };
+    });
+}
+
+} // namespace gridspace::cli

@@ -1,0 +1,351 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/report/run_info.hpp"
+
+#include "common/text.hpp"
+#include "common/time.hpp"
+#include "launcher/wire/capture_statistics.hpp"
+#include "recorder/mcap/mcap_reader.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace gridspace::launcher {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json read_json(fs::path const& file) {
+    std::ifstream stream{file};
+    Json out = Json::parse(stream, nullptr, false);
+    return out.is_object() ? out : Json::object();
+}
+
+/// A member that may be missing or of another kind: files of other versions are read too.
+template <class T>
+T value_of(Json const& object, char const* key, T otherwise) {
+    auto const it = object.find(key);
+    if (it == object.end()) {
+        return otherwise;
+    }
+    if constexpr (std::is_same_v<T, std::string>) {
+        return it->is_string() ? it->template get<T>() : otherwise;
+    } else if constexpr (std::is_same_v<T, Json>) {
+        return *it;
+    } else {
+        return it->is_number() ? it->template get<T>() : otherwise;
+    }
+}
+Json part_of(Json const& object, char const* key) {
+    Json const part = value_of(object, key, Json::object());
+    return part.is_object() ? part : Json::object();
+}
+
+struct Topic {
+    std::string type;
+    std::uint64_t samples{0}, octets{0};
+    std::int64_t first_ns{0}, last_ns{0};
+    std::set<std::string> processes;
+};
+
+/// Topics of a recording with counts, rates and who wrote them. Times are from the epoch.
+Result<Json> recording_json(fs::path const& file, std::int64_t epoch_ns) {
+    std::map<std::string, Topic> topics;
+    auto const outcome = mcap::read_messages(file, [&](mcap::Message const& m) {
+        Topic& topic = topics[m.channel.topic];
+        auto const time = static_cast<std::int64_t>(m.time_ns);
+        topic.first_ns = topic.samples == 0 ? time : std::min(topic.first_ns, time);
+        topic.last_ns = topic.samples == 0 ? time : std::max(topic.last_ns, time);
+        ++topic.samples;
+        topic.octets += m.data.size();
+        if (topic.type.empty()) {
+            topic.type = m.schema.name;
+        }
+        if (auto const process = m.channel.metadata.find("process"); process != m.channel.metadata.end()) {
+            topic.processes.insert(process->second);
+        }
+        return true;
+    });
+    if (!outcome) {
+        return std::unexpected{outcome.error()};
+    }
+    Json list = Json::array();
+    std::uint64_t octets = 0;
+    Json first = nullptr, last = nullptr;
+    for (auto const& [name, topic] : topics) {
+        double const from = static_cast<double>(topic.first_ns - epoch_ns) / 1e9,
+                     to = static_cast<double>(topic.last_ns - epoch_ns) / 1e9;
+        // Intervals, not samples, by the time between the first and the last: 1 Hz is 1 Hz over any length.
+        double const rate = to > from ? static_cast<double>(topic.samples - 1) / (to - from) : 0;
+        list.push_back({{"name", name},
+                        {"type", topic.type},
+                        {"samples", topic.samples},
+                        {"rate_hz", rate},
+                        {"first_s", from},
+                        {"last_s", to},
+                        {"octets", topic.octets},
+                        {"processes", topic.processes}});
+        octets += topic.octets;
+        first = first.is_null() ? Json(from) : Json(std::min(first.get<double>(), from));
+        last = last.is_null() ? Json(to) : Json(std::max(last.get<double>(), to));
+    }
+    std::error_code ignored;
+    return Json{{"file", file.filename().string()},
+                {"file_octets", fs::file_size(file, ignored)},
+                {"complete", outcome->complete},
+                {"note", outcome->note},
+                {"samples", outcome->messages},
+                {"sample_octets", octets},
+                {"first_s", first},
+                {"last_s", last},
+                {"topics", list}};
+}
+
+Result<Json> capture_json(fs::path const& file) {
+    auto const statistics = wire::capture_statistics(file);
+    if (!statistics) {
+        return std::unexpected{statistics.error()};
+    }
+    std::error_code ignored;
+    Json streams = Json::array();
+    for (wire::StreamStatistics const& s : statistics->streams) {
+        streams.push_back({{"kind", s.stream.goose ? "goose" : "smv"},
+                           {"id", s.stream.id},
+                           {"source", s.stream.source.to_string()},
+                           {"frames", s.stream.frames},
+                           {"rate_hz", s.stream.rate_hz()},
+                           {"lost", s.stream.lost}});
+    }
+    return Json{{"file", file.filename().string()},
+                {"file_octets", fs::file_size(file, ignored)},
+                {"complete", !statistics->truncated},
+                {"frames", statistics->frames},
+                {"seconds", statistics->seconds},
+                {"points", statistics->points},
+                {"streams", streams}};
+}
+
+/// Everything in the folder, the parts of a folder added up.
+std::pair<Json, std::uint64_t> sizes(fs::path const& folder) {
+    std::map<std::string, std::uint64_t> parts;
+    std::uint64_t total = 0;
+    std::error_code error;
+    for (auto it = fs::recursive_directory_iterator{folder, error}; !error && it != fs::recursive_directory_iterator{};
+         it.increment(error)) {
+        if (it->is_regular_file(error) && !it->is_symlink(error)) {
+            fs::path const relative = it->path().lexically_relative(folder);
+            bool const nested = std::distance(relative.begin(), relative.end()) > 1;
+            parts[relative.begin()->string() + (nested ? "/" : "")] += it->file_size(error);
+            total += it->file_size(error);
+        }
+    }
+    Json out = Json::object();
+    for (auto const& [name, octets] : parts) {
+        out[name] = octets;
+    }
+    return {out, total};
+}
+
+Json expectations_json(Json const& summary) {
+    std::uint64_t passed = 0, failed = 0, open = 0;
+    Json failures = Json::array();
+    for (Json const& e : value_of(summary, "expectations", Json::array())) {
+        Json const pass = e.is_object() ? value_of(e, "pass", Json(nullptr)) : Json(nullptr);
+        if (!pass.is_boolean()) {
+            ++open;
+        } else if (pass.get<bool>()) {
+            ++passed;
+        } else {
+            ++failed;
+            failures.push_back(value_of(e, "name", std::string{}));
+        }
+    }
+    return {{"passed", passed}, {"failed", failed}, {"not_judged", open}, {"failures", failures}};
+}
+
+/// Passed, failed, or why there is no verdict.
+std::string verdict_of(Json const& manifest, Json const& summary) {
+    if (!manifest.contains("exit")) {
+        return "not finished: the run is under way, or its supervisor was killed";
+    }
+    int const code = value_of(summary, "exit", value_of(manifest, "exit", 0));
+    std::string const cause = value_of(manifest, "cause", std::string{});
+    if (code == 0) {
+        return "passed";
+    }
+    return code == static_cast<int>(ExitCode::expectation_failed)
+               ? "failed: an expectation did not hold"
+               : fmt::format("ended early (exit {}){}{}", code, cause.empty() ? "" : ": ", cause);
+}
+
+std::string size_text(double octets) {
+    for (char const* unit : {"B", "kB", "MB", "GB"}) {
+        if (octets < 1000 || unit == std::string{"GB"}) {
+            return fmt::format("{:.{}f} {}", octets, unit == std::string{"B"} || octets >= 100 ? 0 : 1, unit);
+        }
+        octets /= 1000;
+    }
+    return "";
+}
+
+std::string recording_text(Json const& r) {
+    std::string out = fmt::format("{}  {}, {} samples{}\n", r["file"].get<std::string>(),
+                                  size_text(r["file_octets"].get<double>()), r["samples"].get<std::uint64_t>(),
+                                  r["complete"].get<bool>() ? "" : "; incomplete: " + r["note"].get<std::string>());
+    if (r["topics"].empty()) {
+        return out;
+    }
+    out += fmt::format("  {:<22} {:<20} {:>10} {:>11} {:>10} {:>12}  {}\n", "topic", "type", "samples", "rate Hz",
+                       "from s", "to s", "processes");
+    for (Json const& t : r["topics"]) {
+        out += fmt::format("  {:<22} {:<20} {:>10} {:>11.6g} {:>10.6g} {:>12.9g}  {}\n", t["name"].get<std::string>(),
+                           t["type"].get<std::string>(), t["samples"].get<std::uint64_t>(), t["rate_hz"].get<double>(),
+                           t["first_s"].get<double>(), t["last_s"].get<double>(),
+                           join(t["processes"].get<std::vector<std::string>>(), " "));
+    }
+    return out;
+}
+
+std::string capture_text(Json const& c) {
+    std::string out = fmt::format("{}  {}, {} frames at {} points{}\n", c["file"].get<std::string>(),
+                                  size_text(c["file_octets"].get<double>()), c["frames"].get<std::uint64_t>(),
+                                  c["points"].size(), c["complete"].get<bool>() ? "" : "; incomplete: it was cut");
+    for (Json const& s : c["streams"]) {
+        out += fmt::format("  {:<5} {:<32} {:>10} frames {:>9.6g} Hz  from {}{}\n", s["kind"].get<std::string>(),
+                           s["id"].get<std::string>(), s["frames"].get<std::uint64_t>(), s["rate_hz"].get<double>(),
+                           s["source"].get<std::string>(),
+                           s["lost"].get<std::uint64_t>() > 0 ? fmt::format(", {} lost", s["lost"].get<std::uint64_t>())
+                                                              : "");
+    }
+    return out;
+}
+
+std::string run_text(Json const& j) {
+    std::string out;
+    auto const line = [&](char const* what, std::string const& text) {
+        if (!text.empty()) {
+            out += fmt::format("{:<12} {}\n", what, text);
+        }
+    };
+    line("run", j["folder"].get<std::string>());
+    line("scenario",
+         j["scenario"].get<std::string>() +
+             (j["description"].get<std::string>().empty() ? "" : ": " + j["description"].get<std::string>()));
+    line("sha256", j["scenario_sha256"].get<std::string>());
+    line("network", j["network_sha256"].get<std::string>());
+    line("started", j["started"].get<std::string>());
+    line("gridspace", j["gridspace"].get<std::string>());
+    line("clock", fmt::format("{}, tick {} s, step {} s, epoch {}, seed {}", j["mode"].get<std::string>(),
+                              j["tick_s"].get<std::string>(), j["step_s"].get<std::string>(),
+                              j["epoch"].get<std::string>(), j["seed"].dump()));
+    if (j["simulated_s"].is_number()) {
+        line("duration",
+             fmt::format("{} of {} simulated, in {} ({} overruns)", human_duration(j["simulated_s"].get<double>()),
+                         human_duration(j["duration_s"].get<double>()), human_duration(j["wall_s"].get<double>()),
+                         j["overruns"].dump()));
+    } else {
+        line("duration", fmt::format("{} planned", human_duration(j["duration_s"].get<double>())));
+    }
+    line("verdict", j["verdict"].get<std::string>());
+    Json const& e = j["expectations"];
+    if (e["passed"].get<int>() + e["failed"].get<int>() + e["not_judged"].get<int>() > 0) {
+        std::string const failures = join(e["failures"].get<std::vector<std::string>>(), ", ");
+        line("expected",
+             fmt::format("{} held, {} did not{}{}", e["passed"].dump(), e["failed"].dump(),
+                         failures.empty() ? "" : ": " + failures,
+                         e["not_judged"].get<int>() > 0 ? fmt::format(", {} not judged", e["not_judged"].dump()) : ""));
+    }
+    std::string processes;
+    for (Json const& p : j["processes"]) {
+        std::string const end = value_of(p, "end", std::string{});
+        processes += fmt::format("{}{}", processes.empty() ? "" : ", ", p["name"].get<std::string>()) +
+                     (p["exit"].is_number() && p["exit"].get<int>() != 0
+                          ? fmt::format(" ({})", end.empty() ? "exit " + p["exit"].dump() : end)
+                          : "");
+    }
+    line("processes", processes);
+    return out;
+}
+
+} // namespace
+
+Result<RunInfo> run_info(fs::path const& run) {
+    std::error_code ignored;
+    if (fs::is_regular_file(run, ignored)) { // a recording without its folder: times are since 1970
+        auto recording = recording_json(run, 0);
+        if (!recording) {
+            return std::unexpected{recording.error()};
+        }
+        return RunInfo{recording_text(*recording), Json{{"recording", *recording}}.dump() + "\n"};
+    }
+    if (!fs::exists(run / "manifest.json", ignored)) {
+        return fail(ExitCode::usage, fmt::format("'{}' is not the folder of a run", run.string()),
+                    "give one that `gridspace run` has written, its data.mcap, or latest");
+    }
+    Json const manifest = read_json(run / "manifest.json"), summary = read_json(run / "report/summary.json");
+    Json const clock = part_of(manifest, "clock"), files = part_of(manifest, "files"),
+               build = part_of(manifest, "gridspace");
+    Json j{
+        {"folder", fs::canonical(run, ignored).string()},
+        {"scenario", value_of(manifest, "scenario", std::string{})},
+        {"description", value_of(manifest, "description", std::string{})},
+        {"scenario_sha256", value_of(part_of(files, "scenario"), "sha256", std::string{})},
+        {"network_sha256", value_of(part_of(files, "network"), "sha256", std::string{})},
+        {"started", value_of(manifest, "started", std::string{})},
+        {"gridspace", fmt::format("{} ({}, {})", value_of(build, "version", std::string{}),
+                                  value_of(build, "commit", std::string{}), value_of(build, "build", std::string{}))},
+        {"seed", value_of(manifest, "seed", Json(nullptr))},
+        {"mode", value_of(clock, "mode", std::string{})},
+        {"tick_s", value_of(clock, "tick_s", std::string{})},
+        {"step_s", value_of(clock, "step_s", std::string{})},
+        {"epoch", value_of(clock, "epoch", std::string{})},
+        {"duration_s", value_of(manifest, "duration_s", 0.0)},
+        {"simulated_s", value_of(manifest, "simulated_s", Json(nullptr))},
+        {"wall_s", value_of(manifest, "wall_s", 0.0)},
+        {"overruns", value_of(manifest, "overruns", Json(nullptr))},
+        {"exit", value_of(summary, "exit", value_of(manifest, "exit", Json(nullptr)))},
+        {"verdict", verdict_of(manifest, summary)},
+        {"expectations", expectations_json(summary)}};
+    j["processes"] = Json::array();
+    Json const processes = part_of(manifest, "processes");
+    for (auto const& [name, process] : processes.items()) {
+        j["processes"].push_back({{"name", name},
+                                  {"program", value_of(process, "program", std::string{})},
+                                  {"host", value_of(process, "host", std::string{})},
+                                  {"exit", value_of(process, "exit", Json(nullptr))},
+                                  {"end", value_of(process, "end", std::string{})}});
+    }
+    std::string text = run_text(j);
+    auto const add = [&](char const* key, char const* name, auto const& read, auto const& show) {
+        j[key] = nullptr;
+        if (!fs::exists(run / name, ignored)) {
+            return;
+        }
+        auto const part = read(run / name);
+        if (part) {
+            j[key] = *part;
+            text += "\n" + show(*part);
+        } else { // the rest of the folder is worth showing
+            j[key] = Json{{"file", name}, {"error", part.error().message}};
+            text += fmt::format("\n{}: {}\n", name, part.error().message);
+        }
+    };
+    std::int64_t const epoch_ns = parse_utc(j["epoch"].get<std::string>()).value_or(0) * 1'000'000'000;
+    add("recording", "data.mcap", [&](fs::path const& file) { return recording_json(file, epoch_ns); }, recording_text);
+    add("capture", "bus.pcapng", capture_json, capture_text);
+    auto const [parts, total] = sizes(run);
+    j["files"] = parts;
+    j["octets"] = total;
+    text += fmt::format("\n{} in all:", size_text(static_cast<double>(total)));
+    for (auto const& [name, octets] : parts.items()) {
+        text += fmt::format(" {} {}", name, size_text(octets.get<double>()));
+    }
+    return RunInfo{text + "\n", j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "router/end.hpp"
+#include "router/route_table.hpp"
+
+#include <set>
+
+namespace gridspace::router {
+
+/// Is told what the router does, for people and for programs.
+class Reporter {
+  public:
+    virtual ~Reporter() = default;
+    virtual void site(std::string const& end, std::string const& name, bool here, bool clean) = 0;
+    virtual void carries(Route const& route, RouterConfig const& config, bool now) = 0;
+    virtual void note(std::string const& text) = 0;
+    virtual void total(std::string const& topic, std::string const& from, std::string const& to, std::uint64_t samples,
+                       std::uint64_t octets, std::uint64_t refused, std::uint64_t dropped) = 0;
+};
+
+/// Joins the ends and carries the allowed topics.
+class Router {
+  public:
+    Router(RouterConfig const& config, Reporter& reporter);
+    ~Router();
+    /// `wake` is called, from threads of DDS, when update() has something to do.
+    [[nodiscard]] Result<void> open(std::filesystem::path const& qos_file, std::function<void()> wake);
+    /// Opens and closes routes after what was discovered; from one thread.
+    void update();
+    /// Ends all routes, writes what waits, and reports the totals.
+    void close();
+
+  private:
+    struct Watch;
+    struct Carried {
+        Route route;
+        std::string type; ///< codecs refer to it
+        std::unique_ptr<bus::RawReader> reader;
+        std::vector<std::pair<std::size_t, std::shared_ptr<Lane>>> lanes; ///< by end
+    };
+    void open_route(Route route);
+    void close_route(Carried& carried);
+    void listen_for_types(std::size_t end);
+    void publish_types();
+    [[nodiscard]] std::string idl_of(std::string const& type);
+
+    RouterConfig const& config_;
+    Reporter& reporter_;
+    std::function<void()> wake_;
+    std::mutex mutex_; // guards the next three
+    RouteTable table_;
+    std::map<std::string, std::string> idl_;     ///< by type, as heard
+    std::vector<std::function<void()>> reports_; ///< of threads of DDS, to be made by update()
+
+    std::vector<std::unique_ptr<Watch>> watches_;
+    std::vector<std::unique_ptr<End>> ends_;
+    std::vector<std::unique_ptr<bus::RawReader>> type_readers_;
+    std::vector<std::unique_ptr<Carried>> carried_;
+    std::vector<std::set<std::string>> published_; ///< types, by end
+    std::set<std::string> refused_;                ///< routes that DDS refused, said once
+    struct Total {
+        std::string topic, from, to;
+        std::shared_ptr<Lane> lane;
+    };
+    std::vector<Total> totals_;
+};
+
+} // namespace gridspace::router
