@@ -118,10 +118,10 @@ void EventReport::write() {
     std::vector<WaveformWindow::Row> rows;
     window_.drain([&](WaveformWindow::Row const& row) { rows.push_back(row); });
     triggered_ = false;
-    std::string text = fmt::format("{}, gridspace {}, report {} of its {}\r\n"
+    std::string text = fmt::format("{}, gridspace {}: one of its {}\r\n"
                                    "Currents of {} (from) and {} (to) as received: primary amperes, in the direction of the CTs.\r\n"
                                    "Differential: RMS, what the element compares with its pickup.\r\n\r\n",
-                                   facts_.process, version().version, number_ + 1,
+                                   facts_.process, version().version,
                                    config_.trigger == EventReportConfig::Trigger::trip ? "trips" : "pickups", facts_.from_stream, facts_.to_stream);
     for (std::string const& line : log_) {
         text += line + "\r\n";
@@ -130,8 +130,14 @@ void EventReport::write() {
     if (writing_.valid()) {
         writing_.get(); // of the report before this one: done long ago, but on a full disk
     }
-    auto const base = config_.folder / fmt::format("{}_{}", facts_.process, number_);
-    writing_ = std::async(std::launch::async, [base, text, facts = facts_, rows = std::move(rows), index = trigger_index_, utc_ns = trigger_utc_ns_] {
+    // A relay that was restarted goes on behind the reports of its life before.
+    std::error_code ignored;
+    int n = number_;
+    auto const base = [&] { return config_.folder / fmt::format("{}_{}", facts_.process, n); };
+    while (std::filesystem::exists(base() += ".cfg", ignored)) {
+        ++n;
+    }
+    writing_ = std::async(std::launch::async, [base = base(), text, facts = facts_, rows = std::move(rows), index = trigger_index_, utc_ns = trigger_utc_ns_] {
         std::error_code error;
         std::filesystem::create_directories(base.parent_path(), error); // what went wrong shows at the first file
         auto const written = write_comtrade(base, record_of(facts, rows, index, utc_ns), ComtradeFormat::binary);

@@ -3,6 +3,7 @@
 //
 // gridspace-relay: line differential protection; two streams of sampled values in, a trip by GOOSE out.
 #include "agents/relay/current_inputs.hpp"
+#include "agents/relay/event_report.hpp"
 #include "agents/relay/guarded_relay.hpp"
 #include "agents/relay/intrusion_output.hpp"
 #include "agents/relay/relay_program.hpp"
@@ -17,6 +18,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
 
 namespace gridspace::relay {
@@ -103,6 +105,7 @@ class RelayAgent {
             return std::unexpected{inputs.error()};
         }
         inputs_ = std::make_unique<CurrentInputs>(std::move(*inputs));
+        open_event_report();
         auto port = WirePort::open(node_, settings_.wire, {{trip->ethertype()}, {from->ethertype()}});
         if (!port) {
             return std::unexpected{port.error()};
@@ -146,6 +149,19 @@ class RelayAgent {
             first_line_->finding(end, findings, source, now());
         });
         return {};
+    }
+
+    /// Into the folder of the run; a relay without a run, on a board of its own, needs to be told where.
+    void open_event_report() {
+        EventReportConfig config = settings_.relay.event_report;
+        char const* run = std::getenv("GRIDSPACE_RUN_FOLDER");
+        if (config.folder.empty() && run != nullptr) {
+            config.folder = std::filesystem::path{run} / "event_reports";
+        }
+        if (config.trigger != EventReportConfig::Trigger::off && !config.folder.empty()) {
+            event_report_ = std::make_unique<EventReport>(
+                config, EventReportFacts{node_.config().process, settings_.relay.from_stream.name, settings_.relay.to_stream.name, rate_hz_, settings_.relay.frequency_hz});
+        }
     }
 
     Result<void> make_relay(RelayParams const& params, Rational rate_hz) {
@@ -305,6 +321,12 @@ class RelayAgent {
         return std::round(node_.time_base().seconds(node_.latest_time()) - in_second_s) + in_second_s;
     }
 
+    /// When a sample was taken, by its counter: simulated time on the epoch, or in real time on the run's start.
+    [[nodiscard]] std::int64_t utc_of(std::int64_t index) const {
+        std::int64_t const ns = std::llround(instant_of(index) * 1e9);
+        return node_.lockstep() ? clock_.utc_ns(ns) : node_.start_unix_ns() + ns;
+    }
+
     void publish_age(bus::SignalPublisher& ages, std::int64_t index, std::int64_t unix_ns) {
         double const time_s = instant_of(index);
         double const age_ms = clock_.age_ms(unix_ns, time_s, settings_.wire.speed);
@@ -315,6 +337,9 @@ class RelayAgent {
 
     void pair(LineSample const& sample) {
         RelayOutput const& out = intrusion_ == nullptr ? relay_->step(sample) : guarded(sample);
+        if (event_report_ != nullptr) {
+            event_report_->sample(sample, out, utc_of(sample.index));
+        }
         if (decision_ages_ != nullptr && sample.from.present && sample.to.present) {
             publish_age(*decision_ages_, sample.index, clock_.utc_ns(0));
         }
@@ -354,6 +379,9 @@ class RelayAgent {
             }
             if (event.reasons != 0) {
                 text += ": " + block_names(event.reasons);
+            }
+            if (event_report_ != nullptr) {
+                event_report_->event(fmt::format("{:.6f} s  {}: {}", instant_of(event.index), name_of(event.kind), text));
             }
             log::info("{}: {}", name_of(event.kind), text);
             run_.status.event(node_.time_base().seconds(now()), node_.config().process, name_of(event.kind), text);
@@ -422,6 +450,7 @@ class RelayAgent {
     std::unique_ptr<GuardedRelay> relay_;
     std::unique_ptr<IntrusionOutput> intrusion_; ///< with a detector
     std::unique_ptr<CurrentInputs> inputs_;
+    std::unique_ptr<EventReport> event_report_;
     std::unique_ptr<WirePort> port_;
     std::unique_ptr<TripPublisher> trip_;
     std::unique_ptr<gateways::FirstLineReport> first_line_; ///< unless the rules are off

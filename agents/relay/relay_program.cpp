@@ -20,6 +20,7 @@ void describe(config::Fields& f, RelayConfig& config) {
                      {.doc = "blocked: it decides and records, and sends no trip"});
     describe(f, config.logic);
     describe(f, config.first_line);
+    describe(f, config.event_report);
     f.object("ids", {.doc = "intrusion detector in front of the relay"}, [&](config::Fields& d) { describe(d, config.ids.emplace()); });
     f.fraction("latency_us", config.latency_us, {.doc = "from a frame to the message; in real time the message is held back until then", .min = 0});
     f.number("frequency_hz", config.frequency_hz, {.doc = "nominal frequency; from the network when not given", .above = 0});

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "agents/relay/event_report_config.hpp"
 #include "agents/relay/relay_config.hpp"
 #include "gateways/first_line/first_line_config.hpp"
 #include "ids/detector/detector_config.hpp"
@@ -26,6 +27,7 @@ struct RelayConfig {
     enum class TripOutput { enabled, blocked } trip_output{TripOutput::enabled};
     RelayLogicConfig logic;
     gateways::FirstLineConfig first_line; ///< of both streams of currents
+    EventReportConfig event_report;
     std::optional<ids::DetectorConfig> ids; ///< the intrusion detector in front of it
     double partner_timeout_ms{20}; ///< how long the sample of one end waits for the other
     Rational latency_us{900};      ///< from a frame to the message; in real time a hold-back
