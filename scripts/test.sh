@@ -63,7 +63,12 @@ tier_build() { configure release -DGRIDSPACE_TESTS=ON && build release all && to
 
 tier_unit() { run_ctest release -L unit -j "$(nproc)"; }
 
-tier_integration() { run_ctest release -L integration; }
+# The slow ones (real time, emulated boards, two sites) only with --all.
+tier_integration() {
+  local but=(-LE slow)
+  [ -z "$everything" ] || but=()
+  run_ctest release -L integration "${but[@]}"
+}
 
 tier_scenarios() {
   python3 "$root/tests/scenarios/run_scenarios.py" --gridspace "$root/build/release/bin/gridspace" ${everything:+--all}
