@@ -266,8 +266,8 @@ class Supervisor {
             return;
         }
         if (clean && !simulator_done_) {
-            if (w.plan.is_member && !suspect_) { // it may just be quicker with the last tick than the simulator
-                suspect_ = {Clock::now() + seconds{2}, w.plan.name};
+            if (w.plan.is_member && !suspect_) { // it may just be quicker with the last tick than the simulator, who waits for the recorder
+                suspect_ = {Clock::now() + seconds{10}, w.plan.name};
             }
             return;
         }
