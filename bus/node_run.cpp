@@ -350,10 +350,19 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
         if (tick.final) {
             core.final_done = true;
         }
-        if (!core.lockstep()) {
-            return {};
+        if (core.lockstep()) {
+            core.gate->done();
         }
-        core.gate->done();
+    }
+    if (!core.lockstep()) {
+        // What was said last is still on its way, and goes with its writer: leaving waits until it has arrived.
+        Deadline const patience{tick.final ? 0.5 : 0};
+        for (Core::WriterSlot const& writer : core.writers) {
+            if (tick.final && writer.raw != nullptr && !patience.passed()) {
+                (void)writer.raw->wait_acknowledged(patience.left());
+            }
+        }
+        return {};
     }
     bool const accepted = core.acknowledge(tick.number, std::max(next_tick_needed, tick.number + 1), tick.time);
     uncork();

@@ -166,7 +166,8 @@ class Gateway(unittest.TestCase):
             sample = self.first_line(original, lambda m: m["smp_cnt"] in wanted)
             self.assertEqual(sample["values"], wanted.pop(sample["smp_cnt"]))
 
-    INWARD_GOOSE = {"m": {"from": {"stream": "IN"}, "to": {"topic": "feeders", "type": "example::FeederState"},
+    # For every message: a change that comes before the two gateways have found each other would be gone.
+    INWARD_GOOSE = {"m": {"from": {"stream": "IN"}, "to": {"topic": "feeders", "type": "example::FeederState"}, "write_on": "message",
                           "fields": {"feeder": {"value": "A"}, "voltage_kv": {"from": "n", "scale": 0.5}, "energised": "ok"}}}
     OUTWARD_GOOSE = {"m": {"from": {"topic": "feeders", "type": "example::FeederState"}, "to": {"stream": "OUT"},
                            "fields": {"mv": {"from": "voltage_kv", "scale": 1000}, "there": "energised"}}}

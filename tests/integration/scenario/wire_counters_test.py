@@ -26,7 +26,7 @@ expect: ~
 class WireCounters(ScenarioTest):
     def statistics(self, run):
         """{(process, stream): newest sample} of the topic, as the command line shows it."""
-        code, out, said = gridspace("topic", "echo", "stream_statistics", run.folder, "--json")
+        code, out, said = gridspace("topic", "echo", "stream_statistics", "--run", run.folder, "--json")
         self.assertEqual(code, 0, said)
         samples = [entry["fields"] for entry in json.loads(out)["last"]]
         return {(s["process"], s["stream"]): s for s in samples}
