@@ -131,7 +131,7 @@ bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, c
         f.object("bus", {.doc = "its place on the bus and in the simulation clock", .required = true},
                  [&](config::Fields& b) {
                      describe(b, node);
-                     if (node.qos.empty()) {
+                     if (node.qos.empty() && daemon.joins_always) {
                          b.error("", "no QoS profiles are named", "qos: FILE, of the folder `qos` of the installation or the source tree");
                      }
                      qos_at = b.where("qos");

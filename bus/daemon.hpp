@@ -63,6 +63,7 @@ struct Daemon {
     std::function<void(config::Fields&)> describe_settings;      ///< keys of `settings:`
     std::function<void(config::Diagnostics&)> check;             ///< beyond single keys; may be empty
     std::function<Result<void>(DaemonRun&)> run;
+    bool joins_always{true}; ///< false: it may look at files instead, and then needs no QoS profiles
 };
 
 /// The main function of every daemon: options --config FILE, --check, --log-level, --status-fd, --version, --help.

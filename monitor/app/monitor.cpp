@@ -142,6 +142,10 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     std::unique_ptr<BusTap> tap;
     std::unique_ptr<RecordedRun> recorded;
     if (config.recording.empty()) {
+        if (run.bus.qos.empty()) {
+            return fail(ExitCode::usage, "no QoS profiles are named",
+                        "bus: qos: FILE, of the folder `qos` of the installation or the source tree");
+        }
         auto joined = BusTap::join(run.bus, live);
         if (!joined) {
             return std::unexpected{joined.error()};
@@ -254,6 +258,7 @@ int main(int argc, char** argv) {
                         "shows a run in a browser, and to programs over REST",
                         [&](config::Fields& f) { describe(f, config); },
                         {},
-                        [&](DaemonRun& run) { return monitor::serve(config, run); }};
+                        [&](DaemonRun& run) { return monitor::serve(config, run); },
+                        false};
     return run_daemon(daemon, argc, argv);
 }

@@ -121,6 +121,7 @@ class WebSocket:
 
     def receive(self):
         """The next message: text or bytes."""
+        message, kind = b"", 0
         while True:
             first, second = self._take(2)
             size = second & 127
@@ -133,8 +134,10 @@ class WebSocket:
                 self.send(content, 10)
             elif first & 15 == 8:
                 raise EOFError("the monitor has closed the WebSocket")
-            elif first & 15 in (1, 2):
-                return content.decode() if first & 15 == 1 else content
+            else:
+                message, kind = message + content, first & 15 or kind
+                if first & 128:  # the last of its parts
+                    return message.decode() if kind == 1 else message
 
     def send(self, content, opcode=1):
         content = content.encode() if isinstance(content, str) else content
