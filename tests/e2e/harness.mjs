@@ -75,7 +75,7 @@ const browser = await chromium.launch({ executablePath: browserPath, args: ["--n
 
 export async function open(url, theme, viewport = { width: 1440, height: 900 }) {
   const page = await browser.newPage({ viewport, colorScheme: theme });
-  page.on("pageerror", e => errors.push(e.message));
+  page.on("pageerror", e => errors.push(e.stack ?? e.message));
   page.on("console", m => { if (m.type() === "error") errors.push(m.text()); });
   await page.goto(url);
   return page;

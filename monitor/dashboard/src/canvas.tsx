@@ -53,7 +53,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
       { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, size: 62, values: (_u, at) => at.map(compact) },
     ],
     series: [
-      { label: "t", value: (_u, t) => (t === null ? "" : stamp(t, whole)) },
+      { label: "t", value: (_u, t) => (t == null ? "" : stamp(t, whole)) },
       ...d.series.map((s, i) => ({
         label: look().label?.(s.name) ?? short(s.name), stroke: colours[i % colours.length], width: 1.5, spanGaps: true,
         dash: look().dash?.(s.name) ?? (i >= colours.length ? [6, 4] : undefined), points: { show: false },
