@@ -84,7 +84,7 @@ case ${1:-} in
     prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 programs && say "built: $root/build/arm64/bin"
     ;;
   test)
-    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && check_left_out && build arm64 all && make_board_image || exit
+    prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 all && check_left_out && make_board_image || exit
     ensure_programs || exit
     worst=0
     run_unit_tests || worst=1
