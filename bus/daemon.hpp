@@ -16,8 +16,8 @@
 
 namespace gridspace {
 
-/// Tells whoever started the process what it is doing, as JSON lines on a file descriptor (the launcher's pipe). Without one
-/// it does nothing. Thread-safe.
+/// Tells whoever started the process what it is doing, as JSON lines on a file descriptor (the launcher's pipe).
+/// Without one it does nothing. Thread-safe.
 class StatusReporter {
   public:
     explicit StatusReporter(int fd = -1) : fd_{fd} {}
@@ -26,8 +26,8 @@ class StatusReporter {
     /// Progress of the simulator. Cheap; sends at most ten times a second unless `now` is set.
     void progress(double time_s, double duration_s, std::uint64_t overruns, bool now = false);
     void event(double time_s, std::string_view source, std::string_view kind, std::string_view text);
-    /// "Between tick and tick, the launcher has to act." With `wait`, returns what it answers on standard input: lines like
-    /// "drop ev1", "rejoin ev1" or "restarted ev1 2".
+    /// "Between tick and tick, the launcher has to act." With `wait`, returns what it answers on standard input: lines
+    /// like "drop ev1", "rejoin ev1" or "restarted ev1 2".
     [[nodiscard]] Result<std::vector<std::string>> hold(std::uint64_t index, bool wait);
     /// "A tick is done": when the launcher has asked for a pause, waits until it says "continue" or "step N". Meanwhile
     /// nobody works, and no deadline runs. Returns early when `stop` is set; how long it has waited.
@@ -58,10 +58,10 @@ struct DaemonRun {
 
 /// A program of Gridspace: one life for all of them: parse -> check -> prepare -> start -> run -> stop.
 struct Daemon {
-    std::string_view program;     ///< "gridspace-ev"
-    std::string_view description; ///< one line
-    std::function<void(config::Fields&)> describe_settings;      ///< keys of `settings:`
-    std::function<void(config::Diagnostics&)> check;             ///< beyond single keys; may be empty
+    std::string_view program;                               ///< "gridspace-ev"
+    std::string_view description;                           ///< one line
+    std::function<void(config::Fields&)> describe_settings; ///< keys of `settings:`
+    std::function<void(config::Diagnostics&)> check;        ///< beyond single keys; may be empty
     std::function<Result<void>(DaemonRun&)> run;
     bool joins_always{true}; ///< false: it may look at files instead, and then needs no QoS profiles
 };

@@ -4,6 +4,7 @@
 
 #include "bus/participant.hpp"
 
+#include <atomic>
 #include <fastdds/rtps/common/Guid.h>
 #include <functional>
 #include <map>
@@ -33,36 +34,36 @@ class Directory {
         changed();
     }
     void depart(rtps::GuidPrefix_t const& prefix, bool clean) {
-        std::function<void(Peer const&, bool)> callback;
         Peer who;
         {
             std::lock_guard const lock{mutex_};
-            callback = on_departure_;
             who = peers_[locked_index(prefix)];
         }
-        if (callback) {
-            callback(who, clean);
+        {
+            std::lock_guard const lock{callbacks_mutex_};
+            if (on_departure_) {
+                on_departure_(who, clean);
+            }
         }
         changed();
     }
     void changed() {
-        std::function<void()> callback;
-        {
-            std::lock_guard const lock{mutex_};
-            callback = on_change_;
-        }
-        if (callback) {
-            callback();
+        std::lock_guard const lock{callbacks_mutex_};
+        if (on_change_) {
+            on_change_();
         }
     }
+    /// Waits for a call under way: afterwards the old callback is not called any more.
     void on_change(std::function<void()> callback) {
-        std::lock_guard const lock{mutex_};
+        std::lock_guard const lock{callbacks_mutex_};
         on_change_ = std::move(callback);
     }
     void on_departure(std::function<void(Peer const&, bool)> callback) {
-        std::lock_guard const lock{mutex_};
+        std::lock_guard const lock{callbacks_mutex_};
         on_departure_ = std::move(callback);
     }
+    /// A reader that acknowledges nothing delays the leaving of this participant once, not once for each writer.
+    std::atomic<bool> waited_in_vain{false};
 
   private:
     std::uint32_t locked_index(rtps::GuidPrefix_t const& prefix) {
@@ -76,6 +77,7 @@ class Directory {
     mutable std::mutex mutex_;
     std::map<rtps::GuidPrefix_t, std::uint32_t> index_;
     std::vector<Peer> peers_;
+    std::mutex callbacks_mutex_; // guards the next two, also while they are called
     std::function<void()> on_change_;
     std::function<void(Peer const&, bool)> on_departure_;
 };

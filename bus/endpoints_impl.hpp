@@ -27,6 +27,15 @@ class Writer final : public RawWriter, private dds::DataWriterListener {
     ~Writer() override {
         if (writer_ != nullptr) {
             writer_->set_listener(nullptr);
+            constexpr std::chrono::milliseconds kPatience{200}; // two heartbeats
+            if (!directory_.waited_in_vain && !wait_acknowledged(kPatience)) {
+                directory_.waited_in_vain = true;
+            }
+            // 2.9.1 gives the samples back one by one while the periodic heartbeat may still walk through them: it
+            // meets one without a number, looks for holes up to it and never ends. In an empty history there are no
+            // holes.
+            std::size_t removed = 0;
+            (void)writer_->clear_history(&removed);
             publisher_->delete_datawriter(writer_);
         }
     }

@@ -57,8 +57,8 @@ concept HasTimeStamp = requires(T const& t) {
 };
 } // namespace detail
 
-/// The reading end of a topic, shared with the receiving thread. A sample becomes visible in the tick that contains its time, in an order that does not
-/// depend on the network.
+/// The reading end of a topic, shared with the receiving thread. A sample becomes visible in the tick that contains its
+/// time, in an order that does not depend on the network.
 template <class T>
 class Reader final : public Inbox {
   public:

@@ -326,6 +326,8 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
             !clean && raw->config.clock.member_timeout_s == 0; // without deadlines silence is no failure
         if (peer.process == raw->config.clock.simulator && !raw->is_simulator() && !is_debugged) {
             std::lock_guard const lock{raw->mutex};
+            raw->simulator_left = true;
+            raw->changed.notify_all();
             bool const over = raw->clock_seen && raw->clock.state() == CLOCK_FINAL; // its work may not be done yet
             if (!over && !raw->final_done && !raw->stop_requested) {
                 raw->fail_locked({clean ? ExitCode::child_died : ExitCode::stall,

@@ -74,7 +74,8 @@ class Node {
     /// Lockstep: the next tick that awaits this process, with all its input. Real time: whenever the clock has advanced
     /// or input has arrived. Nothing when the run is over (the tick before was final) or a stop was asked for.
     /// `deadline` (real time only): a tick of what there is, when nothing has happened until then.
-    [[nodiscard]] Result<std::optional<Tick>> next(std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt);
+    [[nodiscard]] Result<std::optional<Tick>>
+    next(std::optional<std::chrono::steady_clock::time_point> deadline = std::nullopt);
     /// The work of the tick is done; everything that it makes visible has been written.
     [[nodiscard]] Result<void> done(Tick const& tick, std::uint64_t next_tick_needed);
 
@@ -90,8 +91,8 @@ class Node {
     /// The instant at which output to an input of `input` takes effect: a latency later in lockstep, now in real time.
     [[nodiscard]] SimTime effect_time(SimTime input, SimSpan latency) const;
     [[nodiscard]] SimTime latest_time() const; ///< of the newest clock sample
-    /// Real time: CLOCK_REALTIME of the simulator at simulated time 0; 0 until a clock sample has come, and in lockstep. Without
-    /// a simulator the epoch.
+    /// Real time: CLOCK_REALTIME of the simulator at simulated time 0; 0 until a clock sample has come, and in
+    /// lockstep. Without a simulator the epoch.
     [[nodiscard]] std::int64_t start_unix_ns() const;
 
     struct Counters {
@@ -149,7 +150,9 @@ class CdrWriter : private CountedWriter {
   public:
     using CountedWriter::CountedWriter;
     /// `key_hash`: of the sample's instance, when the type is keyed.
-    void write(std::span<std::byte const> cdr, SimTime at, KeyHash const* key_hash = nullptr) { write_cdr_at(cdr, at, key_hash); }
+    void write(std::span<std::byte const> cdr, SimTime at, KeyHash const* key_hash = nullptr) {
+        write_cdr_at(cdr, at, key_hash);
+    }
 };
 
 template <class T>

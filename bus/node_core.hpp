@@ -54,7 +54,7 @@ struct Node::Core {
     std::vector<std::unique_ptr<ReaderSlot>> readers; ///< opened in start(), when the book knows all topics
 
     std::weak_ptr<void> signal_writers;
-    std::vector<WireLedgerEntry> wire_writers;                    ///< what goes into the next acknowledgement
+    std::vector<WireLedgerEntry> wire_writers;                   ///< what goes into the next acknowledgement
     std::vector<std::shared_ptr<WireReader::Impl>> wire_readers; ///< their order numbers the book's channels
 
     std::unique_ptr<RawWriter> status_writer;
@@ -85,6 +85,7 @@ struct Node::Core {
     std::set<std::string> absent;                    ///< expected peers that the run goes on without
     bool stop_requested{false};
     bool final_done{false};
+    bool simulator_left{false}; ///< its participant is gone
     std::optional<Error> error;
     SimClock clock; ///< newest, decoded in place
     bool clock_seen{false};
@@ -101,8 +102,8 @@ struct Node::Core {
     } pace;
     mutable SimTime told{INT64_MIN}; ///< time_now() never goes back
     [[nodiscard]] SimTime time_now() const;
-    ClockWatch clock_watch; ///< real time
-    void watch_clock();     ///< fails when this machine's clock was set. Under the mutex.
+    ClockWatch clock_watch;                              ///< real time
+    void watch_clock();                                  ///< fails when this machine's clock was set. Under the mutex.
     std::chrono::steady_clock::time_point pending_since; ///< when the clock of the pending tick came
     std::uint64_t matches_generation{0};                 ///< counts discoveries, matches and departures
     std::uint64_t matches_published{0};

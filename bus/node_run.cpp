@@ -370,8 +370,12 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
         return fail(ExitCode::stall, fmt::format("DDS refused the acknowledgement of tick {}", tick.number));
     }
     if (tick.final) {
-        // Leaving before the simulator has it would look like a death.
-        core.ack_writer->wait_acknowledged(std::chrono::milliseconds{5000});
+        // The simulator leaves when everybody has everything. Until then a datagram that was lost on the way to it or
+        // to another member is sent again, and who sent it must be here to do so.
+        Deadline const patience{5};
+        std::unique_lock lock{core.mutex};
+        (void)patience.wait(core.changed, lock,
+                            [&] { return core.simulator_left || core.error || core.stop_requested; });
     }
     return {};
 }
@@ -417,7 +421,8 @@ SimTime Node::effect_time(SimTime input, SimSpan latency) const {
 }
 
 Node::Counters Node::counters() const {
-    return {core_->foreign_samples.load(), core_->refused_writes.load(), core_->foreign_frames.load(), core_->lost_samples.load()};
+    return {core_->foreign_samples.load(), core_->refused_writes.load(), core_->foreign_frames.load(),
+            core_->lost_samples.load()};
 }
 
 CountedWriter::CountedWriter(Node::Core& core, std::unique_ptr<RawWriter> raw, std::size_t slot)

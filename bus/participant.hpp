@@ -60,8 +60,8 @@ class RawWriter {
     /// Sends one sample. With `source_ns`, that is its time stamp on the wire; otherwise the wall clock.
     /// False when DDS refused it: the sample is lost, and the caller must say so.
     virtual bool write(void const* sample, std::optional<std::int64_t> source_ns) = 0;
-    /// Sends ready CDR (with its encapsulation header). `key_hash`: of its instance, for a keyed type (bus/key_hash.hpp);
-    /// without one all samples are of one instance.
+    /// Sends ready CDR (with its encapsulation header). `key_hash`: of its instance, for a keyed type
+    /// (bus/key_hash.hpp); without one all samples are of one instance.
     virtual bool write_cdr(std::span<std::byte const> cdr, std::optional<std::int64_t> source_ns,
                            KeyHash const* key_hash = nullptr) = 0;
     [[nodiscard]] virtual std::vector<Peer> matched() const = 0; ///< one entry per matched reader

@@ -19,8 +19,8 @@ struct SignalColumn {
     std::string unit;
 };
 
-/// Publishes named signals of a process on the topics signal_catalog and signals. Rows are gathered into frames whose size
-/// depends on the rate only, so that what is recorded does not depend on tick or pace.
+/// Publishes named signals of a process on the topics signal_catalog and signals. Rows are gathered into frames whose
+/// size depends on the rate only, so that what is recorded does not depend on tick or pace.
 class SignalPublisher {
   public:
     /// `rate_hz` 0: rows come when something changes, and each is sent at once.

@@ -23,9 +23,9 @@ struct WireFrame {
     std::vector<std::byte> octets; ///< from the destination address on, VLAN tag included
 };
 
-/// The receiving end of one ethertype on one link as far as the simulation clock is concerned; sockets are somebody else's.
-/// In lockstep a frame becomes visible in the tick that contains its send time, ordered by (send time, octets), and a frame
-/// that no process of the run has announced never does.
+/// The receiving end of one ethertype on one link as far as the simulation clock is concerned; sockets are somebody
+/// else's. In lockstep a frame becomes visible in the tick that contains its send time, ordered by (send time, octets),
+/// and a frame that no process of the run has announced never does.
 class WireReader {
   public:
     /// `ethertype`: in host order, 0x88ba or 0x88b8. Before Node::start; must not outlive the node.
@@ -51,8 +51,8 @@ class WireReader {
 class WireWriter {
   public:
     WireWriter(Node& node, std::string link, std::uint16_t ethertype);
-    /// `frame` leaves (lockstep: with simulated send time `at`). Before the frame is handed to the kernel or after, but within
-    /// the same tick.
+    /// `frame` leaves (lockstep: with simulated send time `at`). Before the frame is handed to the kernel or after, but
+    /// within the same tick.
     void sent(std::span<std::byte const> frame, SimTime at);
 
   private:

@@ -12,8 +12,9 @@ struct WireReader::Impl {
     Node::Core& core;
     std::string link;
     std::uint16_t ethertype{0};
-    std::size_t channel{0};                        ///< its index in the book
-    std::vector<std::unique_ptr<WireFrame>> slots; ///< each is free, early (in the book), waiting for its time, or taken
+    std::size_t channel{0}; ///< its index in the book
+    std::vector<std::unique_ptr<WireFrame>>
+        slots; ///< each is free, early (in the book), waiting for its time, or taken
     std::vector<std::size_t> free, waiting, taken;
     std::vector<WireFrame const*> out;
     SimTime until{INT64_MAX};

@@ -55,6 +55,23 @@ std::optional<std::string> nearest_spelling(std::string_view word, std::vector<s
     return best;
 }
 
+std::string did_you_mean(std::string_view word, std::vector<std::string> const& candidates,
+                         std::string_view otherwise) {
+    auto const near = nearest_spelling(word, candidates);
+    return near ? "did you mean '" + *near + "'?" : std::string{otherwise};
+}
+
+std::string spelling_hint(std::string_view word, std::vector<std::string> const& candidates, std::string_view none) {
+    if (candidates.empty()) {
+        return std::string{none};
+    }
+    constexpr std::size_t kShown = 20;
+    std::vector<std::string> const shown{
+        candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(std::min(candidates.size(), kShown))};
+    return did_you_mean(word, candidates,
+                        "there are: " + join(shown, ", ") + (candidates.size() > kShown ? ", ..." : ""));
+}
+
 bool matches_glob(std::string_view pattern, std::string_view text) {
     std::size_t p = 0, t = 0, star = std::string_view::npos, mark = 0;
     while (t < text.size()) {

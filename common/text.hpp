@@ -13,6 +13,14 @@ namespace gridspace {
 [[nodiscard]] std::optional<std::string> nearest_spelling(std::string_view word,
                                                           std::vector<std::string> const& candidates);
 
+/// The remedy for a name that does not exist: "did you mean 'x'?", or `otherwise`.
+[[nodiscard]] std::string did_you_mean(std::string_view word, std::vector<std::string> const& candidates,
+                                       std::string_view otherwise = "");
+
+/// The same, or else the names that there are (the first twenty), or `none` when there are no candidates.
+[[nodiscard]] std::string spelling_hint(std::string_view word, std::vector<std::string> const& candidates,
+                                        std::string_view none = "");
+
 /// Shell-style match of a whole text: '*' is any run of characters, '?' any one.
 [[nodiscard]] bool matches_glob(std::string_view pattern, std::string_view text);
 

@@ -141,10 +141,9 @@ void resolve_likes(Node& section, Diagnostics& diagnostics) {
             for (Node::Entry const& e : section.entries) {
                 names.push_back(e.key);
             }
-            auto const near = nearest_spelling(like->text, names);
-            diagnostics.error(
-                like->where, fmt::format("'{}' is like {}, which does not exist", entry.key, describe(*like)),
-                near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(like->text.size()));
+            diagnostics.error(like->where,
+                              fmt::format("'{}' is like {}, which does not exist", entry.key, describe(*like)),
+                              did_you_mean(like->text, names), static_cast<int>(like->text.size()));
             entry.value.erase("like");
         } else {
             self(self, *other);

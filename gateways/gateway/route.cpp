@@ -45,14 +45,7 @@ std::string near(std::vector<Field> const& fields, std::string_view name) {
             names.push_back(field.name);
         }
     }
-    constexpr std::size_t kShown = 20;
-    auto const nearest = nearest_spelling(name, names);
-    if (nearest) {
-        return fmt::format("did you mean '{}'?", *nearest);
-    }
-    bool const many = names.size() > kShown;
-    names.resize(std::min(names.size(), kShown));
-    return fmt::format("there are: {}{}", join(names, ", "), many ? ", ..." : "");
+    return spelling_hint(name, names);
 }
 
 class RouteMaker {
@@ -120,11 +113,8 @@ class RouteMaker {
                 for (streams::Stream const& s : streams_) {
                     names.push_back(s.name.name);
                 }
-                auto const nearest = nearest_spelling(end.stream.name, names);
                 error(end.stream, fmt::format("there is no stream '{}'", end.stream.name),
-                      nearest         ? fmt::format("did you mean '{}'?", *nearest)
-                      : names.empty() ? "`streams:` declares none"
-                                      : fmt::format("there are: {}", join(names, ", ")));
+                      spelling_hint(end.stream.name, names, "`streams:` declares none"));
                 return false;
             }
             if (stream->broken) {

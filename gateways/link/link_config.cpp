@@ -98,10 +98,7 @@ ImpairmentPlan make_plan(LinkConfig const& config, std::vector<streams::Stream> 
             }
             return i;
         }
-        auto const near = nearest_spelling(ref.name, names);
-        diagnostics.error(ref.where, fmt::format("there is no stream '{}'", ref.name),
-                          near ? fmt::format("did you mean '{}'?", *near)
-                               : fmt::format("there are: {}", join(names, ", ")),
+        diagnostics.error(ref.where, fmt::format("there is no stream '{}'", ref.name), spelling_hint(ref.name, names),
                           static_cast<int>(ref.name.size()));
         return std::nullopt;
     };

@@ -23,8 +23,7 @@ std::string near(std::vector<Field> const& fields, std::string_view name) {
     for (Field const& field : fields) {
         names.push_back(field.name);
     }
-    auto const nearest = nearest_spelling(name, names);
-    return nearest ? fmt::format("did you mean '{}'?", *nearest) : fmt::format("there are: {}", join(names, ", "));
+    return spelling_hint(name, names);
 }
 
 /// Numbers that arithmetic may be done with; a quality or a bit string is not one.

@@ -187,11 +187,7 @@ Result<RecordType> RecordType::create(idl::Model const& model, std::string_view 
                 names.push_back(known.name);
             }
         }
-        auto const near = nearest_spelling(type, names);
-        return fail(ExitCode::usage, fmt::format("there is no struct '{}'", type),
-                    near            ? fmt::format("did you mean '{}'?", *near)
-                    : names.empty() ? ""
-                                    : fmt::format("there are: {}", join(names, ", ")));
+        return fail(ExitCode::usage, fmt::format("there is no struct '{}'", type), spelling_hint(type, names));
     }
     RecordType out;
     out.name_ = type;

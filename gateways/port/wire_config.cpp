@@ -12,7 +12,8 @@ namespace gridspace::gateways {
 void describe_wire(config::Fields& f, WireConfig& wire) {
     f.object("wire", {.doc = "its port", .required = true}, [&](config::Fields& w) {
         w.text("link", wire.link, {.doc = "name of the link"});
-        w.text("receive_link", wire.receive_link, {.doc = "name of the piece of cable that frames come from, when something sits in it"});
+        w.text("receive_link", wire.receive_link,
+               {.doc = "name of the piece of cable that frames come from, when something sits in it"});
         w.text("interface", wire.interface, {.doc = "network interface", .required = true});
         w.number("speed", wire.speed, {.doc = "of the simulation clock, in real time", .above = 0});
     });
@@ -28,7 +29,8 @@ void describe_wire(config::Fields& f, WireConfig& wire) {
     }
 }
 
-streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, config::Ref const& ref, streams::Kind kind, config::Diagnostics& diagnostics) {
+streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, config::Ref const& ref,
+                                 streams::Kind kind, config::Diagnostics& diagnostics) {
     streams::Stream const* stream = streams::find_stream(declared, ref.name);
     std::string const wanted = kind == streams::Kind::smv ? "smv" : "goose";
     if (stream == nullptr) {
@@ -38,11 +40,8 @@ streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, c
                 names.push_back(s.name.name);
             }
         }
-        auto const near = nearest_spelling(ref.name, names);
         diagnostics.error(ref.where, fmt::format("there is no stream '{}'", ref.name),
-                          near            ? fmt::format("did you mean '{}'?", *near)
-                          : names.empty() ? fmt::format("`streams:` declares none of kind {}", wanted)
-                                          : fmt::format("there are: {}", join(names, ", ")),
+                          spelling_hint(ref.name, names, fmt::format("`streams:` declares none of kind {}", wanted)),
                           static_cast<int>(ref.name.size()));
         return nullptr;
     }
@@ -50,7 +49,8 @@ streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, c
         return nullptr;
     }
     if (stream->kind != kind) {
-        diagnostics.error(ref.where, fmt::format("stream '{}' is not of kind {}", ref.name, wanted), "", static_cast<int>(ref.name.size()));
+        diagnostics.error(ref.where, fmt::format("stream '{}' is not of kind {}", ref.name, wanted), "",
+                          static_cast<int>(ref.name.size()));
         return nullptr;
     }
     return stream;

@@ -58,10 +58,8 @@ class Importer {
             }
         }
         if (!options_.ied.empty() && std::find(names.begin(), names.end(), options_.ied) == names.end()) {
-            auto const near = nearest_spelling(options_.ied, names);
             return fail(ExitCode::usage, fmt::format("there is no IED '{}' in the file", options_.ied),
-                        near ? fmt::format("did you mean '{}'?", *near)
-                             : fmt::format("there are: {}", join(names, ", ")));
+                        spelling_hint(options_.ied, names));
         }
         return std::move(out_);
     }

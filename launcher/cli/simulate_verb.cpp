@@ -183,9 +183,8 @@ Result<std::vector<std::size_t>> select(sim::Engine const& engine, std::vector<s
             }
         }
         if (!any && !asked.empty()) {
-            auto const near = nearest_spelling(pattern, names);
             return fail(ExitCode::usage, fmt::format("no signal matches '{}'", pattern),
-                        near ? fmt::format("did you mean '{}'?", *near) : "--list-signals shows what there is");
+                        did_you_mean(pattern, names, "--list-signals shows what there is"));
         }
     }
     return out;

@@ -53,7 +53,8 @@ void moment(Fields& f, std::string_view key, std::optional<Moment>& out, std::st
     if (!text.empty()) {
         out = parse_moment(text);
         if (!out) {
-            f.error(key, fmt::format("'{}' is not an instant", text), "an event, with `+` or `-` and a time: fault + 2 s");
+            f.error(key, fmt::format("'{}' is not an instant", text),
+                    "an event, with `+` or `-` and a time: fault + 2 s");
         }
     }
 }
@@ -121,7 +122,8 @@ void describe(Fields& f, Expectation& e) {
                 "intervals_ms: stream.TRIP2, from: relay.trip, are: [1, 2, 4], tolerance: 0.5");
         return;
     }
-    bool const numeric = e.verb != Verb::intervals_ms && e.verb != Verb::always && e.verb != Verb::never && e.verb != Verb::eventually;
+    bool const numeric =
+        e.verb != Verb::intervals_ms && e.verb != Verb::always && e.verb != Verb::never && e.verb != Verb::eventually;
     bool const bounded = e.is || e.above || e.below || e.at_least || e.at_most || !e.between.empty();
     if (numeric && !bounded && !e.show_only) {
         f.error("", fmt::format("expectation '{}' says nothing about the value", e.name.name),
@@ -140,7 +142,8 @@ void describe(Fields& f, Expectation& e) {
     if (is_time && e.unit != "h" && e.unit != "min" && e.unit != "s" && e.unit != "ms") {
         f.error("unit", fmt::format("'{}' is not a unit of time", e.unit), "h, min, s or ms");
     }
-    if (e.expression && e.expression->edge() != Expression::Edge::none && e.verb != Verb::count_of && e.verb != Verb::time_of) {
+    if (e.expression && e.expression->edge() != Expression::Edge::none && e.verb != Verb::count_of &&
+        e.verb != Verb::time_of) {
         f.error("", fmt::format("expectation '{}': `rises` and `falls` go with count_of and time_of", e.name.name));
     }
 }
@@ -184,20 +187,23 @@ void check_expectations(Scenario const& scenario, Diagnostics& diagnostics) {
         config::Node const* settings = scenario.expect.find(e.name.name);
         config::Node const* written = settings == nullptr ? nullptr : settings->find(e.verb_name);
         for (std::string const& pattern : e.expression->signals()) {
-            bool const found = std::any_of(signals.begin(), signals.end(), [&](std::string const& s) { return matches_glob(pattern, s); });
+            bool const found = std::any_of(signals.begin(), signals.end(),
+                                           [&](std::string const& s) { return matches_glob(pattern, s); });
             if (!found) {
-                auto const near = nearest_spelling(pattern, signals);
-                diagnostics.error(written == nullptr ? e.name.where : written->where, fmt::format("expectation '{}' uses the signal '{}', which does not exist", e.name.name, pattern),
-                                  near ? fmt::format("did you mean '{}'?", *near) : "`gridspace signals` lists them",
-                                  static_cast<int>(written == nullptr ? e.name.name.size() : written->text.size()));
+                diagnostics.error(
+                    written == nullptr ? e.name.where : written->where,
+                    fmt::format("expectation '{}' uses the signal '{}', which does not exist", e.name.name, pattern),
+                    did_you_mean(pattern, signals, "`gridspace signals` lists them"),
+                    static_cast<int>(written == nullptr ? e.name.name.size() : written->text.size()));
             }
         }
         for (std::optional<Moment> const* moment : {&e.from, &e.until, &e.since}) {
             if (*moment && (*moment)->event.find('.') == std::string::npos &&
                 std::find(events.begin(), events.end(), (*moment)->event) == events.end()) {
-                auto const near = nearest_spelling((*moment)->event, events);
-                diagnostics.error(e.name.where, fmt::format("expectation '{}' refers to the event '{}', which does not exist", e.name.name, (*moment)->event),
-                                  near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(e.name.name.size()));
+                diagnostics.error(e.name.where,
+                                  fmt::format("expectation '{}' refers to the event '{}', which does not exist",
+                                              e.name.name, (*moment)->event),
+                                  did_you_mean((*moment)->event, events), static_cast<int>(e.name.name.size()));
             }
         }
     }

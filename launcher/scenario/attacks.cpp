@@ -23,12 +23,8 @@ int width(Ref const& ref) {
 }
 
 void unknown(Ref const& ref, std::string const& what, std::vector<std::string> const& names, Diagnostics& diagnostics) {
-    auto const near = nearest_spelling(ref.name, names);
     diagnostics.error(ref.where, fmt::format("{} '{}', which does not exist", what, ref.name),
-                      near            ? fmt::format("did you mean '{}'?", *near)
-                      : names.empty() ? "there are none"
-                                      : fmt::format("there are: {}", join(names, ", ")),
-                      width(ref));
+                      spelling_hint(ref.name, names, "there are none"), width(ref));
 }
 
 void check_attacker(Scenario const& s, AttackConfig const& a, Diagnostics& diagnostics) {

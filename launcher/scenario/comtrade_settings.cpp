@@ -79,12 +79,10 @@ void check_comtrade(Scenario const& s, config::Diagnostics& diagnostics) {
     if (!settings.trigger.empty() && std::none_of(names.begin(), names.end(), known) &&
         std::find(events.begin(), events.end(), settings.trigger.name) == events.end()) {
         triggers.insert(triggers.end(), events.begin(), events.end());
-        auto const near = nearest_spelling(settings.trigger.name, triggers);
         diagnostics.error(
             settings.trigger.where,
             fmt::format("record.comtrade waits for '{}', and there is no such signal or event", settings.trigger.name),
-            near ? fmt::format("did you mean '{}'?", *near)
-                 : fmt::format("there are: {}; `gridspace signals` lists all signals", join(triggers, ", ")),
+            spelling_hint(settings.trigger.name, triggers) + " (`gridspace signals` lists all signals)",
             static_cast<int>(settings.trigger.name.size()));
     }
     ComtradeChannels const usual = usual_channels(s.resolved, names.back());

@@ -192,13 +192,10 @@ void check_cut_ins(Scenario const& scenario, Process const& process, config::Dia
         if (std::find(names.begin(), names.end(), ref.name) != names.end()) {
             return true;
         }
-        auto const near = nearest_spelling(ref.name, names);
         diagnostics.error(ref.where,
                           fmt::format("process '{}' sits in a cable of the {} '{}', which does not exist",
                                       process.name.name, kind, ref.name),
-                          near ? fmt::format("did you mean '{}'?", *near)
-                               : fmt::format("there are: {}", join(names, ", ")),
-                          width(ref));
+                          spelling_hint(ref.name, names), width(ref));
         return false;
     };
     for (CutInUse const& use : process.settings->cut_ins(scenario, process)) {

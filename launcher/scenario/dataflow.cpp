@@ -141,7 +141,8 @@ Dataflow dataflow(Scenario const& scenario) {
 bus::ExpectedPeers Dataflow::expected_writers(std::string const& process) const {
     bus::ExpectedPeers out;
     for (auto const& [topic, all_readers] : readers) {
-        bool const reads = std::any_of(all_readers.begin(), all_readers.end(), [&](auto const& r) { return r.process == process; });
+        bool const reads =
+            std::any_of(all_readers.begin(), all_readers.end(), [&](auto const& r) { return r.process == process; });
         auto const topic_writers = writers.find(topic);
         if (!reads || topic_writers == writers.end()) {
             continue;
@@ -158,7 +159,8 @@ bus::ExpectedPeers Dataflow::expected_writers(std::string const& process) const 
 bus::ExpectedPeers Dataflow::expected_readers(std::string const& process) const {
     bus::ExpectedPeers out;
     for (auto const& [topic, all_writers] : writers) {
-        bool const writes = std::any_of(all_writers.begin(), all_writers.end(), [&](auto const& w) { return w.process == process; });
+        bool const writes =
+            std::any_of(all_writers.begin(), all_writers.end(), [&](auto const& w) { return w.process == process; });
         auto const topic_readers = readers.find(topic);
         if (!writes || topic_readers == readers.end()) {
             continue;
@@ -187,11 +189,10 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
                 for (auto const& [other, ignored] : flow.writers) {
                     written.push_back(other);
                 }
-                auto const near = nearest_spelling(topic, written);
                 diagnostics.error(
                     name.where,
                     fmt::format("process '{}' reads the topic '{}', which nobody writes", reader.process, topic),
-                    near ? fmt::format("did you mean '{}'?", *near) : "is a process missing, or a topic misspelt?",
+                    did_you_mean(topic, written, "is a process missing, or a topic misspelt?"),
                     static_cast<int>(name.name.size()));
                 continue;
             }
@@ -210,8 +211,10 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
         bool const commands = writers.front().use.type == "TripCommand"; // others may be there for the recording alone
         if (commands && !flow.readers.contains(topic)) {
             Ref const name = mark_of(writers.front().process);
-            diagnostics.error(name.where, fmt::format("process '{}' commands the topic '{}', which nobody reads", writers.front().process, topic),
-                              "is it among the `subscribe` topics of simulation.gateways?", static_cast<int>(name.name.size()));
+            diagnostics.error(
+                name.where,
+                fmt::format("process '{}' commands the topic '{}', which nobody reads", writers.front().process, topic),
+                "is it among the `subscribe` topics of simulation.gateways?", static_cast<int>(name.name.size()));
         }
     }
     if (scenario.clock.mode != bus::ClockMode::lockstep) {
@@ -231,11 +234,12 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
             if (Node const* written = process.node.find("latency_us")) {
                 where = written->where;
             }
-            diagnostics.error(where,
-                              fmt::format("process '{}' acts on the simulator {} us after its input, and a tick is {} us", member.name,
-                                          shortest((latency * Rational{1'000'000}).to_double()),
-                                          shortest((tick * Rational{1'000'000}).to_double())),
-                              "its `latency_us` must be at least a tick: a tick that is over cannot be changed");
+            diagnostics.error(
+                where,
+                fmt::format("process '{}' acts on the simulator {} us after its input, and a tick is {} us",
+                            member.name, shortest((latency * Rational{1'000'000}).to_double()),
+                            shortest((tick * Rational{1'000'000}).to_double())),
+                "its `latency_us` must be at least a tick: a tick that is over cannot be changed");
         }
     }
 }

@@ -89,14 +89,10 @@ void check_impairment_events(Scenario const& scenario, Diagnostics& diagnostics)
                 if (std::find(words.begin(), words.end(), word) != words.end()) {
                     return true;
                 }
-                auto const near = nearest_spelling(word, words);
                 diagnostics.error(path.where,
                                   fmt::format("event '{}' sets '{}', and there is no {} '{}'", event.name.name,
                                               path.name, what, word),
-                                  near            ? fmt::format("did you mean '{}'?", *near)
-                                  : words.empty() ? "the scenario has no impairments"
-                                                  : fmt::format("there are: {}", join(words, ", ")),
-                                  width);
+                                  spelling_hint(word, words, "the scenario has no impairments"), width);
                 return false;
             };
             bool const known = must_be(parts[1], names, "impairment");

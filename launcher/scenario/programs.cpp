@@ -23,18 +23,17 @@ using config::Diagnostics;
 using config::Fields;
 using config::Node;
 
-constexpr std::array<std::string_view, 11> kCommonKeys{"program", "host", "qos", "run_on", "ssh", "cpu", "link",
-                                                      "interface", "capture", "label", "comment"};
+constexpr std::array<std::string_view, 11> kCommonKeys{"program", "host",      "qos",     "run_on", "ssh",    "cpu",
+                                                       "link",    "interface", "capture", "label",  "comment"};
 
 /// A name must be among `names`, or it is an error with the nearest spelling.
-bool check_name(Ref const& ref, std::vector<std::string> const& names, std::string const& what, Diagnostics& diagnostics) {
+bool check_name(Ref const& ref, std::vector<std::string> const& names, std::string const& what,
+                Diagnostics& diagnostics) {
     if (std::find(names.begin(), names.end(), ref.name) != names.end()) {
         return true;
     }
-    auto const near = nearest_spelling(ref.name, names);
     diagnostics.error(ref.where, fmt::format("{} '{}', which does not exist", what, ref.name),
-                      near ? fmt::format("did you mean '{}'?", *near) : names.empty() ? "" : fmt::format("there are: {}", join(names, ", ")),
-                      static_cast<int>(ref.name.size()));
+                      spelling_hint(ref.name, names), static_cast<int>(ref.name.size()));
     return false;
 }
 
@@ -74,9 +73,11 @@ class SimSettings final : public ProcessSettings {
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const&) const override {
         std::vector<TopicUse> out;
         if (per_bus(s) && s.network) {
-            auto const with_evs = std::count_if(s.network->buses.begin(), s.network->buses.end(), [&](sim::Bus const& bus) {
-                return std::any_of(s.network->evs.begin(), s.network->evs.end(), [&](sim::Ev const& ev) { return ev.bus == bus.name; });
-            });
+            auto const with_evs =
+                std::count_if(s.network->buses.begin(), s.network->buses.end(), [&](sim::Bus const& bus) {
+                    return std::any_of(s.network->evs.begin(), s.network->evs.end(),
+                                       [&](sim::Ev const& ev) { return ev.bus == bus.name; });
+                });
             if (with_evs > 0) {
                 out.push_back({"decisions", "ChargingDecision", with_evs});
             }
@@ -129,7 +130,8 @@ class EvSettings final : public ProcessSettings {
             return;
         }
         for (agents::EvConfig::Agent& agent : config_.agents) {
-            if (!check_name(agent.ev, ev_names(s), fmt::format("process '{}' acts for the EV", process.name.name), diagnostics)) {
+            if (!check_name(agent.ev, ev_names(s), fmt::format("process '{}' acts for the EV", process.name.name),
+                            diagnostics)) {
                 continue;
             }
             sim::Ev const& ev = *sim::find(s.network->evs, agent.ev.name);
@@ -186,7 +188,8 @@ class MccaSettings final : public ProcessSettings {
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         if (s.network) {
             for (Ref const& ev : config_.evs) {
-                check_name(ev, ev_names(s), fmt::format("process '{}' decides for the EV", process.name.name), diagnostics);
+                check_name(ev, ev_names(s), fmt::format("process '{}' decides for the EV", process.name.name),
+                           diagnostics);
             }
         }
     }
@@ -201,7 +204,9 @@ class MccaSettings final : public ProcessSettings {
         return {{prefix + ".curtailed", "", 0}, {prefix + ".undervoltage", "", 0}, {prefix + ".complete", "", 0}};
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
-    [[nodiscard]] Node settings(Scenario const&, Process const& process) const override { return own_settings(process); }
+    [[nodiscard]] Node settings(Scenario const&, Process const& process) const override {
+        return own_settings(process);
+    }
 
   private:
     agents::MccaConfig config_;
@@ -256,7 +261,8 @@ class RecorderSettings final : public ProcessSettings {
             return out;
         }
         for (Link const& link : s.links) {
-            bool const named = std::find(process.capture.begin(), process.capture.end(), link.name) != process.capture.end();
+            bool const named =
+                std::find(process.capture.begin(), process.capture.end(), link.name) != process.capture.end();
             if (named || (process.capture.empty() && link.ipv4.empty())) {
                 out.push_back(link.name.name);
             }
@@ -298,8 +304,10 @@ class ExecSettings final : public ProcessSettings {
         for (Ref& word : words) {
             out->command_.push_back(std::move(word.name));
         }
-        // A program with a folder in its name is relative to the naming file, as every path; others are looked up in PATH.
-        if (!words.empty() && out->command_.front().find('/') != std::string::npos && words.front().where.source != nullptr) {
+        // A program with a folder in its name is relative to the naming file, as every path; others are looked up in
+        // PATH.
+        if (!words.empty() && out->command_.front().find('/') != std::string::npos &&
+            words.front().where.source != nullptr) {
             std::filesystem::path const base = words.front().where.source->directory;
             out->command_.front() = std::filesystem::absolute(base / out->command_.front()).lexically_normal().string();
         }

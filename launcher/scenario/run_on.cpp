@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<std::pair<std::string_view, RunOn::Kind>, 4> kWords{{{"native", RunOn::Kind::native},
                                                                           {"qemu-user", RunOn::Kind::qemu_user},
                                                                           {"qemu-system", RunOn::Kind::qemu_system},
-{"external", RunOn::Kind::external}}};
+                                                                          {"external", RunOn::Kind::external}}};
 constexpr std::string_view kSsh = "ssh:";
 
 /// Nothing that ssh or a shell could take for something else.
@@ -67,8 +67,11 @@ void check_events(Scenario const& scenario, config::Diagnostics& diagnostics) {
         for (Ref const* target : {&event.kill, &event.pause, &event.resume, &event.restart}) {
             Process const* process = target->empty() ? nullptr : scenario.find_process(target->name);
             if (process != nullptr && is_external(*process)) {
-                diagnostics.error(target->where, fmt::format("event '{}' acts on '{}', which somebody else has started (`run_on: external`)", event.name.name, target->name),
-                                  "another `run_on`, or no such event", static_cast<int>(target->name.size()));
+                diagnostics.error(
+                    target->where,
+                    fmt::format("event '{}' acts on '{}', which somebody else has started (`run_on: external`)",
+                                event.name.name, target->name),
+                    "another `run_on`, or no such event", static_cast<int>(target->name.size()));
             }
         }
     }
@@ -84,12 +87,17 @@ void check_plugs(Scenario const& scenario, config::Diagnostics& diagnostics) {
                 for (Ref const& own : host.links) {
                     names.push_back(own.name);
                 }
-                diagnostics.error(link.where, fmt::format("host '{}' is not on a link '{}'", host.name.name, link.name), fmt::format("it is on: {}", join(names, ", ")), width);
+                diagnostics.error(link.where, fmt::format("host '{}' is not on a link '{}'", host.name.name, link.name),
+                                  fmt::format("it is on: {}", join(names, ", ")), width);
             }
             for (Process const& process : scenario.processes) {
                 if (process.host == host.name && !is_external(process)) {
-                    diagnostics.error(link.where, fmt::format("a real interface is plugged in the place of host '{}', on which '{}' is to be started", host.name.name, process.name.name),
-                                      "`run_on: external` for it", width);
+                    diagnostics.error(
+                        link.where,
+                        fmt::format(
+                            "a real interface is plugged in the place of host '{}', on which '{}' is to be started",
+                            host.name.name, process.name.name),
+                        "`run_on: external` for it", width);
                 }
             }
         }
@@ -175,12 +183,10 @@ void check_run_on(Scenario const& scenario, config::Diagnostics& diagnostics) {
             for (auto const& [word, kind] : kWords) {
                 words.emplace_back(word);
             }
-            auto const near = nearest_spelling(process.run_on, words);
+            words.emplace_back("ssh:HOST");
             diagnostics.error(
                 where, fmt::format("process '{}' runs on '{}', which is no place", process.name.name, process.run_on),
-                near ? fmt::format("did you mean '{}'?", *near)
-                     : fmt::format("there are: {}, ssh:HOST", join(words, ", ")),
-                static_cast<int>(process.run_on.size()));
+                spelling_hint(process.run_on, words), static_cast<int>(process.run_on.size()));
         } else if (run_on->kind != RunOn::Kind::native &&
                    (process.program.name == "gridspace-sim" || process.program.name == "gridspace-monitor")) {
             diagnostics.error(

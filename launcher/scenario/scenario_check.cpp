@@ -22,7 +22,8 @@ namespace {
 
 using config::Diagnostics;
 
-template <class T> std::vector<std::string> names_of(std::vector<T> const& elements) {
+template <class T>
+std::vector<std::string> names_of(std::vector<T> const& elements) {
     std::vector<std::string> out;
     for (T const& element : elements) {
         out.push_back(element.name.name);
@@ -36,16 +37,13 @@ void must_exist(Ref const& ref, std::vector<std::string> const& names, std::stri
         std::find(names.begin(), names.end(), ref.name) != names.end()) {
         return;
     }
-    auto const near = nearest_spelling(ref.name, names);
     diagnostics.error(ref.where, fmt::format("{} '{}', which does not exist", sentence, ref.name),
-                      near            ? fmt::format("did you mean '{}'?", *near)
-                      : names.empty() ? ""
-                                      : fmt::format("there are: {}", join(names, ", ")),
-                      static_cast<int>(ref.name.size()));
+                      spelling_hint(ref.name, names), static_cast<int>(ref.name.size()));
 }
 
 void check_references(Scenario const& s, Diagnostics& diagnostics) {
-    std::vector<std::string> const links = names_of(s.links), hosts = names_of(s.hosts), processes = names_of(s.processes);
+    std::vector<std::string> const links = names_of(s.links), hosts = names_of(s.hosts),
+                                   processes = names_of(s.processes);
     for (Host const& host : s.hosts) {
         for (Ref const& link : host.links) {
             must_exist(link, links, fmt::format("host '{}' is plugged into", host.name.name), diagnostics);
@@ -56,15 +54,20 @@ void check_references(Scenario const& s, Diagnostics& diagnostics) {
     }
     for (sim::Event const& event : s.events) {
         for (Ref const* process : {&event.desynchronise, &event.resynchronise}) {
-            must_exist(*process, processes, fmt::format("event '{}' acts on the process", event.name.name), diagnostics);
+            must_exist(*process, processes, fmt::format("event '{}' acts on the process", event.name.name),
+                       diagnostics);
             Process const* target = process->empty() ? nullptr : s.find_process(process->name);
             if (target != nullptr && target->program.name != "gridspace-mu") {
-                diagnostics.error(process->where, fmt::format("event '{}' acts on the clock of '{}', which is no merging unit", event.name.name, process->name),
-                                  "only gridspace-mu has a clock that can be lost", static_cast<int>(process->name.size()));
+                diagnostics.error(process->where,
+                                  fmt::format("event '{}' acts on the clock of '{}', which is no merging unit",
+                                              event.name.name, process->name),
+                                  "only gridspace-mu has a clock that can be lost",
+                                  static_cast<int>(process->name.size()));
             }
         }
         for (Ref const* process : {&event.kill, &event.pause, &event.resume, &event.restart}) {
-            must_exist(*process, processes, fmt::format("event '{}' acts on the process", event.name.name), diagnostics);
+            must_exist(*process, processes, fmt::format("event '{}' acts on the process", event.name.name),
+                       diagnostics);
             Process const* target = process->empty() ? nullptr : s.find_process(process->name);
             std::string const program = target == nullptr ? "" : target->program.name;
             if (program == "gridspace-sim" || program == "gridspace-recorder") {
@@ -95,7 +98,8 @@ void check_simulators(Scenario const& s, Diagnostics& diagnostics) {
         first = first == nullptr ? &process : first;
     }
     if (first == nullptr && !s.processes.empty()) {
-        diagnostics.error(s.processes.front().name.where, "no process is a simulator", "one needs `program: gridspace-sim`");
+        diagnostics.error(s.processes.front().name.where, "no process is a simulator",
+                          "one needs `program: gridspace-sim`");
     }
 }
 
@@ -125,20 +129,22 @@ void check_times(Scenario const& s, Diagnostics& diagnostics) {
     bool const tick_in_steps = (tick / step).is_whole(), step_in_ticks = (step / tick).is_whole();
     if (!tick_in_steps && !step_in_ticks) {
         diagnostics.error(at_tick,
-                          fmt::format("a tick of {} s and a step of {} s do not divide each other", tick.to_string(), step.to_string()),
+                          fmt::format("a tick of {} s and a step of {} s do not divide each other", tick.to_string(),
+                                      step.to_string()),
                           "make one a whole multiple of the other");
     }
     Rational const duration = s.simulation.duration();
     if (duration > Rational{0} && !(duration / tick).is_whole()) {
-        diagnostics.error(at_duration,
-                          fmt::format("the duration of {} s is not a whole number of ticks of {} s", duration.to_string(), tick.to_string()));
+        diagnostics.error(at_duration, fmt::format("the duration of {} s is not a whole number of ticks of {} s",
+                                                   duration.to_string(), tick.to_string()));
     }
     if (duration > Rational{0} && !(duration / step).is_whole()) {
-        diagnostics.error(at_duration,
-                          fmt::format("the duration of {} s is not a whole number of steps of {} s", duration.to_string(), step.to_string()));
+        diagnostics.error(at_duration, fmt::format("the duration of {} s is not a whole number of steps of {} s",
+                                                   duration.to_string(), step.to_string()));
     }
     if (s.quantum_s() < Rational{2, 1'000'000'000}) {
-        diagnostics.error(clock->where, fmt::format("step and tick have only {} s in common", s.quantum_s().to_string()),
+        diagnostics.error(clock->where,
+                          fmt::format("step and tick have only {} s in common", s.quantum_s().to_string()),
                           "time stamps are exact down to 2 ns");
     }
     for (sim::Event const& event : s.events) {
@@ -167,18 +173,19 @@ std::vector<std::string> qos_roles() {
 void check_programs(Scenario const& s, Diagnostics& diagnostics) {
     check_run_on(s, diagnostics);
     for (Process const& process : s.processes) {
-        if (process.program.name != "exec" && !process.qos.empty() && !std::filesystem::exists(qos_file(process.qos.name))) {
-            auto const near = nearest_spelling(process.qos.name, qos_roles());
+        if (process.program.name != "exec" && !process.qos.empty() &&
+            !std::filesystem::exists(qos_file(process.qos.name))) {
             diagnostics.error(process.qos.where, fmt::format("there is no QoS role '{}'", process.qos.name),
-                              near ? fmt::format("did you mean '{}'?", *near)
-                                   : fmt::format("there are: {}; a role is a file of the folder qos", join(qos_roles(), ", ")),
+                              spelling_hint(process.qos.name, qos_roles()),
                               static_cast<int>(process.qos.name.size()));
         }
         if (s.clock.mode == bus::ClockMode::lockstep && process.program.name == "exec" && process.settings &&
             !process.settings->is_member() && !process.settings->writes(s, process).empty()) {
-            diagnostics.error(process.name.where,
-                              fmt::format("process '{}' writes topics, but is not a member of the lockstep clock", process.name.name),
-                              "`member: true` when it follows the protocol (docs/reference/lockstep_protocol.md), or a realtime clock");
+            diagnostics.error(
+                process.name.where,
+                fmt::format("process '{}' writes topics, but is not a member of the lockstep clock", process.name.name),
+                "`member: true` when it follows the protocol (docs/reference/lockstep_protocol.md), or a realtime "
+                "clock");
         }
     }
 }
@@ -193,17 +200,24 @@ void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
         config::Node const* written = process.node.find("interface");
         config::SourceMark const where = written == nullptr ? process.name.where : written->where;
         int const width = static_cast<int>(process.interface.size());
-        bool const raw = process.program.name == "exec" || !process.settings->sends(s, process).empty() || !process.settings->receives(s, process).empty();
+        bool const raw = process.program.name == "exec" || !process.settings->sends(s, process).empty() ||
+                         !process.settings->receives(s, process).empty();
         if (!raw || process.program.name == "gridspace-recorder") {
-            diagnostics.error(where, fmt::format("process '{}' exchanges no raw frames, and has the interface '{}'", process.name.name, process.interface),
+            diagnostics.error(where,
+                              fmt::format("process '{}' exchanges no raw frames, and has the interface '{}'",
+                                          process.name.name, process.interface),
                               "`interface:` is for devices on a process bus", width);
         } else if (s.clock.mode == bus::ClockMode::lockstep) {
-            diagnostics.error(where, fmt::format("process '{}' is on the real interface '{}', and the clock is in lockstep", process.name.name, process.interface),
+            diagnostics.error(where,
+                              fmt::format("process '{}' is on the real interface '{}', and the clock is in lockstep",
+                                          process.name.name, process.interface),
                               "nobody can wait for a real network: clock: {mode: realtime}", width);
         }
         auto const [it, first] = users.try_emplace(process.interface, &process);
         if (!first && it->second->host != process.host) {
-            diagnostics.error(where, fmt::format("the interface '{}' is in the host '{}' already, for '{}'", process.interface, it->second->host.name, it->second->name.name),
+            diagnostics.error(where,
+                              fmt::format("the interface '{}' is in the host '{}' already, for '{}'", process.interface,
+                                          it->second->host.name, it->second->name.name),
                               "an interface can be in one host only", width);
         }
     }
@@ -233,7 +247,8 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
     check_interfaces(s, diagnostics);
     check_power_flow(s, diagnostics);
     check_attacks(s, diagnostics);
-    bool const readable = std::all_of(s.processes.begin(), s.processes.end(), [](Process const& p) { return p.settings != nullptr; });
+    bool const readable =
+        std::all_of(s.processes.begin(), s.processes.end(), [](Process const& p) { return p.settings != nullptr; });
     for (Process& process : s.processes) {
         if (process.settings != nullptr) {
             process.settings->check(s, process, diagnostics);

@@ -24,8 +24,9 @@ using config::Fields;
 using config::Node;
 
 void describe_clock(Fields& f, ClockSettings& c) {
-    f.choice<bus::ClockMode>("mode", c.mode, {{"realtime", bus::ClockMode::realtime}, {"lockstep", bus::ClockMode::lockstep}},
-                             {.doc = "lockstep: the simulator waits for its members; realtime: for nobody", .required = true});
+    f.choice<bus::ClockMode>(
+        "mode", c.mode, {{"realtime", bus::ClockMode::realtime}, {"lockstep", bus::ClockMode::lockstep}},
+        {.doc = "lockstep: the simulator waits for its members; realtime: for nobody", .required = true});
     std::string speed = c.mode == bus::ClockMode::realtime ? "1" : "max";
     f.text("speed", speed, {.doc = "simulated seconds per second, or max"});
     if (speed == "max") {
@@ -46,8 +47,11 @@ void describe_clock(Fields& f, ClockSettings& c) {
     }
     f.number("member_timeout_s", c.member_timeout_s,
              {.doc = "how long a member may take for a tick before the run is stalled; 0: no limit", .min = 0});
-    f.number("start_timeout_s", c.start_timeout_s, {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
-    f.choice<bool>("scheduling", c.fifo, {{"fifo", true}, {"normal", false}}, {.doc = "realtime: processes of the chain under SCHED_FIFO where that is permitted, or as all others"});
+    f.number("start_timeout_s", c.start_timeout_s,
+             {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
+    f.choice<bool>(
+        "scheduling", c.fifo, {{"fifo", true}, {"normal", false}},
+        {.doc = "realtime: processes of the chain under SCHED_FIFO where that is permitted, or as all others"});
     std::string start_at;
     f.text("start_at", start_at, {.doc = "utc_second: real time starts on a UTC second"});
     c.start_at_utc_second = start_at == "utc_second";
@@ -65,7 +69,8 @@ void describe_record(Fields& f, RecordSettings& r) {
     }
     f.text("frames", r.frames, {.doc = "all or none"});
     std::vector<Ref> patterns;
-    f.references("signals", patterns, {.doc = "patterns of the simulator's signals that are published; all when not given"});
+    f.references("signals", patterns,
+                 {.doc = "patterns of the simulator's signals that are published; all when not given"});
     if (!patterns.empty()) {
         r.signals.clear();
     }
@@ -73,7 +78,8 @@ void describe_record(Fields& f, RecordSettings& r) {
         r.signals.push_back(std::move(pattern.name));
     }
     ComtradeSettings comtrade;
-    if (f.object("comtrade", {.doc = "waveform files around trips, in RUN/comtrade"}, [&](Fields& c) { describe(c, comtrade); })) {
+    if (f.object("comtrade", {.doc = "waveform files around trips, in RUN/comtrade"},
+                 [&](Fields& c) { describe(c, comtrade); })) {
         r.comtrade = std::move(comtrade);
     }
 }
@@ -82,7 +88,8 @@ void describe_process(Fields& f, Process& p) {
     f.reference("program", p.program, {.doc = "what is started", .required = true});
     f.reference("host", p.host, {.doc = "where it runs", .required = true});
     f.reference("qos", p.qos, {.doc = "role: qos/<role>.xml"});
-    f.text("run_on", p.run_on, {.doc = "native, qemu-user, qemu-system, ssh:USER@HOST:PORT, or external: somebody else starts it"});
+    f.text("run_on", p.run_on,
+           {.doc = "native, qemu-user, qemu-system, ssh:USER@HOST:PORT, or external: somebody else starts it"});
     f.object("ssh", {.doc = "how the board of `run_on: ssh:HOST` is reached"}, [&](Fields& g) { describe(g, p.ssh); });
     std::int64_t cpu = -1;
     f.integer("cpu", cpu, {.doc = "processor it is bound to", .min = 0, .max = 1023});
@@ -90,7 +97,9 @@ void describe_process(Fields& f, Process& p) {
         p.cpu = cpu;
     }
     f.text("interface", p.interface, {.doc = "a real network interface instead of the scenario's links"});
-    f.reference("link", p.link, {.doc = "the link on which it exchanges raw frames; needed where the host is plugged into several without IP"});
+    f.reference(
+        "link", p.link,
+        {.doc = "the link on which it exchanges raw frames; needed where the host is plugged into several without IP"});
     f.references("capture", p.capture, {.doc = "links whose frames are recorded"});
     std::string label;
     f.text("label", label, {.doc = "display text"});
@@ -103,19 +112,27 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
     f.text("name", s.name, {.doc = "name of the scenario", .required = true});
     f.text("description", s.description, {.doc = "what it shows"});
     f.integer("seed", s.seed, {.doc = "of everything random in the run"});
-    f.object("simulation", {.doc = "what is simulated", .required = true}, [&](Fields& g) { describe(g, s.simulation); });
-    f.object("clock", {.doc = "the simulation clock", .required = true}, [&](Fields& g) { describe_clock(g, s.clock); });
-    f.map("hosts", {.doc = "machines of the scenario: one network namespace each", .required = true}, [&](Ref const& name, Fields& h) {
-        Host host;
-        host.name = name;
-        h.references("links", host.links, {.doc = "switches it is plugged into"});
-        h.map("plugs", {.doc = "by link (or mgmt0, the management network): what is plugged into the switch in the place of this host"}, [&](Ref const& link, Fields& g) {
-            std::string interface;
-            g.text("interface", interface, {.doc = "a real network interface of this machine, which leads to the board", .required = true});
-            host.plugs.emplace_back(link, std::move(interface));
-        });
-        s.hosts.push_back(std::move(host));
-    });
+    f.object("simulation", {.doc = "what is simulated", .required = true},
+             [&](Fields& g) { describe(g, s.simulation); });
+    f.object("clock", {.doc = "the simulation clock", .required = true},
+             [&](Fields& g) { describe_clock(g, s.clock); });
+    f.map("hosts", {.doc = "machines of the scenario: one network namespace each", .required = true},
+          [&](Ref const& name, Fields& h) {
+              Host host;
+              host.name = name;
+              h.references("links", host.links, {.doc = "switches it is plugged into"});
+              h.map("plugs",
+                    {.doc = "by link (or mgmt0, the management network): what is plugged into the switch in the place "
+                            "of this host"},
+                    [&](Ref const& link, Fields& g) {
+                        std::string interface;
+                        g.text("interface", interface,
+                               {.doc = "a real network interface of this machine, which leads to the board",
+                                .required = true});
+                        host.plugs.emplace_back(link, std::move(interface));
+                    });
+              s.hosts.push_back(std::move(host));
+          });
     f.map("links", {.doc = "Ethernet switches"}, [&](Ref const& name, Fields& l) {
         Link link;
         link.name = name;
@@ -125,11 +142,13 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
             l.error("kind", fmt::format("link '{}' is a '{}'", name.name, kind), "expected switch");
         }
         l.text("ipv4", link.ipv4, {.doc = "addresses on it, for example 10.10.0.0/24; none: no IP"});
-        l.number("delay_us", link.delay_us, {.doc = "0: a switch does not delay; cables do, see `impairments`", .min = 0});
+        l.number("delay_us", link.delay_us,
+                 {.doc = "0: a switch does not delay; cables do, see `impairments`", .min = 0});
         if (link.delay_us > 0) {
             l.error("delay_us", fmt::format("the switch '{}' cannot delay frames", name.name),
-                    fmt::format("delay the cables: `impairments: {{slow: {{place: {{between: [HOST, {}]}}, delay_us: {}}}}}`", name.name,
-                                shortest(link.delay_us)));
+                    fmt::format(
+                        "delay the cables: `impairments: {{slow: {{place: {{between: [HOST, {}]}}, delay_us: {}}}}}`",
+                        name.name, shortest(link.delay_us)));
         }
         s.links.push_back(std::move(link));
     });
@@ -146,9 +165,8 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
                 process.qos = {std::string{program->default_role}, name.where};
             }
         } else if (!process.program.empty()) {
-            auto const near = nearest_spelling(process.program.name, program_names());
             p.error("program", fmt::format("process '{}': there is no program '{}'", name.name, process.program.name),
-                    near ? fmt::format("did you mean '{}'?", *near) : fmt::format("there are: {}", join(program_names(), ", ")));
+                    spelling_hint(process.program.name, program_names()));
             Node rest;
             for (Node::Entry const& entry : process.node.entries) {
                 p.raw(entry.key, rest); // its own keys cannot be judged
@@ -158,15 +176,19 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
     });
     describe_events(f, s.events);
     Published published; // read again by the report, from the resolved scenario
-    f.object("published", {.doc = "what a publication says about the same study: shown beside the results"}, [&](Fields& p) { describe(p, published); });
+    f.object("published", {.doc = "what a publication says about the same study: shown beside the results"},
+             [&](Fields& p) { describe(p, published); });
     f.object("record", {.doc = "what is recorded"}, [&](Fields& r) { describe_record(r, s.record); });
     std::vector<Ref> notes;
     f.references("notes", notes, {.doc = "assumptions taken, shown in the report"});
     Node streams;
     f.raw("streams", streams, {.doc = "SMV and GOOSE streams"});
     s.streams = streams::read_streams(streams, diagnostics);
-    f.map("impairments", {.doc = "bad cables, by name; each is a process of the program gridspace-link on a host of its own"},
-          [&](Ref const&, Fields& i) { (void)read_link(i); }); // for the schema: they have become processes before they are read
+    f.map("impairments",
+          {.doc = "bad cables, by name; each is a process of the program gridspace-link on a host of its own"},
+          [&](Ref const&, Fields& i) {
+              (void)read_link(i);
+          }); // for the schema: they have become processes before they are read
     attacker::describe_attacks(f, s.attacks);
     f.raw("expect", s.expect, {.doc = "what must hold for the run to pass"});
 }
@@ -180,9 +202,9 @@ void apply_defaults(Node& root, Diagnostics& diagnostics) {
     }
     for (Node::Entry const& entry : defaults->entries) {
         if (find_program(entry.key) == nullptr) {
-            auto const near = nearest_spelling(entry.key, program_names());
-            diagnostics.error(entry.where, fmt::format("defaults for the program '{}', which does not exist", entry.key),
-                              near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(entry.key.size()));
+            diagnostics.error(entry.where,
+                              fmt::format("defaults for the program '{}', which does not exist", entry.key),
+                              did_you_mean(entry.key, program_names()), static_cast<int>(entry.key.size()));
         }
     }
     for (Node::Entry& process : processes->entries) {
@@ -207,7 +229,8 @@ void apply_options(Node& root, LoadOptions const& options, Diagnostics& diagnost
         Diagnostics own;
         config::apply_set(root, path + "=" + value, 0, own);
         if (!own.ok()) {
-            diagnostics.error({config::make_source(name, value), 0, 0}, fmt::format("{} {} is not understood", name, value));
+            diagnostics.error({config::make_source(name, value), 0, 0},
+                              fmt::format("{} {} is not understood", name, value));
         }
     };
     if (options.speed) {
@@ -239,12 +262,14 @@ void describe_scenario_keys(config::Fields& fields) {
 }
 
 Process const* Scenario::find_process(std::string_view process) const {
-    auto const it = std::find_if(processes.begin(), processes.end(), [&](Process const& p) { return p.name.name == process; });
+    auto const it =
+        std::find_if(processes.begin(), processes.end(), [&](Process const& p) { return p.name.name == process; });
     return it == processes.end() ? nullptr : &*it;
 }
 
 Process const* Scenario::simulator() const {
-    auto const it = std::find_if(processes.begin(), processes.end(), [](Process const& p) { return p.program.name == "gridspace-sim"; });
+    auto const it = std::find_if(processes.begin(), processes.end(),
+                                 [](Process const& p) { return p.program.name == "gridspace-sim"; });
     return it == processes.end() ? nullptr : &*it;
 }
 
@@ -262,7 +287,9 @@ Rational Scenario::tick_s() const {
     return simulation.step_s;
 }
 
-Rational Scenario::quantum_s() const { return common_divisor(simulation.step_s, tick_s()); }
+Rational Scenario::quantum_s() const {
+    return common_divisor(simulation.step_s, tick_s());
+}
 
 std::vector<sim::Event> process_events(Scenario const& scenario) {
     std::vector<sim::Event> out;
@@ -275,7 +302,8 @@ std::vector<sim::Event> process_events(Scenario const& scenario) {
     return out;
 }
 
-std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadOptions const& options, Diagnostics& diagnostics) {
+std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadOptions const& options,
+                                        Diagnostics& diagnostics) {
     auto root = config::load_extended(file, diagnostics);
     if (!root) {
         return nullptr;
@@ -290,7 +318,8 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     auto scenario = std::make_unique<Scenario>();
     scenario->file = file;
     scenario->allow_attacks_on = options.allow_attacks_on;
-    config::read_fields(*root, "", diagnostics, [&](Fields& f) { describe_scenario(f, *scenario, *root, diagnostics); });
+    config::read_fields(*root, "", diagnostics,
+                        [&](Fields& f) { describe_scenario(f, *scenario, *root, diagnostics); });
     scenario->resolved = std::move(*root);
     scenario->resolved.erase("defaults"); // they are in the processes now
     if (!scenario->simulation.network.empty()) {

@@ -31,7 +31,8 @@ Stream const* must_be_stream(Scenario const& s, Ref const& ref, Kind kind, Diagn
 }
 
 /// The members of the data set must exist, and be numbers or a Boolean.
-void must_have_member(Stream const* stream, std::string const& member, Ref const& at, bool boolean, Diagnostics& diagnostics) {
+void must_have_member(Stream const* stream, std::string const& member, Ref const& at, bool boolean,
+                      Diagnostics& diagnostics) {
     if (stream == nullptr) {
         return;
     }
@@ -42,16 +43,16 @@ void must_have_member(Stream const* stream, std::string const& member, Ref const
             return;
         }
         if (leaf.name == member) {
-            diagnostics.error(at.where, fmt::format("member '{}' of stream '{}' is of type {}", member, stream->name.name, iec61850::type_name(leaf.type)),
+            diagnostics.error(at.where,
+                              fmt::format("member '{}' of stream '{}' is of type {}", member, stream->name.name,
+                                          iec61850::type_name(leaf.type)),
                               boolean ? "expected boolean" : "expected a number", static_cast<int>(at.name.size()));
             return;
         }
         names.push_back(leaf.name);
     }
-    auto const near = nearest_spelling(member, names);
     diagnostics.error(at.where, fmt::format("stream '{}' has no member '{}'", stream->name.name, member),
-                      near ? fmt::format("did you mean '{}'?", *near) : fmt::format("there are: {}", join(names, ", ")),
-                      static_cast<int>(at.name.size()));
+                      spelling_hint(member, names), static_cast<int>(at.name.size()));
 }
 
 WireUse use_of(Scenario const& s, Process const& process, Ref const& stream) {
@@ -92,9 +93,11 @@ class MergingUnitSettings final : public ProcessSettings {
         auto const sampled = sim::read_sampling(s.simulation.sampling, diagnostics).rate_hz;
         if (stream != nullptr && stream->rate_hz != sampled) {
             diagnostics.error(config_.to.where,
-                              fmt::format("process '{}' sends '{}' at {} Hz, and the simulator samples at {} Hz", process.name.name,
-                                          config_.to.name, stream->rate_hz.to_string(), sampled.to_string()),
-                              "make rate_hz of the stream and of simulation.sampling the same", static_cast<int>(config_.to.name.size()));
+                              fmt::format("process '{}' sends '{}' at {} Hz, and the simulator samples at {} Hz",
+                                          process.name.name, config_.to.name, stream->rate_hz.to_string(),
+                                          sampled.to_string()),
+                              "make rate_hz of the stream and of simulation.sampling the same",
+                              static_cast<int>(config_.to.name.size()));
         }
     }
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
@@ -134,7 +137,8 @@ class BreakerSettings final : public ProcessSettings {
     explicit BreakerSettings(Fields& f) { describe(f, config_); }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         check_raw_link(s, process, diagnostics);
-        must_have_member(must_be_stream(s, config_.stream(), Kind::goose, diagnostics), config_.field(), config_.from, true, diagnostics);
+        must_have_member(must_be_stream(s, config_.stream(), Kind::goose, diagnostics), config_.field(), config_.from,
+                         true, diagnostics);
     }
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
         std::vector<TopicUse> out{{config_.to.name, "TripCommand"}};
@@ -147,8 +151,10 @@ class BreakerSettings final : public ProcessSettings {
     }
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
         std::string const prefix = "breaker_ied." + process.name.name + ".";
-        std::vector<SignalUse> out{
-            {prefix + "command", "", 0}, {prefix + "stream_alive", "", 0}, {prefix + "commanded_after_ms", "ms", 0}, {prefix + "effect_ms", "ms", 0}};
+        std::vector<SignalUse> out{{prefix + "command", "", 0},
+                                   {prefix + "stream_alive", "", 0},
+                                   {prefix + "commanded_after_ms", "ms", 0},
+                                   {prefix + "effect_ms", "ms", 0}};
         add_first_line_signals(process, config_.first_line, {{config_.stream().name, false}}, out);
         return out;
     }
@@ -172,9 +178,11 @@ class RelaySettings final : public ProcessSettings {
             must_have_member(from, member, config_.from_stream, false, diagnostics);
             must_have_member(to, member, config_.to_stream, false, diagnostics);
         }
-        must_have_member(must_be_stream(s, config_.trip, Kind::goose, diagnostics), config_.trip_field, config_.trip, true, diagnostics);
+        must_have_member(must_be_stream(s, config_.trip, Kind::goose, diagnostics), config_.trip_field, config_.trip,
+                         true, diagnostics);
         if (from != nullptr && to != nullptr && from->rate_hz != to->rate_hz) {
-            diagnostics.error(config_.to_stream.where, fmt::format("streams '{}' and '{}' have different rates", from->name.name, to->name.name),
+            diagnostics.error(config_.to_stream.where,
+                              fmt::format("streams '{}' and '{}' have different rates", from->name.name, to->name.name),
                               "a differential relay compares samples of one instant");
         }
         if (s.network && process.node.find("frequency_hz") == nullptr) {
@@ -182,7 +190,8 @@ class RelaySettings final : public ProcessSettings {
         }
         if (from != nullptr) {
             if (auto const params = relay::make_params(config_.logic, from->rate_hz, frequency()); !params) {
-                diagnostics.error(process.name.where, params.error().message, params.error().remedy, static_cast<int>(process.name.name.size()));
+                diagnostics.error(process.name.where, params.error().message, params.error().remedy,
+                                  static_cast<int>(process.name.name.size()));
             }
         }
         check_detector(process, from, diagnostics);
@@ -226,7 +235,8 @@ class RelaySettings final : public ProcessSettings {
         }
         out.push_back({"stream." + config_.trip.name + ".interval_ms", "ms", 0});
         out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0});
-        add_first_line_signals(process, config_.first_line, {{config_.from_stream.name, true}, {config_.to_stream.name, true}}, out);
+        add_first_line_signals(process, config_.first_line,
+                               {{config_.from_stream.name, true}, {config_.to_stream.name, true}}, out);
         if (config_.ids) {
             add_detector_signals("ids." + process.name.name + ".", out);
         }
@@ -234,7 +244,8 @@ class RelaySettings final : public ProcessSettings {
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
-        Node node = wire_process_settings(s, process, {config_.from_stream.name, config_.to_stream.name, config_.trip.name});
+        Node node =
+            wire_process_settings(s, process, {config_.from_stream.name, config_.to_stream.name, config_.trip.name});
         node.set("frequency_hz", Node::scalar(shortest(config_.frequency_hz)));
         Node positive = Node::map();
         auto const word = [](relay::Positive p) { return p == relay::Positive::from_to ? "from_to" : "into_line"; };
@@ -242,7 +253,8 @@ class RelaySettings final : public ProcessSettings {
         positive.set("to", Node::scalar(word(config_.to_positive)));
         node.set("positive", std::move(positive));
         if (Node* detector = node.find("ids"); detector != nullptr && config_.ids) {
-            detector->set("model", Node::quoted_text(std::filesystem::absolute(config_.ids->model).lexically_normal().string()));
+            detector->set("model",
+                          Node::quoted_text(std::filesystem::absolute(config_.ids->model).lexically_normal().string()));
         }
         return node;
     }
@@ -262,13 +274,17 @@ class RelaySettings final : public ProcessSettings {
         Node const* written = section == nullptr ? nullptr : section->find("model");
         auto const where = written == nullptr ? process.name.where : written->where;
         auto const complain = [&](Error const& error) {
-            diagnostics.error(where, error.message, error.remedy, written == nullptr ? 1 : static_cast<int>(written->text.size()));
+            diagnostics.error(where, error.message, error.remedy,
+                              written == nullptr ? 1 : static_cast<int>(written->text.size()));
         };
         auto const model = ids::load_model(config_.ids->model);
         if (!model) {
             complain(model.error());
-        } else if (stream != nullptr && (config_.ids->nominal_peak_a > 0 || config_.ids->of == Of::instantaneous || config_.ids->of == Of::running_peak)) {
-            if (auto const params = ids::make_detector_params(*config_.ids, *model, stream->rate_hz.to_double(), config_.frequency_hz); !params) {
+        } else if (stream != nullptr && (config_.ids->nominal_peak_a > 0 || config_.ids->of == Of::instantaneous ||
+                                         config_.ids->of == Of::running_peak)) {
+            if (auto const params =
+                    ids::make_detector_params(*config_.ids, *model, stream->rate_hz.to_double(), config_.frequency_hz);
+                !params) {
                 complain(params.error());
             }
         }
@@ -292,7 +308,8 @@ class RelaySettings final : public ProcessSettings {
             }
         }
         if (!config_.ids->verdicts.empty()) {
-            for (char const* name : {"false_trips", "false_trips_without", "real_faults", "real_faults_tripped", "false_alarms"}) {
+            for (char const* name :
+                 {"false_trips", "false_trips_without", "real_faults", "real_faults_tripped", "false_alarms"}) {
                 out.push_back({prefix + name, "", 0});
             }
             out.push_back({prefix + "real_fault_trip_added_ms", "ms", 0});
@@ -302,8 +319,8 @@ class RelaySettings final : public ProcessSettings {
         }
     }
 
-    /// Which way the transformer behind a stream counts: stream <- merging unit <- topic <- transformer. Nothing when the
-    /// stream comes from somebody else's device.
+    /// Which way the transformer behind a stream counts: stream <- merging unit <- topic <- transformer. Nothing when
+    /// the stream comes from somebody else's device.
     static std::optional<relay::Positive> polarity(Scenario const& s, Ref const& stream) {
         Diagnostics ignored; // reported elsewhere
         auto const gateways = sim::read_gateways(s.simulation.gateways, ignored);
@@ -318,7 +335,8 @@ class RelaySettings final : public ProcessSettings {
                         continue;
                     }
                     if (sim::Ct const* ct = sim::find(s.network->cts, publish.transformer.name)) {
-                        return ct->positive == sim::CtPolarity::from_to ? relay::Positive::from_to : relay::Positive::into_line;
+                        return ct->positive == sim::CtPolarity::from_to ? relay::Positive::from_to
+                                                                        : relay::Positive::into_line;
                     }
                 }
             }
@@ -364,8 +382,14 @@ Node wire_process_settings(Scenario const& s, Process const& process, std::vecto
     return node;
 }
 
-std::unique_ptr<ProcessSettings> read_merging_unit(Fields& f) { return std::make_unique<MergingUnitSettings>(f); }
-std::unique_ptr<ProcessSettings> read_breaker(Fields& f) { return std::make_unique<BreakerSettings>(f); }
-std::unique_ptr<ProcessSettings> read_relay(Fields& f) { return std::make_unique<RelaySettings>(f); }
+std::unique_ptr<ProcessSettings> read_merging_unit(Fields& f) {
+    return std::make_unique<MergingUnitSettings>(f);
+}
+std::unique_ptr<ProcessSettings> read_breaker(Fields& f) {
+    return std::make_unique<BreakerSettings>(f);
+}
+std::unique_ptr<ProcessSettings> read_relay(Fields& f) {
+    return std::make_unique<RelaySettings>(f);
+}
 
 } // namespace gridspace::launcher

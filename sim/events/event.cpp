@@ -161,11 +161,7 @@ void check_set(Event const& e, Ref const& path, Network const& n, bool waveform,
     }
     std::vector<std::string> const parts = split(path.name, '.');
     auto const wrong = [&](std::string message, std::string const& word, std::vector<std::string> const& words) {
-        auto const near = nearest_spelling(word, words);
-        diagnostics.error(path.where, std::move(message),
-                          near            ? fmt::format("did you mean '{}'?", *near)
-                          : words.empty() ? "the network has none"
-                                          : fmt::format("there are: {}", join(words, ", ")),
+        diagnostics.error(path.where, std::move(message), spelling_hint(word, words, "the network has none"),
                           static_cast<int>(path.name.size()));
     };
     if (parts.size() != 3) {
@@ -221,10 +217,10 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
         for (auto const& element : elements) {
             names.push_back(element.name.name);
         }
-        auto const near = nearest_spelling(ref.name, names);
         diagnostics.error(
             ref.where, fmt::format("event '{}' names the {} '{}', which does not exist", e.name.name, kind, ref.name),
-            near ? fmt::format("did you mean '{}'?", *near) : "", static_cast<int>(ref.name.size()));
+            spelling_hint(ref.name, names, fmt::format("the network has no {}", kind)),
+            static_cast<int>(ref.name.size()));
     };
     for (Event const& e : events) {
         for (Ref const& b : e.open) {

@@ -16,8 +16,11 @@ using config::Node;
 
 /// A topic is spelled like an identifier: other DDS vendors refuse anything else.
 void check_topic(Ref const& topic, Diagnostics& diagnostics) {
-    auto const plain = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
-    if (topic.empty() || !std::all_of(topic.name.begin(), topic.name.end(), plain) || (topic.name[0] >= '0' && topic.name[0] <= '9')) {
+    auto const plain = [](char c) {
+        return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+    };
+    if (topic.empty() || !std::all_of(topic.name.begin(), topic.name.end(), plain) ||
+        (topic.name[0] >= '0' && topic.name[0] <= '9')) {
         diagnostics.error(topic.where, fmt::format("'{}' is not a topic name", topic.name),
                           "letters, digits and _, not beginning with a digit: every DDS implementation accepts those",
                           static_cast<int>(topic.name.size()));
@@ -31,7 +34,8 @@ void topics_of(Node const* node, std::string const& what, Diagnostics& diagnosti
         return;
     }
     if (!node->is_map()) {
-        diagnostics.error(node->where, fmt::format("{} is {}", what, config::describe(*node)), "expected a map from topic names");
+        diagnostics.error(node->where, fmt::format("{} is {}", what, config::describe(*node)),
+                          "expected a map from topic names");
         return;
     }
     for (Node::Entry const& entry : node->entries) {
@@ -46,7 +50,9 @@ void topics_of(Node const* node, std::string const& what, Diagnostics& diagnosti
 void describe(config::Fields& f, SamplingConfig& s) {
     f.fraction("rate_hz", s.rate_hz, {.doc = "samples per second of every current transformer", .above = 0});
     f.integer("samples_per_message", s.samples_per_message,
-              {.doc = "consecutive samples in one DDS message: fewer messages, and the oldest is older", .min = 1, .max = 64});
+              {.doc = "consecutive samples in one DDS message: fewer messages, and the oldest is older",
+               .min = 1,
+               .max = 64});
 }
 
 SamplingConfig read_sampling(Node const& sampling, Diagnostics& diagnostics) {
@@ -66,12 +72,14 @@ GatewaysConfig read_gateways(Node const& gateways, Diagnostics& diagnostics) {
         out.per_bus = gateways.text == "per_bus";
         if (!out.per_bus) {
             diagnostics.error(gateways.where, fmt::format("gateways is '{}'", gateways.text),
-                              "expected per_bus, or a map of gateways with `publish` and `subscribe`", static_cast<int>(gateways.text.size()));
+                              "expected per_bus, or a map of gateways with `publish` and `subscribe`",
+                              static_cast<int>(gateways.text.size()));
         }
         return out;
     }
     if (!gateways.is_map()) {
-        diagnostics.error(gateways.where, fmt::format("gateways is {}", config::describe(gateways)), "expected per_bus, or a map of gateways");
+        diagnostics.error(gateways.where, fmt::format("gateways is {}", config::describe(gateways)),
+                          "expected per_bus, or a map of gateways");
         return out;
     }
     for (Node::Entry const& entry : gateways.entries) {
@@ -87,28 +95,31 @@ GatewaysConfig read_gateways(Node const& gateways, Diagnostics& diagnostics) {
             f.raw("publish", publish, {.doc = "DDS topic: current transformer"});
             f.raw("subscribe", subscribe, {.doc = "DDS topic: breakers that a trip command on it opens"});
         });
-        topics_of(&publish, fmt::format("`publish` of gateway '{}'", entry.key), diagnostics, [&](Ref const& topic, Node const& value) {
-            if (value.is_scalar()) {
-                gateway.publish.push_back({topic, {value.text, value.where}});
-            } else {
-                diagnostics.error(topic.where, fmt::format("topic '{}' publishes {}", topic.name, config::describe(value)),
-                                  "expected the name of a current transformer", static_cast<int>(topic.name.size()));
-            }
-        });
-        topics_of(&subscribe, fmt::format("`subscribe` of gateway '{}'", entry.key), diagnostics, [&](Ref const& topic, Node const& value) {
-            LineGatewayConfig::Subscribe subscription{topic, {}};
-            if (value.is_scalar()) {
-                subscription.breakers.push_back({value.text, value.where});
-            }
-            for (Node const& item : value.items) {
-                subscription.breakers.push_back({item.text, item.where});
-            }
-            if (subscription.breakers.empty()) {
-                diagnostics.error(topic.where, fmt::format("topic '{}' opens no breaker", topic.name), "expected a list of breakers",
-                                  static_cast<int>(topic.name.size()));
-            }
-            gateway.subscribe.push_back(std::move(subscription));
-        });
+        topics_of(&publish, fmt::format("`publish` of gateway '{}'", entry.key), diagnostics,
+                  [&](Ref const& topic, Node const& value) {
+                      if (value.is_scalar()) {
+                          gateway.publish.push_back({topic, {value.text, value.where}});
+                      } else {
+                          diagnostics.error(
+                              topic.where, fmt::format("topic '{}' publishes {}", topic.name, config::describe(value)),
+                              "expected the name of a current transformer", static_cast<int>(topic.name.size()));
+                      }
+                  });
+        topics_of(&subscribe, fmt::format("`subscribe` of gateway '{}'", entry.key), diagnostics,
+                  [&](Ref const& topic, Node const& value) {
+                      LineGatewayConfig::Subscribe subscription{topic, {}};
+                      if (value.is_scalar()) {
+                          subscription.breakers.push_back({value.text, value.where});
+                      }
+                      for (Node const& item : value.items) {
+                          subscription.breakers.push_back({item.text, item.where});
+                      }
+                      if (subscription.breakers.empty()) {
+                          diagnostics.error(topic.where, fmt::format("topic '{}' opens no breaker", topic.name),
+                                            "expected a list of breakers", static_cast<int>(topic.name.size()));
+                      }
+                      gateway.subscribe.push_back(std::move(subscription));
+                  });
         out.lines.push_back(std::move(gateway));
     }
     return out;
@@ -123,12 +134,11 @@ void check_gateways(GatewaysConfig const& gateways, Network const& network, Diag
         for (auto const& element : elements) {
             names.push_back(element.name.name);
         }
-        auto const near = nearest_spelling(ref.name, names);
-        diagnostics.error(ref.where, fmt::format("gateway '{}' names the {} '{}', which does not exist", gateway.name, kind, ref.name),
-                          near            ? fmt::format("did you mean '{}'?", *near)
-                          : names.empty() ? fmt::format("the network has no {}", kind)
-                                          : fmt::format("there are: {}", join(names, ", ")),
-                          static_cast<int>(ref.name.size()));
+        diagnostics.error(
+            ref.where,
+            fmt::format("gateway '{}' names the {} '{}', which does not exist", gateway.name, kind, ref.name),
+            spelling_hint(ref.name, names, fmt::format("the network has no {}", kind)),
+            static_cast<int>(ref.name.size()));
     };
     std::map<std::string, Ref> published;
     for (LineGatewayConfig const& gateway : gateways.lines) {
@@ -136,7 +146,8 @@ void check_gateways(GatewaysConfig const& gateways, Network const& network, Diag
             must(network.cts, p.transformer, gateway.name, "current transformer");
             if (auto const [it, added] = published.try_emplace(p.topic.name, gateway.name); !added) {
                 diagnostics.error(p.topic.where,
-                                  fmt::format("topic '{}' is published by the gateways '{}' and '{}'", p.topic.name, it->second.name, gateway.name.name),
+                                  fmt::format("topic '{}' is published by the gateways '{}' and '{}'", p.topic.name,
+                                              it->second.name, gateway.name.name),
                                   "one of them needs another name", static_cast<int>(p.topic.name.size()));
             }
         }

@@ -31,11 +31,7 @@ bool must_exist(std::vector<T> const& elements, Ref const& ref, std::string_view
     for (T const& element : elements) {
         names.push_back(element.name.name);
     }
-    auto const near = nearest_spelling(ref.name, names);
-    std::string const hint = near                 ? fmt::format("did you mean '{}'?", *near)
-                             : names.empty()      ? fmt::format("the network has no {}", kind)
-                             : names.size() <= 12 ? fmt::format("there are: {}", join(names, ", "))
-                                                  : "";
+    std::string const hint = spelling_hint(ref.name, names, fmt::format("the network has no {}", kind));
     diagnostics.error(ref.where, fmt::format("{} names the {} '{}', which does not exist", owner, kind, ref.name), hint,
                       width(ref));
     return false;
