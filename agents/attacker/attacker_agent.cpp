@@ -181,11 +181,11 @@ class AttackerAgent {
             interfaces.insert(interfaces.end(), {cut_in.host_interface, cut_in.switch_interface});
         }
         for (std::string const& interface : interfaces) {
-            std::string const driver = ethernet::interface_driver(interface);
-            if (driver != "veth" && interface != settings_.own.allow_attacks_on) {
+            std::string const kind = ethernet::interface_kind(interface);
+            if (kind != "veth" && interface != settings_.own.allow_attacks_on) {
                 return fail(
                     ExitCode::usage,
-                    fmt::format("'{}' is not a virtual cable ({})", interface, driver.empty() ? "unknown" : driver),
+                    fmt::format("'{}' is not a virtual cable ({})", interface, kind.empty() ? "unknown" : kind),
                     fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
                                 interface));
             }

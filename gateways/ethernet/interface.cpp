@@ -10,8 +10,6 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
-#include <linux/ethtool.h>
-#include <linux/sockios.h>
 #include <net/if.h>
 #include <sstream>
 #include <sys/ioctl.h>
@@ -72,22 +70,6 @@ Result<iec61850::Mac> interface_mac(std::string const& interface) {
     iec61850::Mac mac;
     std::copy_n(reinterpret_cast<std::uint8_t const*>(request.ifr_hwaddr.sa_data), 6, mac.octets.begin());
     return mac;
-}
-
-std::string interface_driver(std::string const& interface) {
-    if (!fits(interface)) {
-        return {};
-    }
-    ethtool_drvinfo info{};
-    info.cmd = ETHTOOL_GDRVINFO;
-    ifreq request{};
-    std::memcpy(request.ifr_name, interface.c_str(), interface.size() + 1);
-    request.ifr_data = reinterpret_cast<char*>(&info);
-    UniqueFd const socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
-    if (!socket || ::ioctl(socket.get(), SIOCETHTOOL, &request) != 0) {
-        return {};
-    }
-    return {info.driver, ::strnlen(info.driver, sizeof info.driver)};
 }
 
 std::optional<std::uint64_t> interface_received(std::string const& interface) {

@@ -28,7 +28,7 @@ enum class LinkState : std::uint8_t {
 [[nodiscard]] std::vector<std::string> interfaces();
 /// Frames of any kind that the interface has received since it was made; nothing when the kernel does not say.
 [[nodiscard]] std::optional<std::uint64_t> interface_received(std::string const& interface);
-/// "veth", "e1000e", ...; empty when it does not say.
-[[nodiscard]] std::string interface_driver(std::string const& interface);
+/// "veth", "bridge", ... of a virtual one, the driver ("e1000e") of another; empty when the kernel does not say.
+[[nodiscard]] std::string interface_kind(std::string const& interface);
 
 } // namespace gridspace::ethernet

@@ -4,17 +4,13 @@
 // gridspace play RUN: gridspace-player takes the place of this process.
 #include "launcher/cli/play_verb.hpp"
 
+#include "launcher/cli/become.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/play/play_options.hpp"
-#include "launcher/run/installation.hpp"
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <fmt/format.h>
 #include <memory>
-#include <unistd.h>
 
 namespace gridspace::cli {
 namespace {
@@ -31,21 +27,7 @@ int play(play::PlayOptions options) {
                                    : "give a run folder, its data.mcap, or latest"});
     }
     options.run = folder;
-    std::string const program = launcher::program_file("gridspace-player").string();
-    std::vector<std::string> words{program, "--qos", launcher::qos_file("player").string()};
-    for (std::string& word : to_words(options)) {
-        words.push_back(std::move(word));
-    }
-    std::vector<char*> argv;
-    for (std::string& word : words) {
-        argv.push_back(word.data());
-    }
-    argv.push_back(nullptr);
-    ::setenv("SKIP_DEFAULT_XML_FILE", "1", 1); // a stray Fast DDS profile file must not change what it does
-    ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
-    ::execv(program.c_str(), argv.data());
-    return print_error({ExitCode::environment, fmt::format("cannot start '{}': {}", program, std::strerror(errno)),
-                        "is Gridspace built completely?"});
+    return become("gridspace-player", "player", to_words(options));
 }
 
 } // namespace

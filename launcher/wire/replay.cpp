@@ -57,13 +57,13 @@ Result<void> check_attack_allowed(std::string const& interface, std::string cons
     if (auto const index = ethernet::interface_index(interface); !index) {
         return std::unexpected{index.error()};
     }
-    std::string const driver = ethernet::interface_driver(interface);
-    if (driver == "veth" || interface == "lo") {
+    std::string const kind = ethernet::interface_kind(interface);
+    if (kind == "veth" || interface == "lo") {
         return {};
     }
     return fail(ExitCode::usage,
                 fmt::format("'{}' is not a virtual cable{}", interface,
-                            driver.empty() ? "" : fmt::format(" (its driver is {})", driver)),
+                            kind.empty() ? "" : fmt::format(" ({})", kind)),
                 fmt::format("replayed frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
                             interface));
 }

@@ -300,6 +300,15 @@ TEST_F(PortErrors, NamesAnInterfaceThatDoesNotExist) {
     }
 }
 
+TEST_F(PortErrors, KnowsAVirtualCableFromAnythingElse) {
+    EXPECT_EQ(interface_kind("left"), "veth");
+    ip("link add bridge type bridge");
+    EXPECT_EQ(interface_kind("bridge"), "bridge");
+    EXPECT_EQ(interface_kind("lo"), "");
+    EXPECT_EQ(interface_kind("absent"), "");
+    EXPECT_EQ(interface_kind(std::string(4096, 'x')), "");
+}
+
 TEST_F(PortErrors, NamesTheCapabilityAndTheCommandThatGrantsIt) {
     int result[2];
     ASSERT_EQ(::pipe(result), 0);

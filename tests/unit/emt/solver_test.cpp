@@ -3,31 +3,12 @@
 //
 // The solver on circuits with exact solutions.
 #include "sim/emt/solver.hpp"
+#include "tests/support/allocations.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <new>
 #include <numbers>
-
-namespace {
-std::size_t allocations = 0;
-}
-// Counts what the whole program allocates: a step must not.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* p = std::malloc(size)) {
-        return p;
-    }
-    throw std::bad_alloc{};
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-    std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
-    std::free(p);
-}
 
 namespace gridspace::sim::emt {
 namespace {
@@ -253,17 +234,17 @@ TEST(Solver, AStepAllocatesNothing) {
     Solver sut{ladder.c, kStep};
     ASSERT_TRUE(sut.start({}).has_value());
     run(sut, 10);
-    std::size_t const before = allocations;
+    std::size_t const before = allocations();
     bool fine = true;
     for (int k = 0; k < 1000; ++k) {
         fine = sut.advance(sut.t() + kStep, kStep).has_value() && fine;
     }
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(allocations(), before);
     EXPECT_TRUE(fine);
-    std::size_t const at_event = allocations;
+    std::size_t const at_event = allocations();
     sut.open_switch(0);
     run(sut, 800);
-    EXPECT_GT(allocations, at_event); // negative control: events may, and the counter counts
+    EXPECT_GT(allocations(), at_event); // negative control: events may, and the counter counts
 }
 
 TEST(Solver, TwoIdealSourcesThatASwitchJoinsAreAnError) {

@@ -3,32 +3,8 @@
 //
 // A step of the whole waveform engine allocates nothing, with every kind of element in it. A program of its own: it
 // counts allocations.
+#include "tests/support/allocations.hpp"
 #include "tests/unit/emt/emt_fixture.hpp"
-
-#include <cstdlib>
-#include <new>
-
-namespace {
-std::size_t allocations = 0;
-}
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* p = std::malloc(size)) {
-        return p;
-    }
-    throw std::bad_alloc{};
-}
-// std::stable_sort asks this one: without it, its memory would be the library's, and given back to us.
-[[gnu::noinline]] void* operator new(std::size_t size, std::nothrow_t const&) noexcept {
-    ++allocations;
-    return std::malloc(size);
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-    std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
-    std::free(p);
-}
 
 namespace gridspace::sim::emt {
 namespace {
@@ -50,9 +26,9 @@ std::size_t allocations_of_steps(Network network) {
         }
     };
     run(0, 100);
-    std::size_t const before = allocations;
+    std::size_t const before = allocations();
     run(100, 1100);
-    std::size_t const counted = allocations - before;
+    std::size_t const counted = allocations() - before;
     EXPECT_TRUE(fine);
     EXPECT_NE(sum, 0);
     return counted;
@@ -86,10 +62,10 @@ TEST(EmtEngineStep, AllocatesNothingWithConvertersWavesCoresAndFilters) {
 TEST(EmtEngineStep, AnEventIsCounted) { // negative control
     auto const sut = started(shipped_network("adn_set_a.yaml"), kBase, Rational{1, 48000});
     advance(*sut, SimTime{1});
-    std::size_t const before = allocations;
+    std::size_t const before = allocations();
     apply(*sut, ApplyFault{"TL2", "", 50, FaultType::three_phase_ground, 0.01, "f"});
     advance(*sut, SimTime{2});
-    EXPECT_GT(allocations, before);
+    EXPECT_GT(allocations(), before);
 }
 
 } // namespace

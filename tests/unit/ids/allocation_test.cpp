@@ -7,29 +7,11 @@
 #include "agents/relay/line_relay.hpp"
 #include "ids/data/synthetic.hpp"
 #include "ids/detector/line_detector.hpp"
+#include "tests/support/allocations.hpp"
 
 #include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <new>
-
-namespace {
-std::size_t allocations = 0;
-} // namespace
-
-void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* const p = std::malloc(size)) {
-        return p;
-    }
-    throw std::bad_alloc{};
-}
-void operator delete(void* p) noexcept {
-    std::free(p);
-}
-void operator delete(void* p, std::size_t) noexcept {
-    std::free(p);
-}
+#include <memory>
+#include <string>
 
 namespace gridspace::ids {
 namespace {
@@ -51,7 +33,7 @@ TEST(HotPath, DetectorRelayAndAttackDoNotAllocatePerSample) {
             a.from = 500;
             a.until = 800;
             attacker::SampleAttack attack = *attacker::SampleAttack::create(a, 1);
-            std::size_t const before = allocations;
+            std::size_t const before = allocations();
             for (std::size_t k = 0; k < w.size(); ++k) {
                 auto const index = static_cast<std::int64_t>(k);
                 LineVerdict const& v = detector.step(index, {attack.apply(index, w.from[k]).sent_a, k % 97 != 0},
@@ -63,12 +45,10 @@ TEST(HotPath, DetectorRelayAndAttackDoNotAllocatePerSample) {
                 s.to.present = true;
                 relay.step(s, {v.granted});
             }
-            EXPECT_EQ(allocations - before, 0U) << static_cast<int>(mode);
+            EXPECT_EQ(allocations() - before, 0U) << static_cast<int>(mode);
         }
     }
-    std::size_t const before = allocations; // the counter counts
-    delete new int{1};
-    EXPECT_GE(allocations - before, 1U);
+    EXPECT_GT(allocations_of([] { auto const p = std::make_unique<std::string>(100, 'x'); }), 0U); // the counter counts
 }
 
 } // namespace

@@ -9,43 +9,16 @@
 #include "gateways/iec61850/stream_alignment.hpp"
 #include "gateways/iec61850/sv_publisher.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
+#include "tests/support/allocations.hpp"
 
-#include <cstdlib>
 #include <gtest/gtest.h>
 #include <memory>
-#include <new>
-
-namespace {
-std::uint64_t g_allocations = 0;
-} // namespace
-
-void* operator new(std::size_t size) {
-    ++g_allocations;
-    if (void* const memory = std::malloc(size == 0 ? 1 : size)) {
-        return memory;
-    }
-    throw std::bad_alloc{};
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
 
 namespace gridspace::iec61850 {
 namespace {
 
-/// Allocations while `work` runs.
-template <class Work>
-std::uint64_t allocations(Work&& work) {
-    std::uint64_t const before = g_allocations;
-    work();
-    return g_allocations - before;
-}
-
 TEST(Allocations, AreCounted) { // or the tests below could not fail
-    EXPECT_GT(allocations([] { auto const p = std::make_unique<std::string>(100, 'x'); }), 0U);
+    EXPECT_GT(allocations_of([] { auto const p = std::make_unique<std::string>(100, 'x'); }), 0U);
 }
 
 TEST(Allocations, NoneForSampledValues) {
@@ -55,7 +28,7 @@ TEST(Allocations, NoneForSampledValues) {
     s.sv_id = "MU";
     SvSubscriber subscriber{s};
     auto const alignment = std::make_unique<StreamAlignment<float>>(1'000'000, 4800);
-    EXPECT_EQ(allocations([&] {
+    EXPECT_EQ(allocations_of([&] {
                   for (std::int64_t i = 0; i < 10'000; ++i) {
                       store_float(publisher.sample(i), 0, 1.0F);
                       Octets const octets = publisher.commit();
@@ -85,7 +58,7 @@ TEST(Allocations, NoneForGooseEvenWhenItsLengthsChange) {
     GooseFrame message;
     std::string const text(40, 'x');
     publisher.start(0, 0);
-    EXPECT_EQ(allocations([&] {
+    EXPECT_EQ(allocations_of([&] {
                   for (std::int64_t i = 0; i < 10'000; ++i) {
                       publisher.set(0, Value::integer(BasicType::int32, i % 7 == 0 ? i * i : i));
                       publisher.set(1,

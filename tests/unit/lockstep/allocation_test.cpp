@@ -6,25 +6,10 @@
 #include "bus/codec.hpp"
 #include "bus/lockstep/barrier.hpp"
 #include "bus/lockstep/tick_gate.hpp"
+#include "tests/support/allocations.hpp"
 
 #include <clock.h>
-#include <cstdlib>
 #include <gtest/gtest.h>
-#include <new>
-
-namespace {
-std::size_t allocations = 0;
-}
-
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* p = std::malloc(size)) {
-        return p;
-    }
-    throw std::bad_alloc{};
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 namespace gridspace::bus {
 namespace {
@@ -101,20 +86,20 @@ TEST(ClockPath, TakesNothingFromTheHeapOnceEverybodyHasBeenHeard) {
     for (std::uint64_t k = 0; k < 100; ++k) {
         ASSERT_TRUE(sut.tick(k)) << k;
     }
-    std::size_t const before = allocations;
+    std::size_t const before = allocations();
     bool good = true;
     for (std::uint64_t k = 100; k < 10'000; ++k) {
         good = sut.tick(k) && good;
     }
-    std::size_t const after = allocations;
+    std::size_t const after = allocations();
     EXPECT_TRUE(good);
     EXPECT_EQ(after, before);
 }
 
 TEST(ClockPath, TheCounterCounts) { // the negative control
-    std::size_t const before = allocations;
+    std::size_t const before = allocations();
     auto const* volatile kept = new ClockAck;
-    EXPECT_GT(allocations, before);
+    EXPECT_GT(allocations(), before);
     delete kept;
 }
 

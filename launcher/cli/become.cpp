@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/cli/become.hpp"
+
+#include "launcher/cli/load.hpp"
+#include "launcher/run/installation.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace gridspace::cli {
+
+int become(std::string_view program, std::string_view qos_role, std::vector<std::string> arguments) {
+    std::string file = launcher::program_file(program).string();
+    std::string qos = launcher::qos_file(qos_role).string();
+    std::string qos_option = "--qos";
+    std::vector<char*> argv{file.data(), qos_option.data(), qos.data()};
+    for (std::string& word : arguments) {
+        argv.push_back(word.data());
+    }
+    argv.push_back(nullptr);
+    ::setenv("SKIP_DEFAULT_XML_FILE", "1", 1); // a stray Fast DDS profile file must not change what it does
+    ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+    ::execv(file.c_str(), argv.data());
+    return print_error({ExitCode::environment, fmt::format("cannot start '{}': {}", file, std::strerror(errno)),
+                        "is Gridspace built completely?"});
+}
+
+} // namespace gridspace::cli
