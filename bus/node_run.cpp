@@ -4,6 +4,7 @@
 // A node's life on the clock: start, next, done. Endpoints and receiving are in node.cpp.
 #include "bus/cork.hpp"
 #include "bus/deadline.hpp"
+#include "bus/effect_time.hpp"
 #include "bus/node.hpp"
 #include "bus/node_core.hpp"
 #include "bus/topics.hpp"
@@ -416,8 +417,7 @@ std::int64_t Node::start_unix_ns() const {
 }
 
 SimTime Node::effect_time(SimTime input, SimSpan latency) const {
-    // Who was paused finds inputs of ticks that are over; what it does about them, it does now.
-    return lockstep() ? std::max(input, latest_time() - core_->tick_span) + latency : latest_time();
+    return bus::effect_time(core_->config.clock.mode, input, latest_time(), core_->tick_span, latency);
 }
 
 Node::Counters Node::counters() const {

@@ -42,10 +42,11 @@ ids::SvRuleParams sv_params(double rate_hz, bool accept_test, bool judge_arrival
 }
 
 ids::GooseRuleParams goose_params(FirstLineConfig const& config, double min_time_ms, double max_time_ms,
-                                  bool accept_test) {
+                                  bool accept_test, double longest_live_ms) {
     ids::GooseRuleParams out;
     out.min_time_ms = min_time_ms;
     out.max_time_ms = max_time_ms;
+    out.longest_live_ms = longest_live_ms;
     out.test_mode = accept_test;
     out.check_clock = config.check_clock;
     return out;
@@ -109,8 +110,9 @@ SvFirstLine::Verdict SvFirstLine::judge(iec61850::FrameHeader const& header, iec
     return out;
 }
 
-GooseFirstLine::GooseFirstLine(FirstLineConfig const& config, double min_time_ms, double max_time_ms, bool accept_test)
-    : config_{config}, rules_{goose_params(config, min_time_ms, max_time_ms, accept_test)} {}
+GooseFirstLine::GooseFirstLine(FirstLineConfig const& config, double min_time_ms, double max_time_ms, bool accept_test,
+                               double longest_live_ms)
+    : config_{config}, rules_{goose_params(config, min_time_ms, max_time_ms, accept_test, longest_live_ms)} {}
 
 GooseFirstLine::Verdict GooseFirstLine::judge(iec61850::GooseFrame const& message, std::int64_t utc_ns) {
     Verdict out;

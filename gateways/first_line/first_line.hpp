@@ -59,7 +59,9 @@ class SvFirstLine {
 /// The same in front of one subscribed GOOSE control block.
 class GooseFirstLine {
   public:
-    GooseFirstLine(FirstLineConfig const& config, double min_time_ms, double max_time_ms, bool accept_test);
+    /// `longest_live_ms`: timeAllowedToLive in steady state.
+    GooseFirstLine(FirstLineConfig const& config, double min_time_ms, double max_time_ms, bool accept_test,
+                   double longest_live_ms);
 
     struct Verdict {
         bool use{true};

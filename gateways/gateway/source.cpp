@@ -117,7 +117,8 @@ class SvSource final : public Source {
   public:
     SvSource(Route& route, Sink& sink, bool lockstep)
         : Source{route, sink}, subscriber_{subscription_of(route)}, layout_{route.from_stream->data_set},
-          first_line_{route.config.first_line, route.from_stream->rate_hz.to_double(), route.config.accept_test, !lockstep} {}
+          first_line_{route.config.first_line, route.from_stream->rate_hz.to_double(), route.config.accept_test,
+                      !lockstep} {}
 
     void receive(Moment at, iec61850::SvFrame const& frame) override {
         auto const asdus = frame.view();
@@ -190,12 +191,17 @@ class SvSource final : public Source {
     SvFirstLine first_line_;
 };
 
+double longest_live_ms(streams::GooseTiming const& timing) {
+    return std::max(timing.live_factor * timing.max_time_ms, timing.live_min_ms);
+}
+
 class GooseSource final : public Source {
   public:
     GooseSource(Route& route, Sink& sink, WireClock const& clock)
         : Source{route, sink}, clock_{clock}, subscriber_{subscription_of(route)},
-          first_line_{route.config.first_line, route.from_stream->timing.min_time_ms, route.from_stream->timing.max_time_ms,
-                      route.config.accept_test} {}
+          first_line_{route.config.first_line, route.from_stream->timing.min_time_ms,
+                      route.from_stream->timing.max_time_ms, route.config.accept_test,
+                      longest_live_ms(route.from_stream->timing)} {}
 
     void receive(Moment at, iec61850::GooseFrame const& message) override {
         if (message.gocb_ref != route_.from_stream->control_block) {

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <limits>
 #include <optional>
+#include <vector>
 
 namespace gridspace::iec61850 {
 
@@ -29,20 +31,23 @@ struct AlignedPair {
 
 /// Puts the samples of two streams side by side by their counters, never by their arrival. A pair comes out when both
 /// are there; or one alone when its partner's stream is already past it, or `timeout_ns` after it came. Pairs come out
-/// in order, each index once. Samples that come later than that are counted and dropped. Allocates nothing.
-template <class T, std::size_t kCapacity = 256>
+/// in order, each index once. Samples that come later than that are counted and dropped. Allocates nothing after
+/// construction.
+template <class T>
 class StreamAlignment {
-    static_assert((kCapacity & (kCapacity - 1)) == 0);
-
   public:
     struct Counters {
         std::uint64_t pairs{0}, first_missing{0}, second_missing{0}, too_late{0}, restarts{0};
     };
 
     /// `held_back`: a pair waits until both streams are so many samples past it (or for the timeout), so that what is
-    /// said about it meanwhile, waiting(), still counts.
+    /// said about it meanwhile, waiting(), still counts. `wrap` is also the samples of a second, where counters count
+    /// those: room is made for all that comes of one stream within the timeout, and some more.
     StreamAlignment(std::int64_t timeout_ns, std::uint32_t wrap, std::int64_t held_back = 0)
-        : timeout_ns_{timeout_ns}, wrap_{wrap}, held_back_{held_back} {}
+        : timeout_ns_{timeout_ns}, wrap_{wrap}, held_back_{held_back}, slots_(capacity_for(timeout_ns, wrap)) {}
+
+    /// So many samples of one stream can wait for the other.
+    [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size(); }
 
     /// The sample of `stream` with this counter, while it has not been given out; nullptr otherwise.
     [[nodiscard]] T* waiting(std::size_t stream, std::uint16_t smp_cnt) noexcept {
@@ -50,7 +55,7 @@ class StreamAlignment {
             return nullptr;
         }
         std::int64_t const index = congruent(smp_cnt, ends_[stream].newest);
-        Slot& slot = slots_[static_cast<std::size_t>(index) & (kCapacity - 1)];
+        Slot& slot = slot_of(index);
         return slot.index == index && slot.values[stream] ? &*slot.values[stream] : nullptr;
     }
 
@@ -71,7 +76,7 @@ class StreamAlignment {
             ++counters_.restarts;
         }
         if (index < *next_) {
-            if (!emitted_ && *next_ - index < static_cast<std::int64_t>(kCapacity / 2)) {
+            if (!emitted_ && *next_ - index < static_cast<std::int64_t>(capacity() / 2)) {
                 next_ = index; // the very first pairs: the other stream was heard first, but is ahead
             } else {
                 ++counters_.too_late;
@@ -80,12 +85,12 @@ class StreamAlignment {
                 return;
             }
         }
-        if (index - *next_ >= static_cast<std::int64_t>(kCapacity)) { // far ahead of what is kept: begin anew there
+        if (index - *next_ >= static_cast<std::int64_t>(capacity())) { // far ahead of what is kept: begin anew there
             clear();
             next_ = index;
             ++counters_.restarts;
         }
-        Slot& slot = slots_[static_cast<std::size_t>(index) & (kCapacity - 1)];
+        Slot& slot = slot_of(index);
         if (slot.index != index) {
             slot = {};
             slot.index = index;
@@ -102,7 +107,7 @@ class StreamAlignment {
         if (!next_) {
             return std::nullopt;
         }
-        Slot& slot = slots_[static_cast<std::size_t>(*next_) & (kCapacity - 1)];
+        Slot& slot = slot_of(*next_);
         bool const here = slot.index == *next_;
         bool const both = here && slot.values[0] && slot.values[1] &&
                           std::min(ends_[0].newest, ends_[1].newest) - *next_ >= held_back_;
@@ -131,7 +136,7 @@ class StreamAlignment {
             return std::nullopt;
         }
         for (std::int64_t i = *next_; i <= std::max(ends_[0].newest, ends_[1].newest); ++i) {
-            Slot const& slot = slots_[static_cast<std::size_t>(i) & (kCapacity - 1)];
+            Slot const& slot = slot_of(i);
             if (slot.index == i) {
                 return slot.arrived_ns + timeout_ns_;
             }
@@ -154,6 +159,18 @@ class StreamAlignment {
         std::int64_t newest{0};
         std::uint8_t synch{0};
     };
+
+    /// A stream that is alone is given out when it has waited for the timeout; until then it must be kept.
+    [[nodiscard]] static std::size_t capacity_for(std::int64_t timeout_ns, std::uint32_t samples_per_s) noexcept {
+        auto const waiting = static_cast<double>(timeout_ns) * 1e-9 * static_cast<double>(samples_per_s);
+        return std::bit_ceil(std::max<std::size_t>(256, static_cast<std::size_t>(1.25 * waiting) + 64));
+    }
+    [[nodiscard]] Slot& slot_of(std::int64_t index) noexcept {
+        return slots_[static_cast<std::size_t>(index) & (slots_.size() - 1)];
+    }
+    [[nodiscard]] Slot const& slot_of(std::int64_t index) const noexcept {
+        return slots_[static_cast<std::size_t>(index) & (slots_.size() - 1)];
+    }
 
     [[nodiscard]] std::int64_t congruent(std::int64_t value, std::int64_t near) const noexcept {
         std::int64_t const wrap = wrap_;
@@ -183,7 +200,7 @@ class StreamAlignment {
     std::int64_t timeout_ns_;
     std::uint32_t wrap_;
     std::int64_t held_back_;
-    std::array<Slot, kCapacity> slots_{};
+    std::vector<Slot> slots_; ///< a power of two
     std::array<End, 2> ends_{};
     std::optional<std::int64_t> next_;
     bool emitted_{false};

@@ -44,7 +44,8 @@ GooseRules::Verdict GooseRules::judge(GooseFacts const& f) {
         find(f.app_id != identity_.app_id || f.vlan != identity_.vlan || f.identity_hash != identity_.identity_hash ||
                  f.conf_rev != identity_.conf_rev || f.entries != identity_.entries,
              kGooseWrongIdentity);
-        find(f.live_ms > 3 * std::max<std::uint32_t>(identity_.live_ms, 1), kGooseStretched);
+        find(f.live_ms > 3 * std::max({static_cast<double>(identity_.live_ms), params_.longest_live_ms, 1.0}),
+             kGooseStretched);
     }
     if ((out.findings & ~kHarmless) == 0) {
         if (running_) {

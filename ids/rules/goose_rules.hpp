@@ -32,7 +32,7 @@ enum GooseFinding : std::uint32_t {
     kGooseSimulated = 1U << 6U,
     kGooseCommissioning = 1U << 7U,
     kGooseFlood = 1U << 8U,         ///< more messages than the retransmission allows
-    kGooseStretched = 1U << 9U,     ///< time to live above three times the usual
+    kGooseStretched = 1U << 9U,     ///< time to live above three times the longest that is usual
     kGooseSilentChange = 1U << 10U, ///< values changed and stNum did not
 };
 inline constexpr std::size_t kGooseFindings = 11;
@@ -40,6 +40,8 @@ inline constexpr std::size_t kGooseFindings = 11;
 
 struct GooseRuleParams {
     double min_time_ms{1}, max_time_ms{1000}; ///< of the retransmission
+    double longest_live_ms{
+        0}; ///< time to live in steady state; short at first, it grows with the intervals. 0: as the first message says
     bool test_mode{false};
     bool check_clock{true}; ///< needs synchronised clocks
     int burst{16};          ///< messages that may come at once

@@ -8,7 +8,6 @@
 
 #include <charconv>
 #include <fmt/format.h>
-#include <set>
 
 namespace gridspace::play {
 namespace {
@@ -38,12 +37,10 @@ Result<FramePlayer> FramePlayer::open(std::filesystem::path const& capture, std:
         return std::unexpected{port.error()};
     }
     FramePlayer player{capture, epoch_ns, options.only, std::move(*port)};
-    std::set<std::string> points;
-    auto const scanned = player.each([&](pcapng::Frame const&, std::string const& point, std::int64_t time) {
+    auto const scanned = player.each([&](pcapng::Frame const&, std::int64_t time) {
         player.first_ns_ = player.frames_ == 0 ? time : std::min(player.first_ns_, time);
         player.last_ns_ = player.frames_ == 0 ? time : std::max(player.last_ns_, time);
         ++player.frames_;
-        points.insert(point);
         return true;
     });
     if (!scanned) {
@@ -54,11 +51,6 @@ Result<FramePlayer> FramePlayer::open(std::filesystem::path const& capture, std:
                     fmt::format("'{}' holds no GOOSE or SV frame to play{}", capture.string(),
                                 options.only.empty() ? "" : fmt::format(" of '{}'", options.only)),
                     "`gridspace info` lists what it holds");
-    }
-    if (points.size() > 1) {
-        fmt::print(stderr,
-                   "note: the capture has {} points; a frame that passed several is sent several times (--only NAME)\n",
-                   points.size());
     }
     return player;
 }
@@ -81,14 +73,15 @@ Result<void> FramePlayer::each(Handler const& handler) {
         std::uint16_t const ethertype = iec61850::ethertype_of((*frame)->octets);
         std::string const& point = reader->interfaces()[(*frame)->interface].name;
         bool const wanted = ethertype == iec61850::kSvEthertype || ethertype == iec61850::kGooseEthertype;
-        if (wanted && (only_.empty() || only_ == point) && !handler(**frame, point, simulated_ns(**frame, epoch_ns_))) {
+        bool const here = only_.empty() ? !pcapng::is_inside_a_cable(point) : only_ == point;
+        if (wanted && here && !handler(**frame, simulated_ns(**frame, epoch_ns_))) {
             return {};
         }
     }
 }
 
 Result<void> FramePlayer::play(Pace const& pace, std::int64_t from_ns, std::int64_t to_ns) {
-    return each([&](pcapng::Frame const& frame, std::string const&, std::int64_t time) {
+    return each([&](pcapng::Frame const& frame, std::int64_t time) {
         if (time >= from_ns && time <= to_ns) {
             (void)pace.wait_until(time);
             if (!wire::stopped()) {

@@ -138,6 +138,7 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
     out.is_observer = !out.is_member && !out.is_simulator;
     out.listen = process.settings->listen();
     out.interface = process.interface;
+    out.networks = process.settings->networks(scenario, process);
     out.config_file = plan.folder / "processes" / (out.name + ".yaml");
     out.log_file = plan.folder / "logs" / (out.name + ".log");
 

@@ -31,6 +31,7 @@ struct PlannedProcess {
     bool is_observer{false};              ///< ends when told to
     std::string listen;                   ///< address to serve on; the launcher opens the socket
     std::string interface;                ///< a real one, which is taken into its host for the run
+    std::vector<std::string> networks;    ///< hosts into whose networks it looks
 };
 
 /// Something that the launcher does to a process between two ticks.

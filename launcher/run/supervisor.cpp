@@ -58,6 +58,7 @@ class Supervisor {
             if (auto ok = network_.build(plan_); !ok) {
                 return finish(ok.error());
             }
+            tell_networks();
         }
         for (Watched& w : watched_) {
             if (is_external(w)) {
@@ -77,6 +78,19 @@ class Supervisor {
 
   private:
     static bool is_external(Watched const& w) { return w.plan.run_on.kind == RunOn::Kind::external; }
+
+    /// Who looks into the networks of other hosts finds them by descriptors of this process, which is process 1.
+    void tell_networks() {
+        for (Watched& w : watched_) {
+            std::string text;
+            for (std::string const& host : w.plan.networks) {
+                text += fmt::format("{}{}=/proc/1/fd/{}", text.empty() ? "" : " ", host, network_.host(host));
+            }
+            if (!text.empty()) {
+                w.plan.environment["GRIDSPACE_NETWORKS"] = text;
+            }
+        }
+    }
 
     Result<void> start(Watched& w) {
         SpawnOptions options;

@@ -60,6 +60,8 @@ class ProcessSettings {
     [[nodiscard]] virtual std::vector<WireUse> receives(Scenario const&, Process const&) const { return {}; }
     /// Must not ask for what is sent or received through cut-ins.
     [[nodiscard]] virtual std::vector<CutInUse> cut_ins(Scenario const&, Process const&) const { return {}; }
+    /// Hosts into whose networks it looks from its own; it is told where they are in GRIDSPACE_NETWORKS.
+    [[nodiscard]] virtual std::vector<std::string> networks(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<SignalUse> signals(Scenario const&, Process const&) const { return {}; }
     /// Takes part in the barrier in lockstep.
     [[nodiscard]] virtual bool is_member() const { return true; }

@@ -3,7 +3,7 @@
 #include "agents/ev/ev_config.hpp"
 #include "agents/mcca/mcca_config.hpp"
 #include "common/text.hpp"
-#include "launcher/run/addresses.hpp"
+#include "launcher/scenario/capture_points.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/monitor_program.hpp"
 #include "launcher/scenario/program.hpp"
@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <set>
 
 namespace gridspace::launcher {
 namespace {
@@ -235,8 +236,13 @@ class RecorderSettings final : public ProcessSettings {
         return node;
     }
     [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
+        std::set<std::string> links;
+        for (CapturePoint const& point : capture_points(s, process)) {
+            links.insert({point.link, point.link_out});
+        }
+        links.erase(""); // not a ledger's
         std::vector<WireUse> out;
-        for (std::string const& link : captured_links(s, process)) {
+        for (std::string const& link : links) {
             for (std::uint16_t const ethertype : {iec61850::kSvEthertype, iec61850::kGooseEthertype}) {
                 out.push_back({link, ethertype, "", true});
             }
@@ -251,38 +257,40 @@ class RecorderSettings final : public ProcessSettings {
         for (Ref const& link : process.capture) {
             check_name(link, names, fmt::format("process '{}' captures the link", process.name.name), diagnostics);
         }
+        check_capture(s, process, diagnostics);
+    }
+
+    [[nodiscard]] std::vector<std::string> networks(Scenario const& s, Process const& process) const override {
+        std::set<std::string> out;
+        for (CapturePoint const& point : capture_points(s, process)) {
+            if (!point.host.empty()) {
+                out.insert(point.host);
+            }
+        }
+        return {out.begin(), out.end()};
     }
 
   private:
-    /// `capture:` of the process; every link without IP when frames are recorded and nothing is said.
-    static std::vector<std::string> captured_links(Scenario const& s, Process const& process) {
-        std::vector<std::string> out;
-        if (s.record.frames != "all" || s.streams.empty()) {
-            return out;
-        }
-        for (Link const& link : s.links) {
-            bool const named =
-                std::find(process.capture.begin(), process.capture.end(), link.name) != process.capture.end();
-            if (named || (process.capture.empty() && link.ipv4.empty())) {
-                out.push_back(link.name.name);
-            }
-        }
-        return out;
-    }
-
-    /// The switch's ends of the cables of these links, as the virtual network names them.
     static Node capture(Scenario const& s, Process const& process) {
-        std::vector<std::string> const links = captured_links(s, process);
-        std::vector<Port> const ports = plan_ports(s);
         Node list = Node::sequence();
-        for (std::size_t i = 0; i < ports.size(); ++i) {
-            if (std::find(links.begin(), links.end(), ports[i].link) != links.end()) {
-                Node port = Node::map();
-                port.set("name", Node::quoted_text(ports[i].link + "/" + ports[i].host));
-                port.set("link", Node::quoted_text(ports[i].link));
-                port.set("interface", Node::quoted_text(switch_port_name(i)));
-                list.items.push_back(std::move(port));
+        for (CapturePoint const& point : capture_points(s, process)) {
+            Node port = Node::map();
+            port.set("name", Node::quoted_text(point.name));
+            port.set("description", Node::quoted_text(point.description));
+            port.set("interface", Node::quoted_text(point.interface));
+            if (!point.host.empty()) {
+                port.set("host", Node::quoted_text(point.host));
             }
+            if (!point.link.empty()) {
+                port.set("link", Node::quoted_text(point.link));
+            }
+            if (point.both_ways) {
+                port.set("both_ways", Node::scalar("true"));
+            }
+            if (!point.link_out.empty()) {
+                port.set("link_out", Node::quoted_text(point.link_out));
+            }
+            list.items.push_back(std::move(port));
         }
         Node node = Node::map();
         node.set("file", Node::scalar("../bus.pcapng"));

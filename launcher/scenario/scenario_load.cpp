@@ -100,7 +100,10 @@ void describe_process(Fields& f, Process& p) {
     f.reference(
         "link", p.link,
         {.doc = "the link on which it exchanges raw frames; needed where the host is plugged into several without IP"});
-    f.references("capture", p.capture, {.doc = "links whose frames are recorded"});
+    f.references(
+        "capture", p.capture,
+        {.doc =
+             "recorder: links whose frames are captured; without it every link, in lockstep those with SV or GOOSE"});
     std::string label;
     f.text("label", label, {.doc = "display text"});
 }

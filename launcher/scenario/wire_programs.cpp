@@ -9,6 +9,7 @@
 #include "gateways/mu/mu_config.hpp"
 #include "gateways/port/wire_config.hpp"
 #include "ids/forecaster/model_file.hpp"
+#include "launcher/scenario/healthy_current.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_use.hpp"
 #include "sim/gateway/gateway_config.hpp"
@@ -188,16 +189,24 @@ class RelaySettings final : public ProcessSettings {
         if (s.network && process.node.find("frequency_hz") == nullptr) {
             config_.frequency_hz = s.network->frequency_hz;
         }
+        std::optional<relay::ElementParams> element;
         if (from != nullptr) {
-            if (auto const params = relay::make_params(config_.logic, from->rate_hz, frequency()); !params) {
+            if (auto const params = relay::make_params(config_.logic, from->rate_hz, frequency())) {
+                element = params->element;
+            } else {
                 diagnostics.error(process.name.where, params.error().message, params.error().remedy,
                                   static_cast<int>(process.name.name.size()));
             }
         }
         check_detector(process, from, diagnostics);
+        sim::Ct const *const from_ct = transformer(s, config_.from_stream), *const to_ct =
+                                                                                transformer(s, config_.to_stream);
         if (process.node.find("positive") == nullptr) {
-            config_.from_positive = polarity(s, config_.from_stream).value_or(config_.from_positive);
-            config_.to_positive = polarity(s, config_.to_stream).value_or(config_.to_positive);
+            config_.from_positive = from_ct == nullptr ? config_.from_positive : polarity(*from_ct);
+            config_.to_positive = to_ct == nullptr ? config_.to_positive : polarity(*to_ct);
+        }
+        if (element && config_.logic.in_service && from_ct != nullptr && to_ct != nullptr) {
+            check_healthy_current(s, process, config_, *from_ct, *to_ct, *element, diagnostics);
         }
     }
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
@@ -319,9 +328,13 @@ class RelaySettings final : public ProcessSettings {
         }
     }
 
-    /// Which way the transformer behind a stream counts: stream <- merging unit <- topic <- transformer. Nothing when
-    /// the stream comes from somebody else's device.
-    static std::optional<relay::Positive> polarity(Scenario const& s, Ref const& stream) {
+    static relay::Positive polarity(sim::Ct const& ct) {
+        return ct.positive == sim::CtPolarity::from_to ? relay::Positive::from_to : relay::Positive::into_line;
+    }
+
+    /// The transformer behind a stream: stream <- merging unit <- topic <- transformer. Null when the stream comes from
+    /// somebody else's device.
+    static sim::Ct const* transformer(Scenario const& s, Ref const& stream) {
         Diagnostics ignored; // reported elsewhere
         auto const gateways = sim::read_gateways(s.simulation.gateways, ignored);
         for (Process const& process : s.processes) {
@@ -335,13 +348,12 @@ class RelaySettings final : public ProcessSettings {
                         continue;
                     }
                     if (sim::Ct const* ct = sim::find(s.network->cts, publish.transformer.name)) {
-                        return ct->positive == sim::CtPolarity::from_to ? relay::Positive::from_to
-                                                                        : relay::Positive::into_line;
+                        return ct;
                     }
                 }
             }
         }
-        return std::nullopt;
+        return nullptr;
     }
 
     relay::RelayConfig config_;

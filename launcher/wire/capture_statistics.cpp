@@ -50,28 +50,35 @@ std::string id_of(Octets frame, iec61850::SvFrame& sv, iec61850::GooseFrame& goo
 
 /// The same frame at several points, within a second.
 struct Sightings {
+    static constexpr std::uint32_t kNowhere = UINT32_MAX;
     struct First {
         std::int64_t time_ns;
         std::uint32_t points;
         std::uint32_t interface;
+        std::uint32_t counted_at; ///< where it was first seen at an end of a cable
         std::int64_t last_ns;
     };
     std::unordered_map<std::uint64_t, First> frames;
 
-    /// True when the frame is new.
-    bool add(std::uint64_t key, std::uint32_t interface, std::int64_t time_ns) {
-        auto const [at, fresh] = frames.try_emplace(key, First{time_ns, 1, interface, time_ns});
-        if (fresh) {
-            return true;
+    /// True when the frame is new. What is seen in the middle of a cable may never come out of it, and is not counted.
+    bool add(std::uint64_t key, std::uint32_t interface, bool inside, std::int64_t time_ns) {
+        First const fresh{time_ns, 1, interface, inside ? kNowhere : interface, time_ns};
+        auto const [at, is_first] = frames.try_emplace(key, fresh);
+        if (is_first) {
+            return !inside;
         }
         First& first = at->second;
-        if (interface == first.interface || time_ns - first.time_ns > 1'000'000'000) {
-            first = {time_ns, 1, interface, time_ns}; // repeated, not seen again
-            return true;
+        if (interface == first.interface || interface == first.counted_at || time_ns - first.time_ns > 1'000'000'000) {
+            first = fresh; // repeated, not seen again
+            return !inside;
         }
         ++first.points;
         first.last_ns = std::max(first.last_ns, time_ns);
-        return false;
+        if (inside || first.counted_at != kNowhere) {
+            return false;
+        }
+        first.counted_at = interface;
+        return true;
     }
 };
 
@@ -159,7 +166,8 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
         end = std::max(end, time);
         ++out.frames;
         std::uint64_t const key = identity(octets);
-        if (!sightings.add(key, (*frame)->interface, time)) {
+        bool const inside = pcapng::is_inside_a_cable(reader->interfaces()[(*frame)->interface].name);
+        if (!sightings.add(key, (*frame)->interface, inside, time)) {
             continue;
         }
         observer.add(octets, time);

@@ -28,7 +28,8 @@ Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o) {
         std::uint16_t const ethertype = iec61850::ethertype_of((*frame)->octets);
         bool const wanted =
             o.all_protocols || ethertype == iec61850::kSvEthertype || ethertype == iec61850::kGooseEthertype;
-        bool const here = o.only.empty() || reader->interfaces()[(*frame)->interface].name == o.only;
+        std::string const& point = reader->interfaces()[(*frame)->interface].name;
+        bool const here = o.only.empty() ? !pcapng::is_inside_a_cable(point) : point == o.only;
         if (wanted && here && (*frame)->octets.size() >= 14) {
             out.push_back(std::move(**frame));
         }

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/app/frame_capture.hpp"
 
+#include "common/text.hpp"
 #include "common/unique_fd.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,6 +18,47 @@
 #include <tuple>
 
 namespace gridspace::recorder {
+namespace {
+
+/// A port and a way through it in one number, which a frame carries through its reader.
+std::uint32_t place_of(std::size_t port, bool outgoing) {
+    return static_cast<std::uint32_t>(2 * port) + (outgoing ? 1 : 0);
+}
+std::size_t port_of(std::uint32_t place) {
+    return place / 2;
+}
+bool is_outgoing(std::uint32_t place) {
+    return place % 2 != 0;
+}
+
+/// GRIDSPACE_NETWORKS: "HOST=FILE HOST=FILE".
+std::map<std::string, std::filesystem::path> networks_of_hosts() {
+    std::map<std::string, std::filesystem::path> out;
+    char const* const text = std::getenv("GRIDSPACE_NETWORKS");
+    for (std::string const& word : split(text == nullptr ? "" : text, ' ')) {
+        if (auto const equals = word.find('='); equals != std::string::npos) {
+            out[word.substr(0, equals)] = word.substr(equals + 1);
+        }
+    }
+    return out;
+}
+
+/// Brings this thread into a network namespace; a socket stays where it was made.
+Result<void> enter(std::string const& whose, std::filesystem::path const& network) {
+    if (network.empty()) {
+        return {}; // nothing was said: everything is where this process is
+    }
+    UniqueFd const fd{::open(network.c_str(), O_RDONLY | O_CLOEXEC)};
+    if (!fd || ::setns(fd.get(), CLONE_NEWNET) != 0) {
+        return fail(
+            ExitCode::environment,
+            fmt::format("cannot enter the network of {} ({}): {}", whose, network.string(), std::strerror(errno)),
+            "record.frames: none goes without the capture");
+    }
+    return {};
+}
+
+} // namespace
 
 Result<std::unique_ptr<FrameCapture>> FrameCapture::open(bus::Node& node, CaptureConfig const& config) {
     auto out = std::unique_ptr<FrameCapture>{new FrameCapture{node}};
@@ -28,13 +71,12 @@ Result<std::unique_ptr<FrameCapture>> FrameCapture::open(bus::Node& node, Captur
     }
     out->file_ = std::make_unique<pcapng::Writer>(std::move(*file));
     for (CaptureConfig::Port const& port : config.ports) {
-        out->ports_.push_back({port.link, nullptr, out->file_->add_interface(port.name, fmt::format("what is sent into {}", port.name))});
-        for (std::uint16_t const ethertype : {iec61850::kSvEthertype, iec61850::kGooseEthertype, std::uint16_t{0}}) {
-            auto& reader = out->readers_[{port.link, ethertype}];
-            if (reader == nullptr) {
-                reader = std::make_unique<bus::WireReader>(node, port.link, ethertype);
-            }
-        }
+        Port p;
+        p.interface = out->file_->add_interface(port.name, port.description);
+        p.both_ways = port.both_ways;
+        p.in = out->way_of(port.link);
+        p.out = port.both_ways ? out->way_of(port.link_out) : Way{};
+        out->ports_.push_back(std::move(p));
     }
     // A thread may be in another network namespace than its process: where the switches are.
     std::promise<Result<void>> opened;
@@ -60,19 +102,49 @@ FrameCapture::~FrameCapture() {
     }
 }
 
-Result<void> FrameCapture::open_ports(CaptureConfig const& config) {
-    if (!config.network_namespace.empty()) {
-        UniqueFd const fd{::open(config.network_namespace.c_str(), O_RDONLY | O_CLOEXEC)};
-        if (!fd || ::setns(fd.get(), CLONE_NEWNET) != 0) {
-            return fail(ExitCode::environment, fmt::format("cannot enter the network of the switches ({}): {}", config.network_namespace.string(),
-                                                           std::strerror(errno)),
-                        "record.frames: none goes without the capture");
-        }
+/// In lockstep only what the ledgers speak of has a place in time; in real time everything is taken as it comes.
+FrameCapture::Way FrameCapture::way_of(std::string const& link) {
+    if (!node_.lockstep()) {
+        bus::WireReader* const all = reader_of({"", 0});
+        return {all, all, all};
     }
+    if (link.empty()) {
+        return {};
+    }
+    return {reader_of({link, iec61850::kSvEthertype}), reader_of({link, iec61850::kGooseEthertype}), nullptr};
+}
+
+bus::WireReader* FrameCapture::reader_of(Channel const& channel) {
+    auto& reader = readers_[channel];
+    if (reader == nullptr) {
+        reader = std::make_unique<bus::WireReader>(node_, channel.first, channel.second);
+    }
+    return reader.get();
+}
+
+bus::WireReader* FrameCapture::Way::reader_of(std::uint16_t ethertype) const {
+    return ethertype == iec61850::kSvEthertype ? smv : ethertype == iec61850::kGooseEthertype ? goose : other;
+}
+
+Result<void> FrameCapture::open_ports(CaptureConfig const& config) {
+    std::map<std::string, std::filesystem::path> const networks = networks_of_hosts();
     for (std::size_t i = 0; i < ports_.size(); ++i) {
+        CaptureConfig::Port const& port = config.ports[i];
+        auto const known = networks.find(port.host);
+        if (!port.host.empty() && known == networks.end()) {
+            return fail(ExitCode::environment,
+                        fmt::format("where the network of host '{}' is, is not known", port.host),
+                        "`gridspace run` says it in GRIDSPACE_NETWORKS");
+        }
+        if (auto ok = port.host.empty() ? enter("the switches", config.network_namespace)
+                                        : enter(fmt::format("host '{}'", port.host), known->second);
+            !ok) {
+            return ok;
+        }
         ethernet::PortOptions options;
-        options.interface = config.ports[i].interface;
+        options.interface = port.interface;
         options.promiscuous = true;
+        options.include_outgoing = port.both_ways;
         auto socket = ethernet::Port::open(options);
         if (!socket) {
             return std::unexpected{socket.error()};
@@ -80,15 +152,6 @@ Result<void> FrameCapture::open_ports(CaptureConfig const& config) {
         ports_[i].socket = std::make_unique<ethernet::Port>(std::move(*socket));
     }
     return {};
-}
-
-bus::WireReader* FrameCapture::reader_for(std::size_t port, std::uint16_t ethertype) {
-    auto const known = readers_.find({ports_[port].link, ethertype});
-    if (known != readers_.end()) {
-        return known->second.get();
-    }
-    // In lockstep only what the ledgers speak of has a place in time.
-    return node_.lockstep() ? nullptr : readers_.at({ports_[port].link, 0}).get();
 }
 
 void FrameCapture::capture() {
@@ -101,10 +164,15 @@ void FrameCapture::capture() {
         }
         ::poll(waiting.data(), waiting.size(), kLookForStopMs);
         for (std::size_t i = 0; i < ports_.size(); ++i) {
+            if ((waiting[i].revents & POLLERR) != 0) {
+                ports_[i].socket->wait(0); // takes the error ("network is down") away
+            }
             for (std::size_t n = 0; (n = ports_[i].socket->receive(batch)) > 0;) {
                 for (std::size_t k = 0; k < n; ++k) {
-                    if (auto* reader = reader_for(i, iec61850::ethertype_of(batch[k].octets))) {
-                        reader->push(std::as_bytes(batch[k].octets), batch[k].stamp_ns, static_cast<std::uint32_t>(i));
+                    ethernet::ReceivedFrame const& frame = batch[k];
+                    Way const& way = frame.outgoing ? ports_[i].out : ports_[i].in;
+                    if (auto* reader = way.reader_of(iec61850::ethertype_of(frame.octets))) {
+                        reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing));
                     }
                 }
             }
@@ -120,14 +188,21 @@ Result<void> FrameCapture::write_due() {
     }
     bool const lockstep = node_.lockstep();
     std::sort(due.begin(), due.end(), [&](bus::WireFrame const* a, bus::WireFrame const* b) {
-        return lockstep ? std::tie(a->time, a->port, a->octets) < std::tie(b->time, b->port, b->octets) : a->kernel_ns < b->kernel_ns;
+        return lockstep ? std::tie(a->time, a->port, a->octets) < std::tie(b->time, b->port, b->octets)
+                        : a->kernel_ns < b->kernel_ns;
     });
     std::int64_t const epoch_ns = node_.config().clock.epoch_unix_s * 1'000'000'000;
     for (bus::WireFrame const* frame : due) {
-        std::span<std::uint8_t const> const octets{reinterpret_cast<std::uint8_t const*>(frame->octets.data()), frame->octets.size()};
+        std::span<std::uint8_t const> const octets{reinterpret_cast<std::uint8_t const*>(frame->octets.data()),
+                                                   frame->octets.size()};
         std::int64_t const stamp = lockstep ? epoch_ns + node_.time_base().nanoseconds(frame->time) : frame->kernel_ns;
-        std::string const comment = lockstep ? "" : fmt::format("simulated time {:.6f} s", node_.time_base().seconds(frame->time));
-        if (auto ok = file_->write(ports_[frame->port].interface, stamp, octets, comment); !ok) {
+        std::string const comment =
+            lockstep ? "" : fmt::format("simulated time {:.6f} s", node_.time_base().seconds(frame->time));
+        Port const& port = ports_[port_of(frame->port)];
+        auto const direction = !port.both_ways            ? pcapng::Direction::unknown
+                               : is_outgoing(frame->port) ? pcapng::Direction::outbound
+                                                          : pcapng::Direction::inbound;
+        if (auto ok = file_->write(port.interface, stamp, octets, comment, direction); !ok) {
             return ok;
         }
     }
@@ -142,8 +217,10 @@ Result<void> FrameCapture::close() {
     thread_.join();
     for (Port& port : ports_) {
         auto const& counters = port.socket->counters();
-        // In lockstep nothing is lost (a ledger would miss it), and the kernel's counts include what came after the end.
+        // In lockstep nothing is lost (a ledger would miss it), and the kernel's counts include what came after the
+        // end.
         if (!node_.lockstep()) {
+            dropped_ += counters.dropped;
             if (auto ok = file_->statistics(port.interface, 0, counters.received, counters.dropped); !ok) {
                 return ok;
             }

@@ -15,9 +15,11 @@
 
 namespace gridspace::recorder {
 
-/// Every frame of the given ports into one capture file. In lockstep the stamps are simulated times and the order is that of
-/// (time, port, octets), so that two runs give the same file; in real time the stamps are the kernel's, and the comment of a
-/// frame says the simulated time. A port is the switch's end of a host's cable: a frame is seen once, where it was sent.
+/// Every frame of the given ports into one capture file. In lockstep the stamps are simulated times and the order is
+/// that of (time, port, octets), so that two runs give the same file; in real time the stamps are the kernel's, and the
+/// comment of a frame says the simulated time. A port is the switch's end of a host's cable, where a frame is seen
+/// once, when it was sent; or a place of its own (the host's side of who sits in its cable, a real interface), where
+/// both ways are seen.
 class FrameCapture {
   public:
     /// Before Node::start. Nothing is captured without ports.
@@ -26,23 +28,35 @@ class FrameCapture {
 
     [[nodiscard]] Result<void> write_due();
     [[nodiscard]] Result<void> close();
+    /// Real time, after close(): frames that the kernel could not keep for us.
+    [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
   private:
     explicit FrameCapture(bus::Node& node) : node_{node} {}
     Result<void> open_ports(CaptureConfig const& config);
     void capture();
-    bus::WireReader* reader_for(std::size_t port, std::uint16_t ethertype);
 
+    /// One ethertype on one piece of cable; 0: any ethertype.
+    using Channel = std::pair<std::string, std::uint16_t>;
+    /// Who takes frames of one way through a port; null: they are not captured.
+    struct Way {
+        bus::WireReader *smv{nullptr}, *goose{nullptr}, *other{nullptr};
+        [[nodiscard]] bus::WireReader* reader_of(std::uint16_t ethertype) const;
+    };
     struct Port {
-        std::string link;
         std::unique_ptr<ethernet::Port> socket;
         std::uint32_t interface{0}; ///< in the file
+        bool both_ways{false};
+        Way in, out;
     };
+    Way way_of(std::string const& link);
+    bus::WireReader* reader_of(Channel const& channel);
 
     bus::Node& node_;
     std::unique_ptr<pcapng::Writer> file_;
     std::vector<Port> ports_;
-    std::map<std::pair<std::string, std::uint16_t>, std::unique_ptr<bus::WireReader>> readers_; ///< 0: any other ethertype
+    std::map<Channel, std::unique_ptr<bus::WireReader>> readers_;
+    std::uint64_t dropped_{0};
     std::atomic<bool> stop_{false};
     std::thread thread_;
 };

@@ -76,7 +76,7 @@ class RecorderShell {
             }
             report_drops(*tick ? node_.time_base().seconds((*tick)->time) : last_s_, !*tick || (*tick)->final);
             if (!*tick) {
-                auto const closed = frames_->close();
+                auto const closed = close_capture();
                 auto recording = file_.close();
                 return closed ? recording : closed;
             }
@@ -90,7 +90,7 @@ class RecorderShell {
                 if (auto ok = node_.lockstep() ? Result<void>{} : take_last_words(); !ok) {
                     return ok;
                 }
-                if (auto ok = frames_->close(); !ok) {
+                if (auto ok = close_capture(); !ok) {
                     return ok;
                 }
                 if (auto ok = file_.close(); !ok) {
@@ -249,6 +249,17 @@ class RecorderShell {
                 tap.dropped = dropped;
             }
         }
+    }
+
+    /// What the capture lost is in the file, interface by interface, and said.
+    Result<void> close_capture() {
+        auto const closed = frames_->close();
+        if (std::uint64_t const dropped = frames_->dropped(); dropped > 0) {
+            std::string const text = fmt::format("{} frames are not in the capture: this machine was too slow", dropped);
+            log::warning("{}", text);
+            status_.event(last_s_, node_.config().process, "frames_dropped", text);
+        }
+        return closed;
     }
 
     /// In real time a crash must not cost more than a second of the recording.

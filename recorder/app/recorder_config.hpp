@@ -16,9 +16,13 @@ struct CaptureConfig {
     std::filesystem::path file{"bus.pcapng"};
     std::filesystem::path network_namespace; ///< in which the interfaces are; empty: the process's own
     struct Port {
-        std::string name;      ///< in the file: "process_bus/mu21"
-        std::string link;      ///< as the ledgers call it
-        std::string interface; ///< network interface
+        std::string name;        ///< in the file: "process_bus/mu21"
+        std::string description; ///< in the file, for people
+        std::string interface;   ///< network interface
+        std::string host;        ///< in whose network it is, by GRIDSPACE_NETWORKS; empty: in network_namespace
+        std::string link;        ///< incoming frames as the ledgers call them; empty: they have none, and lockstep passes them over
+        bool both_ways{false};   ///< outgoing frames too
+        std::string link_out;    ///< these in the ledgers
     };
     std::vector<Port> ports;
 };

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace gridspace::pcapng {
 
@@ -17,6 +18,13 @@ struct Interface {
     std::uint16_t link_type{1}; ///< 1: Ethernet
     std::uint64_t units_per_s{1'000'000};
 };
+
+/// Whether a point of a run's capture is in the middle of a cable ("process_bus/mu21:near_unit"): the same frames, as far as
+/// they went on, are seen again where the cable ends.
+[[nodiscard]] inline bool is_inside_a_cable(std::string_view point) {
+    auto const slash = point.find('/');
+    return slash != std::string_view::npos && point.find(':', slash) != std::string_view::npos;
+}
 
 struct Frame {
     std::uint32_t interface{0};

@@ -7,6 +7,7 @@ import sys
 import unittest
 
 from harness import OK, SOURCE, ScenarioTest
+from pcapng_file import Capture
 
 BASE = f"""---
 gridspace: 1
@@ -50,24 +51,29 @@ processes:
 """
 
 
+def at_the_switch(run):
+    """Frames where they enter a switch: (point, time, octets). Who sits in a cable is a point of its own in the file."""
+    return [p[:3] for p in Capture(run.folder / "bus.pcapng").packets if ":" not in p.point]
+
+
 class Link(ScenarioTest):
     def test_a_cable_that_carries_ip_too_hands_everything_on(self):
         self.write("base.yaml", BASE)
         without = self.run_to_end("without", scenario=self.write("one_bus.yaml", ONE_BUS))
         within = self.run_to_end("with", scenario=self.write("cut.yaml", ONE_BUS_WITH_SOMEBODY_IN_IT % ""))
-        frames = (without.folder / "bus.pcapng").read_bytes()
-        self.assertGreater(len(frames), 100_000)
-        self.assertEqual(frames, (within.folder / "bus.pcapng").read_bytes())
+        frames = at_the_switch(without)
+        self.assertGreater(len(frames), 900)
+        self.assertEqual(frames, at_the_switch(within))
         # And it can do harm there: every tenth sample of one end is missing, while DDS passes.
         lossy = self.run_to_end("lossy", scenario=self.write("lossy.yaml", ONE_BUS_WITH_SOMEBODY_IN_IT % ", loss_percent: 10"))
-        self.assertLess((lossy.folder / "bus.pcapng").stat().st_size, len(frames))
+        self.assertLess(len(at_the_switch(lossy)), len(frames))
 
     def test_a_cable_that_does_nothing_changes_no_frame_and_no_time(self):
         without = self.run_to_end("without", scenario=self.write("base.yaml", BASE))
         within = self.run_to_end("with", scenario=self.write("pass.yaml", PASS_THROUGH))
-        frames = (without.folder / "bus.pcapng").read_bytes()
-        self.assertGreater(len(frames), 100_000)
-        self.assertEqual(frames, (within.folder / "bus.pcapng").read_bytes())
+        frames = at_the_switch(without)
+        self.assertGreater(len(frames), 900)
+        self.assertEqual(frames, at_the_switch(within))
         code, said = self.compare(without, within, "--signals", "breaker.*,relay.*,ct.*,stream.*,machine.*")
         self.assertEqual(code, OK, said)
 

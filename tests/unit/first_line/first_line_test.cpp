@@ -124,12 +124,12 @@ TEST(SvFirstLine, JudgesTheArrivalOfAFrameOfTwoSamplesOnce) {
 class Messages {
   public:
     explicit Messages(std::uint8_t source = 1) : frame_{make(source)} {}
-    GooseFrame const& message(std::uint32_t st_num, std::uint32_t sq_num, bool value) {
+    GooseFrame const& message(std::uint32_t st_num, std::uint32_t sq_num, bool value, std::uint32_t live_ms = 30) {
         frame_.set(0, Value::of(value));
         GooseState s;
         s.st_num = st_num;
         s.sq_num = sq_num;
-        s.live_ms = 30;
+        s.live_ms = live_ms;
         s.t = UtcTime::from_nanoseconds(1'575'158'400'000'000'000 + std::int64_t{st_num} * 1'000'000);
         EXPECT_TRUE(decode_goose(frame_.frame(s), decoded_));
         return decoded_;
@@ -148,7 +148,7 @@ class Messages {
 };
 
 TEST(GooseFirstLine, RefusesATripFromAnotherAddress) {
-    GooseFirstLine sut{{kRefuse, false}, 1, 10, false};
+    GooseFirstLine sut{{kRefuse, false}, 1, 10, false, 30};
     Messages relay, forged{66};
     std::int64_t now = 1'575'158'400'000'000'000;
     for (std::uint32_t sq = 0; sq < 20; ++sq) {
@@ -161,13 +161,25 @@ TEST(GooseFirstLine, RefusesATripFromAnotherAddress) {
 }
 
 TEST(GooseFirstLine, TakesARestartedPublisherWhenTheLastMessageHasExpired) {
-    GooseFirstLine sut{{kRefuse, false}, 1, 10, false};
+    GooseFirstLine sut{{kRefuse, false}, 1, 10, false, 30};
     Messages relay;
     std::int64_t now = 1'575'158'400'000'000'000;
     ASSERT_TRUE(sut.judge(relay.message(7, 3, true), now).use);
     EXPECT_FALSE(sut.judge(relay.message(1, 0, false), now += 5'000'000).use) << "a replay looks just so";
     sut.expired();
     EXPECT_TRUE(sut.judge(relay.message(1, 1, false), now += 50'000'000).use);
+}
+
+TEST(GooseFirstLine, FindsNothingInATimeToLiveThatGrowsWithTheIntervalsAndSomethingInOneThatDoesNot) {
+    GooseFirstLine sut{{kReport, false}, 4, 1000, false, 3000};
+    Messages relay;
+    std::int64_t now = 1'575'158'400'000'000'000;
+    std::uint32_t sq = 0;
+    for (std::uint32_t const live_ms : {12U, 24U, 48U, 96U, 192U, 384U, 768U, 1536U, 3000U, 3000U}) {
+        EXPECT_EQ(sut.judge(relay.message(1, sq++, false, live_ms), now += live_ms * 333'333LL).findings, 0U)
+            << live_ms;
+    }
+    EXPECT_NE(sut.judge(relay.message(1, sq++, false, 60'000), now += 1'000'000'000).findings, 0U);
 }
 
 TEST(FirstLineAlarm, TellsEachKindOnceAndGoesOffAfterAQuietInterval) {
@@ -185,7 +197,7 @@ TEST(FirstLineAlarm, TellsEachKindOnceAndGoesOffAfterAQuietInterval) {
 
 TEST(FirstLineCounters, HaveANameEach) {
     EXPECT_EQ(first_line_counters(true).size(), rules(kReport).counters().size() + 2);
-    EXPECT_EQ(first_line_counters(false).size(), GooseFirstLine({}, 1, 10, false).counters().size() + 1);
+    EXPECT_EQ(first_line_counters(false).size(), GooseFirstLine({}, 1, 10, false, 30).counters().size() + 1);
     EXPECT_EQ(first_line_counters(true).front(), "wrong_source");
     EXPECT_EQ(first_line_counters(true).back(), "contested");
 }

@@ -231,6 +231,24 @@ TEST(StreamAlignment, DoesNotWaitForAPartnerLongerThanItsTimeout) {
     EXPECT_EQ(sut.counters().too_late, 1U);
 }
 
+TEST(StreamAlignment, GivesOutWhatIsAloneHoweverManySamplesPassWithinTheTimeout) {
+    for (std::uint32_t const rate : {4800U, 15'360U, 65'535U}) {
+        std::int64_t const period = 1'000'000'000 / rate;
+        Alignment sut{20'000'000, rate};
+        std::int64_t expected = 0;
+        for (std::int64_t i = 0; i < rate; ++i) {
+            sut.push(0, static_cast<std::uint16_t>(i), 2, 1, i * period);
+            for (auto const& [index, pair] : drain(sut, i * period)) {
+                ASSERT_EQ(index, expected++);
+                ASSERT_EQ(pair, (std::pair{1, -1}));
+                ASSERT_GE((i - index) * period, 20'000'000);
+            }
+        }
+        EXPECT_NEAR(static_cast<double>(expected), 0.98 * rate, 2) << "all but those of the last 20 ms";
+        EXPECT_EQ(sut.counters().restarts, 0U);
+    }
+}
+
 TEST(StreamAlignment, JoinsStreamsOnBothSidesOfTheWrap) {
     Alignment sut{kTimeout, 4800};
     sut.push(0, 0, 2, 1, 0); // already in the new second

@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/capture_points.hpp"
+
+#include "launcher/run/addresses.hpp"
+#include "launcher/scenario/cut_ins.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+
+namespace gridspace::launcher {
+namespace {
+
+bool is_lockstep(Scenario const& scenario) {
+    return scenario.clock.mode == bus::ClockMode::lockstep;
+}
+
+/// Whether a process of the run sends raw frames into the link.
+bool has_frames(Scenario const& scenario, std::string const& link) {
+    return std::any_of(scenario.processes.begin(), scenario.processes.end(), [&](Process const& process) {
+        if (process.settings == nullptr) {
+            return false;
+        }
+        auto const uses = process.settings->sends(scenario, process);
+        return std::any_of(uses.begin(), uses.end(), [&](WireUse const& use) { return use.link == link; });
+    });
+}
+
+std::vector<std::string> captured_links(Scenario const& scenario, Process const& recorder) {
+    std::vector<std::string> out;
+    for (Link const& link : scenario.links) {
+        bool const named =
+            std::any_of(recorder.capture.begin(), recorder.capture.end(), [&](Ref const& r) { return r == link.name; });
+        bool const unasked =
+            recorder.capture.empty() && (!is_lockstep(scenario) || has_frames(scenario, link.name.name));
+        if (named || unasked) {
+            out.push_back(link.name.name);
+        }
+    }
+    return out;
+}
+
+bool contains(std::vector<std::string> const& names, std::string const& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+} // namespace
+
+std::vector<CapturePoint> capture_points(Scenario const& scenario, Process const& recorder) {
+    std::vector<CapturePoint> out;
+    if (scenario.record.frames != "all" || scenario.streams.empty()) {
+        return out;
+    }
+    std::vector<std::string> const links = captured_links(scenario, recorder);
+    std::vector<Port> const ports = plan_ports(scenario);
+    for (std::size_t i = 0; i < ports.size(); ++i) {
+        if (contains(links, ports[i].link)) {
+            std::string const name = ports[i].link + "/" + ports[i].host;
+            out.push_back(
+                {name, fmt::format("what is sent into {}", name), "", switch_port_name(i), ports[i].link, false, ""});
+        }
+    }
+    for (PlacedCutIn const& cut_in : placed_cut_ins(scenario)) {
+        if (!contains(links, cut_in.link)) {
+            continue;
+        }
+        out.push_back({fmt::format("{}/{}:{}", cut_in.link, cut_in.host, cut_in.process),
+                       fmt::format("between {} and {} in its cable: inbound is what {} sent", cut_in.host,
+                                   cut_in.process, cut_in.host),
+                       cut_in.process_host, cut_in.host_interface, cut_in.from_host ? cut_in.from_host->in : "", true,
+                       cut_in.to_host ? cut_in.to_host->out : ""});
+    }
+    std::set<std::string> real;
+    for (Process const& process : scenario.processes) {
+        if (!process.interface.empty() && real.insert(process.interface).second) {
+            out.push_back({fmt::format("{}/{}", process.host.name, process.interface),
+                           fmt::format("interface {} of the machine, in host {}: inbound is what came in",
+                                       process.interface, process.host.name),
+                           process.host.name, process.interface, "", true, ""});
+        }
+    }
+    return out;
+}
+
+void check_capture(Scenario const& scenario, Process const& recorder, config::Diagnostics& diagnostics) {
+    std::vector<std::string> names;
+    for (Link const& link : scenario.links) {
+        names.push_back(link.name.name);
+    }
+    for (Ref const& link : recorder.capture) {
+        if (is_lockstep(scenario) && contains(names, link.name) && !has_frames(scenario, link.name)) {
+            diagnostics.warning(
+                link.where,
+                fmt::format("nothing of '{}' will be captured: no process sends SV or GOOSE there", link.name),
+                "in lockstep other frames have no place in simulated time; what DDS carried is in data.mcap",
+                static_cast<int>(link.name.size()));
+        }
+    }
+}
+
+} // namespace gridspace::launcher
