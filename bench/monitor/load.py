@@ -3,52 +3,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a crowd costs the monitor: 100 participants with 500 topics (or as many as are asked for) in a domain of their own.
 
-  python3 bench/monitor/load.py [--build build/release] [--participants 100] [--topics 5] [--rate 500] [--seconds 10]
+  cmake --preset bench && ninja -C build/bench bench_crowd gridspace-monitor
+  python3 bench/monitor/load.py --build build/bench [--participants 100] [--topics 5] [--rate 500] [--seconds 10]
 
 Prints a table: time until everything is known, answers of the REST interface, processor time and memory of the monitor, what a client is
 pushed. Figures, not judgements: they depend on the machine."""
-import argparse
 import json
-import pathlib
-import statistics
 import subprocess
 import sys
-import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/integration/monitor"))
-import client  # noqa: E402
+import shared
+from shared import ROOT, memory_mb, processor_s
 
 DOMAIN = 173
 
 
-def processor_s(pid):
-    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / 100
-
-
-def memory_mb(pid):
-    line = next(x for x in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines() if x.startswith("VmRSS"))
-    return int(line.split()[1]) / 1024
-
-
-def percentiles(times):
-    times = sorted(1e3 * t for t in times)
-    return f"p50 {statistics.median(times):.1f} ms, p99 {times[int(0.99 * (len(times) - 1))]:.1f} ms, most {times[-1]:.1f} ms"
-
-
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
-    parser.add_argument("--participants", type=int, default=100)
-    parser.add_argument("--topics", type=int, default=5, help="of each participant")
-    parser.add_argument("--rate", type=float, default=500, help="samples a second, of all topics together")
-    parser.add_argument("--seconds", type=float, default=10)
-    parser.add_argument("--patience", type=float, default=240)
-    parser.add_argument("--wait", action="store_true", help="keep everything there, to look at the page, until Enter")
-    arguments = parser.parse_args()
-    folder = pathlib.Path(tempfile.mkdtemp(prefix="gridspace-load-"))
+    # topics: of each participant; rate: samples a second, of all topics together; wait: keep everything there for so many seconds, to look at the page
+    arguments = shared.begin(__doc__, participants=100, topics=5, rate=500.0, seconds=10.0, patience=240.0, wait=0.0)
+    import client
+    folder = shared.folder("load")
     (folder / "monitor.yaml").write_text(json.dumps({
         "process": "monitor", "program": "gridspace-monitor",
         "bus": {"qos": str(ROOT / "qos/monitor.xml"), "management": {"domain": DOMAIN, "addresses": ["127.0.0.1"]}},
@@ -106,12 +81,12 @@ def main():
                 at = time.monotonic()
                 size = len(monitor.get(path).body)
                 times.append(time.monotonic() - at)
-            rows.append((f"GET {path}", f"{percentiles(times)}, {size / 1000:.0f} kB"))
+            rows.append((f"GET {path}", f"{client.percentiles(times)}, {size / 1000:.0f} kB"))
         width = max(len(r[0]) for r in rows)
         for name, value in rows:
             print(f"{name:<{width}}  {value}")
         if arguments.wait:
-            input("Enter ends it")
+            time.sleep(arguments.wait)
         if crowd.poll() is not None:
             sys.exit("the crowd has died")
     finally:

@@ -103,8 +103,7 @@ Result<void> decode_samples(Json& answer, std::filesystem::path const& file) {
 } // namespace
 
 int control(ControlArguments const& arguments) {
-    std::string const action =
-        arguments.action == "step" ? fmt::format("step {}", arguments.ticks) : arguments.action;
+    std::string const action = arguments.action == "step" ? fmt::format("step {}", arguments.ticks) : arguments.action;
     auto const done = launcher::control_run(run_folder(arguments.run), action);
     return done ? 0 : print_error(done.error());
 }
@@ -193,6 +192,9 @@ int topic_echo(TopicArguments const& arguments) {
     if (arguments.json) {
         fmt::print("{}\n", json->dump(2));
         return 0;
+    }
+    if (json->at("last").empty()) {
+        fmt::print(stderr, "no sample of '{}' has come yet\n", arguments.topic);
     }
     for (Json const& sample : json->at("last")) {
         fmt::print("# {} from {}\n", arguments.topic, sample.value("process", ""));

@@ -92,6 +92,10 @@ class Supervisor {
         }
     }
 
+    static std::filesystem::path pid_file(Watched const& w) {
+        return w.plan.config_file.parent_path() / (w.plan.name + ".pid");
+    }
+
     Result<void> start(Watched& w) {
         SpawnOptions options;
         options.netns = plan_.namespaces ? network_.host(w.plan.host) : -1;
@@ -105,6 +109,7 @@ class Supervisor {
         w.child = *child;
         w.running = true;
         w.pending.clear();
+        std::ofstream{pid_file(w)} << w.child.pid << '\n'; // for the monitor; without it, it says nothing of the process
         tell(Json{{"kind", "started"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
         return {};
     }
@@ -261,6 +266,8 @@ class Supervisor {
         w.running = false;
         ::close(w.child.pidfd);
         ::close(w.child.control_fd);
+        std::error_code ignored;
+        std::filesystem::remove(pid_file(w), ignored);
         tell(Json{{"kind", "exit"}, {"process", w.plan.name}, {"how", describe_end(wait_status)},
                   {"code", WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status)},
                   {"expected", w.expected_to_die},

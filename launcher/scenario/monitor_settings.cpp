@@ -110,8 +110,12 @@ Node monitored_run(Scenario const& scenario, std::string const& folder) {
     run.set("duration_s", Node::scalar(shortest(scenario.simulation.duration().to_double())));
     Node processes = Node::sequence(), wires = Node::sequence();
     for (Process const& process : scenario.processes) {
-        processes.items.push_back(
-            entry({{"name", process.name.name}, {"program", process.program.name}, {"host", process.host.name}}));
+        auto const kind = parse_run_on(process.run_on).value_or(RunOn{}).kind;
+        bool const here = kind == RunOn::Kind::native || kind == RunOn::Kind::qemu_user; // others have a board of their own
+        processes.items.push_back(entry({{"name", process.name.name},
+                                         {"program", process.program.name},
+                                         {"host", process.host.name},
+                                         {"pid_file", here ? folder + "/processes/" + process.name.name + ".pid" : ""}}));
         auto const add = [&](std::vector<WireUse> const& uses, bool sends) {
             for (WireUse const& use : uses) {
                 Node node = entry({{"process", process.name.name},

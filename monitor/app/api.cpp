@@ -24,8 +24,24 @@ std::string text(Json const& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+/// Adds what a process uses, as far as it is known.
+void add_use(Json& entry, LiveRun const& run, std::string const& process) {
+    auto const it = run.use.find(process);
+    if (it == run.use.end()) {
+        return;
+    }
+    auto const tenths = [](double v) { return std::round(10 * v) / 10; };
+    entry["cpu_s"] = it->second.cpu_s;
+    if (it->second.cpu_percent) {
+        entry["cpu_percent"] = tenths(*it->second.cpu_percent);
+    }
+    if (it->second.memory_octets) {
+        entry["memory_octets"] = *it->second.memory_octets;
+    }
+}
+
 web::Response unseen(std::string const& topic) {
-    return problem(404, "no sample of topic '" + topic + "' has been seen", "GET /api/v1/topics lists them");
+    return problem(404, "there is no topic '" + topic + "'", "GET /api/v1/topics lists them");
 }
 
 } // namespace
@@ -35,10 +51,18 @@ Api::Api(LiveRun const& run, std::function<web::ServerCounters()> counters)
 
 std::string Api::health() const {
     std::chrono::duration<double> const up = std::chrono::steady_clock::now() - run_.started;
+    Json processes = Json::array();
+    std::lock_guard const lock{run_.mutex};
+    for (graph::Process const& process : run_.snapshot().processes) {
+        Json entry{{"name", process.name}, {"state", graph::name_of(process.state)}};
+        add_use(entry, run_, process.name);
+        processes.push_back(std::move(entry));
+    }
     return text({{"status", "ok"},
                  {"version", version().version},
                  {"commit", version().commit},
-                 {"uptime_s", std::floor(up.count())}});
+                 {"uptime_s", std::floor(up.count())},
+                 {"processes", std::move(processes)}});
 }
 
 std::string Api::run() const {
@@ -56,6 +80,7 @@ std::string Api::run() const {
         if (auto const it = run_.acknowledged.find(process.name); it != run_.acknowledged.end()) {
             entry["tick"] = it->second.tick;
         }
+        add_use(entry, run_, process.name);
         processes.push_back(std::move(entry));
     }
     Json out{{"scenario", run_.plan.scenario},
@@ -77,52 +102,6 @@ std::string Api::run() const {
 std::string Api::graph() const {
     std::lock_guard const lock{run_.mutex};
     return graph::to_json(run_.snapshot());
-}
-
-std::string Api::network() const {
-    RunPlan const& plan = run_.plan;
-    Json buses = Json::array(), branches = Json::array(), breakers = Json::array(), devices = Json::array();
-    for (auto const& bus : plan.buses) {
-        Json entry{{"name", bus.name}, {"label", bus.label}, {"voltage_v", bus.voltage_v}};
-        if (bus.x && bus.y) {
-            entry["x"] = *bus.x;
-            entry["y"] = *bus.y;
-        }
-        buses.push_back(std::move(entry));
-    }
-    for (auto const& b : plan.branches) {
-        branches.push_back({{"name", b.name}, {"label", b.label}, {"from", b.from}, {"to", b.to}, {"kind", b.kind}});
-    }
-    for (auto const& b : plan.breakers) {
-        breakers.push_back({{"name", b.name}, {"line", b.line}, {"end", b.end}});
-    }
-    Json cts = Json::array();
-    for (auto const& ct : plan.cts) {
-        cts.push_back({{"name", ct.name}, {"line", ct.line}, {"end", ct.end}});
-    }
-    for (auto const& d : plan.devices) {
-        devices.push_back({{"name", d.name}, {"label", d.label}, {"bus", d.bus}, {"kind", d.kind}});
-    }
-    Json faults = Json::array();
-    for (auto const& fault : plan.faults) {
-        Json entry{{"name", fault.name}, {"at_s", fault.at_s}};
-        if (fault.line.empty()) {
-            entry["bus"] = fault.bus;
-        } else {
-            entry["line"] = fault.line;
-            entry["position_percent"] = fault.position_percent;
-        }
-        if (fault.until_s) {
-            entry["until_s"] = *fault.until_s;
-        }
-        faults.push_back(std::move(entry));
-    }
-    return text({{"buses", buses},
-                 {"branches", branches},
-                 {"breakers", breakers},
-                 {"cts", cts},
-                 {"devices", devices},
-                 {"faults", faults}});
 }
 
 std::string Api::topics() const {
@@ -153,11 +132,23 @@ std::optional<std::pair<TopicState, std::string>> Api::topic_state(std::string c
     std::lock_guard const lock{run_.mutex};
     auto const it =
         std::find_if(run_.topics.begin(), run_.topics.end(), [&](auto const& t) { return t.first.second == name; });
-    if (it == run_.topics.end()) {
-        return std::nullopt;
+    TopicState state;
+    if (it != run_.topics.end()) {
+        state = it->second;
+    } else { // somebody may be there who has not written anything yet
+        std::vector<graph::Topic> const& topics = run_.snapshot().topics;
+        auto const known =
+            std::find_if(topics.begin(), topics.end(), [&](graph::Topic const& t) { return t.name == name; });
+        if (known == topics.end()) {
+            return std::nullopt;
+        }
+        state.network = known->network;
+        state.topic = known->name;
+        state.type = known->type;
     }
-    auto const idl = run_.idl.find(it->second.type);
-    return std::pair{it->second, idl != run_.idl.end() ? idl->second : std::string{bus::idl_of_type(it->second.type)}};
+    auto const idl = run_.idl.find(state.type);
+    std::string text = idl != run_.idl.end() ? idl->second : std::string{bus::idl_of_type(state.type)};
+    return std::pair{std::move(state), std::move(text)};
 }
 
 web::Response Api::topic(std::string const& name) const {
@@ -215,7 +206,7 @@ std::string Api::streams() const {
     struct Stream {
         std::string kind, link;
         std::vector<std::string> from, to;
-        Json figures = Json::object();
+        Json figures = Json::object(), counted = Json::array();
     };
     std::lock_guard const lock{run_.mutex};
     std::map<std::string, Stream> streams;
@@ -234,6 +225,22 @@ std::string Api::streams() const {
             }
         }
     }
+    for (auto const& [key, end] : run_.stream_ends) {
+        if (auto const it = streams.find(key.first); it != streams.end()) {
+            it->second.counted.push_back({{"process", key.second},
+                                          {"sends", end.sends},
+                                          {"state", end.state},
+                                          {"time_s", end.time_s},
+                                          {"frames", end.frames},
+                                          {"rate_hz", end.rate_hz},
+                                          {"lost", end.lost},
+                                          {"duplicate", end.duplicate},
+                                          {"late", end.late},
+                                          {"refused", end.refused},
+                                          {"silences", end.silences},
+                                          {"dropped", end.dropped}});
+        }
+    }
     Json out = Json::array();
     for (auto& [name, stream] : streams) {
         out.push_back({{"name", name},
@@ -241,7 +248,8 @@ std::string Api::streams() const {
                        {"link", stream.link},
                        {"from", stream.from},
                        {"to", stream.to},
-                       {"figures", std::move(stream.figures)}});
+                       {"figures", std::move(stream.figures)},
+                       {"counted", std::move(stream.counted)}});
     }
     return text({{"streams", std::move(out)}});
 }

@@ -53,7 +53,7 @@ class Api {
     [[nodiscard]] web::Response event_query(web::Target const& target) const;
     [[nodiscard]] web::Response metrics() const;
 
-    /// State and IDL text of a topic; nothing when no sample has been seen.
+    /// State and IDL text of a topic; nothing when nobody writes or reads it.
     [[nodiscard]] std::optional<std::pair<TopicState, std::string>> topic_state(std::string const& name) const;
 
     LiveRun const& run_;

@@ -9,6 +9,7 @@
 #include <clock.h>
 #include <protection.h>
 #include <signals.h>
+#include <statistics.h>
 
 namespace gridspace::monitor {
 namespace {
@@ -17,7 +18,24 @@ constexpr std::size_t kKeptSamples = 64;
 constexpr std::size_t kKeptOctets = 256 * 1024; ///< per topic
 constexpr std::size_t kKeptEvents = 10'000;
 constexpr std::size_t kGroups = 256;
+constexpr std::size_t kStreamEnds = 4096;
 constexpr std::size_t kWindowValues = 4'000'000; ///< of one group and level: 16 MB, 32 MB in the coarser ones
+
+StreamEnd end_of(StreamStatistics const& sample) {
+    StreamEnd out;
+    out.sends = sample.direction() == STREAM_SENT;
+    out.state = sample.state() == STREAM_WAITING ? "waiting" : sample.state() == STREAM_ALIVE ? "alive" : "lost";
+    out.frames = sample.frames();
+    out.lost = sample.lost();
+    out.duplicate = sample.duplicate();
+    out.late = sample.late();
+    out.refused = sample.refused();
+    out.silences = sample.silences();
+    out.dropped = sample.dropped();
+    out.time_s = static_cast<double>(sample.time_ns()) * 1e-9;
+    out.rate_hz = sample.rate_hz();
+    return out;
+}
 
 /// How many rows a window of so many columns may keep.
 std::size_t rows_for(std::size_t columns) {
@@ -117,6 +135,11 @@ void LiveRun::decode(std::string const& topic, std::string const& type, std::str
         }
     } else if (topic == "signals") {
         decode_signals(cdr, good);
+    } else if (topic == "stream_statistics") {
+        StreamStatistics sample;
+        if ((good = bus::codec_of<StreamStatistics>().decode(cdr, &sample)) && stream_ends.size() < kStreamEnds) {
+            stream_ends.insert_or_assign({sample.stream().c_str(), sample.process().c_str()}, end_of(sample));
+        }
     } else if (type == "IdsVerdict") {
         good = intrusion_.on_verdict(cdr, signals);
     } else if (type == "AttackLabel") {

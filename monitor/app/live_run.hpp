@@ -49,6 +49,21 @@ struct Acknowledged {
     std::uint32_t incarnation{0};
 };
 
+/// What a process uses of the machine.
+struct ProcessUse {
+    double cpu_s{0};                            ///< processor time so far
+    std::optional<double> cpu_percent;          ///< lately, of one processor; not known at its beginning
+    std::optional<std::uint64_t> memory_octets; ///< resident
+};
+
+/// What a device has counted of one of its streams of raw frames, as it says itself (idl/statistics.idl).
+struct StreamEnd {
+    bool sends{false};
+    std::string state; ///< waiting, alive, lost
+    std::uint64_t frames{0}, lost{0}, duplicate{0}, late{0}, refused{0}, silences{0}, dropped{0};
+    double time_s{0}, rate_hz{0};
+};
+
 /// A line of the run's event log.
 struct RunEvent {
     std::uint64_t number{0};
@@ -69,9 +84,11 @@ struct LiveRun {
     bool recorded{false};                          ///< a finished run
     std::optional<graph::Snapshot> recorded_graph; ///< of a recorded run: as its monitor saw it
     RunClock clock;
-    std::map<std::pair<std::string, std::string>, TopicState> topics; ///< by (network, topic)
-    std::map<std::string, std::string> idl;                           ///< by type name
-    std::map<std::string, Acknowledged> acknowledged;                 ///< by process
+    std::map<std::pair<std::string, std::string>, TopicState> topics;     ///< by (network, topic)
+    std::map<std::string, std::string> idl;                               ///< by type name
+    std::map<std::string, Acknowledged> acknowledged;                     ///< by process
+    std::map<std::pair<std::string, std::string>, StreamEnd> stream_ends; ///< by (stream, process)
+    std::map<std::string, ProcessUse> use;                                ///< by process, of those on this machine
     std::map<std::pair<std::string, std::string>, std::unique_ptr<stream::SignalWindow>>
         signals; ///< by (source, group)
     std::deque<RunEvent> events;

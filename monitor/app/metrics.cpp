@@ -46,6 +46,17 @@ std::string metrics_text(LiveRun const& run, web::ServerCounters const& server) 
                            label(process.name), label(process.program), label(process.host),
                            process.state == graph::ProcessState::alive ? 1 : 0);
     }
+    head(out, "gridspace_process_cpu_seconds_total", "counter", "Processor time of a process of this machine.");
+    for (auto const& [name, use] : run.use) {
+        out += fmt::format("gridspace_process_cpu_seconds_total{{process=\"{}\"}} {}\n", label(name), use.cpu_s);
+    }
+    head(out, "gridspace_process_resident_memory_bytes", "gauge", "What a process of this machine has in memory.");
+    for (auto const& [name, use] : run.use) {
+        if (use.memory_octets) {
+            out += fmt::format("gridspace_process_resident_memory_bytes{{process=\"{}\"}} {}\n", label(name),
+                               *use.memory_octets);
+        }
+    }
     head(out, "gridspace_topic_samples_total", "counter", "Samples seen by the monitor.");
     for (auto const& [key, topic] : run.topics) {
         out += fmt::format("gridspace_topic_samples_total{{topic=\"{}\",network=\"{}\"}} {}\n", label(topic.topic),

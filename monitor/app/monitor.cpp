@@ -11,6 +11,7 @@
 #include "monitor/app/foreign_idl.hpp"
 #include "monitor/app/foxglove.hpp"
 #include "monitor/app/pages.hpp"
+#include "monitor/app/process_use.hpp"
 #include "monitor/app/push.hpp"
 #include "monitor/app/recorded_run.hpp"
 #include "monitor/app/run_plan.hpp"
@@ -201,6 +202,7 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     log::info("{}://{}", options->tls ? "https" : "http", address);
 
     EventTail events{config.run.events};
+    ProcessUses uses{config.recording.empty() ? config.run : RunPlan{}};
     std::uint64_t kept = 0;
     auto measured = std::chrono::steady_clock::now();
     do {
@@ -209,6 +211,7 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         }
         events.read(live);
         auto const now = std::chrono::steady_clock::now();
+        uses.follow(live, now);
         if (tap != nullptr && now - measured >= std::chrono::milliseconds{500}) {
             live.measure(now - measured);
             kept = keep_graph(live, kept);

@@ -177,7 +177,7 @@ void PushHub::step(web::Server& server, std::chrono::steady_clock::time_point no
         return share(fmt::format(R"({{"op":"state","run":{},"values":{}}})", api_.run(), held));
     };
     auto const newest = state_at(std::nullopt);
-    std::shared_ptr<std::string const> topics, graph, names, network; // made when somebody needs them
+    std::shared_ptr<std::string const> topics, streams, graph, names, network; // made when somebody needs them
     for (auto& [id, client] : clients_) {
         if (client.fresh) {
             network = network == nullptr ? share(wrapped("network", "network", api_.network())) : network;
@@ -204,7 +204,9 @@ void PushHub::step(web::Server& server, std::chrono::steady_clock::time_point no
         }
         if (topics_due || client.fresh) {
             topics = topics == nullptr ? share(wrapped("topics", "list", api_.topics())) : topics;
+            streams = streams == nullptr ? share(wrapped("streams", "list", api_.streams())) : streams;
             server.push(id, topics, false);
+            server.push(id, streams, false);
         }
         for (auto& [name, view] : client.views) {
             if (std::string bytes = series(view, client.at_s); !bytes.empty()) {

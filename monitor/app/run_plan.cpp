@@ -24,6 +24,7 @@ void describe_run(config::Fields& f, RunPlan& run) {
         p.text("name", out.name, {.required = true});
         p.text("program", out.program);
         p.text("host", out.host);
+        p.file("pid_file", out.pid_file, {.doc = "where the launcher notes its process identifier, while it runs here"});
     });
     list(f, "wires", "raw frames that a process sends or receives", run.wires,
          [](config::Fields& w, RunPlan::Wire& out) {

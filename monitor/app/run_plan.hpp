@@ -20,6 +20,7 @@ struct RunPlan {
 
     struct Process {
         std::string name, program, host;
+        std::filesystem::path pid_file; ///< of one that the launcher has started on this machine
     };
     std::vector<Process> processes;
 

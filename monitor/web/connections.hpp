@@ -90,7 +90,7 @@ class HttpSession final : public Closable, public std::enable_shared_from_this<H
     void wait_for_request();
     void read();
     void on_request();
-    void open_push(http::request<http::string_body> const& request, std::string const& path);
+    void open_push(http::request<http::string_body> const& request, Target& target);
     void refuse(int status, std::string text, std::string allow = {});
     void answer(Response response);
     void end();

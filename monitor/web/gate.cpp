@@ -74,6 +74,12 @@ bool Gate::admits(std::string_view authorization, std::string_view cookie) const
     return false;
 }
 
+bool Gate::admits_push(std::string_view authorization, std::string_view cookie, Target& target) const {
+    auto const named = target.query.extract("token");
+    bool const known = !named.empty() && is_token(named.mapped());
+    return known || admits(authorization, cookie);
+}
+
 std::optional<Response> Gate::check(Request const& request) const {
     if (tokens_.empty()) {
         return std::nullopt;

@@ -102,7 +102,7 @@ void HttpSession::on_request() {
         return refuse(400, "the path is not a plain one");
     }
     if (websocket::is_upgrade(request)) {
-        return open_push(request, target->path);
+        return open_push(request, *target);
     }
     if (method_ != http::verb::get && method_ != http::verb::head && method_ != http::verb::post) {
         return refuse(405, "only GET, HEAD and POST", "GET, HEAD, POST");
@@ -127,9 +127,11 @@ void HttpSession::on_request() {
     answer(instead ? std::move(*instead) : server_.handlers_.request(out));
 }
 
-void HttpSession::open_push(http::request<http::string_body> const& request, std::string const& path) {
-    if (!server_.gate_.admits(text_of(request[http::field::authorization]), text_of(request[http::field::cookie]))) {
-        return refuse(401, "this monitor asks for a token: Authorization: Bearer TOKEN");
+void HttpSession::open_push(http::request<http::string_body> const& request, Target& target) {
+    std::string const& path = target.path;
+    if (!server_.gate_.admits_push(text_of(request[http::field::authorization]), text_of(request[http::field::cookie]),
+                                   target)) {
+        return refuse(401, "this monitor asks for a token: Authorization: Bearer TOKEN, or ?token=TOKEN");
     }
     std::vector<std::string> offered;
     for (auto const& protocol : http::token_list{request[http::field::sec_websocket_protocol]}) {

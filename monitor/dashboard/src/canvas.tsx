@@ -4,7 +4,7 @@ import uPlot from "uplot";
 import { kindOf } from "./kinds";
 import { drawn, events, run, type Drawn } from "./model";
 import { choice, choose } from "./state";
-import { compact, stamp } from "./text";
+import { compact, stamp, within } from "./text";
 
 // Okabe and Ito's colours (colour-blind safe), darker or lighter by theme; then dashes tell them apart.
 const kLight = ["#0060ad", "#c4570a", "#007a57", "#a3498a", "#8a6d00", "#1b1f27", "#3a9bd4"];
@@ -48,16 +48,16 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
       y: { range: (_u, lo, hi) => { const pad = (hi - lo) * 0.08 || Math.abs(hi) * 0.02 || 1; return [lo - pad, hi + pad]; } },
     },
     axes: [
-      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at, _i, _s, incr) => at.map(t => (whole < 7200 ? t.toFixed(digitsOf(incr)) : stamp(t, whole))), space: 90, size: 34,
+      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, values: (_u, at, _i, _s, incr) => at.map((t, i) => (whole < 7200 ? t.toFixed(digitsOf(incr)) : stamp(t, whole)) + (i === at.length - 1 ? (whole < 7200 ? " s" : " h") : "")), space: 90, size: 34,
         incrs: whole >= 7200 ? [1, 5, 10, 30, 60, 300, 600, 900, 1800, 3600, 7200, 14400, 28800, 86400] : undefined },
-      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, size: 62, values: (_u, at) => at.map(compact) },
+      { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line }, size: 62, values: (_u, at, _i, _s, incr) => at.map(v => (incr < 1e-6 || incr >= 1e6 ? compact(v) : v.toFixed(digitsOf(incr)))) },
     ],
     series: [
-      { label: "t", value: (_u, t) => (t == null ? "" : stamp(t, whole)) },
+      { label: "t", value: (_u, t) => (t == null ? "" : `${stamp(t, whole)} ${whole < 7200 ? "s" : "h"}`) },
       ...d.series.map((s, i) => ({
         label: look().label?.(s.name) ?? short(s.name), stroke: colours[i % colours.length], width: 1.5, spanGaps: true,
         dash: look().dash?.(s.name) ?? (i >= colours.length ? [6, 4] : undefined), points: { show: false },
-        value: (_u: uPlot, v: number | null) => (v === null || v === undefined ? "" : `${compact(v)} ${s.unit}`),
+        value: (u: uPlot, v: number | null) => (v === null || v === undefined ? "" : `${within(v, u.scales.y.max! - u.scales.y.min!)} ${s.unit}`),
       })),
     ],
     hooks: {

@@ -98,7 +98,7 @@ export function GraphView() {
         <a href={"/api/v1/graph.svg" + (framework ? "?framework=1" : "")} download="graph.svg">SVG</a>
       </div>
       <div class="scroll">
-        <svg viewBox={`0 0 ${width} ${height}`} style={{ minHeight: `${Math.min(height, 300)}px` }} class="graph" role="group" aria-label="who talks to whom">
+        <svg viewBox={`-1 0 ${width + 2} ${height}`} style={{ minHeight: `${Math.min(height, 300)}px` }} class="graph" role="group" aria-label="who talks to whom">
           <defs>
             <marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="6" markerHeight="6" orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" /></marker>
             <marker id="badtip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="6" markerHeight="6" orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" /></marker>

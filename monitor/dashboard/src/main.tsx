@@ -41,16 +41,19 @@ function Header() {
 function Processes() {
   const r = run.value;
   const lockstep = r?.mode === "lockstep" && r.processes.some(p => p.tick !== undefined);
+  const used = r?.processes.some(p => p.memory_octets !== undefined || p.cpu_percent !== undefined);
   const sign: Record<string, string> = { alive: "●", lost: "✕", ended: "○", expected: "…" };
   return (
     <table class="plain">
-      <thead><tr><th>process</th><th>host</th><th>state</th>{lockstep && <th class="number" title="the last tick that it acknowledged">tick</th>}</tr></thead>
+      <thead><tr><th>process</th><th>host</th><th>state</th>{used && <><th class="number" title="of one processor, lately">CPU</th><th class="number" title="resident memory">MB</th></>}{lockstep && <th class="number" title="the last tick that it acknowledged">tick</th>}</tr></thead>
       <tbody>
         {r?.processes.map(p => (
           <tr key={p.name} class={`state ${p.state}`}>
             <td><button class="link" onClick={() => { picked.value = { kind: "process", name: p.name }; }}>{p.name}</button></td>
             <td class="soft">{p.host}</td>
             <td class="sign">{sign[p.state]} {r.recorded && p.state === "alive" ? "took part" : p.state}{p.incarnation > 0 ? ` (restarted ${p.incarnation}x)` : ""}</td>
+            {used && <><td class="number">{p.cpu_percent === undefined ? "–" : `${p.cpu_percent < 9.95 ? p.cpu_percent.toFixed(1) : Math.round(p.cpu_percent)} %`}</td>
+              <td class="number">{p.memory_octets === undefined ? "–" : Math.round(p.memory_octets / 1e6)}</td></>}
             {lockstep && <td class="number soft">{p.tick?.toLocaleString("en") ?? ""}</td>}
           </tr>
         ))}

@@ -1,7 +1,7 @@
 // What the monitor tells, as signals that views depend on.
 import { signal } from "@preact/signals";
 
-export interface Process { name: string; program: string; host: string; state: string; incarnation: number; tick?: number }
+export interface Process { name: string; program: string; host: string; state: string; incarnation: number; tick?: number; cpu_percent?: number; memory_octets?: number }
 export interface Run {
   scenario: string; mode: string; speed: string; recorded: boolean; control: boolean; state: string; time_s: number; duration_s: number; factor: number; tick: number;
   processes: Process[];
@@ -31,6 +31,11 @@ export interface TopicState {
   name: string; network: string; type: string; framework: boolean; writers: number; readers: number; samples: number;
   octets: number; samples_per_second: number;
 }
+export interface StreamEnd {
+  process: string; sends: boolean; state: string; time_s: number; frames: number; rate_hz: number; lost: number; duplicate: number; late: number;
+  refused: number; silences: number; dropped: number;
+}
+export interface StreamState { name: string; kind: string; from: string[]; to: string[]; counted: StreamEnd[] }
 export interface RunEvent { number: number; time_s: number; source: string; event: string; text: string }
 export interface Series { name: string; unit: string; t: Float64Array; v: Float64Array }
 export interface Drawn { t0: number; t1: number; series: Series[] }
@@ -43,6 +48,7 @@ export const graph = signal<Graph | null>(null);
 export const network = signal<Network | null>(null);
 export const signals = signal<SignalInfo[]>([]);
 export const topics = signal<TopicState[]>([]);
+export const streams = signal<StreamState[]>([]);
 export const events = signal<RunEvent[]>([]);
 export const values = signal<Map<string, number>>(new Map());
 export const drawn = signal<Record<string, Drawn>>({});
@@ -109,6 +115,7 @@ export function connect(): void {
       case "network": network.value = told.network; break;
       case "signals": signals.value = told.list.signals; break;
       case "topics": topics.value = told.list.topics; break;
+      case "streams": streams.value = told.list.streams; break;
       case "events": events.value = [...events.value, ...told.list.events].slice(-2000); break;
       case "dropped": dropped.value = told.count; break;
     }

@@ -8,6 +8,15 @@ export function compact(v: number): string {
   return v.toPrecision(5).replace(/\.?0+$/, "");
 }
 
+/** With so many decimals that they tell a thousandth of what is shown, and the same of all that stand together. */
+export function within(v: number, span: number): string {
+  if (!isFinite(v)) return String(v);
+  const digits = span > 0 ? Math.floor(3.3 - Math.log10(span)) : 3;
+  if (digits > 7 || Math.abs(v) >= 1e7) return compact(v);
+  const text = v.toFixed(Math.max(digits, 0));
+  return Number(text) === 0 ? text.replace("-", "") : text;
+}
+
 /** 2 h 05 min, 6.20 s: with as many digits as the whole length deserves. */
 export function time(s: number, whole: number): string {
   if (whole >= 7200) {
@@ -25,7 +34,7 @@ export function stamp(s: number, whole: number): string {
   return `${Math.floor(seconds / 3600)}:${two(Math.floor(seconds / 60) % 60)}:${two(seconds % 60)}`;
 }
 
-export const rate = (v: number) => (v >= 100 ? Math.round(v).toLocaleString("en") : v >= 10 ? v.toFixed(1) : v.toFixed(2)) + " /s";
+export const rate = (v: number) => (v === 0 ? "0" : v >= 100 ? Math.round(v).toLocaleString("en") : v >= 10 ? v.toFixed(1) : v.toFixed(2)) + " /s";
 
 /** "bus.*.v_pu" against "bus.B1.v_pu"; * stands for anything. */
 export function matches(pattern: string, name: string): boolean {

@@ -48,6 +48,7 @@ export function Timeline() {
   const all = [...new Set(list.map(e => e.source))], lanes = all.slice(0, kMostLanes);
   const laneOf = (e: RunEvent) => Math.min(all.indexOf(e.source), kMostLanes - 1);
   const x = (t: number) => kName + (Math.min(Math.max(t, 0), end) / end) * (width - kName - kRight);
+  const marks = steps(0, end, (width - kName) / 110);
   const height = Math.max(lanes.length, 1) * kLane + kAxis;
   // A label stands where it does not run into the next event of its lane; events that fall together share one.
   const labelled = lanes.map((_, lane) => {
@@ -70,8 +71,8 @@ export function Timeline() {
     <div ref={box}>
       <svg class="timeline" width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="group" aria-label="events over time">
         {zoomed && <rect class="zoomed" x={x(t0)} y={0} width={Math.max(x(t1) - x(t0), 2)} height={height - kAxis} />}
-        {steps(0, end, (width - kName) / 110).map(t => (
-          <g key={t}><path class="gridline" d={`M${x(t)} 0V${height - kAxis}`} /><text class="small middle" x={x(t)} y={height - 6}>{end < 7200 ? String(Number(t.toPrecision(6))) : stamp(t, end).replace(/:00$/, "")}</text></g>
+        {marks.map((t, i) => (
+          <g key={t}><path class="gridline" d={`M${x(t)} 0V${height - kAxis}`} /><text class="small middle" x={x(t)} y={height - 6}>{end < 7200 ? `${Number(t.toPrecision(6))}${i === marks.length - 1 ? " s" : ""}` : stamp(t, end).replace(/:00$/, "") + (i === marks.length - 1 ? " h" : "")}</text></g>
         ))}
         {lanes.map((source, i) => (
           <g key={source}>

@@ -1,6 +1,6 @@
 // The wire: what is known of every stream, and how its delays and intervals are spread.
 import { useEffect } from "preact/hooks";
-import { ask, drawn, forget, graph, run, signals, values } from "./model";
+import { ask, drawn, forget, graph, run, signals, streams, values, type StreamEnd } from "./model";
 import { choose, choice } from "./state";
 import { compact } from "./text";
 
@@ -60,38 +60,67 @@ const kQuantities: [string, string, number | undefined][] = [
   ["interval_ms", "interval between frames", undefined],
 ];
 
+interface Counted { rate?: number; sent: string; received: string; lost?: number; duplicate?: number; late?: number; state: string; said: string }
+
+const whole = (v: number | undefined) => (v === undefined ? "–" : Math.round(v).toLocaleString("en"));
+
+/** What the devices have counted themselves; they say so once a second. */
+function of_devices(ends: StreamEnd[]): Counted {
+  const senders = ends.filter(e => e.sends), receivers = ends.filter(e => !e.sends);
+  const sum = (of: (e: StreamEnd) => number) => (receivers.length ? receivers.reduce((a, e) => a + of(e), 0) : undefined);
+  const frames = (list: StreamEnd[]) => [...new Set(list.map(e => whole(e.frames)))].join(" / ") || "–";
+  const states = receivers.map(e => e.state);
+  return {
+    rate: receivers.find(e => e.frames > 1)?.rate_hz, sent: frames(senders), received: frames(receivers),
+    lost: sum(e => e.lost + e.dropped), duplicate: sum(e => e.duplicate), late: sum(e => e.late),
+    state: !states.length || states.includes("waiting") ? "waiting" : states.includes("lost") ? "lost" : "alive",
+    said: ends.map(e => `${e.process}: ${whole(e.frames)} ${e.sends ? "sent" : "received"}, ${e.refused} refused, ${e.silences} silences, at ${e.time_s.toFixed(1)} s`).join("\n"),
+  };
+}
+
+/** The same from recorded signals, as far as they go. */
+function of_signals(told: (what: string) => number | undefined): Counted {
+  const early = told("received") === 0 && told("lost") === 0; // nothing has been counted yet
+  const counted = (what: string) => (early ? undefined : told(what));
+  const st = told("st_num"), sq = told("sq_num");
+  return {
+    rate: told("rate_hz"), sent: "–", received: whole(counted("received")), lost: counted("lost"), duplicate: counted("duplicate"), late: counted("late"),
+    state: st !== undefined && sq !== undefined ? `stNum ${st}, sqNum ${sq}` : "", said: "",
+  };
+}
+
 export function Wire() {
   const g = graph.value, now = values.value;
   const names = new Set(signals.value.map(s => s.name));
-  const streams = [...new Set(g?.wires.filter(w => w.publishes).map(w => w.stream) ?? [])].sort(); // others are whole links
-  if (!streams.length) return <p class="empty">this scenario has no raw frames</p>;
-  const told = (stream: string, what: string) => now.get(`stream.${stream}.${what}`);
-  const whole = (v: number | undefined) => (v === undefined ? "–" : Math.round(v).toLocaleString("en"));
+  const wires = [...new Set(g?.wires.filter(w => w.publishes).map(w => w.stream) ?? [])].sort(); // others are whole links
+  if (!wires.length) return <p class="empty">this scenario has no raw frames</p>;
+  const recorded = run.value?.recorded ?? false;
   return (
     <div class="scroll">
       <table class="plain">
-        <thead><tr><th>stream</th><th>from</th><th>to</th><th class="number">rate</th><th class="number">received</th><th class="number">lost</th><th class="number">twice</th><th class="number">late</th></tr></thead>
+        <thead><tr><th>stream</th><th>from</th><th>to</th><th>state</th><th class="number">rate</th><th class="number">sent</th><th class="number">received</th>
+          <th class="number" title="missing between those received, and dropped by the kernel">lost</th><th class="number">twice</th><th class="number" title="behind newer ones">late</th></tr></thead>
         <tbody>
-          {streams.map(s => {
+          {wires.map(s => {
             const ends = g!.wires.filter(w => w.stream === s);
-            const lost = told(s, "lost");
+            const devices = (publishes: boolean) => [...new Set(ends.filter(w => w.publishes === publishes).map(w => w.process))].join(", ");
+            const c = recorded ? of_signals(what => now.get(`stream.${s}.${what}`)) : of_devices(streams.value.find(x => x.name === s)?.counted ?? []);
             return (
-              <tr key={s}>
+              <tr key={s} title={c.said}>
                 <td>{s} <span class="soft">{ends[0].kind === "goose" ? "GOOSE" : "SMV"}</span></td>
-                <td class="soft">{ends.filter(w => w.publishes).map(w => w.process).join(", ")}</td>
-                <td class="soft">{ends.filter(w => !w.publishes).map(w => w.process).join(", ")}</td>
-                <td class="number">{told(s, "rate_hz") !== undefined ? `${told(s, "rate_hz")!.toFixed(1)} /s` : "–"}</td>
-                <td class="number">{whole(told(s, "received") ?? told(s, "sq_num"))}</td>
-                <td class={`number ${lost ? "bad" : ""}`}>{lost ? "✕ " : ""}{whole(lost)}</td>
-                <td class="number">{whole(told(s, "duplicate"))}</td>
-                <td class="number">{whole(told(s, "late"))}</td>
+                <td class="soft">{devices(true)}</td><td class="soft">{devices(false)}</td>
+                <td class={c.state === "lost" ? "bad" : c.state === "alive" ? "good" : "soft"}>{c.state === "lost" ? "✕ " : c.state === "alive" ? "● " : ""}{c.state || "–"}</td>
+                <td class="number">{c.rate === undefined ? "–" : `${c.rate.toFixed(1)} /s`}</td>
+                <td class="number">{c.sent}</td><td class="number">{c.received}</td>
+                <td class={`number ${c.lost ? "bad" : ""}`}>{c.lost ? "✕ " : ""}{whole(c.lost)}</td>
+                <td class="number">{whole(c.duplicate)}</td><td class="number">{whole(c.late)}</td>
               </tr>
             );
           })}
         </tbody>
       </table>
       {run.value?.mode === "lockstep" && <p class="soft">In lockstep the wall clock means nothing: delays are measured in real time only.</p>}
-      {streams.map(s => {
+      {wires.map(s => {
         const there = kQuantities.filter(([what]) => names.has(`stream.${s}.${what}`));
         return there.length > 0 && (
           <section key={s} class="spreads" aria-label={`delays of ${s}`}>

@@ -4,7 +4,6 @@
 bench/monitor/bad_clients.py."""
 import json
 import socket
-import statistics
 import time
 import unittest
 
@@ -37,11 +36,6 @@ BAD = {
 }
 
 
-def percentiles(times):
-    times = sorted(1e3 * t for t in times)
-    return f"p50 {statistics.median(times):6.2f} ms   p99 {times[int(0.99 * (len(times) - 1))]:6.2f} ms   most {times[-1]:6.2f} ms"
-
-
 def try_one(monitor, request):
     """(status, seconds until it was there)"""
     with socket.create_connection((monitor.host, monitor.port), timeout=client.PATIENCE_S) as s:
@@ -61,7 +55,7 @@ def good(monitor, repeat):
         began = time.monotonic()
         assert monitor.get("/api/v1/run").status == 200
         times.append(time.monotonic() - began)
-    return percentiles(times)
+    return client.percentiles(times)
 
 
 def assault(monitor, repeat, tell=print):
@@ -70,7 +64,7 @@ def assault(monitor, repeat, tell=print):
     for name, (request, wanted) in BAD.items():
         outcomes = [try_one(monitor, request) for _ in range(repeat)]
         wrong += [f"{name}: {status}, expected {wanted}" for status, _ in outcomes if status != wanted]
-        tell(f"{name:<34} {wanted}   {percentiles([t for _, t in outcomes])}")
+        tell(f"{name:<34} {wanted}   {client.percentiles([t for _, t in outcomes])}")
     tell(f"{'a good request':<34} 200   {good(monitor, repeat)}")
     crowd = [socket.create_connection((monitor.host, monitor.port), timeout=client.PATIENCE_S) for _ in range(1000)]
     for s in crowd[::2]:

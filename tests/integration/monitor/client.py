@@ -9,6 +9,7 @@ import os
 import pathlib
 import socket
 import ssl
+import statistics
 import struct
 import subprocess
 import sys
@@ -20,6 +21,11 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenario")
 import harness  # noqa: E402
 
 PATIENCE_S = 120
+
+
+def percentiles(times_s):
+    times = sorted(1e3 * t for t in times_s)
+    return f"p50 {statistics.median(times):6.2f} ms   p99 {times[int(0.99 * (len(times) - 1))]:6.2f} ms   most {times[-1]:6.2f} ms"
 
 
 class Answer:

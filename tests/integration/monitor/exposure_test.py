@@ -93,6 +93,10 @@ class Exposure(harness.ScenarioTest):
         for headers in ([], ["Sec-WebSocket-Protocol: foxglove.websocket.v1"]):
             self.assertEqual(self.handshake(stranger, headers), 401)
             self.assertEqual(self.handshake(friend, headers), 101)
+            # Foxglove and PlotJuggler know of no headers: their WebSocket, and nothing else, may have the token in its address.
+            self.assertEqual(self.handshake(stranger, headers, f"/ws/v1?token={TOKEN}"), 101)
+            for wrong in ("", TOKEN + "x", TOKEN[:-1], TOKEN.upper()):
+                self.assertEqual(self.handshake(stranger, headers, f"/ws/v1?token={wrong}"), 401)
 
         self.assert_browser_is_let_in(stranger)
         self.assert_only_tls_is_spoken(noted.port)
@@ -116,8 +120,8 @@ class Exposure(harness.ScenarioTest):
             self.assertNotIn(TOKEN, log.read_text(), log)
 
     @staticmethod
-    def handshake(monitor, headers):
-        push = monitor.web_socket(headers=headers)
+    def handshake(monitor, headers, path="/ws/v1"):
+        push = monitor.web_socket(path, headers)
         push.close()
         return push.status
 

@@ -46,6 +46,10 @@ class LongRecording(ScenarioTest):
         info = json.loads(gridspace("info", run.folder, "--json", timeout=600)[1])
         print(f"{HOURS:g} h: {info['recording']['samples']} samples, {info['recording']['file_octets'] / 1e6:.1f} MB on disk; "
               f"recorder {early / 1024:.1f} MB after a quarter, {late / 1024:.1f} MB at most")
+        eighths = [memory[max(i * len(memory) // 8 - 1, 0)] / 1024 for i in range(9)]
+        print("  MB at each eighth of the run: " + " ".join(f"{mb:.1f}" for mb in eighths))
+        per_hour = (eighths[7] - eighths[3]) / (HOURS / 2)  # of the middle, past the beginning and short of the end
+        print(f"  growth between 3/8 and 7/8: {per_hour:+.3f} MB an hour, so {per_hour * 24:+.1f} MB a day")
         self.assertLess(late - early, GROWTH_KB)
         self.assertTrue(info["recording"]["complete"])
         measured = next(t for t in info["recording"]["topics"] if t["name"] == "bus_measurements")

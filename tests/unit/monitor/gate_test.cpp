@@ -62,6 +62,24 @@ TEST_F(GateTest, AdmitsNobodyElse) {
     EXPECT_EQ(sut_.check(asked)->status, 401);
 }
 
+TEST_F(GateTest, TakesATokenFromTheAddressOfAWebSocketAndLeavesItToNobody) {
+    auto const admits = [&](std::string const& address, std::string const& said = "") {
+        auto target = parse_target(address);
+        bool const good = sut_.admits_push(said, "", *target);
+        EXPECT_FALSE(target->query.contains("token")) << address;
+        return good;
+    };
+    EXPECT_TRUE(admits(std::string{"/?token="} + kToken));
+    EXPECT_TRUE(admits(std::string{"/ws/v1?a=b&token="} + kToken));
+    EXPECT_TRUE(admits("/?token=wrong", std::string{"Bearer "} + kToken)); // the header says it
+    for (std::string const query :
+         {"", "?", "?token", "?token=", "?token=0123456789abcdef0123456789abcdee",
+          "?Token=0123456789abcdef0123456789abcdef", "?token=fedcba9876543210fedcba9876543210",
+          "?token=Bearer+0123456789abcdef0123456789abcdef"}) {
+        EXPECT_FALSE(admits("/" + query)) << query;
+    }
+}
+
 TEST_F(GateTest, AsksABrowserByAPageAndAProgramByJson) {
     Request asked = request("GET", "/");
     asked.accept = "text/html,application/xhtml+xml";

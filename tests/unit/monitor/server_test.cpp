@@ -240,6 +240,16 @@ TEST_F(ServerTest, AsksForTheTokenOnEveryRouteAndWebSocket) {
     EXPECT_THAT(receive(without, "\r\n\r\n"), StartsWith("HTTP/1.1 401"));
     send(with, upgrade + bearer + "\r\n");
     EXPECT_THAT(receive(with, "\r\n\r\n"), StartsWith("HTTP/1.1 101"));
+    // In its address only a WebSocket may have it.
+    EXPECT_THAT(exchange(std::string{"GET /a?token="} + kToken + " HTTP/1.1\r\n" + kHost + close + "\r\n"),
+                StartsWith("HTTP/1.1 401"));
+    for (auto const& [token, status] : {std::pair{kToken, "HTTP/1.1 101"}, {"wrong", "HTTP/1.1 401"}}) {
+        std::string named = upgrade + "\r\n";
+        named.replace(named.find("/ws/v1"), 6, std::string{"/ws/v1?token="} + token);
+        UniqueFd const by_address = connect();
+        send(by_address, named);
+        EXPECT_THAT(receive(by_address, "\r\n\r\n"), StartsWith(status));
+    }
 }
 
 TEST(Server, IsNotReachableFromOtherMachinesWithoutATokenAndTls) {
