@@ -13,7 +13,7 @@ source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 
 contributor_tiers=(lint build unit integration scenarios)
-all_tiers=("${contributor_tiers[@]}" e2e arm64 sanitizers fuzz tidy)
+all_tiers=("${contributor_tiers[@]}" e2e arm64 sanitizers fuzz coverage tidy)
 
 usage() {
   cat <<'EOF'
@@ -28,6 +28,7 @@ with --all also
   arm64        cross-compiled for ARM64: unit tests and scenarios in emulation
   sanitizers   unit tests and a scenario under ASan and UBSan (clang)
   fuzz         every fuzz target for a short while
+  coverage     lines of the frame decoder that unit tests and kept corpus run through
   tidy         clang-tidy on the files that changed since the last commit of main
 EOF
 }
@@ -100,6 +101,14 @@ tier_sanitizers() {
 }
 
 tier_fuzz() { "$root/scripts/fuzz.sh" "${GRIDSPACE_FUZZ_SECONDS:-60}"; }
+
+tier_coverage() {
+  local log=$root/build/coverage.log status=0
+  "$root/scripts/coverage.sh" >"$log" 2>&1 || status=$?
+  note=$(sed -n 's/^together *//p' "$log")
+  [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
 
 tier_tidy() { "$root/scripts/tidy.sh"; }
 

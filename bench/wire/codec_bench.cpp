@@ -49,16 +49,27 @@ void encode_sv_three_floats(benchmark::State& state) {
     }
 }
 
+template <bool kAtOnce>
 void encode_sv_92le(benchmark::State& state) {
     SvLayout const layout{data_set_92le()};
     SvTemplate frame = sv(1, layout.sample_octets());
+    std::vector<Value> values;
+    for (auto const& slot : layout.slots()) {
+        values.push_back({slot.leaf.type, 0, 0, {}});
+    }
     std::int32_t value = 0;
     for (auto _ : state) {
         frame.set_smp_cnt(0, static_cast<std::uint16_t>(value));
         auto const sample = frame.sample(0);
-        for (std::size_t i = 0; i < 16; i += 2) {
-            layout.write(i, Value::integer(BasicType::int32, value), sample);
-            layout.write(i + 1, Value::quality(0), sample);
+        for (std::size_t i = 0; i < values.size(); i += 2) {
+            values[i].bits = static_cast<std::uint32_t>(value + static_cast<std::int32_t>(i));
+        }
+        if (kAtOnce) {
+            layout.write_all(values, sample);
+        } else {
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                layout.write(i, values[i], sample);
+            }
         }
         ++value;
         benchmark::DoNotOptimize(frame.frame().data());
@@ -104,7 +115,8 @@ void decode_goose_frame(benchmark::State& state) {
 }
 
 BENCHMARK(encode_sv_three_floats);
-BENCHMARK(encode_sv_92le);
+BENCHMARK(encode_sv_92le<true>)->Name("encode_sv_92le/at_once");
+BENCHMARK(encode_sv_92le<false>)->Name("encode_sv_92le/value_by_value");
 BENCHMARK_CAPTURE(decode_sv_frame, three_floats, 1, 12);
 BENCHMARK_CAPTURE(decode_sv_frame, le92, 1, 64);
 BENCHMARK_CAPTURE(decode_sv_frame, two_asdus, 2, 12);

@@ -13,9 +13,7 @@ SampleSink::SampleSink(GatewayContext const& context, Route& route, iec61850::Sv
       period_quanta_{Rational{1} / route.to_stream->rate_hz / context.node.time_base().quantum_s()} {}
 
 void SampleSink::encode(std::span<std::uint8_t> sample) const {
-    for (std::size_t const field : route_.written) {
-        layout_.write(field, values_[field], sample);
-    }
+    layout_.write_all(values_, sample); // what no rule writes is zero
 }
 
 iec61850::Octets SampleSink::fill(std::int64_t index, std::span<std::uint8_t const> sample) {

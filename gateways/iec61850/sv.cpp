@@ -77,81 +77,6 @@ Decoded<void> read_asdu(Tlv const& asdu, Asdu& out) noexcept {
     return {};
 }
 
-/// An ASDU as nearly every publisher writes it: the standard's order, fixed widths, lengths of one octet. False: it is
-/// written in another way, or wrong, and read_asdu() has to look; `out` then holds anything.
-bool read_usual_asdu(Tlv const& asdu, Asdu& out) noexcept {
-    constexpr std::ptrdiff_t kCounters = 10, kSynch = 3, kHead = 2; // smpCnt and confRev; smpSynch; tag and length
-    std::uint8_t const* at = asdu.value.data();
-    std::uint8_t const* const end = at + asdu.value.size();
-    auto const left = [&] { return end - at; };
-    std::uint16_t fields = kMandatory;
-
-    if (left() < kHead || at[0] != 0x80 || at[1] >= 0x80 || left() < kHead + at[1] + kCounters + kSynch + kHead) {
-        return false;
-    }
-    out.sv_id = text_of({at + kHead, at[1]});
-    at += kHead + at[1];
-    out.dat_set = {};
-    if (at[0] == 0x81) {
-        if (at[1] >= 0x80 || left() < kHead + at[1] + kCounters + kSynch + kHead) {
-            return false;
-        }
-        out.dat_set = text_of({at + kHead, at[1]});
-        fields |= Asdu::dat_set_field;
-        at += kHead + at[1];
-    }
-    if (load_be<std::uint16_t>(at) != 0x8202 || load_be<std::uint16_t>(at + 4) != 0x8304) {
-        return false;
-    }
-    out.smp_cnt = load_be<std::uint16_t>(at + 2);
-    out.conf_rev = load_be<std::uint32_t>(at + 6);
-    at += kCounters;
-    out.refr_tm = {};
-    if (at[0] == 0x84) {
-        if (at[1] != 8 || left() < kHead + 8 + kSynch + kHead) {
-            return false;
-        }
-        out.refr_tm = UtcTime::from_bits(load_be<std::uint64_t>(at + kHead));
-        fields |= Asdu::refr_tm_field;
-        at += kHead + 8;
-    }
-    if (load_be<std::uint16_t>(at) != 0x8501) {
-        return false;
-    }
-    out.smp_synch = at[2];
-    at += kSynch;
-    out.smp_rate = 0;
-    if (at[0] == 0x86) {
-        if (at[1] != 2 || left() < kHead + 2 + kHead) {
-            return false;
-        }
-        out.smp_rate = load_be<std::uint16_t>(at + kHead);
-        fields |= Asdu::smp_rate_field;
-        at += kHead + 2;
-    }
-    if (at[0] != 0x87 || at[1] >= 0x80 || left() < kHead + at[1]) {
-        return false;
-    }
-    out.sample = {at + kHead, at[1]};
-    at += kHead + at[1];
-    out.smp_mod = 0;
-    if (left() >= kHead + 2 && load_be<std::uint16_t>(at) == 0x8802) {
-        out.smp_mod = load_be<std::uint16_t>(at + kHead);
-        fields |= Asdu::smp_mod_field;
-        at += kHead + 2;
-    }
-    out.gm_identity = 0;
-    if (left() >= kHead + 8 && load_be<std::uint16_t>(at) == 0x8908) {
-        out.gm_identity = load_be<std::uint64_t>(at + kHead);
-        fields |= Asdu::gm_identity_field;
-        at += kHead + 8;
-    }
-    out.fields = fields;
-    out.offset = asdu.offset;
-    return at == end;
-}
-
-template <bool kShortcut>
 Decoded<void> read_sequence(Tlv const& sequence, SvFrame& out) noexcept {
     BerCursor cursor{sequence};
     Tlv asdu;
@@ -165,26 +90,17 @@ Decoded<void> read_sequence(Tlv const& sequence, SvFrame& out) noexcept {
         if (out.count == kMaxAsdus) {
             return std::unexpected{asdu.error(Reason::too_many)};
         }
-        if (!kShortcut || !read_usual_asdu(asdu, out.asdus[out.count])) {
-            if (auto ok = read_asdu(asdu, out.asdus[out.count]); !ok) {
-                return ok;
-            }
+        if (auto ok = read_asdu(asdu, out.asdus[out.count]); !ok) {
+            return ok;
         }
         ++out.count;
     }
     return {};
 }
 
-template <bool kShortcut>
-Decoded<void> decode(Octets frame, SvFrame& out) noexcept {
+/// Each element one by one, in any order and form.
+Decoded<void> read_pdu(SvFrame& out) noexcept {
     out.count = 0;
-    out.secured = false;
-    if (auto ok = decode_header(frame, out.header); !ok) {
-        return ok;
-    }
-    if (out.header.ethertype != kSvEthertype) {
-        return undecodable(Reason::other_ethertype, out.header.apdu_offset - kHeaderOctets - 2);
-    }
     Tlv pdu, part, sequence;
     BerCursor whole{out.header.apdu, out.header.apdu_offset};
     if (Reason const reason = whole.next(pdu); reason != Reason::none) {
@@ -221,7 +137,7 @@ Decoded<void> decode(Octets frame, SvFrame& out) noexcept {
     if (!counted || !found) {
         return undecodable(Reason::missing_field, pdu.offset, counted ? kSeqAsdu : kNoAsdu);
     }
-    if (auto ok = read_sequence<kShortcut>(sequence, out); !ok) {
+    if (auto ok = read_sequence(sequence, out); !ok) {
         out.count = 0;
         return ok;
     }
@@ -232,14 +148,158 @@ Decoded<void> decode(Octets frame, SvFrame& out) noexcept {
     return {};
 }
 
+/// Steps into the element `tag` at `at`, which must be there with a length of one to three octets: `at` and `end`
+/// become those of its value.
+bool enter(std::uint8_t tag, std::uint8_t const*& at, std::uint8_t const*& end) noexcept {
+    if (end - at < 2 || at[0] != tag) {
+        return false;
+    }
+    std::ptrdiff_t length = at[1];
+    at += 2;
+    if (length >= 0x80) {
+        std::ptrdiff_t const octets = length - 0x80;
+        if (octets == 0 || octets > 2 || end - at < octets) {
+            return false;
+        }
+        length = octets == 1 ? at[0] : load_be<std::uint16_t>(at);
+        at += octets;
+    }
+    if (end - at < length) {
+        return false;
+    }
+    end = at + length;
+    return true;
+}
+
+/// The value of the element `tag` at `at`, which moves behind it.
+bool take(std::uint8_t tag, std::uint8_t const*& at, std::uint8_t const* end, Octets& out) noexcept {
+    if (!enter(tag, at, end)) {
+        return false;
+    }
+    out = {at, end};
+    at = end;
+    return true;
+}
+
+/// An ASDU as nearly every publisher writes it: the standard's order, fixed widths. False: it is written in another
+/// way, or wrong, and read_asdu() has to look; `out` then holds anything.
+bool read_usual_asdu(std::uint8_t const* at, std::uint8_t const* end, Asdu& out) noexcept {
+    constexpr std::ptrdiff_t kCounters = 10, kSynch = 3, kHead = 2; // smpCnt and confRev; smpSynch; tag and length
+    auto const has = [&](std::ptrdiff_t octets) { return end - at >= octets; };
+    std::uint16_t fields = kMandatory;
+    Octets name, set;
+
+    if (!take(0x80, at, end, name) || !has(kCounters + kSynch)) {
+        return false;
+    }
+    if (at[0] == 0x81) {
+        if (!take(0x81, at, end, set) || !has(kCounters + kSynch)) {
+            return false;
+        }
+        fields |= Asdu::dat_set_field;
+    }
+    if (load_be<std::uint16_t>(at) != 0x8202 || load_be<std::uint16_t>(at + 4) != 0x8304) {
+        return false;
+    }
+    out.sv_id = text_of(name);
+    out.dat_set = text_of(set);
+    out.smp_cnt = load_be<std::uint16_t>(at + 2);
+    out.conf_rev = load_be<std::uint32_t>(at + 6);
+    at += kCounters;
+    out.refr_tm = {};
+    if (at[0] == 0x84) {
+        if (at[1] != 8 || !has(kHead + 8 + kSynch)) {
+            return false;
+        }
+        out.refr_tm = UtcTime::from_bits(load_be<std::uint64_t>(at + kHead));
+        fields |= Asdu::refr_tm_field;
+        at += kHead + 8;
+    }
+    if (load_be<std::uint16_t>(at) != 0x8501) {
+        return false;
+    }
+    out.smp_synch = at[2];
+    at += kSynch;
+    out.smp_rate = 0;
+    if (has(kHead + 2) && load_be<std::uint16_t>(at) == 0x8602) {
+        out.smp_rate = load_be<std::uint16_t>(at + kHead);
+        fields |= Asdu::smp_rate_field;
+        at += kHead + 2;
+    }
+    if (!take(0x87, at, end, out.sample)) {
+        return false;
+    }
+    out.smp_mod = 0;
+    out.gm_identity = 0;
+    if (at != end) {
+        if (has(kHead + 2) && load_be<std::uint16_t>(at) == 0x8802) {
+            out.smp_mod = load_be<std::uint16_t>(at + kHead);
+            fields |= Asdu::smp_mod_field;
+            at += kHead + 2;
+        }
+        if (has(kHead + 8) && load_be<std::uint16_t>(at) == 0x8908) {
+            out.gm_identity = load_be<std::uint64_t>(at + kHead);
+            fields |= Asdu::gm_identity_field;
+            at += kHead + 8;
+        }
+    }
+    out.fields = fields;
+    return at == end;
+}
+
+/// A PDU as nearly every publisher writes it. False: read_pdu() has to look, and says what is wrong, if anything is.
+bool read_usual_pdu(FrameHeader const& header, SvFrame& out) noexcept {
+    std::uint8_t const* at = header.apdu.data();
+    std::uint8_t const* end = at + header.apdu.size();
+    std::uint8_t const* const frame = at - header.apdu_offset;
+    if (!enter(0x60, at, end) || end - at < 3 || load_be<std::uint16_t>(at) != 0x8001) {
+        return false;
+    }
+    std::size_t const declared = at[2];
+    at += 3;
+    std::uint8_t const* const end_of_pdu = end;
+    if (declared > kMaxAsdus || !enter(0xA2, at, end) || end != end_of_pdu) {
+        return false;
+    }
+    std::size_t count = 0;
+    for (; at != end && count < declared; ++count) {
+        Asdu& asdu = out.asdus[count];
+        asdu.offset = static_cast<std::uint32_t>(at - frame);
+        std::uint8_t const* end_of_asdu = end;
+        if (!enter(0x30, at, end_of_asdu) || !read_usual_asdu(at, end_of_asdu, asdu)) {
+            return false;
+        }
+        at = end_of_asdu;
+    }
+    out.count = static_cast<std::uint16_t>(count);
+    return count != 0 && count == declared && at == end;
+}
+
+Decoded<void> read_header(Octets frame, SvFrame& out) noexcept {
+    out.count = 0;
+    out.secured = false;
+    if (auto ok = decode_header(frame, out.header); !ok) {
+        return ok;
+    }
+    if (out.header.ethertype != kSvEthertype) {
+        return undecodable(Reason::other_ethertype, out.header.apdu_offset - kHeaderOctets - 2);
+    }
+    return {};
+}
+
 } // namespace
 
 Decoded<void> decode_sv(Octets frame, SvFrame& out) noexcept {
-    return decode<true>(frame, out);
+    auto ok = read_header(frame, out);
+    if (ok && !read_usual_pdu(out.header, out)) [[unlikely]] {
+        ok = read_pdu(out);
+    }
+    return ok;
 }
 
 Decoded<void> decode_sv_without_shortcut(Octets frame, SvFrame& out) noexcept {
-    return decode<false>(frame, out);
+    auto ok = read_header(frame, out);
+    return ok ? read_pdu(out) : ok;
 }
 
 } // namespace gridspace::iec61850

@@ -68,6 +68,7 @@ SvLayout::SvLayout(DataSet const& data_set) {
         std::size_t const octets = sv_octets(leaf.type);
         slots_.push_back({std::move(leaf), octets_, octets});
         octets_ += octets;
+        all_of_four_octets_ = all_of_four_octets_ && octets == 4;
     }
 }
 

@@ -54,10 +54,26 @@ class SvLayout {
         }
         write_sv_value(value, sample.subspan(s.offset, s.octets));
     }
+    /// A value per slot.
+    void write_all(std::span<Value const> values, std::span<std::uint8_t> sample) const noexcept {
+        assert(values.size() == slots_.size() && sample.size() >= octets_);
+        if (all_of_four_octets_) { // 9-2LE, phase currents: words one behind the other
+            std::uint8_t* to = sample.data();
+            for (Value const& value : values) {
+                store_be(to, static_cast<std::uint32_t>(value.bits));
+                to += 4;
+            }
+            return;
+        }
+        for (std::size_t i = 0; i < slots_.size(); ++i) {
+            write(i, values[i], sample);
+        }
+    }
 
   private:
     std::vector<Slot> slots_;
     std::size_t octets_{0};
+    bool all_of_four_octets_{true};
 };
 
 } // namespace gridspace::iec61850

@@ -8,6 +8,7 @@ namespace gridspace::iec61850 {
 namespace {
 
 constexpr std::uint32_t kWholeCounter = 65536;
+constexpr std::uint32_t kFewLost = 3;
 constexpr std::uint32_t kRunToLearn = 16; ///< a peer that restarts at 0 in every frame must not teach us a wrap
 
 constexpr std::array<std::string_view, kSvEvents> kNames{"first",
@@ -28,6 +29,26 @@ std::int64_t nearest_congruent(std::int64_t value, std::int64_t wrap, std::int64
         difference += wrap;
     }
     return near + difference - (2 * difference > wrap ? wrap : 0);
+}
+
+/// The wrap of a counter that went from `last` to `next`, which is less; 0: that was no wrap, its publisher began anew.
+/// A second holds whole periods of 50 or 60 Hz; or the wrap is what the arrivals say (which may run faster or slower
+/// than the grid); or it is the end of 16 bits. With a few samples lost just there only the rates in use are believed,
+/// which are multiples of 160.
+std::uint32_t wrap_between(std::uint32_t last, std::uint32_t next, double arrivals_hz) noexcept {
+    std::uint32_t const wrap = last + 1;
+    if (next == 0 && (wrap % 50 == 0 || wrap % 60 == 0 || wrap >= kWholeCounter - 1)) {
+        return wrap;
+    }
+    for (std::uint32_t lost = 0; next <= kFewLost && lost <= kFewLost; ++lost) {
+        if ((wrap + lost) % 160 == 0) {
+            return wrap + lost;
+        }
+    }
+    if (next == 0 && std::abs(arrivals_hz - wrap) < 0.02 * wrap) {
+        return wrap;
+    }
+    return 0;
 }
 
 } // namespace
@@ -73,8 +94,11 @@ std::int64_t SvSubscriber::index_of(std::uint16_t smp_cnt, std::int64_t now_ns) 
 }
 
 void SvSubscriber::learn_wrap(std::uint16_t smp_cnt) noexcept {
-    if (!wrap_known_ && smp_cnt == 0 && last_cnt_ != 0 && run_ >= kRunToLearn) {
-        wrap_ = std::uint32_t{last_cnt_} + 1;
+    if (wrap_known_ || smp_cnt >= last_cnt_ || run_ < kRunToLearn) {
+        return;
+    }
+    if (std::uint32_t const wrap = wrap_between(last_cnt_, smp_cnt, arrivals_.rate_hz()); wrap != 0) {
+        wrap_ = wrap;
         wrap_known_ = true;
         index_ = last_cnt_;
         arrivals_.clear(); // its indices were counted with another wrap

@@ -5,6 +5,7 @@
 #include "common/text.hpp"
 
 #include <array>
+#include <charconv>
 #include <fmt/format.h>
 
 namespace gridspace::scl {
@@ -14,6 +15,7 @@ using iec61850::BasicType;
 using iec61850::DataNode;
 
 constexpr int kDeepest = 16;
+constexpr std::size_t kLongest = 1000; // elements of an array
 
 struct Basic {
     char const* name;
@@ -91,16 +93,50 @@ Element const* DataTypes::find(char const* kind, std::string const& id) const {
     return found == by_id_.end() ? nullptr : found->second;
 }
 
-Result<DataNode> DataTypes::attribute_of(Element const& definition, std::vector<std::string> const& path,
-                                         std::size_t at, std::string const& constraint, std::string name,
-                                         int depth) const {
+namespace {
+
+/// How many elements the array `definition` has: 0 when it is none; nothing when it does not say so by a number.
+std::optional<std::size_t> array_size(Element const& definition) {
+    std::string const count = attribute(definition, "count", "0");
+    std::size_t size = 0;
+    auto const [end, ec] = std::from_chars(count.data(), count.data() + count.size(), size);
+    return ec == std::errc{} && end == count.data() + count.size() && size <= kLongest ? std::optional{size}
+                                                                                       : std::nullopt;
+}
+
+Result<DataNode> in_array(Element const& definition, std::string name, Result<DataNode> element) {
+    auto const size = array_size(definition);
+    if (!size) {
+        return fail(ExitCode::usage, fmt::format("the array '{}' has {} elements", attribute(definition, "name"),
+                                                 attribute(definition, "count")));
+    }
+    if (*size == 0 || !element) {
+        return element;
+    }
+    element->name.clear();
+    return DataNode{std::move(name), DataNode::Kind::array, {}, 0, std::vector<DataNode>(*size, *element)};
+}
+
+} // namespace
+
+Result<DataNode> DataTypes::attribute_of(Element const& definition, Path path, std::string name, int depth) const {
+    if (array_size(definition) == std::size_t{0} || path.indexed) {
+        return element_of(definition, path, std::move(name), depth);
+    }
+    if (!path.last()) {
+        return fail(ExitCode::usage, fmt::format("'{}' is an array", attribute(definition, "name")),
+                    "a member behind it needs an index (ix)");
+    }
+    return in_array(definition, name, element_of(definition, path, name, depth));
+}
+
+Result<DataNode> DataTypes::element_of(Element const& definition, Path path, std::string name, int depth) const {
     std::string const b_type = attribute(definition, "bType");
-    bool const last = at + 1 >= path.size();
     if (b_type != "Struct") {
-        auto node = last ? basic_node(b_type, name) : std::nullopt;
+        auto node = path.last() ? basic_node(b_type, name) : std::nullopt;
         if (!node) {
-            return fail(ExitCode::usage, fmt::format("'{}' has the type {}", join(path, "."), b_type),
-                        last ? "it has no place in a stream" : "it has no attributes");
+            return fail(ExitCode::usage, fmt::format("'{}' has the type {}", join(path.parts, "."), b_type),
+                        path.last() ? "it has no place in a stream" : "it has no attributes");
         }
         return *node;
     }
@@ -108,22 +144,23 @@ Result<DataNode> DataTypes::attribute_of(Element const& definition, std::vector<
     if (type == nullptr || depth > kDeepest) {
         return fail(ExitCode::usage, fmt::format("there is no DAType '{}'", attribute(definition, "type")));
     }
+    if (!path.last()) {
+        std::string const& wanted = path.parts[path.at + 1];
+        for (Element const* part : children(*type, "BDA")) {
+            if (attribute(*part, "name") == wanted) {
+                return attribute_of(*part, {path.parts, path.at + 1, path.indexed}, std::move(name), depth + 1);
+            }
+        }
+        return fail(ExitCode::usage, fmt::format("'{}' has no attribute '{}'", attribute(*type, "id"), wanted));
+    }
     DataNode structure{std::move(name), DataNode::Kind::structure, {}, 0, {}};
     for (Element const* part : children(*type, "BDA")) {
-        std::string const own = attribute(*part, "name");
-        if (!last && own == path[at + 1]) {
-            return attribute_of(*part, path, at + 1, constraint, structure.name, depth + 1);
+        std::vector<std::string> const own{attribute(*part, "name")};
+        auto member = attribute_of(*part, {own}, own[0], depth + 1);
+        if (!member) {
+            return member;
         }
-        if (last) {
-            auto member = attribute_of(*part, {own}, 0, constraint, own, depth + 1);
-            if (!member) {
-                return member;
-            }
-            structure.members.push_back(std::move(*member));
-        }
-    }
-    if (!last) {
-        return fail(ExitCode::usage, fmt::format("'{}' has no attribute '{}'", attribute(*type, "id"), path[at + 1]));
+        structure.members.push_back(std::move(*member));
     }
     return structure;
 }
@@ -132,65 +169,104 @@ Result<DataNode> DataTypes::object_node(Element const& type, std::string const& 
                                         int depth) const {
     DataNode structure{std::move(name), DataNode::Kind::structure, {}, 0, {}};
     for (Element const* e = type.FirstChildElement(); e != nullptr && depth <= kDeepest; e = e->NextSiblingElement()) {
-        std::string const own = attribute(*e, "name");
+        std::vector<std::string> const own{attribute(*e, "name")};
         if (local_name(*e) == "DA" && attribute(*e, "fc") == constraint) {
-            auto member = attribute_of(*e, {own}, 0, constraint, own, depth + 1);
+            auto member = attribute_of(*e, {own}, own[0], depth + 1);
             if (!member) {
                 return member;
             }
             structure.members.push_back(std::move(*member));
         } else if (local_name(*e) == "SDO") {
-            if (Element const* const inner = find("DOType", attribute(*e, "type"))) {
-                auto member = object_node(*inner, constraint, own, depth + 1);
-                if (member && !member->members.empty()) {
-                    structure.members.push_back(std::move(*member));
-                }
+            Element const* const inner = find("DOType", attribute(*e, "type"));
+            if (inner == nullptr) {
+                continue; // it may be none of this constraint
             }
+            auto member = object_node(*inner, constraint, own[0], depth + 1);
+            if (!member) {
+                return member;
+            }
+            if (member->members.empty()) {
+                continue;
+            }
+            member = in_array(*e, own[0], std::move(member));
+            if (!member) {
+                return member;
+            }
+            structure.members.push_back(std::move(*member));
         }
     }
     return structure;
 }
 
-Result<DataNode> DataTypes::resolve(std::string const& ln_type, std::string const& object,
-                                    std::string const& attribute_path, std::string const& constraint,
-                                    std::string name) const {
-    Element const* const ln = find("LNodeType", ln_type);
-    if (ln == nullptr) {
-        return fail(ExitCode::usage, fmt::format("there is no LNodeType '{}'", ln_type));
+/// The DOType of the object that `reference` ends in. Data objects at the start of the attribute's path, as some tools
+/// write them ("phsA.cVal.mag.f" of "A"), are gone through too and taken off it.
+Result<Element const*> DataTypes::object_type(Reference& reference) const {
+    Element const* type = find("LNodeType", reference.ln_type);
+    if (type == nullptr) {
+        return fail(ExitCode::usage, fmt::format("there is no LNodeType '{}'", reference.ln_type));
     }
-    std::vector<std::string> const objects = split(object, '.');
-    Element const* type = nullptr;
-    for (Element const* e : children(*ln, "DO")) {
-        if (attribute(*e, "name") == objects[0]) {
-            type = find("DOType", attribute(*e, "type"));
-        }
-    }
-    for (std::size_t i = 1; i < objects.size() && type != nullptr; ++i) {
-        Element const* next = nullptr;
-        for (Element const* e : children(*type, "SDO")) {
-            if (attribute(*e, "name") == objects[i]) {
-                next = find("DOType", attribute(*e, "type"));
+    auto const part_of = [](Element const& parent, char const* kind, std::string_view name) -> Element const* {
+        for (Element const* e : children(parent, kind)) {
+            if (attribute(*e, "name") == name) {
+                return e;
             }
         }
-        type = next;
+        return nullptr;
+    };
+    auto const enter = [&](Element const* part) -> Result<void> {
+        type = part == nullptr ? nullptr : find("DOType", attribute(*part, "type"));
+        if (type == nullptr) {
+            return fail(ExitCode::usage,
+                        fmt::format("type '{}' has no data object '{}'", reference.ln_type, reference.object));
+        }
+        if (array_size(*part) != std::size_t{0} && !reference.indexed) {
+            return fail(ExitCode::usage, fmt::format("'{}' is an array", attribute(*part, "name")),
+                        "a member behind it needs an index (ix)");
+        }
+        return {};
+    };
+    char const* kind = "DO";
+    for (std::string const& name : split(reference.object, '.')) {
+        if (auto ok = enter(part_of(*type, kind, name)); !ok) {
+            return std::unexpected{ok.error()};
+        }
+        kind = "SDO";
     }
-    if (type == nullptr) {
-        return fail(ExitCode::usage, fmt::format("type '{}' has no data object '{}'", ln_type, object));
+    while (!reference.attribute.empty()) {
+        std::string const name = reference.attribute.substr(0, reference.attribute.find('.'));
+        Element const* const sdo = part_of(*type, "SDO", name);
+        if (sdo == nullptr || part_of(*type, "DA", name) != nullptr) {
+            break;
+        }
+        if (auto ok = enter(sdo); !ok) {
+            return std::unexpected{ok.error()};
+        }
+        reference.attribute.erase(0, name.size() + 1);
     }
-    if (attribute_path.empty()) {
-        auto node = object_node(*type, constraint, std::move(name), 0);
+    return type;
+}
+
+Result<DataNode> DataTypes::resolve(Reference const& reference, std::string name) const {
+    Reference r = reference;
+    auto const type = object_type(r);
+    if (!type) {
+        return std::unexpected{type.error()};
+    }
+    if (r.attribute.empty()) {
+        auto node = object_node(**type, r.constraint, std::move(name), 0);
         if (node && node->members.empty()) {
-            return fail(ExitCode::usage, fmt::format("'{}' has nothing with the constraint {}", object, constraint));
+            return fail(ExitCode::usage,
+                        fmt::format("'{}' has nothing with the constraint {}", r.object, r.constraint));
         }
         return node;
     }
-    std::vector<std::string> const path = split(attribute_path, '.');
-    for (Element const* e : children(*type, "DA")) {
+    std::vector<std::string> const path = split(r.attribute, '.');
+    for (Element const* e : children(**type, "DA")) {
         if (attribute(*e, "name") == path[0]) {
-            return attribute_of(*e, path, 0, constraint, std::move(name), 0);
+            return attribute_of(*e, {path, 0, r.indexed}, std::move(name), 0);
         }
     }
-    return fail(ExitCode::usage, fmt::format("'{}' has no attribute '{}'", object, path[0]));
+    return fail(ExitCode::usage, fmt::format("'{}' has no attribute '{}'", r.object, path[0]));
 }
 
 } // namespace gridspace::scl

@@ -16,19 +16,29 @@ class DataTypes {
     /// `templates` may be null: then no path resolves.
     explicit DataTypes(Element const* templates);
 
-    /// The member that a functionally constrained reference names: a leaf, or a structure when it ends above one.
-    /// `attribute` may be empty: then all attributes of the object with that constraint.
-    [[nodiscard]] Result<iec61850::DataNode> resolve(std::string const& ln_type, std::string const& object,
-                                                     std::string const& attribute, std::string const& constraint,
-                                                     std::string name) const;
+    /// A functionally constrained reference, in the words of an FCDA.
+    struct Reference {
+        std::string ln_type, object, attribute; ///< `attribute` empty: all of the object with the constraint
+        std::string constraint;
+        bool indexed{false}; ///< one element of the array on the way
+    };
+    /// The member that it names: a leaf, a structure when it ends above one, or an array.
+    [[nodiscard]] Result<iec61850::DataNode> resolve(Reference const& reference, std::string name) const;
 
   private:
     using Node = iec61850::DataNode;
-    [[nodiscard]] Result<Node> attribute_of(Element const& definition, std::vector<std::string> const& path,
-                                            std::size_t at, std::string const& constraint, std::string name,
-                                            int depth) const;
+    /// What is left of a path, and whether an array on it may be passed.
+    struct Path {
+        std::vector<std::string> const& parts;
+        std::size_t at{0};
+        bool indexed{false};
+        [[nodiscard]] bool last() const { return at + 1 >= parts.size(); }
+    };
+    [[nodiscard]] Result<Node> attribute_of(Element const& definition, Path path, std::string name, int depth) const;
+    [[nodiscard]] Result<Node> element_of(Element const& definition, Path path, std::string name, int depth) const;
     [[nodiscard]] Result<Node> object_node(Element const& type, std::string const& constraint, std::string name,
                                            int depth) const;
+    [[nodiscard]] Result<Element const*> object_type(Reference& reference) const;
     [[nodiscard]] Element const* find(char const* kind, std::string const& id) const;
 
     std::map<std::pair<std::string, std::string>, Element const*> by_id_;

@@ -3,11 +3,11 @@
 #include "gateways/scl/scl_import.hpp"
 
 #include "common/text.hpp"
-#include "gateways/iec61850/frame.hpp"
+#include "gateways/scl/control_address.hpp"
 #include "gateways/scl/data_types.hpp"
+#include "gateways/streams/stream.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <fmt/format.h>
 #include <map>
 
@@ -29,16 +29,23 @@ Node data_node(DataNode const& node) {
         return out;
     }
     Node out = Node::map();
+    if (node.kind == DataNode::Kind::array) { // all members are alike
+        out.set("array", data_node(node.members.front()));
+        out.set("count", Node::scalar(std::to_string(node.members.size())));
+        return out;
+    }
     for (DataNode const& member : node.members) {
         out.set(member.name, data_node(member));
     }
     return out;
 }
 
-std::optional<unsigned> hex(std::string const& text) {
-    unsigned value = 0;
-    auto const [end, ec] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
-    return ec == std::errc{} && end == text.data() + text.size() ? std::optional{value} : std::nullopt;
+constexpr unsigned kLargestVlan = 0xFFE;
+constexpr double kNoRatePerPeriod = 1000; // nobody samples a period so often: smpMod was forgotten
+
+/// xs:boolean.
+bool is_true(std::string const& text) {
+    return text == "true" || text == "1";
 }
 
 /// What one LN0 needs to know of its surroundings.
@@ -91,26 +98,6 @@ class Importer {
         }
     }
 
-    /// GSE or SMV of the section Communication.
-    Element const* address_of(std::string const& ied, std::string const& point, char const* kind,
-                              std::string const& inst, std::string const& block) const {
-        Element const* const communication = child(root_, "Communication");
-        for (Element const* net :
-             communication == nullptr ? std::vector<Element const*>{} : children(*communication, "SubNetwork")) {
-            for (Element const* connected : children(*net, "ConnectedAP")) {
-                if (attribute(*connected, "iedName") != ied || attribute(*connected, "apName") != point) {
-                    continue;
-                }
-                for (Element const* e : children(*connected, kind)) {
-                    if (attribute(*e, "ldInst") == inst && attribute(*e, "cbName") == block) {
-                        return e;
-                    }
-                }
-            }
-        }
-        return nullptr;
-    }
-
     bool read_address(Element const& control, Element const* where, Node& stream) {
         Element const* const address = where == nullptr ? nullptr : child(*where, "Address");
         if (address == nullptr) {
@@ -122,8 +109,9 @@ class Importer {
         for (Element const* e : children(*address, "P")) {
             p[attribute(*e, "type")] = text_of(*e);
         }
-        auto const mac = iec61850::Mac::parse(p["MAC-Address"]);
-        auto const app_id = hex(p["APPID"]);
+        auto const mac = mac_of(p["MAC-Address"]);
+        bool const goose = local_name(control) == "GSEControl";
+        auto const app_id = p["APPID"].empty() ? std::optional{goose ? 0U : 0x4000U} : hexadecimal(p["APPID"]);
         if (!mac || !app_id) {
             note(control, fmt::format("control block '{}' has the MAC address '{}' and APPID '{}'; it was left out",
                                       attribute(control, "name"), p["MAC-Address"], p["APPID"]));
@@ -131,8 +119,15 @@ class Importer {
         }
         stream.set("mac", Node::quoted_text(mac->to_string()));
         stream.set("app_id", Node::scalar(fmt::format("0x{:04X}", *app_id)));
-        if (auto const vlan = hex(p["VLAN-ID"])) {
+        if (p["APPID"].empty()) {
+            note(*address, fmt::format("control block '{}' has no APPID: the standard's default 0x{:04X}",
+                                       attribute(control, "name"), *app_id));
+        }
+        if (auto const vlan = hexadecimal(p["VLAN-ID"]); vlan && *vlan <= kLargestVlan) {
             stream.set("vlan_id", Node::scalar(std::to_string(*vlan)));
+        } else if (!p["VLAN-ID"].empty()) {
+            note(*address, fmt::format("control block '{}' has the VLAN-ID '{}', which is none; it was left away",
+                                       attribute(control, "name"), p["VLAN-ID"]));
         }
         if (!p["VLAN-PRIORITY"].empty()) {
             stream.set("vlan_priority", Node::scalar(p["VLAN-PRIORITY"]));
@@ -140,17 +135,17 @@ class Importer {
         return true;
     }
 
-    /// The type of the logical node that an FCDA names.
-    std::string ln_type(Element const& device, Element const& fcda) const {
+    /// The logical node that an FCDA names.
+    static Element const* ln_of(Element const& device, Element const& fcda) {
         std::string const cls = attribute(fcda, "lnClass"), inst = attribute(fcda, "lnInst"),
                           prefix = attribute(fcda, "prefix");
         for (Element const* ln : children(device, cls == "LLN0" ? "LN0" : "LN")) {
             if (cls == "LLN0" || (attribute(*ln, "lnClass") == cls && attribute(*ln, "inst") == inst &&
                                   attribute(*ln, "prefix") == prefix)) {
-                return attribute(*ln, "lnType");
+                return ln;
             }
         }
-        return {};
+        return nullptr;
     }
 
     /// FCDAs may point into other logical devices of the same server.
@@ -161,6 +156,21 @@ class Importer {
             }
         }
         return &own;
+    }
+
+    Result<DataNode> resolve(Element const& device, Element const& fcda, std::string const& ln_name,
+                             std::string const& name) const {
+        std::string const inst = attribute(fcda, "ldInst"), object = attribute(fcda, "doName");
+        Element const* const ln = ln_of(*device_of(device, inst), fcda);
+        if (ln == nullptr) {
+            return fail(ExitCode::usage, fmt::format("there is no logical node '{}' in '{}'", ln_name, inst));
+        }
+        if (object.empty()) {
+            return fail(ExitCode::usage, fmt::format("a member of '{}' names no data object", ln_name));
+        }
+        return types_.resolve({attribute(*ln, "lnType"), object, attribute(fcda, "daName"), attribute(fcda, "fc"),
+                               !attribute(fcda, "ix").empty()},
+                              name);
     }
 
     bool read_data_set(Element const& device, Element const& ln0, Element const& control, Node& stream) {
@@ -174,18 +184,19 @@ class Importer {
                                       attribute(control, "name"), wanted));
             return false;
         }
-        bool const sampled = local_name(control) == "SampledValueControl";
         Node members = Node::map();
         for (Element const* fcda : children(*found, "FCDA")) {
-            std::string const object = attribute(*fcda, "doName"), path = attribute(*fcda, "daName");
-            std::string name = attribute(*fcda, "prefix") + attribute(*fcda, "lnClass") + attribute(*fcda, "lnInst") +
-                               "_" + object + (path.empty() ? "" : "_" + path);
+            std::string const ln =
+                attribute(*fcda, "prefix") + attribute(*fcda, "lnClass") + attribute(*fcda, "lnInst");
+            std::string const object = attribute(*fcda, "doName"), path = attribute(*fcda, "daName"),
+                              index = attribute(*fcda, "ix");
+            std::string name =
+                ln + "_" + object + (path.empty() ? "" : "_" + path) + (index.empty() ? "" : "_" + index);
             std::replace(name.begin(), name.end(), '.', '_');
             for (int n = 2; members.find(name) != nullptr; ++n) { // the same name in two logical devices
                 name = fmt::format("{}_{}", name, n);
             }
-            auto const node = types_.resolve(ln_type(*device_of(device, attribute(*fcda, "ldInst")), *fcda), object,
-                                             path, attribute(*fcda, "fc"), name);
+            auto const node = resolve(device, *fcda, ln, name);
             if (!node) {
                 note(*fcda, fmt::format("{}; control block '{}' was left out", describe(node.error()),
                                         attribute(control, "name")));
@@ -193,14 +204,56 @@ class Importer {
             }
             members.set(name, data_node(*node));
         }
-        (void)sampled; // structures are flattened on the wire of sampled values: the leaves are the same
+        if (members.entries.empty()) {
+            note(*found, fmt::format("data set '{}' is empty; control block '{}' was left out", wanted,
+                                     attribute(control, "name")));
+            return false;
+        }
         stream.set("data_set", std::move(members));
         return true;
     }
 
-    static std::string milliseconds(Element const& where, char const* name) {
-        Element const* const e = child(where, name);
-        return e == nullptr ? "" : text_of(*e);
+    /// MinTime and MaxTime, unless they are nonsense: then the defaults are better than no stream.
+    void read_times(Element const& where, Node& stream) {
+        std::map<std::string, double> times;
+        for (char const* name : {"MinTime", "MaxTime"}) {
+            if (Element const* const e = child(where, name)) {
+                auto const ms = config::number_of(Node::scalar(text_of(*e)));
+                if (!ms || *ms <= 0 || (times.contains("MinTime") && *ms < times["MinTime"])) {
+                    note(*e, fmt::format("'{}' is no {} of '{}'; the default is used", text_of(*e), name,
+                                         attribute(where, "cbName")));
+                    continue;
+                }
+                times[name] = *ms;
+            }
+        }
+        if (times.contains("MinTime") && !times.contains("MaxTime")) { // the default could be shorter
+            times["MaxTime"] = std::max(times["MinTime"], streams::GooseTiming{}.max_time_ms);
+        }
+        if (times.contains("MaxTime") && !times.contains("MinTime")) {
+            times["MinTime"] = std::min(times["MaxTime"], streams::GooseTiming{}.min_time_ms);
+        }
+        for (auto const& [name, key] : {std::pair{"MinTime", "min_time_ms"}, {"MaxTime", "max_time_ms"}}) {
+            if (times.contains(name)) {
+                stream.set(key, Node::scalar(shortest(times[name])));
+            }
+        }
+    }
+
+    /// Whether it can be used as it was read: a name that the wire does not carry, a frame that is too long.
+    bool is_usable(Element const& control, Node const& stream) {
+        Node one = Node::map();
+        one.set("stream", stream);
+        config::Diagnostics diagnostics;
+        (void)streams::read_streams(one, diagnostics);
+        for (auto const& problem : diagnostics.sorted()) {
+            if (problem.severity == config::Severity::error) {
+                note(control, fmt::format("control block '{}' was left out: {}{}", attribute(control, "name"),
+                                          problem.message, problem.hint.empty() ? "" : " (" + problem.hint + ")"));
+                return false;
+            }
+        }
+        return true;
     }
 
     void read_control(Element const& device, Element const& ln0, Element const& control, std::string const& ied,
@@ -213,7 +266,7 @@ class Importer {
         }
         Node stream = Node::map();
         stream.set("kind", Node::scalar(goose ? "goose" : "smv"));
-        Element const* const where = address_of(ied, point, goose ? "GSE" : "SMV", inst, block);
+        Element const* const where = find_address(root_, {ied, point, inst, block}, goose ? "GSE" : "SMV");
         if (!read_address(control, where, stream)) {
             return;
         }
@@ -223,34 +276,43 @@ class Importer {
             stream.set("control_block", Node::scalar(ld + "/LLN0$GO$" + block));
             stream.set("data_set_name", Node::scalar(data_set));
             if (std::string const id = attribute(control, "appID"); !id.empty()) {
-                stream.set("go_id", Node::scalar(id));
+                stream.set("go_id", Node::quoted_text(id));
             }
-            for (auto const& [element, key] : {std::pair{"MinTime", "min_time_ms"}, {"MaxTime", "max_time_ms"}}) {
-                if (std::string const ms = milliseconds(*where, element); !ms.empty()) {
-                    stream.set(key, Node::scalar(ms));
-                }
-            }
-            if (attribute(control, "fixedOffs") == "true") {
+            read_times(*where, stream);
+            if (is_true(attribute(control, "fixedOffs"))) {
                 stream.set("integers", Node::scalar("fixed"));
             }
         } else if (!read_sampling(control, data_set, stream)) {
             return;
         }
-        if (read_data_set(device, ln0, control, stream)) {
-            std::string name = ied + "_" + block;
-            std::replace_if(
-                name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
-            for (int n = 2; out_.streams.find(name) != nullptr; ++n) {
-                name = fmt::format("{}_{}_{}", ied, block, n);
-            }
-            out_.streams.set(name, std::move(stream));
+        if (read_data_set(device, ln0, control, stream) && is_usable(control, stream)) {
+            add(ied + "_" + block, std::move(stream));
         }
     }
 
+    /// By a name that may be a key.
+    void add(std::string name, Node stream) {
+        std::replace_if(
+            name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+        if (std::isdigit(static_cast<unsigned char>(name.front())) != 0) {
+            name.insert(0, 1, '_');
+        }
+        std::string unique = name;
+        for (int n = 2; out_.streams.find(unique) != nullptr; ++n) {
+            unique = fmt::format("{}_{}", name, n);
+        }
+        out_.streams.set(unique, std::move(stream));
+    }
+
     bool read_sampling(Element const& control, std::string const& data_set, Node& stream) {
-        stream.set("sv_id", Node::scalar(attribute(control, "smvID")));
+        stream.set("sv_id", Node::quoted_text(attribute(control, "smvID")));
         double const count = control.DoubleAttribute("smpRate", 0);
-        std::string const mode = attribute(control, "smpMod", "SmpPerPeriod");
+        std::string mode = attribute(control, "smpMod", "SmpPerPeriod");
+        if (count >= kNoRatePerPeriod && mode == "SmpPerPeriod") {
+            note(control, fmt::format("control block '{}' has smpRate {}, which is taken as samples per second",
+                                      attribute(control, "name"), count));
+            mode = "SmpPerSec";
+        }
         double const rate = mode == "SmpPerPeriod" ? count * options_.nominal_hz : count;
         if (mode == "SecPerSmp" || rate < 1) {
             note(control, fmt::format("control block '{}' has {} {}; it was left out", attribute(control, "name"), mode,
@@ -266,13 +328,13 @@ class Importer {
         stream.set("rate_hz", Node::scalar(shortest(rate)));
         stream.set("samples_per_frame", Node::scalar(attribute(control, "nofASDU", "1")));
         if (Element const* const options = child(control, "SmvOpts")) {
-            if (attribute(*options, "dataSet") == "true") {
+            if (is_true(attribute(*options, "dataSet"))) {
                 stream.set("data_set_name", Node::scalar(data_set));
             }
-            if (attribute(*options, "refreshTime") == "true") {
+            if (is_true(attribute(*options, "refreshTime"))) {
                 stream.set("send_refr_tm", Node::scalar("true"));
             }
-            if (attribute(*options, "sampleRate") == "true") {
+            if (is_true(attribute(*options, "sampleRate"))) {
                 stream.set("send_smp_rate", Node::scalar("true"));
             }
         }
@@ -288,6 +350,10 @@ class Importer {
 } // namespace
 
 Result<Import> import_streams(std::string const& text, std::string const& name, ImportOptions const& options) {
+    if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+        return fail(ExitCode::usage, fmt::format("{}: the file is UTF-16", name),
+                    "convert it: iconv -f UTF-16 -t UTF-8");
+    }
     tinyxml2::XMLDocument document;
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
         return fail(ExitCode::usage,

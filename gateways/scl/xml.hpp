@@ -38,9 +38,12 @@ using Element = tinyxml2::XMLElement;
     return value == nullptr ? std::move(fallback) : value;
 }
 
+/// The text without the space around it; comments may stand in between.
 [[nodiscard]] inline std::string text_of(Element const& element) {
-    char const* const text = element.GetText();
-    std::string out = text == nullptr ? "" : text;
+    std::string out;
+    for (tinyxml2::XMLNode const* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
+        out += node->ToText() != nullptr ? node->Value() : "";
+    }
     std::size_t const first = out.find_first_not_of(" \t\r\n");
     return first == std::string::npos ? "" : out.substr(first, out.find_last_not_of(" \t\r\n") - first + 1);
 }

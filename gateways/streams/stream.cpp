@@ -95,7 +95,8 @@ void describe_data_set(Fields& f, Stream& stream) {
         return;
     }
     if (!node.is_map() || node.entries.empty()) {
-        f.error("data_set", fmt::format("the data set is {}", config::describe(node)),
+        f.error("data_set",
+                node.is_map() ? "the data set is empty" : fmt::format("the data set is {}", config::describe(node)),
                 "expected a map from names to types");
         return;
     }

@@ -41,11 +41,20 @@ std::uint64_t identity(Octets frame) {
     return hash;
 }
 
-std::string id_of(Octets frame, iec61850::SvFrame& sv, iec61850::GooseFrame& goose) {
+/// The streams that the frame belongs to, each once: the ASDUs of one frame may be of several.
+std::vector<std::string> ids_of(Octets frame, iec61850::SvFrame& sv, iec61850::GooseFrame& goose) {
+    std::vector<std::string> out;
     if (decode_sv(frame, sv)) {
-        return visible(sv.asdus[0].sv_id);
+        for (iec61850::Asdu const& asdu : sv.view()) {
+            std::string id = visible(asdu.sv_id);
+            if (std::find(out.begin(), out.end(), id) == out.end()) {
+                out.push_back(std::move(id));
+            }
+        }
+    } else if (decode_goose(frame, goose)) {
+        out.push_back(visible(goose.gocb_ref));
     }
-    return decode_goose(frame, goose) ? visible(goose.gocb_ref) : std::string{};
+    return out;
 }
 
 /// The same frame at several points, within a second.
@@ -145,7 +154,7 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
     }
     Observer observer;
     Sightings sightings;
-    std::unordered_map<std::uint64_t, std::string> id_by_frame;
+    std::unordered_map<std::uint64_t, std::vector<std::string>> ids_by_frame;
     std::map<std::string, std::vector<double>> intervals;
     std::map<std::string, std::int64_t> last;
     auto sv = std::make_unique<iec61850::SvFrame>();
@@ -165,20 +174,25 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
         begin = out.frames == 0 ? time : std::min(begin, time);
         end = std::max(end, time);
         ++out.frames;
+        if (reader->interfaces()[(*frame)->interface].link_type != pcapng::kEthernetLink) {
+            ++out.no_ethernet;
+            continue;
+        }
+        out.cut += (*frame)->original_octets > octets.size() ? 1 : 0;
         std::uint64_t const key = identity(octets);
         bool const inside = pcapng::is_inside_a_cable(reader->interfaces()[(*frame)->interface].name);
         if (!sightings.add(key, (*frame)->interface, inside, time)) {
             continue;
         }
         observer.add(octets, time);
-        std::string const id = id_of(octets, *sv, goose);
-        if (!id.empty()) {
-            id_by_frame[key] = id;
+        std::vector<std::string> ids = ids_of(octets, *sv, goose);
+        for (std::string const& id : ids) {
             if (auto const [at, fresh] = last.try_emplace(id, time); !fresh) {
                 intervals[id].push_back(static_cast<double>(time - at->second) * 1e-6);
                 at->second = time;
             }
         }
+        ids_by_frame[key] = std::move(ids);
     }
     out.seconds = static_cast<double>(end - begin) * 1e-9;
     out.truncated = reader->truncated();
@@ -189,8 +203,9 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
     }
     std::map<std::string, std::vector<double>> delays;
     for (auto const& [key, seen] : sightings.frames) {
-        if (auto const id = id_by_frame.find(key); seen.points > 1 && id != id_by_frame.end()) {
-            delays[id->second].push_back(static_cast<double>(seen.last_ns - seen.time_ns) * 1e-6);
+        auto const ids = ids_by_frame.find(key);
+        for (std::size_t i = 0; seen.points > 1 && ids != ids_by_frame.end() && i < ids->second.size(); ++i) {
+            delays[ids->second[i]].push_back(static_cast<double>(seen.last_ns - seen.time_ns) * 1e-6);
         }
     }
     for (ObservedStream const* stream : observer.streams()) {
@@ -215,6 +230,12 @@ std::string to_text(CaptureStatistics const& c) {
                     c.points.size() == 1 ? "" : "s", c.truncated ? "; the file ends in the middle of a frame" : "");
     if (c.other > 0) {
         out += fmt::format("{} frames of other protocols\n", c.other);
+    }
+    if (c.no_ethernet > 0) {
+        out += fmt::format("{} frames of interfaces that are no Ethernet: not looked at\n", c.no_ethernet);
+    }
+    if (c.cut > 0) {
+        out += fmt::format("{} frames were cut by the capture (its snap length)\n", c.cut);
     }
     for (std::size_t i = 0; i < iec61850::kReasons; ++i) {
         if (c.errors.by_reason[i] > 0) {
@@ -269,6 +290,8 @@ std::string to_json(CaptureStatistics const& c) {
                                {"truncated", c.truncated},
                                {"points", c.points},
                                {"other", c.other},
+                               {"no_ethernet", c.no_ethernet},
+                               {"cut", c.cut},
                                {"undecodable", c.errors.total()},
                                {"streams", nlohmann::ordered_json::array()}};
     for (StreamStatistics const& s : c.streams) {

@@ -35,6 +35,8 @@ struct StreamStatistics {
 
 struct CaptureStatistics {
     std::uint64_t frames{0}, other{0};
+    std::uint64_t cut{0};         ///< of which the capture kept only the beginning
+    std::uint64_t no_ethernet{0}; ///< of interfaces of another link type; not looked at
     double seconds{0};
     bool truncated{false};
     std::vector<std::string> points; ///< interfaces of the capture

@@ -132,10 +132,11 @@ Result<iec61850::Value> parse_value(iec61850::Leaf const& leaf, std::string cons
     std::uint64_t v = 0;
     char const* const from = text.data() + (hex ? 2 : negative ? 1 : 0);
     auto const [end, ec] = std::from_chars(from, text.data() + text.size(), v, hex ? 16 : 10);
-    if (ec != std::errc{} || end != text.data() + text.size()) {
+    bool const fits = !negative || v <= std::uint64_t{1} << 63U;
+    if (ec != std::errc{} || end != text.data() + text.size() || !fits) {
         return refuse("a whole number, or 0x and hexadecimal digits");
     }
-    out.bits = negative ? static_cast<std::uint64_t>(-static_cast<std::int64_t>(v)) : v;
+    out.bits = negative ? ~v + 1 : v;
     out.bit_count = static_cast<std::uint8_t>(leaf.type == BasicType::bit_string ? leaf.length : 0);
     return out;
 }

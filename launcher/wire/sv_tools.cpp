@@ -112,6 +112,25 @@ void print_second(Observer const& observer, ethernet::Port& port) {
     std::fflush(stdout);
 }
 
+/// Stream number `i` of --streams: APPID, address and svID count up.
+Result<streams::Stream> numbered(streams::Stream stream, int i) {
+    if (i == 0) {
+        return stream;
+    }
+    if (stream.address.app_id + i > 0xFFFF) {
+        return fail(ExitCode::usage,
+                    fmt::format("the APPID of stream {} would be 0x{:X}", i + 1, stream.address.app_id + i),
+                    "APPIDs end at 0xFFFF: a lower app_id or fewer --streams");
+    }
+    stream.address.app_id = static_cast<std::uint16_t>(stream.address.app_id + i);
+    auto& mac = stream.address.destination.octets;
+    int const low = (mac[4] << 8) + mac[5] + i; // carries into the octet above, as the recommended ranges do
+    mac[4] = static_cast<std::uint8_t>(low >> 8);
+    mac[5] = static_cast<std::uint8_t>(low);
+    stream.sv_id += fmt::format("_{}", i + 1);
+    return stream;
+}
+
 } // namespace
 
 Result<void> sv_publish(SvPublishOptions const& o) {
@@ -135,18 +154,16 @@ Result<void> sv_publish(SvPublishOptions const& o) {
     double const rate = described->rate_hz.to_double();
     std::vector<SvPublisher> publishers;
     for (int i = 0; i < o.streams; ++i) {
-        streams::Stream one = *described;
-        if (i > 0) {
-            one.address.app_id = static_cast<std::uint16_t>(one.address.app_id + i);
-            one.address.destination.octets[5] = static_cast<std::uint8_t>(one.address.destination.octets[5] + i);
-            one.sv_id += fmt::format("_{}", i + 1);
+        auto const one = numbered(*described, i);
+        if (!one) {
+            return std::unexpected{one.error()};
         }
-        auto frame = one.sv_template(source);
+        auto frame = one->sv_template(source);
         if (!frame) {
             return std::unexpected{frame.error()};
         }
-        frame->set_simulated(one.address.simulated);
-        publishers.emplace_back(std::move(*frame), static_cast<std::uint32_t>(one.rate_hz.num()));
+        frame->set_simulated(one->address.simulated);
+        publishers.emplace_back(std::move(*frame), static_cast<std::uint32_t>(one->rate_hz.num()));
     }
     catch_signals();
     auto const per_frame = static_cast<std::int64_t>(publishers[0].samples_per_frame());

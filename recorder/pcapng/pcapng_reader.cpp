@@ -70,6 +70,9 @@ Result<Reader> Reader::open(std::filesystem::path const& file) {
         return fail(ExitCode::usage, fmt::format("cannot read '{}': {}", out.name_, std::strerror(errno)));
     }
     std::error_code ec;
+    if (std::filesystem::is_directory(file, ec)) {
+        return fail(ExitCode::usage, fmt::format("'{}' is a folder", out.name_), "expected a capture: pcapng or pcap");
+    }
     out.left_ = std::filesystem::file_size(file, ec);
     if (ec) { // a pipe: as far as it goes
         out.left_ = ~std::uint64_t{0};

@@ -13,9 +13,11 @@
 
 namespace gridspace::pcapng {
 
+inline constexpr std::uint16_t kEthernetLink = 1;
+
 struct Interface {
     std::string name, description;
-    std::uint16_t link_type{1}; ///< 1: Ethernet
+    std::uint16_t link_type{kEthernetLink};
     std::uint64_t units_per_s{1'000'000};
 };
 

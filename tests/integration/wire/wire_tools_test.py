@@ -6,10 +6,13 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+
+from foreign_frames import asdu, sv
 
 GRIDSPACE = os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin") + "/gridspace"
 INSIDE = "GRIDSPACE_WIRE_TEST_INSIDE"
@@ -103,6 +106,50 @@ class WireTools(unittest.TestCase):
         self.assertEqual((stream["id"], stream["frames"], stream["delay_ms"]), ("TL11MU01", 2, None))
         self.assertIn("not measurable", wire("stats", str(capture)).stdout)
 
+    def pcap(self, frames, link_type=1, kept=65535):
+        """A classic capture of (seconds, frame), written here."""
+        file = self.folder / "own.pcap"
+        out = struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, kept, link_type)
+        for seconds, frame in frames:
+            out += struct.pack("<IIII", int(seconds), round(seconds % 1 * 1e6), min(len(frame), kept), len(frame)) + frame[:kept]
+        file.write_bytes(out)
+        return str(file)
+
+    @staticmethod
+    def samples(count, skip=lambda k: False):
+        return [(k / 4800, sv([asdu("MU", k % 4800, bytes(12)), asdu("OTHER", k % 4800, bytes(4))])) for k in range(count) if not skip(k)]
+
+    def statistics(self, file):
+        done = wire("stats", file, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def test_every_stream_of_a_frame_is_judged_and_what_is_lost_at_the_wrap_is_lost(self):
+        judged = self.statistics(self.pcap(self.samples(9600, lambda k: k % 100 == 0)))
+        for stream in judged["streams"]:
+            self.assertEqual((stream["frames"], stream["lost"], stream["restarts"], stream["wrap"]), (9504, 95, 0, 4800), stream["id"])
+            self.assertEqual(stream["interval_ms"]["count"], 9503, stream["id"])
+        self.assertEqual([stream["id"] for stream in judged["streams"]], ["MU", "OTHER"])
+
+    def test_a_publisher_that_begins_anew_is_told_from_a_counter_that_turns_over(self):
+        judged = self.statistics(self.pcap([(k / 4800, sv([asdu("MU", k % 777, bytes(12))])) for k in range(1000)]))
+        self.assertEqual((judged["streams"][0]["restarts"], judged["streams"][0]["wrap"]), (1, None))
+
+    def test_frames_that_a_capture_holds_in_part_are_counted(self):
+        cut = self.pcap(self.samples(10), kept=40)
+        self.assertEqual((self.statistics(cut)["cut"], self.statistics(cut)["undecodable"]), (10, 10))
+
+    def test_a_capture_of_another_link_type_is_no_ethernet(self):
+        file = self.pcap(self.samples(10), link_type=101)
+        judged = self.statistics(file)
+        self.assertEqual((judged["no_ethernet"], judged["streams"]), (10, []))
+
+    def test_many_streams_carry_into_the_address_above(self):
+        done = self.while_publishing(["sv-pub", "left", "--streams", "32", "mac=01:0C:CD:04:00:F0", "app_id=0x4000", "rate_hz=100"],
+                                     "list", "right", "--json", "--once", "--duration", "0.5")
+        places = {s["app_id"]: s["destination"] for s in lines(done.stdout)[-1]["streams"]}
+        self.assertEqual((places[0x400F], places[0x4010], places[0x401F]), ("01:0C:CD:04:00:FF", "01:0C:CD:04:01:00", "01:0C:CD:04:01:0F"))
+
     def test_a_replay_on_a_real_interface_is_refused(self):
         subprocess.run("ip link add bridge7 type bridge && ip link set bridge7 up", shell=True, check=True)
         try:
@@ -125,6 +172,11 @@ class WireTools(unittest.TestCase):
             (["stats", "/nonexistent"], 2, "cannot read"),
             (["replay", "/etc/hostname", "left"], 2, "is not a capture"),
             (["sv-pub", "left", "--source", "x", "--duration", "1"], 2, "is not an Ethernet address"),
+            (["sv-pub", "left", "--streams", "64", "app_id=0xFFF0"], 2, "the APPID of stream 17 would be 0x10000"),
+            (["sv-pub", "left", "data_set={}"], 2, "the data set is empty"),
+            (["goose-pub", "left", "data_set={n: int64}", "--value", "n=-9223372036854775809"], 2, "is no value of 'n'"),
+            (["stats", "/"], 2, "is a folder"),
+            (["replay", "/", "left"], 2, "is a folder"),
         ]:
             done = wire(*arguments)
             self.assertEqual(done.returncode, code, (arguments, done.stderr))

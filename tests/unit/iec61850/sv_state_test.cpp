@@ -125,6 +125,41 @@ TEST(SvSubscriber, LearnsTheWrapOfAnUnknownStream) {
     EXPECT_EQ(sut.counters().lost, 0U);
 }
 
+TEST(SvSubscriber, TakesAPublisherThatIsStartedAnewForOneAndNotForAWrap) {
+    SvSubscriber sut{subscription(0)};
+    std::int64_t time = 0;
+    for (std::uint16_t i = 0; i <= 776; ++i) {
+        (void)sut.receive(i, time += kPeriod);
+    }
+    EXPECT_EQ(sut.receive(0, time += kPeriod).event, SvEvent::restart);
+    EXPECT_FALSE(sut.wrap_known());
+    EXPECT_EQ(sut.receive(1, time += kPeriod).event, SvEvent::in_order);
+}
+
+TEST(SvSubscriber, LearnsAnOddWrapThatTheArrivalsConfirm) {
+    SvSubscriber sut{subscription(0)};
+    std::int64_t time = 0;
+    for (std::uint16_t i = 0; i < 777; ++i) {
+        (void)sut.receive(i, time += 1'000'000'000 / 777);
+    }
+    EXPECT_EQ(sut.receive(0, time + 1'000'000'000 / 777).event, SvEvent::in_order);
+    EXPECT_EQ(sut.wrap(), 777U);
+}
+
+TEST(SvSubscriber, LearnsTheWrapWhenSamplesAreLostJustThere) {
+    for (auto const& [last, next] : {std::pair{4798, 1}, {4799, 2}, {4797, 0}}) {
+        SvSubscriber sut{subscription(0)};
+        std::int64_t time = 0;
+        for (int i = 100; i <= last; ++i) {
+            (void)sut.receive(static_cast<std::uint16_t>(i), time += kPeriod);
+        }
+        SvArrival const arrival = sut.receive(static_cast<std::uint16_t>(next), time += 3 * kPeriod);
+        EXPECT_EQ(sut.wrap(), 4800U);
+        EXPECT_EQ(arrival.event, SvEvent::lost);
+        EXPECT_EQ(arrival.lost, 2U);
+    }
+}
+
 TEST(SvSubscriber, DoesNotLearnFromAPeerThatStartsAnewInEveryFrame) {
     SvSubscriber sut{subscription(0)};
     for (int i = 0; i < 200; ++i) {

@@ -232,6 +232,24 @@ TEST(SvLayout, PlacesEveryBasicTypeAsTheStandardSays) {
     EXPECT_THAT(octets, ElementsAre(1, 1, 2, 4, 8, 1, 2, 4, 8, 4, 8, 4, 4, 4, 4, 8, 6, 35, 20));
 }
 
+TEST(SvLayout, WritesAllAtOnceAsItWritesOneByOne) {
+    DataSet const mixed{{DataNode::leaf("a", BasicType::boolean), DataNode::leaf("b", BasicType::int64),
+                         DataNode::leaf("c", BasicType::visible_string), DataNode::leaf("d", BasicType::quality)}};
+    for (DataSet const& set : {data_set_92le(), mixed}) {
+        SvLayout const sut{set};
+        std::vector<Value> values;
+        for (auto const& slot : sut.slots()) {
+            values.push_back({slot.leaf.type, 0, 0x8182838485868788 + values.size(), octets_of("text")});
+        }
+        std::vector<std::uint8_t> at_once(sut.sample_octets(), 0xEE), one_by_one(sut.sample_octets(), 0xEE);
+        sut.write_all(values, at_once);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            sut.write(i, values[i], one_by_one);
+        }
+        EXPECT_EQ(at_once, one_by_one);
+    }
+}
+
 TEST(SvLayout, KeepsTheSignOfSmallIntegers) {
     SvLayout const sut{{{DataNode::leaf("a", BasicType::int8), DataNode::leaf("b", BasicType::int16),
                          DataNode::leaf("s", BasicType::visible_string)}}};

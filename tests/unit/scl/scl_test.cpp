@@ -144,10 +144,145 @@ TEST(Scl, ReadsFilesOfOlderToolsAndNotesWhatItLeavesOut) {
     EXPECT_THAT(imported->notes[2], HasSubstr("4800 Hz"));
 }
 
+/// A file with the given data sets, control blocks and types; everything else is as usual.
+std::string file_with(std::string const& sets_and_blocks, std::string const& nodes, std::string const& types,
+                      std::string const& addresses = "", std::string const& ied = "F1") {
+    std::string const usual = R"(<ConnectedAP iedName=")" + ied + R"(" apName="S1">
+      <GSE ldInst="L" cbName="g"><Address><P type="MAC-Address">01-0C-CD-01-00-01</P><P type="APPID">0001</P></Address></GSE>
+      <SMV ldInst="L" cbName="s"><Address><P type="MAC-Address">01-0C-CD-04-00-01</P><P type="APPID">4001</P></Address></SMV></ConnectedAP>)";
+    return R"(<SCL xmlns="http://www.iec.ch/61850/2003/SCL" version="2007" revision="B"><Communication><SubNetwork name="N">)" +
+           (addresses.empty() ? usual : addresses) + "</SubNetwork></Communication><IED name=\"" + ied +
+           R"("><AccessPoint name="S1"><Server><LDevice inst="L"><LN0 lnClass="LLN0" inst="" lnType="L0">)" +
+           sets_and_blocks + "</LN0>" + nodes + "</LDevice></Server></AccessPoint></IED><DataTypeTemplates>" + types +
+           "</DataTypeTemplates></SCL>";
+}
+
+constexpr char kMeter[] = R"(<LN lnClass="MMXU" inst="1" lnType="M"/>)";
+constexpr char kMeterTypes[] = R"(
+  <LNodeType id="M" lnClass="MMXU"><DO name="A" type="WYE"/><DO name="HA" type="HWYE"/></LNodeType>
+  <DOType id="WYE" cdc="WYE"><SDO name="phsA" type="CMV"/><SDO name="phsB" type="CMV"/><DA name="d" bType="VisString255" fc="DC"/></DOType>
+  <DOType id="HWYE" cdc="HWYE"><SDO name="phsAHar" type="CMV" count="3"/><DA name="n" bType="INT16U" fc="CF" count="maxPts"/></DOType>
+  <DOType id="CMV" cdc="CMV"><DA name="cVal" bType="Struct" type="Vector" fc="MX"/><DA name="q" bType="Quality" fc="MX"/></DOType>
+  <DAType id="Vector"><BDA name="mag" bType="Struct" type="AV"/><BDA name="ang" bType="Struct" type="AV"/></DAType>
+  <DAType id="AV"><BDA name="f" bType="FLOAT32"/></DAType>)";
+
+std::string fcda(std::string const& rest) {
+    return R"(<FCDA ldInst="L" lnClass="MMXU" lnInst="1" fc="MX" )" + rest + "/>";
+}
+constexpr char kBlock[] = R"(</DataSet><GSEControl name="g" datSet="d" appID="x"/>)";
+
+TEST(Scl, FollowsNestedDataObjectsAndArrays) {
+    std::string const sets = "<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="cVal.mag.f")") +
+                             fcda(R"(doName="A" daName="phsB.cVal.mag.f")") + fcda(R"(doName="A")") +
+                             fcda(R"(doName="HA" )") + fcda(R"(doName="HA.phsAHar" daName="cVal.mag.f" ix="2")") +
+                             kBlock;
+    auto const imported = import_streams(file_with(sets, kMeter, kMeterTypes), "f.scd", {});
+    ASSERT_TRUE(imported) << describe(imported.error());
+    EXPECT_THAT(imported->notes, IsEmpty());
+    auto const streams = read(imported->streams);
+    ASSERT_EQ(streams.size(), 1U);
+    auto const& members = streams[0].data_set.members;
+    ASSERT_EQ(members.size(), 5U);
+    EXPECT_EQ(members[0].name, "MMXU1_A_phsA_cVal_mag_f");
+    EXPECT_EQ(members[0].type, iec61850::BasicType::float32);
+    EXPECT_EQ(members[1].type, iec61850::BasicType::float32) << "a data object at the start of the attribute's path";
+    ASSERT_EQ(members[2].members.size(), 2U) << "phsA and phsB; d has another constraint";
+    EXPECT_EQ(members[2].members[1].name, "phsB");
+    EXPECT_EQ(members[2].members[1].members[0].members[0].members[0].name, "f");
+    iec61850::DataNode const& harmonics = members[3].members[0];
+    EXPECT_EQ(harmonics.kind, iec61850::DataNode::Kind::array);
+    EXPECT_EQ(harmonics.members.size(), 3U);
+    EXPECT_EQ(members[4].name, "MMXU1_HA_phsAHar_cVal_mag_f_2");
+    EXPECT_EQ(members[4].type, iec61850::BasicType::float32);
+}
+
+TEST(Scl, SaysWhyAMemberCannotBeResolved) {
+    auto const note_of = [](std::string const& member) {
+        auto const imported =
+            import_streams(file_with("<DataSet name=\"d\">" + member + kBlock, kMeter, kMeterTypes), "f.scd", {});
+        return imported && imported->notes.size() == 1 && imported->streams.entries.empty() ? imported->notes[0] : "";
+    };
+    EXPECT_THAT(note_of(fcda(R"(doName="HA.phsAHar" daName="cVal.mag.f")")), HasSubstr("'phsAHar' is an array"));
+    EXPECT_THAT(note_of(R"(<FCDA ldInst="L" lnClass="MMXU" lnInst="1" doName="HA" daName="n" fc="CF"/>)"),
+                HasSubstr("the array 'n' has maxPts elements"));
+    EXPECT_THAT(note_of(R"(<FCDA ldInst="L" lnClass="XCBR" lnInst="1" doName="Pos" fc="ST"/>)"),
+                HasSubstr("there is no logical node 'XCBR1' in 'L'"));
+    EXPECT_THAT(note_of(fcda("")), HasSubstr("names no data object"));
+    EXPECT_THAT(note_of(fcda(R"(doName="A.phsD")")), HasSubstr("has no data object 'A.phsD'"));
+    EXPECT_THAT(note_of(""), HasSubstr("data set 'd' is empty"));
+}
+
+TEST(Scl, FindsTheAddressAtAnotherAccessPointOfTheDevice) {
+    constexpr char kElsewhere[] = R"(<ConnectedAP iedName="F1" apName="P2"><GSE ldInst="L" cbName="g"><Address>
+      <P type="MAC-Address">010CCD010009</P><P type="APPID"><!-- hexadecimal --> 0x3fff </P></Address></GSE></ConnectedAP>
+      <ConnectedAP iedName="F2" apName="S1"><GSE ldInst="L" cbName="g"><Address><P type="MAC-Address">01-0C-CD-01-00-02</P><P type="APPID">0002</P></Address></GSE></ConnectedAP>)";
+    std::string const sets = "<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="q")") + kBlock;
+    auto const imported =
+        import_streams("\xEF\xBB\xBF" + file_with(sets, kMeter, kMeterTypes, kElsewhere), "f.scd", {});
+    ASSERT_TRUE(imported) << describe(imported.error());
+    auto const streams = read(imported->streams);
+    ASSERT_EQ(streams.size(), 1U);
+    EXPECT_EQ(streams[0].address.app_id, 0x3FFF);
+    EXPECT_EQ(streams[0].address.destination.to_string(), "01:0C:CD:01:00:09");
+}
+
+TEST(Scl, LeavesOutWhatTheWireDoesNotCarryAndKeepsTheRest) {
+    std::string const set = "<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="q")") + "</DataSet>";
+    std::string const sv = R"(<SampledValueControl name="s" datSet="d" smpRate="4000" smpMod="SmpPerSec" nofASDU="1" )";
+    auto const import = [&](std::string const& blocks) {
+        return *import_streams(file_with(set + blocks, kMeter, kMeterTypes, "", "1 Süd"), "f.scd", {});
+    };
+    Import const odd = import(R"(<GSEControl name="g" datSet="d" appID="0012"/>)" + sv + R"(smvID="Süd" />)");
+    ASSERT_EQ(odd.streams.entries.size(), 0U);
+    EXPECT_THAT(odd.notes, testing::ElementsAre(HasSubstr("control block 'g' was left out: stream 'stream': gocbRef"),
+                                                HasSubstr("control block 's' was left out: stream 'stream': svID")));
+    Import const long_names = import(sv + "smvID=\"" + std::string(130, 'x') + "\"/>");
+    EXPECT_THAT(long_names.notes, testing::ElementsAre(HasSubstr("svID has 130 characters")));
+    Import const good = import(sv + R"(smvID="0012"/>)");
+    EXPECT_THAT(good.notes, IsEmpty());
+    auto const streams = read(good.streams);
+    ASSERT_EQ(streams.size(), 1U);
+    EXPECT_EQ(streams[0].name.name, "_1_S__d_s") << "a key begins with a letter or _";
+    EXPECT_EQ(streams[0].sv_id, "0012") << "a text, not a number";
+}
+
+TEST(Scl, DefaultsStandInForWhatIsForgottenAndAreNoted) {
+    constexpr char kBare[] = R"(<ConnectedAP iedName="F1" apName="S1"><SMV ldInst="L" cbName="s"><Address>
+      <P type="MAC-Address">01-0C-CD-04-00-01</P><P type="VLAN-ID">FFF</P></Address></SMV></ConnectedAP>)";
+    std::string const sets = "<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="")") +
+                             R"(</DataSet><SampledValueControl name="s" datSet="d" smvID="x" smpRate="4800"/>)";
+    auto const imported = import_streams(file_with(sets, kMeter, kMeterTypes, kBare), "f.scd", {});
+    ASSERT_TRUE(imported) << describe(imported.error());
+    EXPECT_THAT(imported->notes,
+                testing::ElementsAre(HasSubstr("0x4000"), HasSubstr("VLAN-ID 'FFF'"), HasSubstr("samples per second")));
+    auto const streams = read(imported->streams);
+    ASSERT_EQ(streams.size(), 1U);
+    EXPECT_EQ(streams[0].address.app_id, 0x4000);
+    EXPECT_EQ(streams[0].rate_hz, Rational{4800});
+}
+
+TEST(Scl, TimesThatContradictEachOtherAreReplacedAndNoted) {
+    auto const timing_of = [](std::string const& times, std::size_t notes) {
+        std::string const addresses =
+            R"(<ConnectedAP iedName="F1" apName="S1"><GSE ldInst="L" cbName="g"><Address><P type="MAC-Address">01-0C-CD-01-00-01</P><P type="APPID">0001</P></Address>)" +
+            times + "</GSE></ConnectedAP>";
+        std::string const sets = "<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="q")") + kBlock;
+        auto const imported = import_streams(file_with(sets, kMeter, kMeterTypes, addresses), "f.scd", {});
+        EXPECT_EQ(imported->notes.size(), notes) << times;
+        return read(imported->streams).at(0).timing;
+    };
+    EXPECT_EQ(timing_of("<MinTime>4</MinTime><MaxTime>500</MaxTime>", 0).max_time_ms, 500);
+    EXPECT_EQ(timing_of("<MinTime>5000</MinTime>", 0).max_time_ms, 5000) << "not the default, which is shorter";
+    EXPECT_EQ(timing_of("<MaxTime>2</MaxTime>", 0).min_time_ms, 2);
+    EXPECT_EQ(timing_of("<MinTime>100</MinTime><MaxTime>10</MaxTime>", 1).min_time_ms, 100);
+    EXPECT_EQ(timing_of("<MinTime>soon</MinTime><MaxTime>0</MaxTime>", 2).max_time_ms, 1000);
+}
+
 TEST(Scl, NamesWhatIsNoScl) {
     EXPECT_THAT(import_streams("<a><b></a>", "f.scd", {}).error().message, HasSubstr("f.scd:1: not XML"));
     EXPECT_THAT(import_streams("<html/>", "f.scd", {}).error().message, HasSubstr("'html', not SCL"));
     EXPECT_FALSE(import_streams("", "f.scd", {}));
+    EXPECT_THAT(import_streams(std::string{"\xFF\xFE<\0S\0", 6}, "f.scd", {}).error().message, HasSubstr("UTF-16"));
 }
 
 TEST(Scl, SurvivesDamage) {
