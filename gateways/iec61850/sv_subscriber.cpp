@@ -9,18 +9,13 @@ namespace {
 
 constexpr std::uint32_t kWholeCounter = 65536;
 constexpr std::uint32_t kFewLost = 3;
+constexpr std::int64_t kNear = 16;        ///< steps of the counter that need no explanation
 constexpr std::uint32_t kRunToLearn = 16; ///< a peer that restarts at 0 in every frame must not teach us a wrap
 
-constexpr std::array<std::string_view, kSvEvents> kNames{"first",
-                                                         "in_order",
-                                                         "lost",
-                                                         "restart",
-                                                         "duplicate",
-                                                         "late",
-                                                         "identity_mismatch",
-                                                         "conf_rev_mismatch",
-                                                         "size_mismatch",
-                                                         "simulation_refused"};
+constexpr std::array<std::string_view, kSvEvents> kNames{"first",         "in_order",          "lost",
+                                                         "restart",       "duplicate",         "late",
+                                                         "unconfirmed",   "identity_mismatch", "conf_rev_mismatch",
+                                                         "size_mismatch", "simulation_refused"};
 
 /// The number congruent to `value` modulo `wrap` that is nearest to `near`.
 std::int64_t nearest_congruent(std::int64_t value, std::int64_t wrap, std::int64_t near) noexcept {
@@ -105,13 +100,41 @@ void SvSubscriber::learn_wrap(std::uint16_t smp_cnt) noexcept {
     }
 }
 
+/// Farther from the last sample than a few lost or late ones, and than the time since then explains.
+bool SvSubscriber::is_jump(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept {
+    if (wrap_known_ && smp_cnt >= wrap_) {
+        return true;
+    }
+    std::int64_t const step = index_of(smp_cnt, now_ns) - index_;
+    if (step <= kNear && -step <= std::int64_t{subscription_.late_window}) {
+        return false;
+    }
+    double const periods = static_cast<double>(now_ns - last_ns_) * 1e-9 * subscription_.rate_hz;
+    return step < 0 || std::abs(periods - static_cast<double>(step)) > static_cast<double>(kNear + step / 8);
+}
+
+bool SvSubscriber::goes_on_from_jump(std::uint16_t smp_cnt) const noexcept {
+    if (!jumped_to_) {
+        return false;
+    }
+    bool const inside = wrap_known_ && smp_cnt < wrap_ && *jumped_to_ < wrap_;
+    std::uint32_t const wrap = inside ? wrap_ : kWholeCounter;
+    std::uint32_t const step = (smp_cnt + wrap - *jumped_to_) % wrap;
+    return step >= 1 && step <= kFewLost;
+}
+
 SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noexcept {
+    learn_wrap(smp_cnt);
+    bool const confirmed = goes_on_from_jump(smp_cnt);
+    if (started_ && !confirmed && is_jump(smp_cnt, now_ns)) {
+        jumped_to_ = smp_cnt;
+        return count({SvEvent::unconfirmed, false, 0, index_});
+    }
     SvArrival arrival;
     if (wrap_known_ && smp_cnt >= wrap_) {
         wrap_known_ = false; // it was learned wrongly, or the stream is not what was configured
         wrap_ = kWholeCounter;
     }
-    learn_wrap(smp_cnt);
     if (!started_) {
         started_ = true;
         arrival = {SvEvent::first, true, 0, smp_cnt};
@@ -125,7 +148,7 @@ SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noex
         } else if (step < 0 && -step <= std::int64_t{subscription_.late_window}) {
             return count({SvEvent::late, false, 0, index});
         } else if (step > 0 && step - 1 <= std::int64_t{subscription_.max_gap}) {
-            arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - 1), index};
+            arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - (confirmed ? 2 : 1)), index};
         } else { // indices never go back
             arrival = {SvEvent::restart, true, 0,
                        step > 0 ? index : index + std::int64_t{wrap_} * ((-step) / wrap_ + 1)};
@@ -136,6 +159,7 @@ SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noex
         arrivals_.clear();
     }
     silent_ = false;
+    jumped_to_.reset();
     index_ = arrival.index;
     last_cnt_ = smp_cnt;
     last_ns_ = now_ns;

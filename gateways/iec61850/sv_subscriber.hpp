@@ -31,13 +31,14 @@ enum class SvEvent : std::uint8_t {
     lost,    ///< taken; `lost` samples are missing before it
     restart, ///< taken; the counter jumped
     duplicate,
-    late, ///< not taken
+    late,        ///< not taken
+    unconfirmed, ///< not taken: the counter jumped, and the next sample has to say so too
     identity_mismatch,
     conf_rev_mismatch,
     size_mismatch,
     simulation_refused, // not taken
 };
-inline constexpr std::size_t kSvEvents = 10;
+inline constexpr std::size_t kSvEvents = 11;
 [[nodiscard]] std::string_view event_name(SvEvent event) noexcept;
 
 struct SvArrival {
@@ -49,6 +50,10 @@ struct SvArrival {
 };
 
 /// Supervision of one SV stream by its counter and its arrival times (nanoseconds on any one axis). Allocates nothing.
+///
+/// A counter that jumps, farther than time explains, is believed when the next sample goes on from there. So a frame
+/// that somebody forged or that was damaged moves nothing, and a publisher that begins anew is followed one sample
+/// later.
 class SvSubscriber {
   public:
     struct Counters {
@@ -82,6 +87,8 @@ class SvSubscriber {
   private:
     [[nodiscard]] std::int64_t index_of(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept;
     void learn_wrap(std::uint16_t smp_cnt) noexcept;
+    [[nodiscard]] bool is_jump(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept;
+    [[nodiscard]] bool goes_on_from_jump(std::uint16_t smp_cnt) const noexcept;
     SvArrival count(SvArrival arrival) noexcept;
 
     SvSubscription subscription_;
@@ -90,6 +97,7 @@ class SvSubscriber {
     bool started_{false}, silent_{false};
     std::uint32_t run_{0}; ///< consecutive samples in order
     std::uint16_t last_cnt_{0};
+    std::optional<std::uint16_t> jumped_to_; ///< of a sample that waits for the next one
     std::uint8_t smp_synch_{0};
     std::int64_t index_{0}, last_ns_{0};
     Counters counters_;

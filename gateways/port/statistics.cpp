@@ -52,7 +52,8 @@ void report_received(StreamStatistics& out, iec61850::SvSubscriber const& subscr
     out.late(counters.of(SvEvent::late));
     out.restarts(counters.of(SvEvent::restart));
     out.refused(counters.of(SvEvent::identity_mismatch) + counters.of(SvEvent::conf_rev_mismatch) +
-                counters.of(SvEvent::size_mismatch) + counters.of(SvEvent::simulation_refused));
+                counters.of(SvEvent::size_mismatch) + counters.of(SvEvent::simulation_refused) +
+                counters.of(SvEvent::unconfirmed));
     out.silences(counters.silences);
     auto const& arrivals = subscriber.arrivals();
     out.rate_hz(arrivals.rate_hz());

@@ -93,12 +93,14 @@ TEST(SvSubscriber, TellsLossFromDuplicateFromLateFromRestart) {
     EXPECT_EQ(late.event, SvEvent::late);
     EXPECT_FALSE(late.accepted);
     EXPECT_EQ(late.index, 1002);
-    auto const restart = sut.receive(3000, 6 * kPeriod);
+    EXPECT_EQ(sut.receive(3000, 6 * kPeriod).event, SvEvent::unconfirmed);
+    auto const restart = sut.receive(3001, 7 * kPeriod);
     EXPECT_EQ(restart.event, SvEvent::restart);
-    EXPECT_EQ(restart.index, 3000);
-    auto const back = sut.receive(0, 7 * kPeriod);
+    EXPECT_EQ(restart.index, 3001);
+    EXPECT_EQ(sut.receive(0, 8 * kPeriod).event, SvEvent::unconfirmed);
+    auto const back = sut.receive(1, 9 * kPeriod);
     EXPECT_EQ(back.event, SvEvent::restart);
-    EXPECT_EQ(back.index % 4800, 0);
+    EXPECT_EQ(back.index % 4800, 1);
     EXPECT_GT(back.index, restart.index) << "indices never go back";
     EXPECT_EQ(sut.counters().lost, 3U);
     EXPECT_EQ(sut.counters().of(SvEvent::duplicate), 1U);
@@ -131,9 +133,52 @@ TEST(SvSubscriber, TakesAPublisherThatIsStartedAnewForOneAndNotForAWrap) {
     for (std::uint16_t i = 0; i <= 776; ++i) {
         (void)sut.receive(i, time += kPeriod);
     }
-    EXPECT_EQ(sut.receive(0, time += kPeriod).event, SvEvent::restart);
+    EXPECT_EQ(sut.receive(0, time += kPeriod).event, SvEvent::unconfirmed);
+    EXPECT_EQ(sut.receive(1, time += kPeriod).event, SvEvent::restart);
     EXPECT_FALSE(sut.wrap_known());
-    EXPECT_EQ(sut.receive(1, time += kPeriod).event, SvEvent::in_order);
+    EXPECT_EQ(sut.receive(2, time += kPeriod).event, SvEvent::in_order);
+}
+
+TEST(SvSubscriber, IsMovedByNoSingleCounterThatIsForgedOrDamaged) {
+    SvSubscriber sut{subscription()};
+    std::int64_t time = 0;
+    for (int i = 0; i < 1000; ++i) {
+        SvArrival const arrival = sut.receive(static_cast<std::uint16_t>(i), time += kPeriod);
+        EXPECT_TRUE(arrival.accepted);
+        EXPECT_EQ(arrival.index, i);
+        if (i % 100 == 50) {
+            for (std::uint16_t const forged : {60000, 65535, i + 2000, i + 100, i + 4700}) {
+                EXPECT_EQ(sut.receive(forged, time + 1000).event, SvEvent::unconfirmed) << i << ' ' << forged;
+            }
+        }
+    }
+    EXPECT_EQ(sut.counters().lost, 0U);
+    EXPECT_EQ(sut.counters().of(SvEvent::restart), 0U);
+    EXPECT_EQ(sut.wrap(), 4800U);
+}
+
+TEST(SvSubscriber, BelievesAGapThatTimeExplainsAtOnce) {
+    SvSubscriber sut{subscription()};
+    sut.receive(100, 0);
+    auto const plugged_in_again = sut.receive(1061, 961 * kPeriod);
+    EXPECT_EQ(plugged_in_again.event, SvEvent::lost);
+    EXPECT_EQ(plugged_in_again.lost, 960U);
+    EXPECT_EQ(sut.receive(2000, 962 * kPeriod).event, SvEvent::unconfirmed) << "time does not explain this one";
+    auto const confirmed = sut.receive(2001, 963 * kPeriod);
+    EXPECT_EQ(confirmed.event, SvEvent::lost);
+    EXPECT_EQ(confirmed.lost, 938U) << "1062 to 1999: the sample that waited was there";
+}
+
+TEST(SvSubscriber, FollowsAPeerThatCountsBeyondTheExpectedWrap) {
+    SvSubscriber sut{subscription()};
+    std::int64_t time = 0;
+    std::uint64_t taken = 0;
+    for (int i = 4700; i < 5000; ++i) {
+        taken += sut.receive(static_cast<std::uint16_t>(i), time += kPeriod).accepted ? 1U : 0U;
+    }
+    EXPECT_EQ(taken, 299U);
+    EXPECT_EQ(sut.counters().lost, 0U);
+    EXPECT_EQ(sut.counters().of(SvEvent::restart), 0U);
 }
 
 TEST(SvSubscriber, LearnsAnOddWrapThatTheArrivalsConfirm) {

@@ -1,0 +1,179 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""gridspace-relay alone on a cable, without a simulator: two merging units of an independent encoder (foreign_frames.py) and whoever
+else sends there."""
+import json
+import math
+import os
+import pathlib
+import random
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+from foreign_frames import asdu, floats, sv
+
+BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin")).resolve()
+SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[3]))
+INSIDE = "GRIDSPACE_RELAY_TEST_INSIDE"
+HANG_S = 60
+RATE = 4800
+ENDS = {"left_end": 0x21, "right_end": 0x22}
+
+
+def stream(end):
+    return {"kind": "smv", "mac": f"01:0C:CD:04:00:{ENDS[end]:02X}", "app_id": 0x4000 + ENDS[end], "sv_id": end, "rate_hz": RATE,
+            "data_set": {"Ia": "float32", "Ib": "float32", "Ic": "float32"}}
+
+
+TRIP = {"kind": "goose", "mac": "01:0C:CD:01:00:02", "app_id": 0x8002, "control_block": "IEDLD0/LLN0$GO$Trip", "data_set": {"status": "boolean"},
+        "min_time_ms": 2, "max_time_ms": 20, "live_min_ms": 5000}
+
+
+def frame(end, sample, amplitude, counter=None, **optional):
+    """One sample of a balanced current. `tag`: VLAN tags."""
+    around = {"app_id": 0x4000 + ENDS[end], "destination": f"01:0C:CD:04:00:{ENDS[end]:02X}", "vlan": optional.pop("tag", [(0x8100, 0x8000)]),
+              "simulated": optional.pop("simulated", False)}
+    phases = [amplitude * math.cos(2 * math.pi * (60 * sample / RATE - k / 3)) for k in range(3)]
+    return sv([asdu(end, sample % RATE if counter is None else counter, floats(*phases), **optional)], **around)
+
+
+class RelayAlone(unittest.TestCase):
+    def setUp(self):
+        subprocess.run("ip link add bay type veth peer name ied && ip link set bay up && ip link set ied up", shell=True, check=True)
+        self.folder = pathlib.Path(tempfile.mkdtemp())
+        self.port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, 0)
+        self.port.bind(("bay", 0))
+        self.running = []
+        file = self.folder / "relay.yaml"
+        file.write_text(json.dumps({
+            "process": "relay", "program": "gridspace-relay",
+            "bus": {"qos": str(SOURCE / "qos/relay.xml"), "management": {"domain": 78, "addresses": ["10.99.0.1"]},
+                    "clock": {"mode": "realtime", "simulator": ""}},
+            "settings": {"currents": {"from": "FROM", "to": "TO", "partner_timeout_ms": 1000},
+                         "trip": "TRIP", "trip_field": "status",
+                         "element": {"kind": "phasor", "window_cycles": 1, "pickup_a": 30}, "latency_us": 0, "wire": {"interface": "ied"},
+                         "streams": {"FROM": stream("left_end"), "TO": stream("right_end"), "TRIP": TRIP}, "frequency_hz": 60,
+                         "positive": {"from": "from_to", "to": "from_to"}}}))
+        self.relay = self.start(BIN / "gridspace-relay", "--config", file)
+        self.listener = self.start(BIN / "gridspace", "wire", "goose-sub", "bay")
+
+    def tearDown(self):
+        for process in self.running:
+            process.kill()
+            process.communicate(timeout=HANG_S)
+        self.port.close()
+        subprocess.run(["ip", "link", "del", "bay"], check=True)
+        shutil.rmtree(self.folder)
+
+    def start(self, *command):
+        """Until it listens."""
+        def listening():
+            with open("/proc/net/packet", encoding="ascii") as table:
+                return sum(line.split()[3] != "0000" for line in table.readlines()[1:])
+        before = listening()
+        process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.running.append(process)
+        deadline = time.monotonic() + HANG_S
+        while listening() == before:
+            self.assertIsNone(process.poll(), "it ended")
+            self.assertLess(time.monotonic(), deadline, "it does not listen")
+            time.sleep(0.002)
+        return process
+
+    def send(self, seconds, make):
+        """`make(end, sample)`: the frames of one end at that sample, in real time."""
+        start = time.monotonic()
+        for sample in range(int(seconds * RATE)):
+            for end in ENDS:
+                for one in make(end, sample):
+                    self.port.send(one)
+            if sample % 8 == 7:
+                time.sleep(max(0, start + sample / RATE - time.monotonic()))
+
+    def outcome(self):
+        """Whether it tripped, and what it wrote."""
+        time.sleep(0.2)
+        self.assertIsNone(self.relay.poll(), "the relay ended")
+        self.listener.terminate()
+        heard, _ = self.listener.communicate(timeout=HANG_S)
+        self.relay.terminate()
+        _, said = self.relay.communicate(timeout=HANG_S)
+        self.assertEqual(self.relay.returncode, 0, said)
+        messages = [json.loads(line) for line in heard.splitlines()]
+        self.assertTrue(messages, "it said nothing at all")
+        return "true" in {message.get("values") for message in messages}, said
+
+    @staticmethod
+    def fault(end, sample, after=0.5):
+        """What flows in at the left end: nothing comes out at the right one any more."""
+        return 0.0 if end == "right_end" and sample >= after * RATE else 100.0
+
+    def test_it_trips_for_a_fault_and_not_without_one(self):
+        self.send(0.5, lambda end, k: [frame(end, k, 100.0)])
+        self.send(0.5, lambda end, k: [frame(end, k + RATE // 2, self.fault(end, k, 0))])
+        tripped, said = self.outcome()
+        self.assertTrue(tripped, said)
+
+    def test_every_way_to_write_a_sample_is_read(self):
+        ways = [{}, {"tag": []}, {"tag": [(0x8100, 0x6007)]}, {"refr_tm": bytes(8), "smp_rate": RATE, "smp_mod": 1, "dat_set": "A/B$C", "gm_identity": bytes(8)},
+                {"form": 2}, {"cnt_octets": 4, "rev_octets": 1}]
+        self.send(1.0, lambda end, k: [frame(end, k, self.fault(end, k), **ways[k % len(ways)])])
+        tripped, said = self.outcome()
+        self.assertTrue(tripped, said)
+        self.assertEqual(said.count("unblock"), 1, said)
+
+    def test_what_is_not_its_stream_does_nothing(self):
+        """Simulated, of another revision, not synchronised: a fault in those is none."""
+        for odd in ({"simulated": True}, {"conf_rev": 2}, {"smp_synch": 0}):
+            self.send(0.4, lambda end, k, odd=odd: [frame(end, k, self.fault(end, k, 0), **odd)])
+        tripped, said = self.outcome()
+        self.assertFalse(tripped, said)
+
+    def test_forged_counters_neither_block_it_nor_make_it_trip(self):
+        """One wrong counter now and then, within the second and beyond it."""
+        def disturbed(amplitude):
+            return lambda end, k: [frame(end, k, amplitude(end, k)),
+                                   *([frame(end, k, 100.0, counter=counter)] if (counter := {250: 60000, 750: (k + 2000) % RATE, 999: 65535}.get(k % 1000)) else [])]
+        self.send(0.8, disturbed(lambda end, k: 100.0))
+        self.assertIsNone(self.relay.poll())
+        self.send(1.0, lambda end, k: disturbed(lambda e, s: self.fault(e, s, 0))(end, k + int(0.8 * RATE)) if k >= 0 else [])
+        tripped, said = self.outcome()
+        self.assertTrue(tripped, said)
+        self.assertNotIn("restart", said)
+        self.assertEqual(said.count("unblock"), 1, said)
+
+    def test_damaged_frames_beside_good_ones_change_nothing(self):
+        dice = random.Random(3)
+
+        def damaged(whole):
+            """Its head is broken: damage in the values alone is what the checksum of Ethernet is for."""
+            at = dice.randrange(12, 40)
+            return whole[:at] + bytes([whole[at] ^ dice.randrange(1, 256)]) + whole[at + 1:dice.randrange(at + 1, len(whole) - 13)]
+
+        self.send(1.0, lambda end, k: [damaged(frame(end, k, 100.0)), frame(end, k, 100.0), damaged(frame(end, k, 1e9))])
+        tripped, said = self.outcome()
+        self.assertFalse(tripped, said)
+
+    def test_merging_units_that_begin_anew_are_followed(self):
+        self.send(0.5, lambda end, k: [frame(end, k + 1234, 100.0)])
+        self.send(0.5, lambda end, k: [frame(end, k, 100.0)])
+        self.send(0.5, lambda end, k: [frame(end, k + RATE // 2, self.fault(end, k, 0))])
+        tripped, said = self.outcome()
+        self.assertTrue(tripped, said)
+        self.assertIn("restart", said)
+
+
+if __name__ == "__main__":
+    if INSIDE not in os.environ:  # once more, in a namespace
+        kind = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
+        os.environ["PATH"] = "/usr/sbin:/sbin:" + os.environ["PATH"]
+        os.execvpe(kind[0], [*kind, sys.executable, *sys.argv], {**os.environ, INSIDE: "1"})
+    subprocess.run("ip link set lo up && ip link add dds type veth peer name dds1 && ip link set dds1 up && ip addr add 10.99.0.1/24 dev dds && ip link set dds up && "
+                   "ip route add 239.0.0.0/8 dev dds", shell=True, check=True)
+    unittest.main()
