@@ -11,7 +11,13 @@
 namespace gridspace::wire {
 namespace {
 
-Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o) {
+/// Adds up what is not sent, and why.
+struct LeftOut {
+    std::uint64_t no_ethernet{0}, cut{0}, too_short{0}, other_protocols{0};
+    [[nodiscard]] std::uint64_t total() const { return no_ethernet + cut + too_short + other_protocols; }
+};
+
+Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o, LeftOut& left_out) {
     auto reader = pcapng::Reader::open(o.file);
     if (!reader) {
         return std::unexpected{reader.error()};
@@ -25,12 +31,21 @@ Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o) {
         if (!*frame) {
             break;
         }
-        std::uint16_t const ethertype = iec61850::ethertype_of((*frame)->octets);
-        bool const wanted =
-            o.all_protocols || ethertype == iec61850::kSvEthertype || ethertype == iec61850::kGooseEthertype;
-        std::string const& point = reader->interfaces()[(*frame)->interface].name;
-        bool const here = o.only.empty() ? !pcapng::is_inside_a_cable(point) : point == o.only;
-        if (wanted && here && (*frame)->octets.size() >= 14) {
+        pcapng::Interface const& point = reader->interfaces()[(*frame)->interface];
+        if (o.only.empty() ? pcapng::is_inside_a_cable(point.name) : point.name != o.only) {
+            continue;
+        }
+        auto const& octets = (*frame)->octets;
+        std::uint16_t const ethertype = iec61850::ethertype_of(octets);
+        if (point.link_type != pcapng::kEthernetLink) {
+            ++left_out.no_ethernet;
+        } else if ((*frame)->original_octets > octets.size()) { // half a frame is another frame
+            ++left_out.cut;
+        } else if (octets.size() < 14) {
+            ++left_out.too_short;
+        } else if (!o.all_protocols && ethertype != iec61850::kSvEthertype && ethertype != iec61850::kGooseEthertype) {
+            ++left_out.other_protocols;
+        } else {
             out.push_back(std::move(**frame));
         }
     }
@@ -41,8 +56,11 @@ Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o) {
                    reader->interfaces().size());
     }
     if (out.empty()) {
+        LeftOut const& l = left_out;
         return fail(ExitCode::usage, fmt::format("'{}' holds no frame to replay", o.file.string()),
-                    "--all replays other protocols than GOOSE and SV too");
+                    l.no_ethernet > 0 ? "its link type is not Ethernet"
+                    : l.cut > 0       ? "its frames were cut by the capture: record them whole"
+                                      : "--all replays other protocols than GOOSE and SV too");
     }
     std::stable_sort(out.begin(), out.end(),
                      [](pcapng::Frame const& a, pcapng::Frame const& b) { return a.time_ns < b.time_ns; });
@@ -62,18 +80,18 @@ Result<void> check_attack_allowed(std::string const& interface, std::string cons
     if (kind == "veth" || interface == "lo") {
         return {};
     }
-    return fail(ExitCode::usage,
-                fmt::format("'{}' is not a virtual cable{}", interface,
-                            kind.empty() ? "" : fmt::format(" ({})", kind)),
-                fmt::format("replayed frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
-                            interface));
+    return fail(
+        ExitCode::usage,
+        fmt::format("'{}' is not a virtual cable{}", interface, kind.empty() ? "" : fmt::format(" ({})", kind)),
+        fmt::format("replayed frames can operate real switchgear; if that is meant: --allow-attacks-on {}", interface));
 }
 
 Result<void> replay(ReplayOptions const& o) {
     if (auto ok = check_attack_allowed(o.interface, o.allow_attacks_on); !ok) {
         return ok;
     }
-    auto const frames = read_frames(o);
+    LeftOut left_out;
+    auto const frames = read_frames(o, left_out);
     if (!frames) {
         return std::unexpected{frames.error()};
     }
@@ -102,8 +120,8 @@ Result<void> replay(ReplayOptions const& o) {
             port->send(batch);
         }
     }
-    fmt::print("{{\"sent\":{},\"not_sent\":{},\"worst_late_us\":{:.1f}}}\n", port->counters().sent,
-               port->counters().send_failed, static_cast<double>(worst_late) / 1e3);
+    fmt::print("{{\"sent\":{},\"not_sent\":{},\"left_out\":{},\"worst_late_us\":{:.1f}}}\n", port->counters().sent,
+               port->counters().send_failed, left_out.total(), static_cast<double>(worst_late) / 1e3);
     return {};
 }
 

@@ -135,14 +135,23 @@ class WireTools(unittest.TestCase):
         judged = self.statistics(self.pcap([(k / 4800, sv([asdu("MU", k % 777, bytes(12))])) for k in range(1000)]))
         self.assertEqual((judged["streams"][0]["restarts"], judged["streams"][0]["wrap"]), (1, None))
 
-    def test_frames_that_a_capture_holds_in_part_are_counted(self):
+    def test_frames_that_a_capture_holds_in_part_are_not_sent(self):
         cut = self.pcap(self.samples(10), kept=40)
         self.assertEqual((self.statistics(cut)["cut"], self.statistics(cut)["undecodable"]), (10, 10))
+        refused = wire("replay", cut, "left")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("cut by the capture", refused.stderr)
+        mixed = self.pcap([(0, b"short"), (0, bytes(12) + b"\x08\x00" + bytes(46)), *self.samples(3)])
+        self.assertEqual(json.loads(wire("replay", mixed, "left").stdout) | {"worst_late_us": 0},
+                         {"sent": 3, "not_sent": 0, "left_out": 2, "worst_late_us": 0})
 
     def test_a_capture_of_another_link_type_is_no_ethernet(self):
         file = self.pcap(self.samples(10), link_type=101)
         judged = self.statistics(file)
         self.assertEqual((judged["no_ethernet"], judged["streams"]), (10, []))
+        refused = wire("replay", file, "left")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("its link type is not Ethernet", refused.stderr)
 
     def test_many_streams_carry_into_the_address_above(self):
         done = self.while_publishing(["sv-pub", "left", "--streams", "32", "mac=01:0C:CD:04:00:F0", "app_id=0x4000", "rate_hz=100"],
