@@ -66,25 +66,38 @@ class RelayAlone(unittest.TestCase):
     def tearDown(self):
         for process in self.running:
             process.kill()
-            process.communicate(timeout=HANG_S)
+            process.wait(timeout=HANG_S)
         self.port.close()
         subprocess.run(["ip", "link", "del", "bay"], check=True)
         shutil.rmtree(self.folder)
 
     def start(self, *command):
-        """Until it listens."""
+        """Until it listens. What it says goes into files: nobody reads a pipe meanwhile."""
         def listening():
             with open("/proc/net/packet", encoding="ascii") as table:
                 return sum(line.split()[3] != "0000" for line in table.readlines()[1:])
         before = listening()
-        process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        name = f"process{len(self.running)}"
+        with open(self.folder / f"{name}.out", "wb") as out, open(self.folder / f"{name}.err", "wb") as err:
+            process = subprocess.Popen(list(map(str, command)), stdout=out, stderr=err)
         self.running.append(process)
-        deadline = time.monotonic() + HANG_S
-        while listening() == before:
-            self.assertIsNone(process.poll(), "it ended")
-            self.assertLess(time.monotonic(), deadline, "it does not listen")
-            time.sleep(0.002)
+        self.wait_for(lambda: listening() != before, "it does not listen", process)
         return process
+
+    def wait_for(self, condition, what, process):
+        deadline = time.monotonic() + HANG_S
+        while not condition():
+            self.assertIsNone(process.poll(), "it ended")
+            self.assertLess(time.monotonic(), deadline, what)
+            time.sleep(0.002)
+
+    def said(self):
+        return (self.folder / "process0.err").read_text()
+
+    def heard(self):
+        """The values of its messages so far; a line that is being written does not count."""
+        text = (self.folder / "process1.out").read_text()
+        return [json.loads(line).get("values") for line in text[:text.rfind("\n") + 1].splitlines()]
 
     def send(self, seconds, make):
         """`make(end, sample)`: the frames of one end at that sample, in real time."""
@@ -96,44 +109,42 @@ class RelayAlone(unittest.TestCase):
             if sample % 8 == 7:
                 time.sleep(max(0, start + sample / RATE - time.monotonic()))
 
-    def outcome(self):
-        """Whether it tripped, and what it wrote."""
-        time.sleep(0.2)
-        self.assertIsNone(self.relay.poll(), "the relay ended")
-        self.listener.terminate()
-        heard, _ = self.listener.communicate(timeout=HANG_S)
+    def expect_trip(self):
+        self.wait_for(lambda: "true" in self.heard(), "no trip", self.relay)
+        self.end()
+
+    def expect_no_trip(self):
+        messages = len(self.heard())  # five more: by then it has looked at all that was sent
+        self.wait_for(lambda: len(self.heard()) >= messages + 5, "it says nothing", self.relay)
+        self.assertNotIn("true", self.heard(), self.said())
+        self.end()
+
+    def end(self):
         self.relay.terminate()
-        _, said = self.relay.communicate(timeout=HANG_S)
-        self.assertEqual(self.relay.returncode, 0, said)
-        messages = [json.loads(line) for line in heard.splitlines()]
-        self.assertTrue(messages, "it said nothing at all")
-        return "true" in {message.get("values") for message in messages}, said
+        self.assertEqual(self.relay.wait(timeout=HANG_S), 0, self.said())
 
     @staticmethod
-    def fault(end, sample, after=0.5):
+    def fault(end, sample, after=0.3):
         """What flows in at the left end: nothing comes out at the right one any more."""
         return 0.0 if end == "right_end" and sample >= after * RATE else 100.0
 
     def test_it_trips_for_a_fault_and_not_without_one(self):
-        self.send(0.5, lambda end, k: [frame(end, k, 100.0)])
-        self.send(0.5, lambda end, k: [frame(end, k + RATE // 2, self.fault(end, k, 0))])
-        tripped, said = self.outcome()
-        self.assertTrue(tripped, said)
+        self.send(0.3, lambda end, k: [frame(end, k, 100.0)])
+        self.send(0.3, lambda end, k: [frame(end, k + int(0.3 * RATE), self.fault(end, k, 0))])
+        self.expect_trip()
 
     def test_every_way_to_write_a_sample_is_read(self):
         ways = [{}, {"tag": []}, {"tag": [(0x8100, 0x6007)]}, {"refr_tm": bytes(8), "smp_rate": RATE, "smp_mod": 1, "dat_set": "A/B$C", "gm_identity": bytes(8)},
                 {"form": 2}, {"cnt_octets": 4, "rev_octets": 1}]
-        self.send(1.0, lambda end, k: [frame(end, k, self.fault(end, k), **ways[k % len(ways)])])
-        tripped, said = self.outcome()
-        self.assertTrue(tripped, said)
-        self.assertEqual(said.count("unblock"), 1, said)
+        self.send(0.6, lambda end, k: [frame(end, k, self.fault(end, k), **ways[k % len(ways)])])
+        self.expect_trip()
+        self.assertEqual(self.said().count("unblock"), 1, self.said())
 
     def test_what_is_not_its_stream_does_nothing(self):
         """Simulated, of another revision, not synchronised: a fault in those is none."""
         for odd in ({"simulated": True}, {"conf_rev": 2}, {"smp_synch": 0}):
-            self.send(0.4, lambda end, k, odd=odd: [frame(end, k, self.fault(end, k, 0), **odd)])
-        tripped, said = self.outcome()
-        self.assertFalse(tripped, said)
+            self.send(0.2, lambda end, k, odd=odd: [frame(end, k, self.fault(end, k, 0), **odd)])
+        self.expect_no_trip()
 
     def test_forged_counters_neither_block_it_nor_make_it_trip(self):
         """One wrong counter now and then, within the second and beyond it."""
@@ -142,11 +153,10 @@ class RelayAlone(unittest.TestCase):
                                    *([frame(end, k, 100.0, counter=counter)] if (counter := {250: 60000, 750: (k + 2000) % RATE, 999: 65535}.get(k % 1000)) else [])]
         self.send(0.8, disturbed(lambda end, k: 100.0))
         self.assertIsNone(self.relay.poll())
-        self.send(1.0, lambda end, k: disturbed(lambda e, s: self.fault(e, s, 0))(end, k + int(0.8 * RATE)) if k >= 0 else [])
-        tripped, said = self.outcome()
-        self.assertTrue(tripped, said)
-        self.assertNotIn("restart", said)
-        self.assertEqual(said.count("unblock"), 1, said)
+        self.send(0.3, lambda end, k: disturbed(lambda e, s: self.fault(e, s, 0))(end, k + int(0.8 * RATE)))
+        self.expect_trip()
+        self.assertNotIn("restart", self.said())
+        self.assertEqual(self.said().count("unblock"), 1, self.said())
 
     def test_damaged_frames_beside_good_ones_change_nothing(self):
         dice = random.Random(3)
@@ -156,17 +166,15 @@ class RelayAlone(unittest.TestCase):
             at = dice.randrange(12, 40)
             return whole[:at] + bytes([whole[at] ^ dice.randrange(1, 256)]) + whole[at + 1:dice.randrange(at + 1, len(whole) - 13)]
 
-        self.send(1.0, lambda end, k: [damaged(frame(end, k, 100.0)), frame(end, k, 100.0), damaged(frame(end, k, 1e9))])
-        tripped, said = self.outcome()
-        self.assertFalse(tripped, said)
+        self.send(0.4, lambda end, k: [damaged(frame(end, k, 100.0)), frame(end, k, 100.0), damaged(frame(end, k, 1e9))])
+        self.expect_no_trip()
 
     def test_merging_units_that_begin_anew_are_followed(self):
-        self.send(0.5, lambda end, k: [frame(end, k + 1234, 100.0)])
-        self.send(0.5, lambda end, k: [frame(end, k, 100.0)])
-        self.send(0.5, lambda end, k: [frame(end, k + RATE // 2, self.fault(end, k, 0))])
-        tripped, said = self.outcome()
-        self.assertTrue(tripped, said)
-        self.assertIn("restart", said)
+        self.send(0.3, lambda end, k: [frame(end, k + 1234, 100.0)])
+        self.send(0.3, lambda end, k: [frame(end, k, 100.0)])
+        self.send(0.3, lambda end, k: [frame(end, k + int(0.3 * RATE), self.fault(end, k, 0))])
+        self.expect_trip()
+        self.assertIn("restart", self.said())
 
 
 if __name__ == "__main__":
