@@ -164,7 +164,7 @@ class RelayAlone(unittest.TestCase):
         def damaged(whole):
             """Its head is broken: damage in the values alone is what the checksum of Ethernet is for."""
             at = dice.randrange(12, 40)
-            return whole[:at] + bytes([whole[at] ^ dice.randrange(1, 256)]) + whole[at + 1:dice.randrange(at + 1, len(whole) - 13)]
+            return whole[:at] + bytes([whole[at] ^ dice.randrange(1, 256)]) + whole[at + 1:dice.randrange(max(at + 1, 22), len(whole) - 13)]
 
         self.send(0.4, lambda end, k: [damaged(frame(end, k, 100.0)), frame(end, k, 100.0), damaged(frame(end, k, 1e9))])
         self.expect_no_trip()
