@@ -87,15 +87,16 @@ void check_healthy_current(Scenario const& scenario, Process const& process, rel
     if (values.pickup_phases == 0) {
         return;
     }
-    diagnostics.error(where,
-                      fmt::format("relay '{}' would trip on the healthy network: its differential current is {:.2f} A, "
-                                  "and it picks up at {:.2f} A",
-                                  process.name.name, values.differential_a[0], values.operate_at_a[0]),
-                      fmt::format("{:.2f} A from {}, {:.2f} A from {}; is the direction right (`positive:`), are both "
-                                  "of one line, and is pickup_a "
-                                  "above what the line charges?",
-                                  std::abs(at_from), text_of(from), std::abs(at_to), text_of(to)),
-                      width);
+    diagnostics.warning(
+        where,
+        fmt::format("relay '{}' would trip on the healthy network: its differential current is {:.2f} A, "
+                    "and it picks up at {:.2f} A",
+                    process.name.name, values.differential_a[0], values.operate_at_a[0]),
+        fmt::format("{:.2f} A from {}, {:.2f} A from {}; is the direction right (`positive:`), are both "
+                    "of one line, and is pickup_a "
+                    "above what the line charges?",
+                    std::abs(at_from), text_of(from), std::abs(at_to), text_of(to)),
+        width);
 }
 
 } // namespace gridspace::launcher

@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
+#include <thread>
 
 namespace gridspace::sim {
 namespace {
@@ -211,6 +212,11 @@ class SimApp {
     Result<void> hold_for_launcher(SimTime acknowledged) {
         while (next_hold_ < config_.holds_s.size() &&
                SimTime{} + node_.time_base().nearest(config_.holds_s[next_hold_]) <= acknowledged) {
+            if (node_.lockstep()) {
+                // A lost datagram is sent again within a heartbeat of 100 ms, but not by a process that is killed before:
+                // what it sent would then reach some and not others.
+                std::this_thread::sleep_for(std::chrono::milliseconds{250});
+            }
             auto const answers = run_.status.hold(next_hold_, node_.lockstep());
             if (!answers) {
                 return std::unexpected{answers.error()};
