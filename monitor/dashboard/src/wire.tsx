@@ -67,13 +67,14 @@ const whole = (v: number | undefined) => (v === undefined ? "–" : Math.round(v
 /** What the devices have counted themselves; they say so once a second. */
 function of_devices(ends: StreamEnd[]): Counted {
   const senders = ends.filter(e => e.sends), receivers = ends.filter(e => !e.sends);
-  const sum = (of: (e: StreamEnd) => number) => (receivers.length ? receivers.reduce((a, e) => a + of(e), 0) : undefined);
+  const waiting = !receivers.length || receivers.some(e => e.state === "waiting"); // nothing has been counted
+  const sum = (of: (e: StreamEnd) => number) => (!waiting ? receivers.reduce((a, e) => a + of(e), 0) : undefined);
   const frames = (list: StreamEnd[]) => [...new Set(list.map(e => whole(e.frames)))].join(" / ") || "–";
   const states = receivers.map(e => e.state);
   return {
-    rate: receivers.find(e => e.frames > 1)?.rate_hz, sent: frames(senders), received: frames(receivers),
+    rate: receivers.find(e => e.frames > 1)?.rate_hz, sent: frames(senders), received: waiting ? "–" : frames(receivers),
     lost: sum(e => e.lost + e.dropped), duplicate: sum(e => e.duplicate), late: sum(e => e.late),
-    state: !states.length || states.includes("waiting") ? "waiting" : states.includes("lost") ? "lost" : "alive",
+    state: waiting ? "waiting" : states.includes("lost") ? "lost" : "alive",
     said: ends.map(e => `${e.process}: ${whole(e.frames)} ${e.sends ? "sent" : "received"}, ${e.refused} refused, ${e.silences} silences, at ${e.time_s.toFixed(1)} s`).join("\n"),
   };
 }
