@@ -36,8 +36,8 @@ def main():
         summary = run.summary()
         print(f"{name}: {summary.get('overruns', '?')} overruns" + (f", {dropped} messages not sent to slow clients" if slow else ""))
         for e in summary["expectations"]:
-            if e["name"] in SHOWN or e["status"] == "failed":
-                print(f"    {e['name']:<22} {e.get('value')} {e.get('unit', '')}  {e['status']}")
+            if e["name"] in SHOWN or not e["pass"]:
+                print(f"    {e['name']:<22} {e.get('value')} {e.get('unit', '')}{'' if e['pass'] else '  FAILED'}")
             lost += e.get("value") or 0 if e["name"] == "smv_lost" else 0
         recording = json.loads(harness.gridspace("info", run.folder, "--json")[1])["recording"]
         currents = {t["name"]: t["samples"] for t in recording["topics"] if t["type"] == "LineCurrents"}
