@@ -5,6 +5,7 @@
 how late frames were. Delays are figures of this machine; a sample that was lost is an error (exit code 1).
 
   python3 bench/monitor/real_time.py [--build build/release] [--seconds 4]"""
+import json
 import sys
 
 import shared
@@ -35,9 +36,14 @@ def main():
         summary = run.summary()
         print(f"{name}: {summary.get('overruns', '?')} overruns" + (f", {dropped} messages not sent to slow clients" if slow else ""))
         for e in summary["expectations"]:
-            if e["name"] in SHOWN or e["status"] == "failed":
-                print(f"    {e['name']:<22} {e.get('value')} {e.get('unit', '')}  {e['status']}")
+            if e["name"] in SHOWN or not e["pass"]:
+                print(f"    {e['name']:<22} {e.get('value')} {e.get('unit', '')}{'' if e['pass'] else '  FAILED'}")
             lost += e.get("value") or 0 if e["name"] == "smv_lost" else 0
+        recording = json.loads(harness.gridspace("info", run.folder, "--json")[1])["recording"]
+        currents = {t["name"]: t["samples"] for t in recording["topics"] if t["type"] == "LineCurrents"}
+        due = round(1200 * arguments.seconds)  # four samples of 4800 Hz each
+        print(f"    recorded of each line's currents: {min(currents.values())} to {max(currents.values())} messages of {due}")
+        lost += sum(max(due - n, 0) for n in currents.values())
     return 1 if lost else 0
 
 

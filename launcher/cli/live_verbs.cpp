@@ -6,10 +6,14 @@
 #include "launcher/run/monitor_client.hpp"
 #include "monitor/app/foreign_idl.hpp"
 #include "monitor/app/sample_json.hpp"
+#include "monitor/graph/graph_text.hpp"
 
 #include <fmt/format.h>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
 
 namespace gridspace::cli {
 namespace {
@@ -74,6 +78,14 @@ void print_graph(Json const& graph, bool framework) {
     }
 }
 
+/// The graph of a finished run, if its monitor has kept it.
+std::optional<gridspace::graph::Snapshot> kept_graph(std::filesystem::path const& run) {
+    std::ifstream stream{run_folder(run) / "graph.json"};
+    std::stringstream text;
+    text << stream.rdbuf();
+    return stream ? gridspace::graph::from_json(text.str()) : std::nullopt;
+}
+
 /// Replaces what the monitor made of the samples by what the user's own IDL says of them.
 Result<void> decode_samples(Json& answer, std::filesystem::path const& file) {
     auto const idl = monitor::read_foreign_idl(file);
@@ -109,21 +121,26 @@ int control(ControlArguments const& arguments) {
 }
 
 int graph(GraphArguments const& arguments) {
-    std::string const query = arguments.framework ? "?framework=1" : "";
-    if (arguments.format == "text") {
-        auto const json = ask_json(arguments.run, "/api/v1/graph");
-        if (!json) {
-            return print_error(json.error());
-        }
-        print_graph(*json, arguments.framework);
-        return 0;
-    }
-    std::string const suffix = arguments.format == "json" ? "" : "." + arguments.format;
-    auto const body = ask(arguments.run, "/api/v1/graph" + suffix + query);
-    if (!body) {
+    auto body = ask(arguments.run, "/api/v1/graph");
+    auto const kept = body ? std::nullopt : kept_graph(arguments.run);
+    if (!body && !kept) {
         return print_error(body.error());
     }
-    fmt::print("{}\n", *body);
+    if (kept) {
+        fmt::print(stderr, "note: the run is over; this is its graph as its monitor saw it\n");
+    }
+    auto const snapshot = kept ? kept : gridspace::graph::from_json(*body);
+    if (!snapshot) {
+        return print_error({ExitCode::environment, "the monitor's answer is no graph", ""});
+    }
+    std::string const json = gridspace::graph::to_json(*snapshot);
+    if (arguments.format == "text") {
+        print_graph(Json::parse(json), arguments.framework);
+        return 0;
+    }
+    fmt::print("{}\n", arguments.format == "json"  ? (kept ? json : *body)
+                       : arguments.format == "dot" ? gridspace::graph::to_dot(*snapshot, arguments.framework)
+                                                   : gridspace::graph::to_svg(*snapshot, arguments.framework));
     return 0;
 }
 

@@ -34,7 +34,7 @@ function Alarm({ relay }: { relay: string }) {
       <h3>{relay}</h3>
       {alarm ? <span class="pill bad" role="status">◆ alarm{reasons.length ? `: ${reasons.join(", ")}` : ""}</span>
         : <span class={`pill ${alarm === undefined ? "" : "good"}`} role="status">{alarm === undefined ? "not told yet" : "● no alarm"}</span>}
-      {told !== undefined && <span class="soft">{whole(told)} alarms so far</span>}
+      {told !== undefined && !(alarm && !told) && <span class="soft">{whole(told)} alarms so far</span>}
       {granted !== undefined && <span class="soft">{granted ? "trip granted" : "no trip granted"}</span>}
     </div>
   );

@@ -8,12 +8,16 @@ export function compact(v: number): string {
   return v.toPrecision(5).replace(/\.?0+$/, "");
 }
 
+/** 3.29, 11.5: three digits say what a measurement of this machine is worth. */
+export const brief = (v: number) => (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e4) ? compact(v) : String(Number(v.toPrecision(3))));
+
 /** With so many decimals that they tell a thousandth of what is shown, and the same of all that stand together. */
 export function within(v: number, span: number): string {
   if (!isFinite(v)) return String(v);
-  const digits = span > 0 ? Math.floor(3.3 - Math.log10(span)) : 3;
+  const told = span > 0 ? Math.floor(3.3 - Math.log10(span)) : 3, small = Math.abs(v) < 100 && span < 5000;
+  const digits = Math.max(told, small ? 1 : 0); // a load current matters beside a fault current, too
   if (digits > 7 || Math.abs(v) >= 1e7) return compact(v);
-  const text = v.toFixed(Math.max(digits, 0));
+  const text = v.toFixed(digits);
   return Number(text) === 0 ? text.replace("-", "") : text;
 }
 

@@ -2,7 +2,7 @@
 import { useEffect } from "preact/hooks";
 import { ask, drawn, forget, graph, run, signals, streams, values, type StreamEnd } from "./model";
 import { choose, choice } from "./state";
-import { compact } from "./text";
+import { brief } from "./text";
 
 const kClass = 3; // ms, IEC 61850-5 class of sampled values and trips
 const kBars = 48;
@@ -21,14 +21,14 @@ export function spread(v: ArrayLike<number>): Spread | null {
   return { low, high, counts, p50: at(0.5), p99: at(0.99), max: sorted[n - 1], n };
 }
 
-function Histogram({ s, limit }: { s: Spread; limit?: number }) {
+function Histogram({ s, unit, limit }: { s: Spread; unit: string; limit?: number }) {
   const w = 220, h = 44, top = Math.max(...s.counts), x = (v: number) => ((v - s.low) / (s.high - s.low)) * w;
   return (
-    <svg viewBox={`0 0 ${w} ${h + 14}`} class="histogram" role="img" aria-label={`from ${compact(s.low)} to ${compact(s.high)}, median ${compact(s.p50)}`}>
+    <svg viewBox={`0 0 ${w} ${h + 14}`} class="histogram" role="img" aria-label={`from ${brief(s.low)} to ${brief(s.high)}, median ${brief(s.p50)}`}>
       {s.counts.map((c, i) => c > 0 && <rect key={i} x={(i * w) / kBars} width={w / kBars - 0.6} y={h - Math.max(1, (c / top) * h)} height={Math.max(1, (c / top) * h)} />)}
       {limit !== undefined && limit < s.high && <path d={`M${x(limit)} 0V${h}`} class="limit" />}
-      <text x={0} y={h + 12} class="tiny">{compact(s.low)}</text>
-      <text x={w} y={h + 12} class="tiny right">{compact(s.high)}</text>
+      <text x={0} y={h + 12} class="tiny">{brief(s.low)}</text>
+      <text x={w} y={h + 12} class="tiny right">{brief(s.high)} {unit}</text>
     </svg>
   );
 }
@@ -45,11 +45,11 @@ function Quantity({ name, label, unit, limit }: { name: string; label: string; u
   return !s ? null : (
     <div class="quantity">
       <button class="link" title="draw it over time" onClick={() => choose({ plots: [pattern, ...choice.value.plots.filter(p => p !== pattern)].slice(0, 4) })}>{label}</button>
-      <Histogram s={s} limit={limit} />
+      <Histogram s={s} unit={unit} limit={limit} />
       <table class="plain"><tbody>
-        <tr><td class="soft">median</td><td class="number">{compact(s.p50)} {unit}</td></tr>
-        <tr><td class="soft">99 %</td><td class={`number ${limit !== undefined && s.p99 > limit ? "bad" : ""}`}>{compact(s.p99)} {unit}</td></tr>
-        <tr><td class="soft">most</td><td class="number">{compact(s.max)} {unit}</td></tr>
+        <tr><td class="soft">median</td><td class="number">{brief(s.p50)} {unit}</td></tr>
+        <tr><td class="soft">99 %</td><td class={`number ${limit !== undefined && s.p99 > limit ? "bad" : ""}`}>{brief(s.p99)} {unit}</td></tr>
+        <tr><td class="soft">most</td><td class="number">{brief(s.max)} {unit}</td></tr>
       </tbody></table>
     </div>
   );
@@ -67,13 +67,14 @@ const whole = (v: number | undefined) => (v === undefined ? "–" : Math.round(v
 /** What the devices have counted themselves; they say so once a second. */
 function of_devices(ends: StreamEnd[]): Counted {
   const senders = ends.filter(e => e.sends), receivers = ends.filter(e => !e.sends);
-  const sum = (of: (e: StreamEnd) => number) => (receivers.length ? receivers.reduce((a, e) => a + of(e), 0) : undefined);
+  const waiting = !receivers.length || receivers.some(e => e.state === "waiting"); // nothing has been counted
+  const sum = (of: (e: StreamEnd) => number) => (!waiting ? receivers.reduce((a, e) => a + of(e), 0) : undefined);
   const frames = (list: StreamEnd[]) => [...new Set(list.map(e => whole(e.frames)))].join(" / ") || "–";
   const states = receivers.map(e => e.state);
   return {
-    rate: receivers.find(e => e.frames > 1)?.rate_hz, sent: frames(senders), received: frames(receivers),
+    rate: receivers.find(e => e.frames > 1)?.rate_hz, sent: frames(senders), received: waiting ? "–" : frames(receivers),
     lost: sum(e => e.lost + e.dropped), duplicate: sum(e => e.duplicate), late: sum(e => e.late),
-    state: !states.length || states.includes("waiting") ? "waiting" : states.includes("lost") ? "lost" : "alive",
+    state: waiting ? "waiting" : states.includes("lost") ? "lost" : "alive",
     said: ends.map(e => `${e.process}: ${whole(e.frames)} ${e.sends ? "sent" : "received"}, ${e.refused} refused, ${e.silences} silences, at ${e.time_s.toFixed(1)} s`).join("\n"),
   };
 }
@@ -98,7 +99,7 @@ export function Wire() {
   return (
     <div class="scroll">
       <table class="plain">
-        <thead><tr><th>stream</th><th>from</th><th>to</th><th>state</th><th class="number">rate</th><th class="number">sent</th><th class="number">received</th>
+        <thead><tr><th>stream</th><th>from</th><th>to</th><th>state</th><th class="number">rate</th>{!recorded && <th class="number">sent</th>}<th class="number">received</th>
           <th class="number" title="missing between those received, and dropped by the kernel">lost</th><th class="number">twice</th><th class="number" title="behind newer ones">late</th></tr></thead>
         <tbody>
           {wires.map(s => {
@@ -111,7 +112,7 @@ export function Wire() {
                 <td class="soft">{devices(true)}</td><td class="soft">{devices(false)}</td>
                 <td class={c.state === "lost" ? "bad" : c.state === "alive" ? "good" : "soft"}>{c.state === "lost" ? "✕ " : c.state === "alive" ? "● " : ""}{c.state || "–"}</td>
                 <td class="number">{c.rate === undefined ? "–" : `${c.rate.toFixed(1)} /s`}</td>
-                <td class="number">{c.sent}</td><td class="number">{c.received}</td>
+                {!recorded && <td class="number">{c.sent}</td>}<td class="number">{c.received}</td>
                 <td class={`number ${c.lost ? "bad" : ""}`}>{c.lost ? "✕ " : ""}{whole(c.lost)}</td>
                 <td class="number">{whole(c.duplicate)}</td><td class="number">{whole(c.late)}</td>
               </tr>

@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """A router whose ends are in different network namespaces, between which there is no cable at all: topics of another make of DDS, named as
-ROS 2 names them. Needs root, or a user namespace."""
+ROS 2 names them, and a run that a monitor outside of its namespaces looks at. Needs root, or a user namespace."""
 import json
 import os
 import pathlib
@@ -15,9 +15,11 @@ import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "scenario"))
-from harness import BIN, ENVIRONMENT, HANG_S, OK, ScenarioTest, gridspace  # noqa: E402
+sys.path.insert(0, str(HERE.parent / "monitor"))
+from harness import BASE, BIN, ENVIRONMENT, HANG_S, OK, SOURCE, ScenarioTest, gridspace  # noqa: E402
 
 INSIDE = "GRIDSPACE_NAMESPACES_TEST_INSIDE"
+DOMAIN_OUTSIDE = 61
 
 
 class Spoken:
@@ -108,6 +110,35 @@ class Namespaces(ScenarioTest):
         for total in totals.values():
             self.assertGreaterEqual(total["samples"], 50)
             self.assertEqual((total["refused"], total["dropped"]), (0, 0), total)
+
+    def test_a_monitor_outside_looks_at_a_run_inside_its_namespaces(self):
+        import client
+        run = self.start("run", [*BASE, "--speed", "60"])
+        run.wait_for(lambda line: line.get("note", "").startswith("all "), "everybody to be ready")
+        simulator = run.pid_of("sim")
+        self.assertNotEqual(os.readlink(f"/proc/{simulator}/ns/net"), os.readlink("/proc/self/ns/net"))
+        environment = dict(word.split("=", 1) for word in pathlib.Path(f"/proc/{simulator}/environ").read_text().split("\0") if "=" in word)
+        router = self.router({
+            "router": "window",
+            "ends": {"run": {"domain": int(environment["GRIDSPACE_MANAGEMENT_DOMAIN"]), "addresses": [environment["GRIDSPACE_MANAGEMENT_ADDRESS"]],
+                             "network_namespace": f"/proc/{simulator}/ns/net"},
+                     "outside": {"domain": DOMAIN_OUTSIDE, "addresses": ["127.0.0.1"]}},
+            "topics": {"simulation_clock": {"from": ["run"]}, "signals": {"from": ["run"]}, "signal_catalog": {"from": ["run"]}}})
+        monitor = self.launch(BIN / "gridspace-monitor", "--config", self.write("monitor.yaml", json.dumps({
+            "process": "monitor", "program": "gridspace-monitor",
+            "bus": {"qos": str(SOURCE / "qos/monitor.xml"), "management": {"domain": DOMAIN_OUTSIDE, "addresses": ["127.0.0.1"]}},
+            "settings": {"listen": "127.0.0.1:0"}})))
+        said = monitor.wait_for(lambda lines: any("http://" in line for line in lines), "the monitor's address")
+        outside = client.Monitor(next(word for line in said for word in line.split() if word.startswith("http://")))
+        first = outside.until("/api/v1/run", lambda r: r["time_s"] > 0, "simulated time outside")["time_s"]
+        outside.until("/api/v1/run", lambda r: r["time_s"] > first, "time to pass")
+        signals = outside.until("/api/v1/signals", lambda s: len(s["signals"]) > 10, "signals outside")["signals"]
+        self.assertIn("bus.B1.v_pu", [s["name"] for s in signals])
+        topics = {t["name"] for t in outside.json("/api/v1/topics")["topics"] if t["samples"]}
+        self.assertNotIn("clock_ack", topics)  # the negative control: it is on no list
+        run.process.send_signal(signal.SIGINT)
+        run.finish()
+        self.assertGreater(self.totals(router)["simulation_clock"]["samples"], 0)
 
     def test_a_namespace_that_is_none_is_named(self):
         config = {"router": "r", "ends": {"a": {"domain": 1}, "b": {"domain": 1, "network_namespace": "/dev/null"}}, "topics": {"x": {}}}
