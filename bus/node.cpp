@@ -42,16 +42,22 @@ SimTime Node::Core::time_now() const {
     double const arrived_s = Seconds{pace.last_arrived - pace.first_arrived}.count();
     double const sent_s = static_cast<double>(pace.last_sent_ns - pace.first_sent_ns) / 1e9;
     double const quanta_per_s = static_cast<double>((latest_time - pace.first).quanta) / std::max(arrived_s, sent_s);
-    double const since_s = std::min(kLongestGapS, Seconds{std::chrono::steady_clock::now() - pace.last_arrived}.count());
+    double const since_s =
+        std::min(kLongestGapS, Seconds{std::chrono::steady_clock::now() - pace.last_arrived}.count());
     told = std::max(told, latest_time + SimSpan{static_cast<std::int64_t>(quanta_per_s * since_s)});
     return told;
 }
 
 void Node::Core::watch_clock() {
-    std::int64_t const steady_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    std::int64_t const steady_ns =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+            .count();
     if (auto const by = clock_watch.step(wall_clock_ns(), steady_ns)) {
-        fail_locked({ExitCode::environment, fmt::format("the clock of this machine was set {} by {:.3f} s", *by > 0 ? "forward" : "back", std::abs(static_cast<double>(*by)) / 1e9),
-                     "in real time frames are stamped and delays measured with it: let chrony or ntpd finish before the run; in lockstep no clock is used"});
+        fail_locked({ExitCode::environment,
+                     fmt::format("the clock of this machine was set {} by {:.3f} s", *by > 0 ? "forward" : "back",
+                                 std::abs(static_cast<double>(*by)) / 1e9),
+                     "in real time frames are stamped and delays measured with it: let chrony or ntpd finish before "
+                     "the run; in lockstep no clock is used"});
     }
 }
 
@@ -126,8 +132,8 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
     if (clock_tap != nullptr && clock.state() != CLOCK_HELD) {
         Origin origin{{clock.quanta()}, 0, header.writer, header.sequence};
         std::size_t const simulator = book->process_index(config.clock.simulator);
-        origin.process = static_cast<std::uint32_t>(simulator == lockstep::LedgerBook::kUnknown ? book->process_count()
-                                                                                                : simulator);
+        origin.process =
+            static_cast<std::uint32_t>(simulator == lockstep::LedgerBook::kUnknown ? book->process_count() : simulator);
         clock_tap->push(cdr, origin, base);
     }
     ++clock_generation;
@@ -140,11 +146,11 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
                      "the simulator's log says why"});
         return;
     }
+    std::size_t const simulator = book->process_index(config.clock.simulator);
+    if (simulator != lockstep::LedgerBook::kUnknown && (lockstep() || clock.state() == CLOCK_FINAL)) {
+        take_ledger(simulator, 0, clock.ledger()); // in real time it only tells what was lost
+    }
     if (lockstep()) {
-        std::size_t const simulator = book->process_index(config.clock.simulator);
-        if (simulator != lockstep::LedgerBook::kUnknown) {
-            take_ledger(simulator, 0, clock.ledger());
-        }
         if (clock.state() == CLOCK_HELD) {
             on_held_clock();
             return;
@@ -275,8 +281,9 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
         }
     }
     if (!slot.inbox->push(cdr, origin, base)) {
-        fail_locked({ExitCode::environment, fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
-              "both sides must be built from the same IDL"});
+        fail_locked({ExitCode::environment,
+                     fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
+                     "both sides must be built from the same IDL"});
         return;
     }
     ++input_generation;

@@ -84,6 +84,9 @@ class Node {
     /// Ends the run for this process with an error that next() or done() returns.
     void fail_with(Error error);
     [[nodiscard]] std::optional<Error> failure() const;
+    /// Real time, after the final tick: what the simulator says to have sent and has not come, topic by topic
+    /// ("3 of 9601 samples of 'TL_21' from sim"). Empty: nothing, or the end has not come.
+    [[nodiscard]] std::string missing_of_simulator() const;
 
     [[nodiscard]] NodeConfig const& config() const;
     [[nodiscard]] TimeBase const& time_base() const;

@@ -396,6 +396,12 @@ std::optional<Error> Node::failure() const {
     return core_->error;
 }
 
+std::string Node::missing_of_simulator() const {
+    std::lock_guard const lock{core_->mutex};
+    std::size_t const simulator = core_->book->process_index(core_->config.clock.simulator);
+    return simulator == lockstep::LedgerBook::kUnknown ? "" : core_->book->missing(simulator);
+}
+
 NodeConfig const& Node::config() const {
     return core_->config;
 }

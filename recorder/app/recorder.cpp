@@ -1,23 +1,23 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// gridspace-recorder: every sample of the topics it is given, into data.mcap. In lockstep it is a member and loses nothing;
-// in real time nothing waits for it.
+// gridspace-recorder: every sample of the topics it is given, into data.mcap. In lockstep it is a member and loses
+// nothing; in real time nothing waits for it.
 #include "bus/daemon.hpp"
 #include "bus/tick_grid.hpp"
 #include "bus/topics.hpp"
+#include "common/idl/cdr_visitor.hpp"
 #include "common/log.hpp"
 #include "recorder/app/frame_capture.hpp"
 #include "recorder/app/recorder_config.hpp"
-#include "common/idl/cdr_visitor.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <thread>
 #include <fstream>
 #include <map>
 #include <sstream>
+#include <thread>
 
 namespace gridspace::recorder {
 namespace {
@@ -30,8 +30,8 @@ struct Tap {
     std::shared_ptr<bus::CdrReader> reader;
     idl::Model model;
     std::size_t model_type{0};
-    bool has_stamp{false};        ///< the type has a member time_ns
-    std::uint16_t schema{0};      ///< 0: not added yet
+    bool has_stamp{false};                           ///< the type has a member time_ns
+    std::uint16_t schema{0};                         ///< 0: not added yet
     std::map<std::uint32_t, std::uint16_t> channels; ///< by process
     std::map<std::uint32_t, std::uint32_t> sequences;
     std::uint64_t dropped{0}; ///< as reported
@@ -50,7 +50,8 @@ constexpr std::size_t kMostWaiting = 32U << 20U;
 class RecorderShell {
   public:
     RecorderShell(RecorderConfig const& config, bus::Node& node, StatusReporter& status, mcap::Writer file)
-        : config_{config}, node_{node}, status_{status}, file_{std::move(file)}, epoch_ns_{node.config().clock.epoch_unix_s * 1'000'000'000} {}
+        : config_{config}, node_{node}, status_{status}, file_{std::move(file)},
+          epoch_ns_{node.config().clock.epoch_unix_s * 1'000'000'000} {}
 
     Result<void> run() {
         if (auto ok = open_taps(); !ok) {
@@ -90,6 +91,7 @@ class RecorderShell {
                 if (auto ok = node_.lockstep() ? Result<void>{} : take_last_words(); !ok) {
                     return ok;
                 }
+                report_lost();
                 if (auto ok = close_capture(); !ok) {
                     return ok;
                 }
@@ -112,8 +114,11 @@ class RecorderShell {
   private:
     /// Real time: the others hear of the end when this process does, and say their last counters then.
     Result<void> take_last_words() {
-        constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20};
-        for (auto const end = std::chrono::steady_clock::now() + kTime; std::chrono::steady_clock::now() < end;) {
+        constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20},
+                       kLongest = std::chrono::milliseconds{1500};
+        auto const begin = std::chrono::steady_clock::now();
+        for (auto waited = kRound * 0; waited < kTime || (waited < kLongest && !node_.missing_of_simulator().empty());
+             waited = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin)) {
             std::this_thread::sleep_for(kRound);
             if (auto ok = frames_->write_due(); !ok) {
                 return ok;
@@ -126,7 +131,8 @@ class RecorderShell {
     }
 
     Result<void> open_taps() {
-        auto const add = [&](RecorderConfig::Topic const& topic, std::shared_ptr<bus::CdrReader> reader) -> Result<void> {
+        auto const add = [&](RecorderConfig::Topic const& topic,
+                             std::shared_ptr<bus::CdrReader> reader) -> Result<void> {
             Tap tap;
             tap.topic = topic.name;
             tap.type = topic.type;
@@ -139,12 +145,15 @@ class RecorderShell {
             }
             auto model = idl::parse(tap.idl);
             if (!model) {
-                return fail(ExitCode::usage, fmt::format("the IDL of type '{}': {}", topic.type, model.error().message));
+                return fail(ExitCode::usage,
+                            fmt::format("the IDL of type '{}': {}", topic.type, model.error().message));
             }
             auto const type = model->find(topic.type);
             if (!type) {
-                return fail(ExitCode::usage, fmt::format("topic '{}' carries '{}', and no IDL defines that type", topic.name, topic.type),
-                            "give the topic an `idl:` file");
+                return fail(
+                    ExitCode::usage,
+                    fmt::format("topic '{}' carries '{}', and no IDL defines that type", topic.name, topic.type),
+                    "give the topic an `idl:` file");
             }
             tap.model_type = *type;
             tap.has_stamp = std::any_of(model->types[*type].members.begin(), model->types[*type].members.end(),
@@ -187,7 +196,8 @@ class RecorderShell {
         return {};
     }
 
-    /// Everything whose time has come, in the order (time, topic, process, writer, sequence), which is the same in every run.
+    /// Everything whose time has come, in the order (time, topic, process, writer, sequence), which is the same in
+    /// every run.
     Result<void> write_due(bool final) {
         batch_.clear();
         for (std::size_t i = 0; i < taps_.size(); ++i) {
@@ -197,7 +207,8 @@ class RecorderShell {
             for (auto& received : taps_[i].reader->take()) {
                 SimTime time = received.origin.time;
                 if (taps_[i].has_stamp) {
-                    if (auto const ns = idl::find_integer(taps_[i].model, taps_[i].model_type, received.value.cdr, "time_ns")) {
+                    if (auto const ns =
+                            idl::find_integer(taps_[i].model, taps_[i].model_type, received.value.cdr, "time_ns")) {
                         time = node_.time_base().from_nanoseconds(*ns);
                     }
                 }
@@ -228,11 +239,12 @@ class RecorderShell {
             channel = tap.channels.emplace(entry.origin.process, id).first;
         }
         std::int64_t const ns = epoch_ns_ + node_.time_base().nanoseconds(entry.time);
-        return file_.write(channel->second, ++tap.sequences[entry.origin.process], static_cast<std::uint64_t>(std::max<std::int64_t>(0, ns)),
-                           entry.cdr);
+        return file_.write(channel->second, ++tap.sequences[entry.origin.process],
+                           static_cast<std::uint64_t>(std::max<std::int64_t>(0, ns)), entry.cdr);
     }
 
-    /// In real time nothing waits for the recorder; what it could not keep is said, once a second at most and at the end.
+    /// In real time nothing waits for the recorder; what it could not keep is said, once a second at most and at the
+    /// end.
     void report_drops(double now_s, bool at_the_end) {
         last_s_ = now_s;
         auto const now = std::chrono::steady_clock::now();
@@ -242,8 +254,9 @@ class RecorderShell {
         reported_ = now;
         for (Tap& tap : taps_) {
             if (std::uint64_t const dropped = tap.reader->dropped(); dropped != tap.dropped) {
-                std::string const text = fmt::format("{} samples of '{}' are not in the recording: the disk is too slow ({} since the start)",
-                                                     dropped - tap.dropped, tap.topic, dropped);
+                std::string const text = fmt::format(
+                    "{} samples of '{}' are not in the recording: the disk is too slow ({} since the start)",
+                    dropped - tap.dropped, tap.topic, dropped);
                 log::warning("{}", text);
                 status_.event(now_s, node_.config().process, "samples_dropped", text);
                 tap.dropped = dropped;
@@ -251,11 +264,22 @@ class RecorderShell {
         }
     }
 
+    /// Real time: what came too slowly for the writer's history, or not at all.
+    void report_lost() {
+        std::string const missing = node_.lockstep() ? "" : node_.missing_of_simulator();
+        if (!missing.empty()) {
+            std::string const text = "not in the recording, because this machine was too slow: " + missing;
+            log::warning("{}", text);
+            status_.event(last_s_, node_.config().process, "samples_dropped", text);
+        }
+    }
+
     /// What the capture lost is in the file, interface by interface, and said.
     Result<void> close_capture() {
         auto const closed = frames_->close();
         if (std::uint64_t const dropped = frames_->dropped(); dropped > 0) {
-            std::string const text = fmt::format("{} frames are not in the capture: this machine was too slow", dropped);
+            std::string const text =
+                fmt::format("{} frames are not in the capture: this machine was too slow", dropped);
             log::warning("{}", text);
             status_.event(last_s_, node_.config().process, "frames_dropped", text);
         }
@@ -290,7 +314,8 @@ class RecorderShell {
 int main(int argc, char** argv) {
     using namespace gridspace;
     recorder::RecorderConfig config;
-    Daemon const daemon{"gridspace-recorder", "records every sample of a run",
+    Daemon const daemon{"gridspace-recorder",
+                        "records every sample of a run",
                         [&](config::Fields& f) { describe(f, config); },
                         {},
                         [&](DaemonRun& run) -> Result<void> {
