@@ -17,6 +17,19 @@ import shared
 from shared import ROOT, memory_mb, processor_s
 
 DOMAIN = 173
+MONITORS_PORT = 7400 + 250 * DOMAIN + 10  # DDSI-RTPS 9.6.1.1: discovery by unicast, of the first participant of a machine
+
+
+def crowd_qos(folder):
+    """The crowd's profiles: everybody finds the monitor and nobody else. Between a hundred participants of one process ten thousand
+    discoveries would have to be made, which is the crowd's work and not the monitor's."""
+    qos = (ROOT / "qos/member.xml").read_text()
+    alone = (f"<metatrafficUnicastLocatorList><locator/></metatrafficUnicastLocatorList><initialPeersList><locator><udpv4>"
+             f"<address>127.0.0.1</address><port>{MONITORS_PORT}</port></udpv4></locator></initialPeersList></builtin>")
+    assert "</builtin>" in qos
+    file = folder / "crowd.xml"
+    file.write_text(qos.replace("</builtin>", alone))
+    return file
 
 
 def main():
@@ -42,7 +55,7 @@ def main():
         print(f"monitor: {url}")
         idle_mb = memory_mb(monitor_process.pid)
         began = time.monotonic()
-        crowd = subprocess.Popen([arguments.build / "bench/bench_crowd", ROOT / "qos/member.xml", str(DOMAIN), str(arguments.participants),
+        crowd = subprocess.Popen([arguments.build / "bench/bench_crowd", crowd_qos(folder), str(DOMAIN), str(arguments.participants),
                                   str(arguments.topics), str(arguments.rate)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         if crowd.stdout.readline() != "there\n":
             sys.exit("the crowd was not made")

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <netinet/in.h>
+#include <nlohmann/json.hpp>
 #include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -66,8 +67,9 @@ Result<MonitorAddress> monitor_address(std::filesystem::path const& run) {
         return MonitorAddress{url.substr(url.find("//") + 2), certificate, token_file};
     }
     if (text.starts_with("https:/")) {
-        return fail(ExitCode::usage, fmt::format("what certificate does {} show?", text),
-                    "give the folder of the run, which knows; or ask by curl with --cacert and an Authorization header");
+        return fail(
+            ExitCode::usage, fmt::format("what certificate does {} show?", text),
+            "give the folder of the run, which knows; or ask by curl with --cacert and an Authorization header");
     }
     if (text.starts_with(kPlain)) {
         text = text.substr(kPlain.size());
@@ -102,8 +104,8 @@ Result<std::string> exchange(int socket, std::string const& request) {
 }
 
 /// Sends a request and returns the body of its answer. `token` empty: the monitor's own, if it asks for one.
-Result<std::string> talk(MonitorAddress const& monitor, std::string_view method, std::string_view path, std::string token,
-                         std::string_view content) {
+Result<std::string> talk(MonitorAddress const& monitor, std::string_view method, std::string_view path,
+                         std::string token, std::string_view content) {
     auto const fd = connect_to(monitor.address);
     if (!fd) {
         return std::unexpected{fd.error()};
@@ -120,8 +122,8 @@ Result<std::string> talk(MonitorAddress const& monitor, std::string_view method,
     }
     request += "\r\n";
     request += content;
-    auto const answer =
-        monitor.certificate.empty() ? exchange(fd->get(), request) : exchange_by_tls(fd->get(), monitor.certificate, request);
+    auto const answer = monitor.certificate.empty() ? exchange(fd->get(), request)
+                                                    : exchange_by_tls(fd->get(), monitor.certificate, request);
     if (!answer) {
         return answer;
     }
@@ -132,7 +134,12 @@ Result<std::string> talk(MonitorAddress const& monitor, std::string_view method,
     std::string body = answer->substr(head + 4);
     int const status = std::atoi(answer->c_str() + 9);
     if (status / 100 != 2) {
-        return fail(ExitCode::usage, fmt::format("the monitor says {}: {}", status, body));
+        auto const said = nlohmann::json::parse(body, nullptr, false);
+        return said.is_object() && said.contains("error")
+                   ? fail(ExitCode::usage,
+                          said["error"].is_string() ? said["error"].get<std::string>() : said["error"].dump(),
+                          said.value("remedy", ""))
+                   : fail(ExitCode::usage, fmt::format("the monitor says {}: {}", status, body));
     }
     return body;
 }
@@ -155,7 +162,8 @@ Result<void> write_control_token(std::filesystem::path const& folder) {
     text += '\n';
     UniqueFd const fd{::open((folder / kToken).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600)};
     if (fd.get() < 0 || ::write(fd.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
-        return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", (folder / kToken).string(), std::strerror(errno)));
+        return fail(ExitCode::environment,
+                    fmt::format("cannot write '{}': {}", (folder / kToken).string(), std::strerror(errno)));
     }
     return {};
 }

@@ -41,7 +41,7 @@ void add_use(Json& entry, LiveRun const& run, std::string const& process) {
 }
 
 web::Response unseen(std::string const& topic) {
-    return problem(404, "there is no topic '" + topic + "'", "GET /api/v1/topics lists them");
+    return problem(404, "there is no topic '" + topic + "'", "GET /api/v1/topics or `gridspace topic list` lists them");
 }
 
 } // namespace
