@@ -194,6 +194,13 @@ void check_run_on(Scenario const& scenario, config::Diagnostics& diagnostics) {
                 fmt::format("process '{}' runs on '{}', but {} stays on the machine that runs the scenario",
                             process.name.name, process.run_on, process.program.name),
                 "`run_on: native`", static_cast<int>(process.run_on.size()));
+        } else if (run_on->kind == RunOn::Kind::qemu_user && process.settings != nullptr &&
+                   !process.settings->cut_ins(scenario, process).empty()) {
+            diagnostics.warning(where,
+                                fmt::format("process '{}' sits in a cable: frames that it hands on lose their VLAN tag",
+                                            process.name.name),
+                                "qemu-user does not pass on the tags of received frames; run_on: native keeps them",
+                                static_cast<int>(process.run_on.size()));
         } else if (run_on->kind == RunOn::Kind::qemu_system || run_on->kind == RunOn::Kind::ssh) {
             check_board(scenario, process, where, diagnostics);
         }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/run_on.hpp"
 
+#include "launcher/scenario/scenario.hpp"
+
 #include <gtest/gtest.h>
 
 namespace gridspace::launcher {
@@ -42,6 +44,19 @@ TEST(RunOn, RefusesWhatSshOrAShellCouldTakeForSomethingElse) {
                               "ssh:host:22x", "ssh:[fe80::1", "ssh:[host]", "ssh", "qemu"}) {
         EXPECT_FALSE(parse_run_on(wrong)) << wrong;
     }
+}
+
+TEST(RunOn, IsWarnedOfWhenAnEmulatedProcessWouldHandOnFrames) {
+    auto const said_with = [](char const* place) {
+        config::Diagnostics diagnostics;
+        LoadOptions options;
+        options.set = {std::string{"defaults.gridspace-attacker.run_on="} + place};
+        (void)load_scenario(GRIDSPACE_SOURCE_DIR "/configs/scenarios/fdi_ids_arm64.yaml", options, diagnostics);
+        EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
+        return diagnostics.render();
+    };
+    EXPECT_NE(said_with("qemu-user").find("lose their VLAN tag"), std::string::npos);
+    EXPECT_EQ(said_with("native").find("lose their VLAN tag"), std::string::npos);
 }
 
 } // namespace
