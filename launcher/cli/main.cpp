@@ -3,6 +3,7 @@
 //
 // gridspace: the command line. Parses; the verbs do the work.
 #include "common/exit_code.hpp"
+#include "common/text.hpp"
 #include "common/version.hpp"
 #include "launcher/cli/bundle_verb.hpp"
 #include "launcher/cli/completion.hpp"
@@ -88,6 +89,25 @@ void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArgument
     s->add_option("--out", study.out, "folder for tables and figures");
     s->add_flag("--json", study.json, "as JSON");
     s->callback([&] { action = [&] { return ids_study(study); }; });
+}
+
+/// What is said about a command line that cannot be read: the word that is no verb by its name, with those that are near.
+std::string mistake(CLI::App const* app, CLI::Error const& error) {
+    CLI::App const* verb = app;
+    std::string path = app->get_name();
+    while (!verb->get_subcommands().empty()) {
+        verb = verb->get_subcommands().front();
+        path += " " + verb->get_name();
+    }
+    std::vector<std::string> verbs;
+    for (CLI::App const* known : verb->get_subcommands([](CLI::App const* sub) { return !sub->get_group().empty(); })) {
+        verbs.push_back(known->get_name());
+    }
+    std::vector<std::string> const rest = app->remaining(true);
+    std::string const said = !verbs.empty() && !rest.empty() && !rest.front().starts_with("-")
+                                 ? fmt::format("`{}` has no verb '{}'\n  {}", path, rest.front(), spelling_hint(rest.front(), verbs))
+                                 : error.what();
+    return fmt::format("error: {}\n  `{} --help` shows what there is\n", said, path);
 }
 
 int main_function(int argc, char** argv) {
@@ -290,6 +310,7 @@ int main_function(int argc, char** argv) {
         };
     });
 
+    app.failure_message(mistake);
     try {
         app.parse(argc, argv);
     } catch (CLI::ParseError const& e) {
