@@ -105,7 +105,7 @@ class RecorderShell {
                 }
             }
             // Samples are kept by the receiving threads; they are written and acknowledged in batches.
-            if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok) {
+            if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok || (*tick)->final) {
                 return ok;
             }
         }
@@ -117,8 +117,11 @@ class RecorderShell {
         constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20},
                        kLongest = std::chrono::milliseconds{1500};
         auto const begin = std::chrono::steady_clock::now();
-        for (auto waited = kRound * 0; waited < kTime || (waited < kLongest && !node_.missing_of_simulator().empty());
-             waited = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin)) {
+        while (true) {
+            auto const waited = std::chrono::steady_clock::now() - begin;
+            if (waited >= kLongest || (waited >= kTime && node_.missing_of_simulator().empty())) {
+                return {};
+            }
             std::this_thread::sleep_for(kRound);
             if (auto ok = frames_->write_due(); !ok) {
                 return ok;
@@ -127,7 +130,6 @@ class RecorderShell {
                 return ok;
             }
         }
-        return {};
     }
 
     Result<void> open_taps() {

@@ -19,11 +19,11 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "wire"))
+import own_namespace  # noqa: E402
 from foreign_frames import TRUE, goose, integer, tlv  # noqa: E402
 
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin")).resolve()
 SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[3]))
-INSIDE = "GRIDSPACE_GATEWAY_TEST_INSIDE"
 HANG_S = 60
 
 GOOSE_IN = {"kind": "goose", "mac": "01:0C:CD:01:00:07", "app_id": 7, "control_block": "INLD0/LLN0$GO$a", "data_set_name": "INLD0/LLN0$a",
@@ -262,10 +262,4 @@ class Gateway(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if INSIDE not in os.environ:  # once more, in a namespace
-        kind = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
-        os.environ["PATH"] = "/usr/sbin:/sbin:" + os.environ["PATH"]
-        os.execvpe(kind[0], [*kind, sys.executable, *sys.argv], {**os.environ, INSIDE: "1"})
-    subprocess.run("ip link set lo up && ip link add dds type veth peer name dds1 && ip link set dds1 up && ip addr add 10.99.0.1/24 dev dds && ip link set dds up && "
-                   "ip route add 239.0.0.0/8 dev dds", shell=True, check=True)
-    unittest.main()
+    own_namespace.main(own_namespace.DDS_CABLE)

@@ -6,22 +6,11 @@ import json
 import sys
 import unittest
 
-from harness import SOURCE, ScenarioTest, gridspace
+from harness import SHORT_CASE_2, SOURCE, ScenarioTest, gridspace
 from pcapng_file import INBOUND, OUTBOUND, Capture, ethertype
 
 SMV, GOOSE = b"\x88\xba", b"\x88\xb8"
 EPOCH_NS = 1575158400 * 10**9  # 2019-12-01T00:00:00Z
-
-BASE = f"""---
-gridspace: 1
-extends: {SOURCE}/configs/scenarios/protection_lockstep.yaml
-name: short
-simulation: {{duration_s: 0.1}}
-processes: {{monitor: ~}}
-events: {{fault: {{at_s: 0.04}}}}
-record: {{comtrade: ~}}
-expect: ~
-"""
 
 # One cable loses and repeats what its host sends; the other delays what its host receives.
 CUT = """---
@@ -78,7 +67,7 @@ def differences(first, second):
 
 class CutCable(ScenarioTest):
     def test_both_sides_of_a_cut_in_are_captured_under_names(self):
-        self.write("base.yaml", BASE)
+        self.write("base.yaml", SHORT_CASE_2)
         sound = Capture(self.run_to_end("sound", scenario=self.folder / "base.yaml").folder / "bus.pcapng")
         run = self.run_to_end("cut", scenario=self.write("cut.yaml", CUT))
         cut = Capture(run.folder / "bus.pcapng")
@@ -152,7 +141,7 @@ class RealInterface(ScenarioTest):
         self.assertEqual(dropped > 0, "frames_dropped" in (run.folder / "events.ndjson").read_text())
 
     def test_what_lockstep_cannot_capture_is_said(self):
-        self.write("base.yaml", BASE)
+        self.write("base.yaml", SHORT_CASE_2)
         code, out, err = gridspace("validate", self.write("data.yaml", "---\ngridspace: 1\nextends: base.yaml\nname: data\nprocesses: {recorder: {capture: [data_bus]}}\n"))
         self.assertEqual(code, 0, err)
         self.assertIn("nothing of 'data_bus' will be captured", out + err)

@@ -21,6 +21,18 @@ import unittest
 SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[3]))
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", SOURCE / "build/release/bin"))
 CASE_1 = SOURCE / "configs/scenarios/ev_charging.yaml"
+
+# Case 2 in lockstep, 0.1 s of it, without what a test does not need: for a file that others extend.
+SHORT_CASE_2 = f"""---
+gridspace: 1
+extends: {SOURCE}/configs/scenarios/protection_lockstep.yaml
+name: short
+simulation: {{duration_s: 0.1}}
+processes: {{monitor: ~}}
+events: {{fault: {{at_s: 0.04}}}}
+record: {{comtrade: ~}}
+expect: ~
+"""
 HANG_S = 240  # nothing that works takes that long, even beside ten other jobs
 
 OK, EXPECTATION, USAGE, ENVIRONMENT, CHILD_DIED, STALL, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130

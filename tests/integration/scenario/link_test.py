@@ -6,19 +6,8 @@ import subprocess
 import sys
 import unittest
 
-from harness import OK, SOURCE, ScenarioTest
+from harness import OK, SHORT_CASE_2, SOURCE, ScenarioTest
 from pcapng_file import Capture
-
-BASE = f"""---
-gridspace: 1
-extends: {SOURCE}/configs/scenarios/protection_lockstep.yaml
-name: short
-simulation: {{duration_s: 0.1}}
-processes: {{monitor: ~}}
-events: {{fault: {{at_s: 0.04}}}}
-record: {{comtrade: ~}}
-expect: ~
-"""
 
 PASS_THROUGH = """---
 gridspace: 1
@@ -58,7 +47,7 @@ def at_the_switch(run):
 
 class Link(ScenarioTest):
     def test_a_cable_that_carries_ip_too_hands_everything_on(self):
-        self.write("base.yaml", BASE)
+        self.write("base.yaml", SHORT_CASE_2)
         without = self.run_to_end("without", scenario=self.write("one_bus.yaml", ONE_BUS))
         within = self.run_to_end("with", scenario=self.write("cut.yaml", ONE_BUS_WITH_SOMEBODY_IN_IT % ""))
         frames = at_the_switch(without)
@@ -69,7 +58,7 @@ class Link(ScenarioTest):
         self.assertLess(len(at_the_switch(lossy)), len(frames))
 
     def test_a_cable_that_does_nothing_changes_no_frame_and_no_time(self):
-        without = self.run_to_end("without", scenario=self.write("base.yaml", BASE))
+        without = self.run_to_end("without", scenario=self.write("base.yaml", SHORT_CASE_2))
         within = self.run_to_end("with", scenario=self.write("pass.yaml", PASS_THROUGH))
         frames = at_the_switch(without)
         self.assertGreater(len(frames), 900)

@@ -8,14 +8,13 @@ import random
 import socket
 import struct
 import subprocess
-import sys
 import time
 import unittest
 
+import own_namespace
 from foreign_frames import FALSE, GOOSE, SV, TRUE, asdu, floats, goose, integer, le92, sv, tlv
 
 GRIDSPACE = os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin") + "/gridspace"
-INSIDE = "GRIDSPACE_WIRE_TEST_INSIDE"
 HANG_S = 60
 ONE = floats(1.0, -0.5, -0.5)
 
@@ -239,8 +238,4 @@ class ForeignFrames(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if INSIDE not in os.environ:  # once more, in a namespace
-        kind = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
-        os.environ["PATH"] = "/usr/sbin:/sbin:" + os.environ["PATH"]
-        os.execvpe(kind[0], [*kind, sys.executable, *sys.argv], {**os.environ, INSIDE: "1"})
-    unittest.main()
+    own_namespace.main()

@@ -11,16 +11,15 @@ import random
 import shutil
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
+import own_namespace
 from foreign_frames import asdu, floats, sv
 
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin")).resolve()
 SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[3]))
-INSIDE = "GRIDSPACE_RELAY_TEST_INSIDE"
 HANG_S = 60
 RATE = 4800
 ENDS = {"left_end": 0x21, "right_end": 0x22}
@@ -178,10 +177,4 @@ class RelayAlone(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if INSIDE not in os.environ:  # once more, in a namespace
-        kind = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
-        os.environ["PATH"] = "/usr/sbin:/sbin:" + os.environ["PATH"]
-        os.execvpe(kind[0], [*kind, sys.executable, *sys.argv], {**os.environ, INSIDE: "1"})
-    subprocess.run("ip link set lo up && ip link add dds type veth peer name dds1 && ip link set dds1 up && ip addr add 10.99.0.1/24 dev dds && ip link set dds up && "
-                   "ip route add 239.0.0.0/8 dev dds", shell=True, check=True)
-    unittest.main()
+    own_namespace.main(own_namespace.DDS_CABLE)

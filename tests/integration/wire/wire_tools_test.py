@@ -8,14 +8,13 @@ import pathlib
 import shutil
 import struct
 import subprocess
-import sys
 import tempfile
 import unittest
 
+import own_namespace
 from foreign_frames import asdu, sv
 
 GRIDSPACE = os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin") + "/gridspace"
-INSIDE = "GRIDSPACE_WIRE_TEST_INSIDE"
 
 
 def wire(*arguments, **options):
@@ -193,8 +192,4 @@ class WireTools(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if INSIDE not in os.environ:  # once more, in a namespace
-        kind = ["unshare", "--net"] if os.geteuid() == 0 else ["unshare", "--net", "--map-root-user"]
-        os.environ["PATH"] = "/usr/sbin:/sbin:" + os.environ["PATH"]
-        os.execvpe(kind[0], [*kind, sys.executable, *sys.argv], {**os.environ, INSIDE: "1"})
-    unittest.main()
+    own_namespace.main()
