@@ -143,6 +143,9 @@ class Follower {
             std::string const text = fmt::format("{} {}", line.value("process", ""), line.value("what", ""));
             events_.write(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
             progress_.event(line.value("time_s", 0.0), "launcher", text);
+        } else if (kind == "failed") {
+            bool const stopped = line.value("code", 0) == static_cast<int>(ExitCode::interrupted);
+            events_.write(time_s_, "launcher", stopped ? "run_stopped" : "run_failed", line.value("cause", ""));
         } else if (kind == "over") {
             over_ = true;
             outcome_.exit_code = line.value("code", 0);

@@ -417,6 +417,7 @@ class Supervisor {
 
     void fail_with(Error error) {
         if (!failure_) {
+            tell(Json{{"kind", "failed"}, {"code", static_cast<int>(error.code)}, {"cause", error.message}}); // before the others end of it
             failure_ = std::move(error);
         }
     }

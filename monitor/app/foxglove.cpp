@@ -182,29 +182,29 @@ void FoxgloveHub::step(web::Server& server) {
         append(bytes, static_cast<std::uint64_t>(time_ns));
         time = share(std::move(bytes));
     }
-    for (auto& [id, client] : clients_) {
+    for (auto& [number_of_client, client] : clients_) {
+        web::ClientId const id = number_of_client;
+        auto const say = [&](Json const& json) { server.push(id, {.octets = share(text(json)), .lasting = true}); };
         if (!std::exchange(client.greeted, true)) {
-            server.push(id,
-                        share(text({{"op", "serverInfo"},
-                                    {"name", "Gridspace: " + run_.plan.scenario},
-                                    {"capabilities", {"time", "connectionGraph"}},
-                                    {"supportedEncodings", Json::array()},
-                                    {"metadata", Json::object()},
-                                    {"sessionId", std::to_string(run_.started.time_since_epoch().count())}})),
-                        false);
+            say({{"op", "serverInfo"},
+                 {"name", "Gridspace: " + run_.plan.scenario},
+                 {"capabilities", {"time", "connectionGraph"}},
+                 {"supportedEncodings", Json::array()},
+                 {"metadata", Json::object()},
+                 {"sessionId", std::to_string(run_.started.time_since_epoch().count())}});
         }
         if (client.advertised < advertised_.size()) {
-            server.push(id, share(advertisement(client.advertised)), false);
+            server.push(id, {.octets = share(advertisement(client.advertised)), .lasting = true});
             client.advertised = advertised_.size();
         }
         for (std::string const& problem : std::exchange(client.problems, {})) {
-            server.push(id, share(text({{"op", "status"}, {"level", 1}, {"message", problem}})), false);
+            say({{"op", "status"}, {"level", 1}, {"message", problem}});
         }
         if (time != nullptr) {
-            server.push(id, time, true);
+            server.push(id, {.octets = time, .binary = true});
         }
         if (client.graph && client.graph_revision != run_.snapshot().revision) {
-            server.push(id, share(connection_graph(client)), false);
+            server.push(id, {.octets = share(connection_graph(client)), .lasting = true});
         }
         for (auto& [number, subscription] : client.subscriptions) {
             TopicState const& topic = run_.topics.at(channels_[subscription.channel - 1]);
@@ -217,7 +217,7 @@ void FoxgloveHub::step(web::Server& server) {
                     append(bytes, number);
                     append(bytes, static_cast<std::uint64_t>(sample.source_ns));
                     bytes.append(reinterpret_cast<char const*>(sample.cdr.data()), sample.cdr.size());
-                    server.push(id, share(std::move(bytes)), true);
+                    server.push(id, {.octets = share(std::move(bytes)), .binary = true});
                     subscription.sent = sample.number;
                 }
             }

@@ -34,7 +34,7 @@ namespace {
 
 constexpr int kHandedSocket = 4; ///< where `gridspace run` puts a listening socket
 constexpr std::chrono::milliseconds kPeriod{50};
-constexpr std::chrono::milliseconds kLastWords{300};
+constexpr std::chrono::milliseconds kLastWords{700}; ///< of the two seconds that the launcher gives
 
 /// The socket that the launcher opened outside of the run's namespaces, or an own one.
 Result<UniqueFd> socket_to_serve_on(MonitorConfig const& config) {
@@ -65,15 +65,18 @@ Result<web::Server::Options> options_of(MonitorConfig const& config) {
     return options;
 }
 
-/// Whoever looks at a run that broke wants to see who broke it. The launcher logs that at about the time at which it
-/// ends everybody.
+/// The launcher's own word about a run that broke off.
+bool ends_the_run(RunEvent const& event) {
+    return event.source == "launcher" && (event.event == "run_failed" || event.event == "run_stopped");
+}
+
+/// Whoever looks at a run that broke wants to see who broke it. The launcher logs that before anything else, but this
+/// process may be asked to end, and hear of the clock's end, before the line is there.
 void last_words(LiveRun& live, EventTail& events) {
     auto const deadline = std::chrono::steady_clock::now() + kLastWords;
     auto const known = [&live] {
         std::lock_guard const lock{live.mutex};
-        bool const over = live.clock.state != "running";
-        return over || std::any_of(live.events.begin(), live.events.end(),
-                                   [](RunEvent const& event) { return event.event == "exit"; });
+        return live.clock.state == "final" || std::any_of(live.events.rbegin(), live.events.rend(), ends_the_run);
     };
     while (events.read(live), !known() && std::chrono::steady_clock::now() < deadline) {
         std::this_thread::sleep_for(std::chrono::milliseconds{10});
@@ -222,7 +225,9 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     } while (!stop.wait(kPeriod));
     run.on_stop({});
     if (tap != nullptr) {
-        last_words(live, events);
+        if (!config.run.events.empty()) {
+            last_words(live, events);
+        }
         hub.step(**server, std::chrono::steady_clock::now() + std::chrono::seconds{1}); // it is due
         (*server)->drain(kLastWords);
     }

@@ -181,41 +181,42 @@ void PushHub::step(web::Server& server, std::chrono::steady_clock::time_point no
     for (auto& [id, client] : clients_) {
         if (client.fresh) {
             network = network == nullptr ? share(wrapped("network", "network", api_.network())) : network;
-            server.push(id, network, false);
+            server.push(id, {.octets = network, .lasting = true});
         }
         if (client.graph_revision != revision) {
             client.graph_revision = revision;
             graph = graph == nullptr ? share(wrapped("graph", "graph", api_.graph())) : graph;
-            server.push(id, graph, false);
+            server.push(id, {.octets = graph, .lasting = true});
         }
         if (client.signals_told != signals) {
             client.signals_told = signals;
             names = names == nullptr ? share(wrapped("signals", "list", api_.signals())) : names;
-            server.push(id, names, false);
+            server.push(id, {.octets = names, .lasting = true});
         }
         if (client.events_sent != events) {
-            server.push(id, share(wrapped("events", "list", api_.events(client.events_sent, 10'000))), false);
+            server.push(id, {.octets = share(wrapped("events", "list", api_.events(client.events_sent, 10'000))),
+                             .lasting = true});
             client.events_sent = events;
         }
         if (!client.at_s) {
-            server.push(id, newest, false);
+            server.push(id, {.octets = newest});
         } else if (std::exchange(client.moved, false)) {
-            server.push(id, state_at(client.at_s), false);
+            server.push(id, {.octets = state_at(client.at_s), .lasting = true});
         }
         if (topics_due || client.fresh) {
             topics = topics == nullptr ? share(wrapped("topics", "list", api_.topics())) : topics;
             streams = streams == nullptr ? share(wrapped("streams", "list", api_.streams())) : streams;
-            server.push(id, topics, false);
-            server.push(id, streams, false);
+            server.push(id, {.octets = topics});
+            server.push(id, {.octets = streams});
         }
         for (auto& [name, view] : client.views) {
             if (std::string bytes = series(view, client.at_s); !bytes.empty()) {
-                server.push(id, share(std::move(bytes)), true);
+                server.push(id, {.octets = share(std::move(bytes)), .binary = true});
             }
         }
         if (std::uint64_t const dropped = server.dropped(id); dropped != client.dropped_told) {
             client.dropped_told = dropped;
-            server.push(id, share(fmt::format(R"({{"op":"dropped","count":{}}})", dropped)), false);
+            server.push(id, {.octets = share(fmt::format(R"({{"op":"dropped","count":{}}})", dropped))});
         }
         client.fresh = false;
     }

@@ -37,12 +37,6 @@ inline std::string text_of(beast::string_view text) {
     return {text.data(), text.size()};
 }
 
-/// A message that waits for a slow client.
-struct Push {
-    std::shared_ptr<std::string const> text;
-    bool binary{false};
-};
-
 class Closable {
   public:
     virtual ~Closable() = default;
@@ -56,7 +50,7 @@ class PushSession final : public Closable, public std::enable_shared_from_this<P
         : server_{server}, socket_{std::move(stream)}, id_{id} {}
     ~PushSession() override;
     void open(http::request<http::string_body> const& request, std::string path, std::string protocol);
-    void push(Push message);
+    void push(Message message);
     void close() override { beast::get_lowest_layer(socket_).close(); }
     [[nodiscard]] ClientId id() const { return id_; }
     [[nodiscard]] bool has_told_everything() const { return waiting_.empty(); }
@@ -69,7 +63,7 @@ class PushSession final : public Closable, public std::enable_shared_from_this<P
     websocket::stream<Transport> socket_;
     ClientId id_;
     beast::flat_buffer buffer_;
-    std::deque<Push> waiting_;
+    std::deque<Message> waiting_;
     std::size_t waiting_octets_{0};
     bool writing_{false}, opened_{false}, protocol_{false};
 };
@@ -113,7 +107,7 @@ class ServerImpl final : public Server {
     ServerImpl(Options options, Handlers handlers, Gate gate, std::optional<asio::ssl::context> tls);
     ~ServerImpl() override;
     [[nodiscard]] Result<void> open(UniqueFd listening);
-    void push(ClientId client, std::shared_ptr<std::string const> message, bool binary) override;
+    void push(ClientId client, Message message) override;
     void drain(std::chrono::milliseconds patience) override;
     [[nodiscard]] std::uint64_t dropped(ClientId client) const override {
         std::lock_guard const lock{mutex_};

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "monitor/web/connections.hpp"
 
+#include <algorithm>
+
 namespace gridspace::web {
 
 PushSession::~PushSession() {
@@ -59,16 +61,23 @@ void PushSession::read() {
     });
 }
 
-void PushSession::push(Push message) {
+void PushSession::push(Message message) {
     Limits const& limits = server_.options_.limits;
-    waiting_octets_ += message.text->size();
+    waiting_octets_ += message.octets->size();
     waiting_.push_back(std::move(message));
-    // The one at the front may be on its way already.
-    std::size_t const first = writing_ ? 1 : 0;
-    while (waiting_.size() > first + 1 && (waiting_.size() > (protocol_ ? limits.push_samples : limits.push_messages) ||
-                                           waiting_octets_ > limits.push_octets)) {
-        waiting_octets_ -= waiting_[first].text->size();
-        waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(first));
+    std::size_t const most = protocol_ ? limits.push_samples : limits.push_messages;
+    while (waiting_.size() > most || waiting_octets_ > limits.push_octets) {
+        // The one at the front may be on its way already, the one at the back is the newest.
+        auto const from = waiting_.begin() + (writing_ ? 1 : 0), to = waiting_.end() - 1;
+        auto const oldest = from < to ? std::find_if(from, to, [](Message const& m) { return !m.lasting; }) : to;
+        if (oldest == to) {
+            if (waiting_.size() > 2 * most || waiting_octets_ > 2 * limits.push_octets) {
+                close(); // it may come back, and is told everything afresh
+            }
+            break;
+        }
+        waiting_octets_ -= oldest->octets->size();
+        waiting_.erase(oldest);
         server_.count_drop(id_);
     }
     if (!writing_) {
@@ -79,14 +88,14 @@ void PushSession::push(Push message) {
 void PushSession::write() {
     writing_ = true;
     socket_.binary(waiting_.front().binary);
-    socket_.async_write(asio::buffer(*waiting_.front().text),
+    socket_.async_write(asio::buffer(*waiting_.front().octets),
                         [self = shared_from_this()](beast::error_code error, std::size_t) {
                             if (error) {
                                 self->close();
                                 return;
                             }
                             self->server_.count([](ServerCounters& c) { ++c.pushed; });
-                            self->waiting_octets_ -= self->waiting_.front().text->size();
+                            self->waiting_octets_ -= self->waiting_.front().octets->size();
                             self->waiting_.pop_front();
                             self->writing_ = false;
                             if (!self->waiting_.empty()) {

@@ -43,10 +43,10 @@ Result<void> ServerImpl::open(UniqueFd listening) {
     return {};
 }
 
-void ServerImpl::push(ClientId client, std::shared_ptr<std::string const> message, bool binary) {
-    asio::post(context_, [this, client, message = std::move(message), binary]() mutable {
+void ServerImpl::push(ClientId client, Message message) {
+    asio::post(context_, [this, client, message = std::move(message)]() mutable {
         if (auto const it = clients_.find(client); it != clients_.end()) {
-            it->second->push({std::move(message), binary});
+            it->second->push(std::move(message));
         }
     });
 }

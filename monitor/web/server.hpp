@@ -56,6 +56,13 @@ struct Limits {
 
 using ClientId = std::uint64_t;
 
+/// What a WebSocket client is sent.
+struct Message {
+    std::shared_ptr<std::string const> octets;
+    bool binary{false};
+    bool lasting{false}; ///< nothing later says the same again: it is never dropped
+};
+
 /// Called on the server's thread: must answer at once.
 struct Handlers {
     std::function<Response(Request const&)> request;
@@ -91,8 +98,9 @@ class Server {
     [[nodiscard]] static Result<std::unique_ptr<Server>> start(UniqueFd listening, Options options, Handlers handlers);
     virtual ~Server() = default; ///< closes all connections and ends the thread
 
-    /// Sends to a WebSocket client, from any thread. When the client does not keep up, its oldest waiting messages go.
-    virtual void push(ClientId client, std::shared_ptr<std::string const> message, bool binary) = 0;
+    /// Sends to a WebSocket client, from any thread. When the client does not keep up, its oldest waiting messages go;
+    /// when those that must stay are too much by themselves, the client does.
+    virtual void push(ClientId client, Message message) = 0;
     /// Messages that this client has lost so far.
     [[nodiscard]] virtual std::uint64_t dropped(ClientId client) const = 0;
     [[nodiscard]] virtual ServerCounters counters() const = 0;

@@ -72,6 +72,7 @@ export async function case_1() {
   check("a killed agent ends the run with exit code 4", code === 4, code);
   await page.waitForSelector("text=run is over");
   check("the page says that the run is over", true);
+  await page.waitForSelector(".node.process.lost");
   const red = await page.evaluate(() => {
     const node = [...document.querySelectorAll(".node.process.lost")].find(n => n.textContent.includes("ev2"));
     return node ? getComputedStyle(node.querySelector("rect")).stroke : "nothing";

@@ -32,6 +32,8 @@ class Death(ScenarioTest):
         self.assertEqual(run.manifest()["exit"], CHILD_DIED)
         self.assertIn(f"'{victim}'", run.summary()["cause"])
         self.assertEqual(run.summary()["exit"], CHILD_DIED)
+        told = [(e["source"], e["event"]) for e in run.events()]
+        self.assertEqual(told[told.index((victim, "exit")) + 1], ("launcher", "run_failed"), "before the others end of it")
 
     def test_killing_the_simulator_ends_the_run_and_names_it(self):
         run = self.kill_in_mid_run("sim")

@@ -153,6 +153,9 @@ class Run:
     def manifest(self):
         return json.loads((self.folder / "manifest.json").read_text())
 
+    def events(self):
+        return [json.loads(line) for line in (self.folder / "events.ndjson").read_text().splitlines()]
+
 
 class ScenarioTest(unittest.TestCase):
     """A test with a folder of its own, which is kept when it fails."""

@@ -24,6 +24,7 @@ class Interrupt(ScenarioTest):
         self.assertEqual(run.manifest()["exit"], INTERRUPTED)
         self.assertEqual(run.summary()["exit"], INTERRUPTED)
         self.assertGreater(run.summary()["simulated_s"], 5000)
+        self.assertIn(("launcher", "run_stopped"), [(e["source"], e["event"]) for e in run.events()])
         self.assert_recording_readable(run, at_least_s=5000)
         self.assertTrue((run.folder / "report/index.html").exists())
 

@@ -17,8 +17,8 @@ using testing::SizeIs;
 /// Keeps what it is given to push.
 class Pushes final : public web::Server {
   public:
-    void push(web::ClientId, std::shared_ptr<std::string const> message, bool is_binary) override {
-        (is_binary ? binary : text).push_back(*message);
+    void push(web::ClientId, web::Message message) override {
+        (message.binary ? binary : text).push_back(*message.octets);
     }
     [[nodiscard]] std::uint64_t dropped(web::ClientId) const override { return 0; }
     [[nodiscard]] web::ServerCounters counters() const override { return {}; }

@@ -82,6 +82,9 @@ class ServerTest : public testing::Test {
         }
         return out;
     }
+    void push(std::string octets, bool lasting) const {
+        sut_->push(client_, {std::make_shared<std::string const>(std::move(octets)), true, lasting});
+    }
     std::string exchange(std::string const& request) const {
         UniqueFd const fd = connect();
         send(fd, request);
@@ -286,7 +289,7 @@ TEST_F(ServerTest, ChoosesASubprotocolAmongThoseThatAreOffered) {
 TEST_F(ServerTest, PushesToAWebSocket) {
     start();
     UniqueFd const fd = open_push();
-    sut_->push(client_, std::make_shared<std::string const>("hello"), false);
+    sut_->push(client_, {std::make_shared<std::string const>("hello")});
     EXPECT_EQ(receive(fd, "hello"), "\x81\x05hello"); // RFC 6455, 5.7
 }
 
@@ -296,14 +299,41 @@ TEST_F(ServerTest, DropsTheOldestMessagesOfAClientThatDoesNotReadAndCountsThem) 
     start(limits);
     UniqueFd const fd = open_push(4096);
     for (int i = 0; i < 200; ++i) {
-        sut_->push(client_, std::make_shared<std::string const>(std::string(100'000, 'x') + (i == 199 ? "newest" : "")),
-                   true);
+        push(std::string(100'000, 'x') + (i == 199 ? "newest" : ""), false);
     }
     while (sut_->counters().dropped == 0) {
         std::this_thread::yield();
     }
     EXPECT_GT(sut_->dropped(client_), 0U);
     EXPECT_THAT(receive(fd, "newest"), HasSubstr("newest")); // it reads at last, and gets what is new
+}
+
+TEST_F(ServerTest, KeepsWhatNothingLaterSaysAgainForAClientThatDoesNotRead) {
+    Limits limits;
+    limits.push_messages = 4;
+    start(limits);
+    UniqueFd const fd = open_push(4096);
+    for (int i = 0; i < 200; ++i) {
+        push(i == 100 ? "the breaker is open" : std::string(100'000, 'x') + (i == 199 ? "newest" : ""), i == 100);
+    }
+    while (sut_->counters().dropped < 100) {
+        std::this_thread::yield();
+    }
+    EXPECT_THAT(receive(fd, "newest"), HasSubstr("the breaker is open"));
+}
+
+TEST_F(ServerTest, LeavesAClientThatDoesNotReadWhatMustNotBeDropped) {
+    Limits limits;
+    limits.push_octets = 1'000'000;
+    start(limits);
+    UniqueFd const fd = open_push(4096);
+    for (int i = 0; i < 200; ++i) {
+        push(std::string(100'000, 'x'), true);
+    }
+    while (closed_ == 0) {
+        std::this_thread::yield();
+    }
+    EXPECT_EQ(sut_->counters().push_clients, 0U);
 }
 
 TEST_F(ServerTest, NoticesAClientThatLeaves) {
@@ -322,7 +352,7 @@ TEST_F(ServerTest, EndsWhileClientsAreConnectedAndDoNotRead) {
     UniqueFd const idle = connect();
     UniqueFd const push = open_push(4096);
     for (int i = 0; i < 10; ++i) {
-        sut_->push(client_, std::make_shared<std::string const>(std::string(1'000'000, 'x')), true);
+        this->push(std::string(1'000'000, 'x'), false);
     }
     sut_.reset();
     SUCCEED();
