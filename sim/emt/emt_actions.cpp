@@ -62,7 +62,9 @@ Result<void> EmtEngine::act(SwitchBreaker const& a) {
         solver_.close_switch(index);
     } else {
         BreakerType const& type = *find(network_.breaker_types, network_.breakers[i].type.name);
-        solver_.open_switch(index, type.mechanism_ms * 1e-3, type.opens == BreakerType::Opens::at_once);
+        solver_.open_switch(index, {.after_s = type.mechanism_ms * 1e-3,
+                                    .chop_a = type.chop_a,
+                                    .at_once = type.opens == BreakerType::Opens::at_once});
     }
     return {};
 }

@@ -35,8 +35,14 @@ class Solver {
 
     // Switching: takes effect at t().
     void close_switch(std::size_t index);
-    /// Poles open at their next current zero, `after_s` from now or later; or all at once then.
-    void open_switch(std::size_t index, double after_s = 0, bool at_once = false);
+    /// Contacts part `after_s` from now. Each pole interrupts when its current falls to `chop_a` or passes through
+    /// zero; `at_once`: all do when they part.
+    struct Opening {
+        double after_s{0}, chop_a{0};
+        bool at_once{false};
+    };
+    void open_switch(std::size_t index, Opening const& how);
+    void open_switch(std::size_t index) { open_switch(index, Opening{}); }
     void apply_fault(std::size_t fault);
     /// Every phase of the fault ends at its next current zero.
     void clear_fault(std::size_t fault);
@@ -96,6 +102,7 @@ class Solver {
     struct SwitchControl {
         std::array<bool, 3> armed{};
         double part_at{std::numeric_limits<double>::infinity()};
+        double chop_a{0};
         bool at_once{false};
         double opened_at{std::numeric_limits<double>::quiet_NaN()};
     };

@@ -34,12 +34,14 @@ void Solver::remember_currents(std::vector<double>& out) const {
 
 namespace {
 
-/// Where a current that was `before` and is `after` has its zero, as a share of the segment; 2 when it has none.
-double zero_share(double before, double after) {
-    if (std::abs(before) <= kNoCurrentA) {
+/// Where a current that was `before` and is `after` falls to `chop` or passes through zero, as a share of the segment;
+/// 2 when it does not.
+double end_share(double before, double after, double chop = 0) {
+    if (std::abs(before) <= std::max(chop, kNoCurrentA)) {
         return 0;
     }
-    return before * after <= 0 ? before / (before - after) : 2;
+    bool const ends = before * after <= 0 || std::abs(after) <= chop;
+    return ends ? (before - std::copysign(chop, before)) / (before - after) : 2;
 }
 
 /// Where the flux of a core leaves its segment; 2 when it does not.
@@ -62,14 +64,14 @@ Solver::Crossing Solver::first_crossing(bool look_at_cores) {
     for (SwitchControl const& s : switches_) {
         for (std::size_t k = 0; k < 3; ++k, ++o) {
             if (s.armed[k]) {
-                consider(zero_share(watched_before_[o], watched_after_[o]));
+                consider(end_share(watched_before_[o], watched_after_[o], s.chop_a));
             }
         }
     }
     for (auto const& armed : fault_armed_) {
         for (std::size_t k = 0; k < 3; ++k, ++o) {
             if (armed[k]) {
-                consider(zero_share(watched_before_[o], watched_after_[o]));
+                consider(end_share(watched_before_[o], watched_after_[o]));
             }
         }
     }
@@ -86,10 +88,13 @@ Solver::Crossing Solver::first_crossing(bool look_at_cores) {
 void Solver::open_crossed(double share) {
     constexpr double kTogether = 1e-9; // currents that are each other's negative cross at one instant
     std::size_t o = 0;
+    auto const ends = [&](bool armed, double chop_a) {
+        return armed && end_share(watched_before_[o], watched_after_[o], chop_a) <= share + kTogether;
+    };
     armed_ = false;
     for (std::size_t s = 0; s < switches_.size(); ++s) {
         for (std::size_t k = 0; k < 3; ++k, ++o) {
-            if (switches_[s].armed[k] && zero_share(watched_before_[o], watched_after_[o]) <= share + kTogether) {
+            if (ends(switches_[s].armed[k], switches_[s].chop_a)) {
                 switches_[s].armed[k] = false;
                 bits_.closed[s][k] = false;
                 auto const& closed = bits_.closed[s];
@@ -102,7 +107,7 @@ void Solver::open_crossed(double share) {
     }
     for (std::size_t f = 0; f < fault_armed_.size(); ++f) {
         for (std::size_t k = 0; k < 3; ++k, ++o) {
-            if (fault_armed_[f][k] && zero_share(watched_before_[o], watched_after_[o]) <= share + kTogether) {
+            if (ends(fault_armed_[f][k], 0)) {
                 fault_armed_[f][k] = false;
                 bits_.faulted[f][k] = false;
             }
@@ -143,7 +148,7 @@ void Solver::part_contacts() {
     }
 }
 
-void Solver::open_switch(std::size_t index, double after_s, bool at_once) {
+void Solver::open_switch(std::size_t index, Opening const& how) {
     auto const& closed = bits_.closed[index];
     if (!closed[0] && !closed[1] && !closed[2]) {
         return;
@@ -152,8 +157,9 @@ void Solver::open_switch(std::size_t index, double after_s, bool at_once) {
     if (s.part_at < std::numeric_limits<double>::infinity() || s.armed != std::array{false, false, false}) {
         return; // on its way
     }
-    s.part_at = t_ + after_s;
-    s.at_once = at_once;
+    s.part_at = t_ + how.after_s;
+    s.chop_a = how.chop_a;
+    s.at_once = how.at_once;
     waiting_ = true;
 }
 

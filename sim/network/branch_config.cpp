@@ -145,6 +145,11 @@ void breaker_type(Fields& f, BreakerType& t) {
     f.choice<Opens>("opens", t.opens,
                     {{"each_pole_at_current_zero", Opens::each_pole_at_current_zero}, {"at_once", Opens::at_once}},
                     {.doc = "when the current stops"});
+    f.number("chop_a", t.chop_a, not_negative("a pole that opens interrupts a current that has fallen to this, in A"));
+    if (t.chop_a > 0 && t.opens == Opens::at_once) {
+        f.error("chop_a", fmt::format("breaker type '{}' opens at once and chops every current", t.name.name),
+                "leave out one of `chop_a` and `opens: at_once`");
+    }
     f.flag("latched", t.latched, {.doc = "a false trip signal never closes it"});
 }
 

@@ -92,6 +92,7 @@ enum class LineEnd { from, to };
 struct BreakerType : Element {
     double mechanism_ms{0};
     enum class Opens { each_pole_at_current_zero, at_once } opens{Opens::each_pole_at_current_zero};
+    double chop_a{0};   ///< a pole that opens interrupts a current below
     bool latched{true}; ///< a false trip signal never closes it
 };
 

@@ -104,7 +104,7 @@ CHANGES = {
     "lines.L.from": "C", "lines.L.to": "C", "lines.L.r_ohm": 0.06, "lines.L.l_mh": 0.3, "lines.L.c_nf": 1000, "lines.L.r0_ohm": 0.2,
     "lines.L.l0_mh": 0.7, "lines.L.c0_nf": 600, "lines.M.x_ohm": 0.07, "lines.M.x0_ohm": 0.3, "lines.N.type": "u",
     "lines.N.length_km": 0.4, "lines.P.model": "bergeron",
-    "breaker_types.b.mechanism_ms": 3, "breaker_types.b.opens": "at_once",
+    "breaker_types.b.mechanism_ms": 3, "breaker_types.b.opens": "at_once", "breaker_types.b.chop_a": 20,
     "breakers.K.line": "N", "breakers.K.end": "to", "breakers.K.type": "b2", "breakers.K.state": "open",
     "ct_types.c.ratio": "200:5", "ct_types.c.error_percent": 0.3, "ct_types.c.filter": None, "ct_types.c.cutoff_hz": 1000,
     "ct_types.c.quantum_ma": 2, "ct_types.c.saturation.knee_v": 0.8, "ct_types.c.saturation.magnetising_ma": 70,

@@ -180,6 +180,41 @@ TEST(Solver, AnInductiveCurrentOpensAtItsZeroWithoutChatter) {
     EXPECT_TRUE(sut.pole_closed(0, 0) == false && sut.pole_closed(0, 1) == false && sut.pole_closed(0, 2) == false);
 }
 
+/// The source falls to zero: what flows then dies away with l / r = 10 ms, without a zero.
+struct Circulating {
+    Switched s{1, 0.01, true};
+    Solver sut{s.c, kStep};
+    double t0{0}, highest{0};
+    Circulating() {
+        EXPECT_TRUE(sut.start({}).has_value());
+        run(sut, 100);
+        sut.set_source_amplitude(0, 0);
+        t0 = sut.t();
+        for (int phase = 0; phase < 3; ++phase) {
+            highest = std::max(highest, std::abs(sut.switch_current(0, phase)));
+        }
+    }
+};
+
+TEST(Solver, ACurrentWithoutAZeroKeepsAnIdealPoleClosed) {
+    Circulating it;
+    it.sut.open_switch(0);
+    run(it.sut, 800);
+    EXPECT_TRUE(it.sut.pole_closed(0, 0));
+    EXPECT_TRUE(it.sut.opening(0));
+}
+
+TEST(Solver, APoleInterruptsACurrentThatHasFallenToTheChoppingCurrent) {
+    Circulating it;
+    it.sut.open_switch(0, {.chop_a = it.highest / 3});
+    run(it.sut, 800);
+    EXPECT_NEAR(it.sut.opened_at(0) - it.t0, 0.01 * std::log(3.0), kStep / 10); // the last of the three
+    for (int phase = 0; phase < 3; ++phase) {
+        EXPECT_FALSE(it.sut.pole_closed(0, phase));
+        EXPECT_NEAR(it.sut.switch_current(0, phase), 0, 1e-9);
+    }
+}
+
 TEST(Solver, PolesOpenAtTheirOwnExactCurrentZeros) {
     Switched s{1, 0.01, true};
     Solver sut{s.c, kStep};
