@@ -7,7 +7,7 @@ import { join } from "node:path";
 import { check, check_graph, errors, figure, open, pid_of, shot, start, until, until_drawn } from "./harness.mjs";
 
 export async function case_1() {
-  const run = await start("configs/scenarios/ev_charging.yaml", "--set", "clock.speed=300", "--allow-control");
+  const run = await start("configs/scenarios/ev_charging.yaml", "--set", "clock.speed=150", "--allow-control");
   const page = await open(run.url, "light");
   await page.waitForSelector("text=8 of 8 alive");
   const paint = await page.evaluate(() => performance.getEntriesByType("paint").find(p => p.name === "first-contentful-paint")?.startTime);

@@ -27,8 +27,9 @@ async function refresh() {
     document.title = `${run.scenario || "bus"} · Gridspace`;
     by("scenario").textContent = run.scenario;
     by("progress").value = run.duration_s > 0 ? run.time_s / run.duration_s : 0;
-    by("clock").textContent = `${run.state}, t = ${run.time_s.toFixed(3)} s` +
-      (run.duration_s > 0 ? ` of ${run.duration_s} s` : "") + `, x${run.factor.toFixed(2)} real time, ${run.mode}, speed ${run.speed}`;
+    by("clock").textContent = [
+      run.state || "no clock seen", `t = ${run.time_s.toFixed(3)} s` + (run.duration_s > 0 ? ` of ${run.duration_s} s` : ""),
+      `x${run.factor.toFixed(2)} real time`, run.mode, run.speed && `speed ${run.speed}`].filter(Boolean).join(", ");
     table("processes", ["process", "program", "host", "state", ">tick"],
       run.processes.map(p => [p.name, p.program, p.host, { text: p.state, kind: p.state }, p.tick ?? ""]));
     table("topics", ["topic", "type", "network", ">samples", ">per second"],
