@@ -58,6 +58,47 @@ void hold_angles(Network const& network, PowerFlowProblem& problem) {
     }
 }
 
+/// By how much the voltage at `to` leads that at `from` without load: minus the shift of a transformer.
+double lead(TwoPort const& b) {
+    if (b.ft == b.tf || b.ft == Complex{} || b.tt == Complex{}) {
+        return 0;
+    }
+    double const twice = std::arg(b.tf / b.ft), angle = twice / 2;
+    bool const opposite = std::cos(std::arg(-b.tf / b.tt) - angle) < 0;
+    return opposite ? angle + std::numbers::pi : angle;
+}
+
+/// Begins the iteration with the angles of the network without load, from the nodes that hold theirs outwards: from
+/// angles that are far away Newton's method finds no way.
+void start_angles(PowerFlowProblem& problem) {
+    std::vector<std::vector<std::pair<std::size_t, double>>> next(problem.nodes.size());
+    for (TwoPort const& b : problem.branches) {
+        if (b.ft != Complex{} && b.tf != Complex{}) {
+            double const turn = lead(b);
+            next[b.from].emplace_back(b.to, turn);
+            next[b.to].emplace_back(b.from, -turn);
+        }
+    }
+    std::vector<std::size_t> reached;
+    std::vector<bool> known(problem.nodes.size(), false);
+    for (std::size_t i = 0; i < problem.nodes.size(); ++i) {
+        if (problem.nodes[i].kind == NodeKind::slack) {
+            known[i] = true;
+            reached.push_back(i);
+        }
+    }
+    for (std::size_t k = 0; k < reached.size(); ++k) { // grows
+        std::size_t const from = reached[k];
+        for (auto const& [to, turn] : next[from]) {
+            if (!known[to]) {
+                known[to] = true;
+                problem.nodes[to].angle = problem.nodes[from].angle + turn;
+                reached.push_back(to);
+            }
+        }
+    }
+}
+
 } // namespace
 
 PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerFlowOptions const& options) {
@@ -139,6 +180,7 @@ PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerF
         problem.shunts[bus_of(s.bus)] += Complex{s.p_kw, s.q_kvar} / base;
     }
     hold_angles(n, problem);
+    start_angles(problem);
     return problem;
 }
 

@@ -72,10 +72,61 @@ class Feeder {
                 add(node, node, Complex{s.p_kw, s.q_kvar} * 1e3 / (v * v));
             }
         }
-        return iterate(options);
+        // The share of a load that is an impedance belongs to the matrix: behind windings without earth it is all that
+        // holds the potential. Where that does not lead to a solution, the whole load at nominal voltage may.
+        add_loads([](LoadModel model, Load const& l) { return impedance_shares(model, l); });
+        auto flow = iterate(options);
+        if (!flow) {
+            add_loads([](LoadModel, Load const&) { return std::pair{1.0, 1.0}; });
+            auto again = iterate(options);
+            return again ? again : flow;
+        }
+        return flow;
     }
 
   private:
+    /// Shares of a load's active and reactive power that go with the square of the voltage.
+    static std::pair<double, double> impedance_shares(LoadModel model, Load const& l) {
+        switch (model) {
+        case LoadModel::constant_impedance:
+        case LoadModel::dc_resistive:
+            return {1, 1};
+        case LoadModel::constant_current:
+            return {0.5, 0.5};
+        case LoadModel::exponential:
+            return {std::clamp(l.exponent_p / 2, 0.0, 1.0), std::clamp(l.exponent_q / 2, 0.0, 1.0)};
+        case LoadModel::zip:
+            return {l.zip_p[0], l.zip_q[0]};
+        case LoadModel::constant_power:
+        case LoadModel::dc_constant_power:
+            break;
+        }
+        return {0, 0};
+    }
+
+    /// Nominal powers of a load's phase, VA.
+    Complex nominal(Load const& l, int k) const {
+        auto const phase = static_cast<std::size_t>(k);
+        double const times = 1e3 * scale(l.scale);
+        return {(l.phase_p_kw.empty() ? l.p_kw / 3 : l.phase_p_kw[phase]) * times,
+                (l.phase_q_kvar.empty() ? load_q_kvar(l) / 3 : l.phase_q_kvar[phase]) * times};
+    }
+
+    template <class Shares>
+    void add_loads(Shares shares) {
+        linear_.clear();
+        for (Load const& l : n_.loads) {
+            auto const [p, q] = shares(l.model, l);
+            double const v = phase_v_[bus_of(l.bus)];
+            for (int k = 0; k < 3; ++k) {
+                Complex const s = nominal(l, k), y = std::conj(Complex{s.real() * p, s.imag() * q}) / (v * v);
+                if (y != Complex{}) {
+                    linear_.emplace_back(node_of(l.bus) + k, y);
+                }
+            }
+        }
+    }
+
     std::size_t bus_of(Ref const& bus) const { return index_of(n_.buses, bus.name); }
     int node_of(Ref const& bus) const { return static_cast<int>(3 * bus_of(bus)); }
     void add(int i, int j, Complex y) {
@@ -154,18 +205,46 @@ class Feeder {
         double const ratio = secondary.rated_v / (primary.rated_v * t.tap_ratio);
         double const z_base = secondary.rated_v * secondary.rated_v / (t.rating_kva * 1e3 / 3);
         Complex const y = 100.0 / (Complex{t.r_percent, t.x_percent} * z_base);
+        double const s = t.rating_kva * 1e3, v_from = n_.buses[bus_of(t.from)].voltage_v * t.tap_ratio,
+                     v_to = n_.buses[bus_of(t.to)].voltage_v;
+        double const z_from = 3 * std::pow(primary.rated_v * t.tap_ratio, 2) / s;
+        Complex const magnetising{0, -t.magnetising_percent / 100 / z_from};
         for (std::size_t k = 0; k < 3; ++k) {
-            std::array<int, 4> const nodes{primary.ends[k].first, primary.ends[k].second, secondary.ends[k].first,
-                                           secondary.ends[k].second};
-            std::array<double, 4> const weights{ratio, -ratio, -1, 1};
-            limbs_.push_back({index, y, nodes, weights});
-            for (std::size_t i = 0; i < 4; ++i) {
-                for (std::size_t j = 0; j < 4; ++j) {
-                    add(nodes[i], nodes[j], weights[i] * weights[j] * y);
-                }
-            }
+            auto const [a, b] = primary.ends[k];
+            auto const [c, d] = secondary.ends[k];
+            int const phase = static_cast<int>(k);
+            limb({index, y, {a, b, c, d}, {ratio, -ratio, -1, 1}});
+            limb({index, magnetising, {a, b, -1, -1}, {1, -1, 0, 0}});
+            limb({index,
+                  {0, t.charging_percent / 200 * s / (v_from * v_from)},
+                  {node_of(t.from) + phase, -1, -1, -1},
+                  {1, 0, 0, 0}});
+            limb({index,
+                  {0, t.charging_percent / 200 * s / (v_to * v_to)},
+                  {node_of(t.to) + phase, -1, -1, -1},
+                  {1, 0, 0, 0}});
         }
         return {};
+    }
+
+    /// The current y (weights . voltages of the nodes) flows, times its weight, out of each node.
+    struct Limb {
+        std::size_t index; ///< of the transformer
+        Complex y;
+        std::array<int, 4> nodes;
+        std::array<double, 4> weights;
+    };
+
+    void limb(Limb const& l) {
+        if (l.y == Complex{}) {
+            return;
+        }
+        limbs_.push_back(l);
+        for (std::size_t i = 0; i < 4; ++i) {
+            for (std::size_t j = 0; j < 4; ++j) {
+                add(l.nodes[i], l.nodes[j], l.weights[i] * l.weights[j] * l.y);
+            }
+        }
     }
 
     Result<void> sources() {
@@ -238,14 +317,14 @@ class Feeder {
         };
         for (Load const& l : n_.loads) {
             int const node = node_of(l.bus);
-            double const times = scale(l.scale);
             for (int k = 0; k < 3; ++k) {
-                auto const phase = static_cast<std::size_t>(k);
-                double const p = (l.phase_p_kw.empty() ? l.p_kw / 3 : l.phase_p_kw[phase]) * times;
-                double const q = (l.phase_q_kvar.empty() ? load_q_kvar(l) / 3 : l.phase_q_kvar[phase]) * times;
+                Complex const s = nominal(l, k);
                 VoltagePower const f = load_factor(l, std::abs(v[node + k]) / phase_v_[bus_of(l.bus)]);
-                consume(node + k, 1e3 * Complex{p * f.p, q * f.q});
+                consume(node + k, {s.real() * f.p, s.imag() * f.q});
             }
+        }
+        for (auto const& [node, y] : linear_) { // the matrix has it
+            i[node] += y * v[node];
         }
         for (Pv const& pv : n_.pv) {
             double p = pv.p_kw * scale(pv.scale);
@@ -271,6 +350,11 @@ class Feeder {
             if (!held_.contains(e.row())) {
                 places.push_back(e);
                 own[static_cast<std::size_t>(e.row())] += e.row() == e.col() ? std::abs(e.value()) : 0;
+            }
+        }
+        for (auto const& [node, admittance] : linear_) {
+            if (!held_.contains(node)) {
+                places.emplace_back(node, node, admittance);
             }
         }
         for (int k = 0; k < nodes_; ++k) {
@@ -316,10 +400,12 @@ class Feeder {
                 return out;
             }
         }
-        return fail(ExitCode::usage,
-                    fmt::format("the three-phase power flow does not converge: voltages still move by {:.3g} p.u.",
-                                out.change_pu),
-                    "the loads are more than the network can carry, or an impedance is wrong");
+        return fail(
+            ExitCode::usage,
+            fmt::format("the three-phase power flow does not converge: voltages still move by {:.3g} p.u.",
+                        out.change_pu),
+            "the loads are more than the network can carry, an impedance is wrong, or loads of constant power lie "
+            "behind windings that nothing connects to earth");
     }
 
     void results(Eigen::VectorXcd const& v, ThreePhaseFlow& out) const {
@@ -334,22 +420,22 @@ class Feeder {
             out.branches.push_back(
                 {TwoPort::Kind::line, l.index, {i_from[0], i_from[1], i_from[2]}, {i_to[0], i_to[1], i_to[2]}});
         }
-        for (std::size_t t = 0; t < limbs_.size(); t += 3) {
+        for (std::size_t t = 0; t < limbs_.size();) {
             ThreePhaseFlow::Branch branch{TwoPort::Kind::transformer, limbs_[t].index, {}, {}};
             int const from = node_of(n_.transformers[branch.element].from),
                       to = node_of(n_.transformers[branch.element].to);
-            for (std::size_t k = t; k < t + 3; ++k) {
+            for (; t < limbs_.size() && limbs_[t].index == branch.element; ++t) {
+                Limb const& l = limbs_[t];
                 Complex i{};
                 for (std::size_t e = 0; e < 4; ++e) {
-                    i +=
-                        limbs_[k].nodes[e] < 0 ? Complex{} : limbs_[k].y * limbs_[k].weights[e] * v[limbs_[k].nodes[e]];
+                    i += l.nodes[e] < 0 ? Complex{} : l.y * l.weights[e] * v[l.nodes[e]];
                 }
                 for (std::size_t e = 0; e < 4; ++e) {
-                    int const node = limbs_[k].nodes[e];
+                    int const node = l.nodes[e];
                     if (node >= from && node < from + 3) {
-                        branch.from[static_cast<std::size_t>(node - from)] += limbs_[k].weights[e] * i;
+                        branch.from[static_cast<std::size_t>(node - from)] += l.weights[e] * i;
                     } else if (node >= to && node < to + 3) {
-                        branch.to[static_cast<std::size_t>(node - to)] += limbs_[k].weights[e] * i;
+                        branch.to[static_cast<std::size_t>(node - to)] += l.weights[e] * i;
                     }
                 }
             }
@@ -362,12 +448,6 @@ class Feeder {
         Matrix3 y, shunt;
         int from, to;
     };
-    struct Limb {
-        std::size_t index;
-        Complex y;
-        std::array<int, 4> nodes;
-        std::array<double, 4> weights;
-    };
     Network const& n_;
     SwitchState const& state_;
     double omega_;
@@ -377,6 +457,7 @@ class Feeder {
     std::vector<double> phase_v_;
     std::vector<Eigen::Triplet<Complex>> entries_;
     std::vector<std::pair<int, Complex>> sources_;
+    std::vector<std::pair<int, Complex>> linear_; ///< admittances of loads that are in the matrix, by node
     std::vector<LineParts> lines_;
     std::vector<Limb> limbs_;
 };

@@ -6,6 +6,7 @@
 #include "sim/network/network_config.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -47,15 +48,16 @@ TEST(PowerFlow, TwoBusesHaveTheAnalyticVoltage) {
 }
 
 TEST(PowerFlow, PowerIsConservedWithEveryKindOfLoad) {
-    Network const n = network_of(std::string{kTwoBuses} +
-                                 "loads:\n"
-                                 "  P: {bus: B, p_kw: 10, power_factor: 0.9}\n"
-                                 "  I: {bus: B, p_kw: 10, power_factor: 0.9, model: constant_current}\n"
-                                 "  Z: {bus: B, p_kw: 10, power_factor: 0.9, model: constant_impedance}\n"
-                                 "  E: {bus: B, p_kw: 10, power_factor: 0.9, model: exponential, exponent_p: 1.3, exponent_q: 2}\n"
-                                 "  M: {bus: B, p_kw: 10, model: zip, zip_p: [0.2, 0.3, 0.5]}\n"
-                                 "shunts: {C: {bus: B, q_kvar: 5}}\n"
-                                 "pv: {S: {bus: B, p_kw: 20, rating_kva: 20}}\n");
+    Network const n =
+        network_of(std::string{kTwoBuses} +
+                   "loads:\n"
+                   "  P: {bus: B, p_kw: 10, power_factor: 0.9}\n"
+                   "  I: {bus: B, p_kw: 10, power_factor: 0.9, model: constant_current}\n"
+                   "  Z: {bus: B, p_kw: 10, power_factor: 0.9, model: constant_impedance}\n"
+                   "  E: {bus: B, p_kw: 10, power_factor: 0.9, model: exponential, exponent_p: 1.3, exponent_q: 2}\n"
+                   "  M: {bus: B, p_kw: 10, model: zip, zip_p: [0.2, 0.3, 0.5]}\n"
+                   "shunts: {C: {bus: B, q_kvar: 5}}\n"
+                   "pv: {S: {bus: B, p_kw: 20, rating_kva: 20}}\n");
     PowerFlow const sut = solved(n);
     double injected = 0;
     for (auto const& bus : sut.buses) {
@@ -73,10 +75,37 @@ TEST(PowerFlow, TheTapRaisesTheSecondarySide) {
 }
 
 TEST(PowerFlow, APhaseShifterLetsTheSecondarySideLag) {
-    Network const n = network_of("buses: {A: {voltage_v: 11000}, B: {voltage_v: 480}}\n"
-                                 "transformers: {T: {from: A, to: B, rating_kva: 100, x_percent: 5, phase_shift_deg: 30}}\n"
-                                 "generators: {G: {bus: A, role: slack}}\n");
+    Network const n =
+        network_of("buses: {A: {voltage_v: 11000}, B: {voltage_v: 480}}\n"
+                   "transformers: {T: {from: A, to: B, rating_kva: 100, x_percent: 5, phase_shift_deg: 30}}\n"
+                   "generators: {G: {bus: A, role: slack}}\n");
     EXPECT_NEAR(std::arg(solved(n).buses[1].v), -std::numbers::pi / 6, 1e-9);
+}
+
+TEST(PowerFlow, AnyAngleOfTheSourceAndAnyChainOfShiftsGivesTheSameMagnitudes) {
+    auto const chain = [](double source_deg, double shift_deg) {
+        return network_of(fmt::format(
+            "buses: {{A: {{voltage_v: 110000}}, B: {{voltage_v: 20000}}, C: {{voltage_v: 10000}}, D: {{voltage_v: "
+            "400}}}}\n"
+            "generators: {{G: {{bus: A, role: slack, angle_deg: {0}}}}}\n"
+            "transformers:\n"
+            "  AB: {{from: A, to: B, rating_kva: 25000, r_percent: 0.5, x_percent: 11, phase_shift_deg: {1}}}\n"
+            "  BC: {{from: B, to: C, rating_kva: 5000, r_percent: 0.6, x_percent: 7, phase_shift_deg: {1}}}\n"
+            "  DC: {{from: D, to: C, rating_kva: 630, r_percent: 1, x_percent: 6, phase_shift_deg: {2}}}\n" // backwards
+            "loads: {{L: {{bus: D, p_kw: 300, power_factor: 0.95}}}}\n",
+            source_deg, shift_deg, -shift_deg));
+    };
+    PowerFlow const flat = solved(chain(0, 0));
+    for (double const source : {0.0, 60.0, 120.0, 180.0, -90.0}) {
+        for (double const shift : {0.0, 30.0, -30.0, 150.0, 180.0}) {
+            PowerFlow const sut = solved(chain(source, shift));
+            for (std::size_t i = 0; i < 4; ++i) {
+                EXPECT_NEAR(std::abs(sut.buses[i].v), std::abs(flat.buses[i].v), 1e-9) << source << ' ' << shift;
+            }
+            double const turned = std::arg(sut.buses[3].v / flat.buses[3].v) * 180 / std::numbers::pi;
+            EXPECT_NEAR(std::remainder(turned - source + 3 * shift, 360), 0, 1e-6) << source << ' ' << shift;
+        }
+    }
 }
 
 TEST(PowerFlow, AnIslandWithoutASourceHangsOnItsLargestMachine) {
@@ -108,11 +137,12 @@ TEST(PowerFlow, ASourceBehindAnImpedanceDeliversWhatTheNetworkTakes) {
 }
 
 TEST(PowerFlow, ReactiveLimitsReleaseTheVoltage) {
-    std::string_view const body = "buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
-                                  "lines: {L: {from: A, to: B, r_ohm: 0.02, x_ohm: 0.4608}}\n"
-                                  "generators:\n  G: {bus: A, role: slack}\n"
-                                  "  V: {bus: B, role: pv, p_kw: 10, voltage_setpoint_pu: 1.05, q_max_kvar: 5, q_min_kvar: -5}\n"
-                                  "loads: {D: {bus: B, p_kw: 40, q_kvar: 30}}\n";
+    std::string_view const body =
+        "buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
+        "lines: {L: {from: A, to: B, r_ohm: 0.02, x_ohm: 0.4608}}\n"
+        "generators:\n  G: {bus: A, role: slack}\n"
+        "  V: {bus: B, role: pv, p_kw: 10, voltage_setpoint_pu: 1.05, q_max_kvar: 5, q_min_kvar: -5}\n"
+        "loads: {D: {bus: B, p_kw: 40, q_kvar: 30}}\n";
     Network const n = network_of(body);
     PowerFlowOptions limited;
     limited.enforce_q_limits = true;
