@@ -212,6 +212,13 @@ std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& 
                                               e.name.name, process->name));
             }
         }
+        for (config::Ref const* unit : {&e.desynchronise, &e.resynchronise}) {
+            if (!unit->empty()) {
+                diagnostics.error(unit->where,
+                                  fmt::format("event '{}' acts on the clock of '{}', but there are no merging units here",
+                                              e.name.name, unit->name));
+            }
+        }
     }
     return diagnostics.ok() ? std::optional{std::move(events)} : std::nullopt;
 }
@@ -322,6 +329,12 @@ int simulate(SimulateArguments const& a) {
                                 : ::isatty(STDERR_FILENO) != 0 ? Style::terminal
                                                                : Style::plain,
                                 name, duration_s};
+    for (sim::StuckBreaker const& stuck : sim::stuck_breakers(*events)) {
+        run.fail_to_open(stuck.breaker, SimTime{} + base.nearest(stuck.from_s));
+    }
+    run.on_failure([&](SimTime t, std::string const& breaker) {
+        progress.event(base.seconds(t), breaker, "told to open, and stays closed");
+    });
     run.on_event(
         [&](SimTime t, sim::TimedAction const& action) { progress.event(base.seconds(t), a.solver, action.event); });
     std::vector<float> step_us;

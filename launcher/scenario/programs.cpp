@@ -119,6 +119,23 @@ class SimSettings final : public ProcessSettings {
     static bool per_bus(Scenario const& s) { return gateways(s).per_bus; }
 };
 
+/// Two that act or decide for one EV would undo each other's work.
+template <class Settings>
+void refuse_second(Scenario const& s, Process const& process, Ref const& ev, char const* does, Diagnostics& diagnostics) {
+    for (Process const& other : s.processes) {
+        if (other.name.name == process.name.name) {
+            return; // whoever comes first may
+        }
+        auto const* settings = dynamic_cast<Settings const*>(other.settings.get());
+        if (settings != nullptr && settings->serves(ev.name)) {
+            diagnostics.error(ev.where,
+                              fmt::format("process '{}' {} the EV '{}', and '{}' does so already", process.name.name, does,
+                                          ev.name, other.name.name),
+                              "one of them is enough", static_cast<int>(ev.name.size()));
+        }
+    }
+}
+
 class EvSettings final : public ProcessSettings {
   public:
     static std::unique_ptr<ProcessSettings> read(Fields& f) {
@@ -127,10 +144,17 @@ class EvSettings final : public ProcessSettings {
         return out;
     }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        if (s.simulation.step_s > Rational{0} && !(config_.period_s / s.simulation.step_s).is_whole()) {
+            config::Node const* period = process.node.find("period_s");
+            diagnostics.error(period == nullptr ? process.name.where : period->where,
+                              fmt::format("the period of {} s is not a whole number of steps of {} s",
+                                          config_.period_s.to_string(), s.simulation.step_s.to_string()));
+        }
         if (!s.network) {
             return;
         }
         for (agents::EvConfig::Agent& agent : config_.agents) {
+            refuse_second<EvSettings>(s, process, agent.ev, "acts for", diagnostics);
             if (!check_name(agent.ev, ev_names(s), fmt::format("process '{}' acts for the EV", process.name.name),
                             diagnostics)) {
                 continue;
@@ -159,6 +183,9 @@ class EvSettings final : public ProcessSettings {
             out.push_back({prefix + ".v_pu", "p.u.", 0});
         }
         return out;
+    }
+    [[nodiscard]] bool serves(std::string const& ev) const {
+        return std::any_of(config_.agents.begin(), config_.agents.end(), [&](auto const& agent) { return agent.ev.name == ev; });
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const&, Process const& process) const override {
@@ -189,6 +216,7 @@ class MccaSettings final : public ProcessSettings {
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         if (s.network) {
             for (Ref const& ev : config_.evs) {
+                refuse_second<MccaSettings>(s, process, ev, "decides for", diagnostics);
                 check_name(ev, ev_names(s), fmt::format("process '{}' decides for the EV", process.name.name),
                            diagnostics);
             }
@@ -203,6 +231,9 @@ class MccaSettings final : public ProcessSettings {
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
         std::string const prefix = "agent." + process.name.name;
         return {{prefix + ".curtailed", "", 0}, {prefix + ".undervoltage", "", 0}, {prefix + ".complete", "", 0}};
+    }
+    [[nodiscard]] bool serves(std::string const& ev) const {
+        return std::any_of(config_.evs.begin(), config_.evs.end(), [&](Ref const& own) { return own.name == ev; });
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const&, Process const& process) const override {

@@ -223,17 +223,28 @@ void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
     }
 }
 
-/// The operating point at the start must exist.
-void check_power_flow(Scenario const& s, Diagnostics& diagnostics) {
+/// The operating point at the start must exist, and the solver must take the network and begin there. False: it was said
+/// that it does not.
+bool check_physics(Scenario const& s, Diagnostics& diagnostics) {
     if (!s.network) {
-        return;
+        return true;
     }
+    auto const refuse = [&](Error const& error) {
+        diagnostics.error(s.simulation.network_mark, error.message, error.remedy);
+        return false;
+    };
     sim::PowerFlowOptions options;
     options.start_hour_of_day = sim::start_hour_of_day(s.simulation);
     auto const flow = solve_power_flow(*s.network, sim::SwitchState{*s.network}, options);
     if (!flow) {
-        diagnostics.error(s.simulation.network_mark, flow.error().message, flow.error().remedy);
+        return refuse(flow.error());
     }
+    if (s.simulation.step_s <= Rational{0}) {
+        return true; // said elsewhere
+    }
+    auto const engine = sim::make_engine(s.simulation, *s.network, TimeBase{s.simulation.step_s});
+    auto const started = engine ? (*engine)->initialise() : std::unexpected{engine.error()};
+    return started || refuse(started.error());
 }
 
 } // namespace
@@ -245,7 +256,7 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
     check_programs(s, diagnostics);
     check_addresses(s, diagnostics);
     check_interfaces(s, diagnostics);
-    check_power_flow(s, diagnostics);
+    bool const simulates = check_physics(s, diagnostics);
     check_attacks(s, diagnostics);
     bool const readable =
         std::all_of(s.processes.begin(), s.processes.end(), [](Process const& p) { return p.settings != nullptr; });
@@ -255,7 +266,7 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
         }
     }
     if (readable && // the rest would only repeat what was said
-        s.simulator() != nullptr && s.network) {
+        s.simulator() != nullptr && s.network && simulates) {
         check_dataflow(s, diagnostics);
         check_expectations(s, diagnostics);
         check_comtrade(s, diagnostics);

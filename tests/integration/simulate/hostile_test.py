@@ -183,6 +183,15 @@ loads: {D: {bus: A, p_kw: 1, model: constant_impedance}}
         self.assertEqual(rows[0][1], "")
         self.assertAlmostEqual(float(rows[-1][1]), 0.014, delta=0.007)
 
+    def test_a_stuck_breaker_stays_closed_in_both_solvers(self):
+        events = "events: {s: {at_s: 0.005, fail_to_open: [CB3]}, t: {at_s: 0.01, open: [CB3, CB4]}}\n"
+        for solver in ("emt", "phasor"):
+            _, _, rows = self.run_network(SET_A, solver=solver, signals="breaker.CB3.position,breaker.CB4.position", events=events)
+            self.assertEqual([float(x) for x in rows[-1][1:]], [2, 1], solver)  # CB4 is not stuck
+
+    def test_events_of_merging_units_have_nothing_to_act_on_here(self):
+        self.refused("there are no merging units here", SET_A, events="events: {d: {at_s: 0.01, desynchronise: mu21}}\n")
+
     def test_an_event_after_the_end_is_pointed_out(self):
         code, err, _ = self.run_network(SET_A, until="0.01s", events="events: {late: {at_s: 9, open: [CB3]}}\n")
         self.assertEqual(code, 0)
