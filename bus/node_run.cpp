@@ -228,6 +228,8 @@ Result<void> Node::start() {
     }
 
     Deadline const deadline{clock.start_timeout_s};
+    auto const began = std::chrono::steady_clock::now();
+    bool said = false;
     while (true) {
         std::string const missing = core.refresh_status(MEMBER_STARTING);
         bool const ready = missing.empty();
@@ -246,6 +248,10 @@ Result<void> Node::start() {
                 ExitCode::stall,
                 fmt::format("not ready after {} s: still unmatched {}", shortest(clock.start_timeout_s), missing),
                 "is that process running, and on the same network and DDS domain?");
+        }
+        if (!said && std::chrono::steady_clock::now() - began > std::chrono::seconds{3}) {
+            said = true;
+            log::info("waits for {}", missing);
         }
         // Discovery callbacks notify; the short period only covers a change between the look and the wait.
         core.changed.wait_for(lock, std::min(deadline.left(), std::chrono::milliseconds{100}));

@@ -5,6 +5,7 @@
 #include "bus/corked_transport.hpp"
 #include "bus/discovery_impl.hpp"
 #include "bus/endpoints_impl.hpp"
+#include "bus/local_addresses.hpp"
 #include "bus/raw_access_impl.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
@@ -24,6 +25,9 @@ namespace gridspace::bus {
 namespace {
 
 constexpr std::string_view kUserDataMark = "gridspace/1";
+
+/// A board that boots has its program before its address.
+constexpr std::chrono::seconds kAddressPatience{30};
 
 std::string user_data_of(ParticipantOptions const& options) {
     return fmt::format("{};process={};incarnation={};program={}", kUserDataMark, options.process, options.incarnation,
@@ -116,6 +120,9 @@ class FastDdsParticipant final : public Participant {
     }
 
     Result<void> open(TcpLink const* link = nullptr) {
+        if (auto ok = wait_for_addresses(options_.addresses, kAddressPatience); !ok) {
+            return ok;
+        }
         std::lock_guard const lock{profiles_mutex()};
         auto* factory = dds::DomainParticipantFactory::get_instance();
         if (auto ok = load_profiles(); !ok) {

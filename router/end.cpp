@@ -2,47 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "router/end.hpp"
 
+#include "bus/local_addresses.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
 #include "router/route_table.hpp"
 
-#include <arpa/inet.h>
 #include <catalog.h>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <ifaddrs.h>
 #include <sched.h>
-#include <set>
 
 namespace gridspace::router {
 namespace {
 
 constexpr std::size_t kMostWaiting = 32U << 20U; ///< octets in front of one end
 constexpr std::chrono::milliseconds kLastWords{1000};
-
-/// Fast DDS would only log that it has nothing to send on.
-Result<void> check_addresses(std::vector<std::string> const& addresses) {
-    ifaddrs* list = nullptr;
-    ::getifaddrs(&list);
-    std::set<std::string> here;
-    for (ifaddrs const* it = list; it != nullptr; it = it->ifa_next) {
-        if (it->ifa_addr != nullptr && it->ifa_addr->sa_family == AF_INET) {
-            char text[INET_ADDRSTRLEN]{};
-            ::inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in const*>(it->ifa_addr)->sin_addr, text, sizeof text);
-            here.insert(text);
-        }
-    }
-    ::freeifaddrs(list);
-    for (std::string const& address : addresses) {
-        if (!here.contains(address)) {
-            return fail(ExitCode::environment, fmt::format("no interface has the address {}", address),
-                        here.empty() ? "" : "the interfaces have " + join({here.begin(), here.end()}, ", "));
-        }
-    }
-    return {};
-}
 
 } // namespace
 
@@ -77,7 +53,7 @@ Result<std::unique_ptr<End>> End::open(EndConfig const& config, std::string cons
     options.profile = config.profile;
     options.addresses = config.addresses;
     auto joined = end->inside([&]() -> Result<void> {
-        if (auto ok = check_addresses(config.addresses); !ok) {
+        if (auto ok = bus::wait_for_addresses(config.addresses, {}); !ok) {
             return ok;
         }
         auto participant = config.link ? bus::join_over_tcp(std::move(options), *config.link, observer)
