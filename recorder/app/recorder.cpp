@@ -99,7 +99,7 @@ class RecorderShell {
                     return ok;
                 }
                 log::info("{} samples, {} octets", file_.messages(), file_.octets());
-            } else if (!node_.lockstep()) {
+            } else {
                 if (auto ok = flush_sometimes(); !ok) {
                     return ok;
                 }
@@ -289,6 +289,7 @@ class RecorderShell {
     }
 
     /// In real time a crash must not cost more than a second of the recording.
+    /// Whatever happens, not much more than a second of recording is lost: also of a run at the pace of the wall clock.
     Result<void> flush_sometimes() {
         auto const now = std::chrono::steady_clock::now();
         if (now - flushed_ < std::chrono::seconds{1}) {

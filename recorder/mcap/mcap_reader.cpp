@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/mcap/mcap_reader.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
@@ -96,6 +98,17 @@ class Reader {
         }
     }
 
+    /// What was read, when the file has been.
+    ReadOutcome finished() {
+        outcome.complete = (data_ended_ && damaged_ == 0) || stopped_;
+        if (damaged_ != 0) {
+            outcome.note = fmt::format("{} damaged chunk{} left out ({}){}{}{}", damaged_, damaged_ == 1 ? " was" : "s were", first_damage_,
+                                       orphans_ == 0 ? "" : fmt::format(", {} messages whose channel is in them too", orphans_),
+                                       outcome.note.empty() ? "" : "; ", outcome.note);
+        }
+        return std::move(outcome);
+    }
+
     ReadOutcome outcome;
     bool data_ended_{false};
     bool stopped_{false};
@@ -117,8 +130,12 @@ class Reader {
             return false;
         }
         if (channel == channels_.end()) {
-            outcome.note = "a message of an unknown channel";
-            return false;
+            if (damaged_ == 0) {
+                outcome.note = "a message of an unknown channel";
+                return false;
+            }
+            ++orphans_; // the chunk that introduced it is one of the damaged
+            return true;
         }
         static Schema const none;
         auto const schema = schemas_.find(channel->second.schema_id);
@@ -139,16 +156,14 @@ class Reader {
             return false;
         }
         if (size > kLargestRecord) {
-            outcome.note = fmt::format("a chunk of {} octets", size);
-            return false;
+            return leave_out(fmt::format("a chunk of {} octets", size));
         }
         std::span<std::byte const> records = stored;
         if (compression == "zstd") {
             buffer_.resize(size);
             std::size_t const got = ZSTD_decompress(buffer_.data(), buffer_.size(), stored.data(), stored.size());
             if (ZSTD_isError(got) != 0 || got != size) {
-                outcome.note = "a chunk cannot be decompressed";
-                return false;
+                return leave_out("a chunk cannot be decompressed");
             }
             records = buffer_;
         } else if (!compression.empty()) {
@@ -156,8 +171,7 @@ class Reader {
             return false;
         }
         if (crc != 0 && crc != ::crc32(0, reinterpret_cast<Bytef const*>(records.data()), static_cast<uInt>(records.size()))) {
-            outcome.note = "the checksum of a chunk is wrong";
-            return false;
+            return leave_out("the checksum of a chunk is wrong");
         }
         Decoder inner{records};
         in_chunk_ = true;
@@ -171,12 +185,68 @@ class Reader {
         return good;
     }
 
+    /// The chunks behind a damaged one are whole.
+    bool leave_out(std::string why) {
+        if (damaged_++ == 0) {
+            first_damage_ = std::move(why);
+        }
+        return true;
+    }
+
     std::function<bool(Message const&)> const& handler_;
     std::map<std::uint16_t, Schema> schemas_;
     std::map<std::uint16_t, Channel> channels_;
     std::vector<std::byte> buffer_;
     bool in_chunk_{false};
+    std::uint64_t damaged_{0}, orphans_{0}; ///< chunks, messages of channels that were introduced in them
+    std::string first_damage_;
 };
+
+/// The next record of a file. False at its end, or where it is cut or damaged: `note` says which.
+bool next_record(std::istream& stream, Op& op, std::vector<std::byte>& body, std::string& note) {
+    std::array<std::uint8_t, 9> head{};
+    stream.read(reinterpret_cast<char*>(head.data()), head.size());
+    if (stream.gcount() != static_cast<std::streamsize>(head.size())) {
+        note = "the file ends without an index: the recorder did not finish";
+        return false;
+    }
+    std::uint64_t size = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+        size |= static_cast<std::uint64_t>(head[1 + i]) << (8 * i);
+    }
+    if (size > kLargestRecord) {
+        note = fmt::format("a record of {} octets: the file is damaged", size);
+        return false;
+    }
+    body.resize(size);
+    stream.read(reinterpret_cast<char*>(body.data()), static_cast<std::streamsize>(size));
+    if (stream.gcount() != static_cast<std::streamsize>(size)) {
+        note = "the last record is cut: the recorder did not finish";
+        return false;
+    }
+    op = static_cast<Op>(head[0]);
+    return true;
+}
+
+/// The summary at the end repeats the schemas and channels: they are known then although the chunk that introduces them
+/// is damaged. Chunks have checksums and are believed more.
+void read_summary(std::istream& stream, Reader& reader) {
+    constexpr std::streamoff kFooter = 9 + 20;
+    std::vector<std::byte> body;
+    std::string ignored;
+    Op op{};
+    stream.seekg(-(kFooter + static_cast<std::streamoff>(kMagic.size())), std::ios::end);
+    if (stream && next_record(stream, op, body, ignored) && op == Op::footer && body.size() == 20) {
+        auto const start = Decoder{body}.number<std::uint64_t>();
+        stream.seekg(static_cast<std::streamoff>(std::min<std::uint64_t>(start, INT64_MAX)));
+        while (start != 0 && stream && next_record(stream, op, body, ignored) && (op == Op::schema || op == Op::channel)) {
+            (void)reader.record(op, body);
+        }
+    }
+    stream.clear();
+    reader.outcome = {};
+    stream.seekg(static_cast<std::streamoff>(kMagic.size()));
+}
 
 } // namespace
 
@@ -191,34 +261,12 @@ Result<ReadOutcome> read_messages(std::filesystem::path const& file, std::functi
         return fail(ExitCode::usage, fmt::format("'{}' is not an MCAP recording", file.string()));
     }
     Reader reader{handler};
+    read_summary(stream, reader);
     std::vector<std::byte> body;
-    while (true) {
-        std::array<std::uint8_t, 9> head{};
-        stream.read(reinterpret_cast<char*>(head.data()), head.size());
-        if (stream.gcount() != static_cast<std::streamsize>(head.size())) {
-            reader.outcome.note = "the file ends without an index: the recorder did not finish";
-            break;
-        }
-        std::uint64_t size = 0;
-        for (std::size_t i = 0; i < 8; ++i) {
-            size |= static_cast<std::uint64_t>(head[1 + i]) << (8 * i);
-        }
-        if (size > kLargestRecord) {
-            reader.outcome.note = fmt::format("a record of {} octets: the file is damaged", size);
-            break;
-        }
-        body.resize(size);
-        stream.read(reinterpret_cast<char*>(body.data()), static_cast<std::streamsize>(size));
-        if (stream.gcount() != static_cast<std::streamsize>(size)) {
-            reader.outcome.note = "the last record is cut: the recorder did not finish";
-            break;
-        }
-        if (!reader.record(static_cast<Op>(head[0]), body)) {
-            break;
-        }
+    Op op{};
+    while (next_record(stream, op, body, reader.outcome.note) && reader.record(op, body)) {
     }
-    reader.outcome.complete = reader.data_ended_ || reader.stopped_;
-    return reader.outcome;
+    return reader.finished();
 }
 
 } // namespace gridspace::mcap

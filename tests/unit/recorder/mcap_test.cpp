@@ -3,6 +3,7 @@
 #include "recorder/mcap/mcap_reader.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
 
+#include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -126,6 +127,35 @@ TEST_P(Recording, WithAFlippedBitNeverGivesAChangedMessage) {
         (void)outcome;
         EXPECT_EQ(wrong, 0U) << "octet " << at;
     }
+}
+
+TEST_P(Recording, LosesOneChunkWhenOneIsDamagedAndSaysSo) {
+    write(1000, true); // the first 500 and the others are in chunks of their own
+    std::string damaged = bytes();
+    auto const body_size = [&](std::size_t record) {
+        std::uint64_t size = 0;
+        std::memcpy(&size, &damaged[record + 1], sizeof size);
+        return static_cast<std::size_t>(size);
+    };
+    std::size_t chunk = 8; // behind the magic
+    while (damaged[chunk] != 6) {
+        chunk += 9 + body_size(chunk);
+    }
+    std::size_t const near_its_end = chunk + 9 + body_size(chunk) - 5;
+    damaged[near_its_end] = static_cast<char>(damaged[near_its_end] ^ 0x10);
+    put(damaged);
+    std::uint64_t last = 0, wrong = 0;
+    auto const outcome = read_messages(file_, [&](Message const& m) {
+        last = m.time_ns;
+        wrong += std::ranges::equal(m.data, sample(static_cast<std::uint32_t>(m.time_ns - 1000))) ? 0 : 1;
+        return true;
+    });
+    ASSERT_TRUE(outcome) << outcome.error().message;
+    EXPECT_EQ(wrong, 0U);
+    EXPECT_EQ(last, 1999U); // what comes after it is there
+    EXPECT_LT(outcome->messages, 1000U);
+    EXPECT_FALSE(outcome->complete);
+    EXPECT_NE(outcome->note.find("1 damaged chunk was left out"), std::string::npos) << outcome->note;
 }
 
 TEST_P(Recording, StopsWhenItsReaderHasEnough) {
