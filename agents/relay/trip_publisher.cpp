@@ -21,10 +21,9 @@ Result<std::unique_ptr<TripPublisher>> TripPublisher::create(bus::Node& node, ga
     }
     auto out = std::unique_ptr<TripPublisher>{new TripPublisher{node, port}};
     out->leaf_ = *leaf;
-    iec61850::GoosePublisherParams params;
-    params.timing = gateways::goose_timing(stream.timing);
-    params.simulation = stream.address.simulated;
-    out->publisher_ = std::make_unique<iec61850::GoosePublisher>(std::move(*frame), stream.conf_rev, params);
+    out->time_leaf_ = iec61850::time_beside(frame->leaves(), *leaf);
+    out->publisher_ =
+        std::make_unique<iec61850::GoosePublisher>(std::move(*frame), stream.conf_rev, gateways::goose_publisher_params(stream));
     std::string const prefix = "stream." + stream.name.name + ".";
     auto signals = bus::SignalPublisher::create(node, "goose", 0, {{prefix + "st_num", ""}, {prefix + "sq_num", ""}, {prefix + "interval_ms", "ms"}, {prefix + "sent_after_ms", "ms"}});
     if (!signals) {
@@ -39,6 +38,14 @@ void TripPublisher::announce(SimTime now) { signals_->announce(now); }
 void TripPublisher::start(std::int64_t now_ns) {
     publisher_->set(leaf_, iec61850::Value::of(false));
     publisher_->start(now_ns, clock_.utc_ns(now_ns));
+    stamp();
+}
+
+/// The member `t` beside the trip, if there is one, is the time of the state that begins.
+void TripPublisher::stamp() {
+    if (time_leaf_) {
+        publisher_->set(*time_leaf_, iec61850::Value::of(publisher_->state().t));
+    }
 }
 
 void TripPublisher::set(bool trip, std::int64_t at_ns) { changes_.push_back({at_ns, trip}); }
@@ -54,7 +61,9 @@ std::optional<std::int64_t> TripPublisher::due() const {
 void TripPublisher::work(std::int64_t now_ns) {
     if (!changes_.empty() && changes_.front().at_ns <= now_ns) {
         publisher_->set(leaf_, iec61850::Value::of(changes_.front().trip));
-        publisher_->commit(now_ns, clock_.utc_ns(now_ns));
+        if (publisher_->commit(now_ns, clock_.utc_ns(now_ns))) {
+            stamp();
+        }
         changes_.pop_front();
     }
     iec61850::Octets const frame = publisher_->take(now_ns);

@@ -38,6 +38,7 @@ class TripPublisher {
         bool trip;
     };
     TripPublisher(bus::Node& node, gateways::WirePort& port) : node_{node}, port_{port}, clock_{node} {}
+    void stamp();
 
     bus::Node& node_;
     gateways::WirePort& port_;
@@ -45,6 +46,7 @@ class TripPublisher {
     std::unique_ptr<iec61850::GoosePublisher> publisher_;
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::size_t leaf_{0};
+    std::optional<std::size_t> time_leaf_;
     std::deque<Change> changes_; ///< decided, not yet effective; a handful at most
     std::optional<std::int64_t> last_sent_ns_;
     std::uint64_t sent_{0};

@@ -16,7 +16,7 @@ class GooseSink final : public Sink {
   public:
     GooseSink(GatewayContext const& context, Route& route, iec61850::GooseTemplate frame)
         : Sink{route}, context_{context}, route_{route},
-          publisher_{std::move(frame), route.to_stream->conf_rev, params_of(*route.to_stream)} {}
+          publisher_{std::move(frame), route.to_stream->conf_rev, goose_publisher_params(*route.to_stream)} {}
 
     void start(Moment at) override {
         if (route_.config.start == MappingConfig::Start::at_once) {
@@ -78,14 +78,6 @@ class GooseSink final : public Sink {
         std::vector<Value> values; ///< of the written fields
         std::vector<std::vector<std::uint8_t>> texts;
     };
-
-    static iec61850::GoosePublisherParams params_of(streams::Stream const& stream) {
-        iec61850::GoosePublisherParams params;
-        params.timing = goose_timing(stream.timing);
-        params.first_sq_num = stream.first_sq_num;
-        params.simulation = stream.address.simulated;
-        return params;
-    }
 
     void stage(std::span<Value const> values) {
         for (std::size_t const field : route_.written) {

@@ -4,6 +4,7 @@
 
 #include "gateways/iec61850/basic_type.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,9 @@ struct Leaf {
     std::uint16_t length{0}; ///< filled in: default_length() where the data set gives none
 };
 [[nodiscard]] std::vector<Leaf> leaves_of(DataSet const& data_set);
+
+/// The timestamp `t` in the same structure as a leaf: "Op.t" for "Op.general", "t" for "trip".
+[[nodiscard]] std::optional<std::size_t> time_beside(std::vector<Leaf> const& leaves, std::size_t leaf);
 
 /// Largest octets of strings (35 and 20, as IEC 61850-9-2 reserves them), bits of a bit string (32); 0 for other types.
 [[nodiscard]] std::uint16_t default_length(BasicType type) noexcept;

@@ -21,6 +21,14 @@ namespace gridspace::gateways {
     return out;
 }
 
+[[nodiscard]] inline iec61850::GoosePublisherParams goose_publisher_params(streams::Stream const& s) {
+    iec61850::GoosePublisherParams out;
+    out.timing = goose_timing(s.timing);
+    out.first_sq_num = s.first_sq_num;
+    out.simulation = s.address.simulated;
+    return out;
+}
+
 [[nodiscard]] inline iec61850::GooseSubscription goose_subscription(streams::Stream const& s) {
     iec61850::GooseSubscription out;
     out.gocb_ref = s.control_block;

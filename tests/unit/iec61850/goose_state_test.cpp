@@ -161,6 +161,24 @@ TEST(GoosePublisher, SaysItsStateOnceMoreWhenItStops) {
     EXPECT_EQ(sut.state().sq_num, sq + 1);
 }
 
+TEST(DataSet, FindsTheTimeBesideAMember) {
+    auto const inside = [](char const* name) {
+        return DataNode{name,
+                        DataNode::Kind::structure,
+                        BasicType::boolean,
+                        0,
+                        {DataNode::leaf("general", BasicType::boolean), DataNode::leaf("q", BasicType::quality),
+                         DataNode::leaf("t", BasicType::timestamp)}};
+    };
+    std::vector<Leaf> const nested = leaves_of({{inside("Str"), inside("Op")}});
+    EXPECT_EQ(time_beside(nested, 0), 2U);
+    EXPECT_EQ(time_beside(nested, 3), 5U);
+    EXPECT_EQ(time_beside(leaves_of(two_leaves().data_set), 0), 2U);
+    EXPECT_FALSE(time_beside(leaves_of({{DataNode::leaf("trip", BasicType::boolean), inside("Op")}}), 0));
+    EXPECT_FALSE(time_beside(
+        leaves_of({{DataNode::leaf("trip", BasicType::boolean), DataNode::leaf("t", BasicType::int64)}}), 0));
+}
+
 /// A message with chosen counters, as the subscriber gets it.
 struct Message {
     GooseState state;

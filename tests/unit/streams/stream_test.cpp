@@ -4,6 +4,7 @@
 
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
+#include "gateways/port/subscriptions.hpp"
 
 #include <gmock/gmock.h>
 
@@ -135,6 +136,17 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(StreamMistake, IsExplainedAtItsPlace) {
     auto const sut = read(changed(GetParam().goose ? kGoose : kSmv, GetParam().what, GetParam().with));
     EXPECT_THAT(sut.text, AllOf(HasSubstr("streams.yaml:1:"), HasSubstr(GetParam().message)));
+}
+
+TEST(Streams, TellWhoPublishesThemHowToBegin) {
+    auto const of = [](std::string const& keys) {
+        return gateways::goose_publisher_params(read(changed(kGoose, "data_set", keys + "data_set")).streams.at(0));
+    };
+    EXPECT_EQ(of("").first_sq_num, 0U);
+    auto const sut = of("first_sq_num: 1, simulated: true, min_time_ms: 3, ");
+    EXPECT_EQ(sut.first_sq_num, 1U);
+    EXPECT_TRUE(sut.simulation);
+    EXPECT_EQ(sut.timing.min_ns, 3'000'000);
 }
 
 TEST(Streams, ThatCannotBeToldApartAreRefused) {
