@@ -166,6 +166,12 @@ GooseVerdict GooseSubscriber::judge_older(GooseFrame const& m) const noexcept {
     return {GooseEvent::restart, true, true, 0, 0};
 }
 
+/// A counter may claim four thousand million lost messages. No more can be, since the stream has not expired, than its
+/// publisher sends in the time that it promised: at most one in a millisecond.
+std::uint32_t GooseSubscriber::missed(std::uint32_t claimed) const noexcept {
+    return std::min(claimed, live_ms_);
+}
+
 GooseVerdict GooseSubscriber::judge_counters(GooseFrame const& m, std::int64_t utc_ns) noexcept {
     bool const skewed = subscription_.strict && subscription_.max_skew_ns > 0 && m.st_num != st_num_ &&
                         std::llabs(utc_ns - m.t.nanoseconds()) > subscription_.max_skew_ns;
@@ -176,6 +182,11 @@ GooseVerdict GooseSubscriber::judge_counters(GooseFrame const& m, std::int64_t u
     if (m.st_num == st_num_) {
         unconfirmed_st_num_.reset();
         bool const rolled_over = sq_num_ == kLargest && m.sq_num == 1;
+        // t is when stNum was counted up: a later one with a counter that went back is another state, of a publisher
+        // that was restarted and counts from the same number.
+        if (!subscription_.strict && m.sq_num <= sq_num_ && !rolled_over && m.t.bits() >> 8U > t_.bits() >> 8U) {
+            return {GooseEvent::restart, true, true, 0, 0};
+        }
         if (m.sq_num == sq_num_) {
             return refuse(GooseEvent::duplicate);
         }
@@ -185,7 +196,7 @@ GooseVerdict GooseSubscriber::judge_counters(GooseFrame const& m, std::int64_t u
         if (match(m, false) == Match::different) {
             return refuse(GooseEvent::inconsistent);
         }
-        return {GooseEvent::repetition, true, false, rolled_over ? 0 : m.sq_num - sq_num_ - 1, 0};
+        return {GooseEvent::repetition, true, false, rolled_over ? 0 : missed(m.sq_num - sq_num_ - 1), 0};
     }
     bool const rolled_over = st_num_ == kLargest && m.st_num == 1;
     if (m.st_num < st_num_ && !rolled_over) {
@@ -199,7 +210,7 @@ GooseVerdict GooseSubscriber::judge_counters(GooseFrame const& m, std::int64_t u
         unconfirmed_st_num_ = m.st_num; // one frame alone must not set the mark that all later ones are measured by
         return refuse(GooseEvent::unconfirmed_jump);
     }
-    return {GooseEvent::state_change, true, true, m.sq_num, skipped};
+    return {GooseEvent::state_change, true, true, missed(m.sq_num), missed(skipped)};
 }
 
 GooseVerdict GooseSubscriber::receive(GooseFrame const& m, std::int64_t now_ns, std::int64_t utc_ns) noexcept {
@@ -227,6 +238,7 @@ GooseVerdict GooseSubscriber::receive(GooseFrame const& m, std::int64_t now_ns, 
     st_num_ = m.st_num;
     sq_num_ = m.sq_num;
     t_ = m.t;
+    live_ms_ = m.live_ms;
     status_ = GooseStatus::good;
     deadline_ns_ = now_ns + std::int64_t{m.live_ms} * 1'000'000;
     return verdict;

@@ -39,7 +39,7 @@ enum class GooseEvent : std::uint8_t {
     state_change,
     repetition,
     resumed, ///< the first after the stream was lost
-    restart, ///< stNum went back: the publisher was restarted
+    restart, ///< stNum, or sqNum with a later t, went back: the publisher was restarted
     // refused:
     duplicate,
     out_of_order,
@@ -105,6 +105,7 @@ class GooseSubscriber {
   private:
     [[nodiscard]] std::optional<GooseEvent> reason_to_refuse(GooseFrame const& message) noexcept;
     [[nodiscard]] GooseVerdict judge_counters(GooseFrame const& message, std::int64_t utc_ns) noexcept;
+    [[nodiscard]] std::uint32_t missed(std::uint32_t claimed) const noexcept;
     [[nodiscard]] GooseVerdict judge_older(GooseFrame const& message) const noexcept;
     /// Checks the members against the data set; keeps the values in `scratch_`, and in `current_` when `store`.
     enum class Match : std::uint8_t { mismatch, same, different };
@@ -118,7 +119,7 @@ class GooseSubscriber {
     std::vector<std::vector<std::uint8_t>> texts_;
     GooseStatus status_{GooseStatus::waiting};
     std::optional<std::int64_t> deadline_ns_;
-    std::uint32_t st_num_{0}, sq_num_{0};
+    std::uint32_t st_num_{0}, sq_num_{0}, live_ms_{0};
     std::optional<std::uint32_t> unconfirmed_st_num_;
     UtcTime t_;
     bool seen_simulated_{false};

@@ -270,6 +270,40 @@ TEST(GooseSubscriber, TakesARestartedPublisherAtOnceUnlessItIsStrict) {
     }
 }
 
+TEST(GooseSubscriber, TakesAPublisherThatWasRestartedAtTheSameStateNumber) {
+    for (bool const strict : {false, true}) {
+        for (std::uint32_t const held : {0U, 9U}) {
+            GooseSubscription s = subscription();
+            s.strict = strict;
+            GooseSubscriber sut{s};
+            give(sut, message(1, held, true), 0);
+            Message restarted = message(1, 0, false);
+            restarted.state.t = UtcTime::from_nanoseconds(kUtc + 100'000 * kMs);
+            auto const verdict = give(sut, restarted, 1 * kMs);
+            EXPECT_EQ(verdict.event == GooseEvent::restart, !strict);
+            EXPECT_EQ(sut.value(0).boolean(), strict);
+            if (!strict) {
+                EXPECT_TRUE(verdict.changed);
+                EXPECT_EQ(give(sut, message(1, held + 1, true), 2 * kMs).event, GooseEvent::inconsistent)
+                    << "of the life before";
+            }
+        }
+    }
+}
+
+TEST(GooseSubscriber, DoesNotBelieveAnAbsurdLoss) {
+    for (std::uint32_t const st : {1U, 2U}) { // a repetition, a new state
+        GooseSubscriber sut{subscription()};
+        give(sut, message(1, 0), 0);
+        EXPECT_TRUE(give(sut, message(st, 0xFFFFFFFF, st == 2), 1).accepted);
+        EXPECT_EQ(sut.counters().lost, 30U) << "one in each millisecond of its time to live";
+    }
+    GooseSubscriber sut{subscription()};
+    give(sut, message(1, 0), 0);
+    give(sut, message(0xFFFFFFFF, 0, true), 1);
+    EXPECT_EQ(sut.counters().skipped_states, 30U);
+}
+
 TEST(GooseSubscriber, StrictlyNeedsASecondMessageBeforeItBelievesAJump) {
     GooseSubscription s = subscription();
     s.strict = true;
