@@ -17,7 +17,9 @@ Synch synch_of(std::uint8_t smp_synch) {
 }
 
 Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs::Params const& params) {
-    CurrentInputs::End end{iec61850::SvSubscriber{gateways::sv_subscription(stream)}, iec61850::SvLayout{stream.data_set}, {}, {}, 1,
+    auto subscription = gateways::sv_subscription(stream);
+    subscription.simulation = params.accept_test;
+    CurrentInputs::End end{iec61850::SvSubscriber{std::move(subscription)}, iec61850::SvLayout{stream.data_set}, {}, {}, 1,
                            gateways::SvFirstLine{params.first_line, stream.rate_hz.to_double(), params.accept_test, params.judge_arrival}};
     auto const& slots = end.layout.slots();
     for (std::size_t phase = 0; phase < 3; ++phase) {
@@ -93,9 +95,15 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, OnPair c
     auto const asdus = decoded_.view();
     for (std::size_t place = 0; place < asdus.size(); ++place) {
         iec61850::Asdu const& asdu = asdus[place];
+        // Two devices may say the same svID: then the address tells whose sample it is. One that is nobody's is judged by
+        // both, as it was.
+        bool const has_owner = std::any_of(ends_.begin(), ends_.end(), [&](End const& end) {
+            return end.subscriber.is_mine(asdu) && end.subscriber.is_addressed(decoded_.header);
+        });
         for (std::size_t i = 0; i < ends_.size(); ++i) {
             End& end = ends_[i];
-            if (!end.subscriber.is_mine(asdu) || !pass_first_line(i, asdu, place, arrival_ns)) {
+            bool const mine = end.subscriber.is_mine(asdu) && (!has_owner || end.subscriber.is_addressed(decoded_.header));
+            if (!mine || !pass_first_line(i, asdu, place, arrival_ns)) {
                 continue;
             }
             iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, now_ns);

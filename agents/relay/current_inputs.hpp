@@ -25,7 +25,7 @@ class CurrentInputs {
         std::array<std::string, 3> channels;
         std::int64_t partner_timeout_ns{20'000'000};
         gateways::FirstLineConfig first_line;
-        bool accept_test{false};   ///< simulated frames are nothing suspicious
+        bool accept_test{false};   ///< simulated frames are taken, and nothing suspicious
         bool judge_arrival{false}; ///< real time: when a frame came says something
     };
     [[nodiscard]] static Result<CurrentInputs> create(streams::Stream const& from, streams::Stream const& to, Params const& params);

@@ -82,7 +82,7 @@ Result<void> Gateway::open_route(Route& route) {
     if (route.from_stream == nullptr) {
         sources_.push_back(make_topic_source(route, **sink));
     } else if (route.from_stream->kind == streams::Kind::smv) {
-        sources_.push_back(make_sv_source(route, **sink, node_.lockstep()));
+        sources_.push_back(make_sv_source(route, **sink, node_.lockstep(), settings_.wire.streams));
     } else {
         sources_.push_back(make_goose_source(route, **sink, clock_));
     }

@@ -115,12 +115,22 @@ void fill_common(std::vector<Value>& in, std::size_t first, bool alive, bool sim
 
 class SvSource final : public Source {
   public:
-    SvSource(Route& route, Sink& sink, bool lockstep)
+    SvSource(Route& route, Sink& sink, bool lockstep, std::vector<streams::Stream> const& declared)
         : Source{route, sink}, subscriber_{subscription_of(route)}, layout_{route.from_stream->data_set},
           first_line_{route.config.first_line, route.from_stream->rate_hz.to_double(), route.config.accept_test,
-                      !lockstep} {}
+                      !lockstep} {
+        for (streams::Stream const& other : declared) {
+            if (&other != route.from_stream && other.kind == streams::Kind::smv && !other.broken &&
+                other.sv_id == route.from_stream->sv_id) {
+                namesakes_.push_back(other.address);
+            }
+        }
+    }
 
     void receive(Moment at, iec61850::SvFrame const& frame) override {
+        if (is_of_namesake(frame.header)) {
+            return;
+        }
         auto const asdus = frame.view();
         for (std::size_t place = 0; place < asdus.size(); ++place) {
             if (subscriber_.is_mine(asdus[place]) && may_use(at, frame.header, asdus[place], place)) {
@@ -150,6 +160,14 @@ class SvSource final : public Source {
         auto out = sv_subscription(*route.from_stream);
         out.simulation = route.config.accept_test;
         return out;
+    }
+
+    /// Of another declared stream with this svID: the address tells them apart.
+    [[nodiscard]] bool is_of_namesake(iec61850::FrameHeader const& header) const {
+        return !namesakes_.empty() && !subscriber_.is_addressed(header) &&
+               std::any_of(namesakes_.begin(), namesakes_.end(), [&](iec61850::Address const& other) {
+                   return other.destination == header.destination && other.app_id == header.app_id;
+               });
     }
 
     bool may_use(Moment at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu, std::size_t place) {
@@ -189,6 +207,7 @@ class SvSource final : public Source {
     iec61850::SvSubscriber subscriber_;
     iec61850::SvLayout layout_;
     SvFirstLine first_line_;
+    std::vector<iec61850::Address> namesakes_; ///< other streams with the same svID
 };
 
 double longest_live_ms(streams::GooseTiming const& timing) {
@@ -279,8 +298,9 @@ class GooseSource final : public Source {
 std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink) {
     return std::make_unique<TopicSource>(route, sink);
 }
-std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep) {
-    return std::make_unique<SvSource>(route, sink, lockstep);
+std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep,
+                                       std::vector<streams::Stream> const& declared) {
+    return std::make_unique<SvSource>(route, sink, lockstep, declared);
 }
 std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock) {
     return std::make_unique<GooseSource>(route, sink, clock);

@@ -69,7 +69,9 @@ class Source {
 };
 
 [[nodiscard]] std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink);
-[[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep);
+/// `declared`: all streams that are known; one of them may have the same svID at another address.
+[[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep,
+                                                     std::vector<streams::Stream> const& declared);
 /// `utc_ns`: for the skew of a message's time.
 [[nodiscard]] std::unique_ptr<Source> make_goose_source(Route& route, Sink& sink, WireClock const& clock);
 

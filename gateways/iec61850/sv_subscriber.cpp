@@ -61,14 +61,19 @@ SvArrival SvSubscriber::count(SvArrival arrival) noexcept {
     return arrival;
 }
 
+bool SvSubscriber::is_addressed(FrameHeader const& header) const noexcept {
+    SvSubscription const& s = subscription_;
+    return (!s.destination || header.destination == *s.destination) && (!s.source || header.source == *s.source) &&
+           (!s.app_id || header.app_id == *s.app_id);
+}
+
 SvArrival SvSubscriber::receive(FrameHeader const& header, Asdu const& asdu, std::int64_t now_ns) noexcept {
     SvSubscription const& s = subscription_;
     auto const refused = [&](SvEvent event) { return count({event, false, 0, index_}); };
-    if ((s.destination && header.destination != *s.destination) || (s.source && header.source != *s.source) ||
-        (s.app_id && header.app_id != *s.app_id)) {
+    if (!is_addressed(header)) {
         return refused(SvEvent::identity_mismatch);
     }
-    if (header.simulated() != s.simulation) {
+    if (header.simulated() != s.simulation && (header.simulated() || seen_simulated_)) {
         return refused(SvEvent::simulation_refused);
     }
     if (asdu.conf_rev != s.conf_rev) {
@@ -78,6 +83,7 @@ SvArrival SvSubscriber::receive(FrameHeader const& header, Asdu const& asdu, std
         return refused(SvEvent::size_mismatch);
     }
     smp_synch_ = asdu.smp_synch;
+    seen_simulated_ = header.simulated();
     return receive(asdu.smp_cnt, now_ns);
 }
 

@@ -17,7 +17,7 @@ struct SvSubscription {
     std::optional<std::uint16_t> app_id;
     std::uint32_t conf_rev{1};
     std::size_t sample_octets{0};  ///< 0: not checked
-    bool simulation{false};        ///< take simulated frames instead of real ones
+    bool simulation{false};        ///< LPHD.Sim: prefer simulated frames; real ones count until the first of those
     double rate_hz{4800};          ///< for silence, and for gaps longer than half of a wrap
     std::uint32_t wrap{4800};      ///< 0: not known, learned when smpCnt comes back to 0
     std::uint32_t late_window{16}; ///< a counter at most so far behind is a late sample, farther: a restart
@@ -36,7 +36,7 @@ enum class SvEvent : std::uint8_t {
     identity_mismatch,
     conf_rev_mismatch,
     size_mismatch,
-    simulation_refused, // not taken
+    simulation_refused, // not taken: simulated and not asked for, or real while simulated frames come
 };
 inline constexpr std::size_t kSvEvents = 11;
 [[nodiscard]] std::string_view event_name(SvEvent event) noexcept;
@@ -65,6 +65,8 @@ class SvSubscriber {
     explicit SvSubscriber(SvSubscription subscription);
 
     [[nodiscard]] bool is_mine(Asdu const& asdu) const noexcept { return asdu.sv_id == subscription_.sv_id; }
+    /// Whether a frame has the addresses and the APPID of this stream. The VLAN is not looked at.
+    [[nodiscard]] bool is_addressed(FrameHeader const& header) const noexcept;
     /// An ASDU of this svID.
     SvArrival receive(FrameHeader const& header, Asdu const& asdu, std::int64_t now_ns) noexcept;
     /// The counter alone.
@@ -94,7 +96,7 @@ class SvSubscriber {
     SvSubscription subscription_;
     std::uint32_t wrap_;
     bool wrap_known_;
-    bool started_{false}, silent_{false};
+    bool started_{false}, silent_{false}, seen_simulated_{false};
     std::uint32_t run_{0}; ///< consecutive samples in order
     std::uint16_t last_cnt_{0};
     std::optional<std::uint16_t> jumped_to_; ///< of a sample that waits for the next one

@@ -249,6 +249,29 @@ TEST(SvSubscriber, ChecksTheFrameAroundTheSample) {
     EXPECT_EQ(event([](SvFrame&) {}), SvEvent::in_order);
 }
 
+TEST(SvSubscriber, PrefersSimulatedFramesWhenItIsAskedTo) {
+    SvFrame frame;
+    auto stream = SvTemplate::create(sv_address(), {asdu("MU", 12)});
+    ASSERT_TRUE(decode_sv(stream->frame(), frame));
+    SvSubscription s = subscription();
+    s.simulation = true;
+    SvSubscriber sut{s};
+    std::uint16_t count = 0;
+    auto const give = [&](bool simulated, std::uint32_t conf_rev = 1) {
+        frame.header.reserved1 = simulated ? 0x8000 : 0;
+        frame.asdus[0].smp_cnt = count++;
+        frame.asdus[0].conf_rev = conf_rev;
+        return sut.receive(frame.header, frame.asdus[0], count * kPeriod).accepted;
+    };
+    EXPECT_TRUE(give(false)) << "nobody simulates yet";
+    EXPECT_FALSE(give(true, 2)) << "not of this stream";
+    EXPECT_TRUE(give(false)) << "what was refused silences nobody";
+    EXPECT_TRUE(give(true));
+    EXPECT_FALSE(give(false)) << "the real one is silent while it is simulated";
+    EXPECT_TRUE(give(true));
+    EXPECT_EQ(sut.counters().of(SvEvent::simulation_refused), 1U);
+}
+
 TEST(ArrivalStatistics, GivesTheRateAsASlope) {
     ArrivalStatistics sut;
     SampleGrid const grid{Rational{4800}};

@@ -28,15 +28,20 @@ class Bench {
   public:
     explicit Bench(gateways::FirstLineConfig::OnFinding on_finding, std::uint8_t from_synch = 2,
                    std::uint8_t to_synch = 2)
-        : streams_{stream("A", from_synch), stream("B", to_synch)},
-          sut{*CurrentInputs::create(streams_[0], streams_[1], {{"Ia", "Ib", "Ic"}, 20'000'000, {on_finding, false}})} {
+        : Bench{on_finding, {stream("A", from_synch), stream("B", to_synch)}} {}
+    Bench(gateways::FirstLineConfig::OnFinding on_finding, std::array<streams::Stream, 2> streams,
+          bool accept_test = false)
+        : streams_{std::move(streams)},
+          sut{*CurrentInputs::create(streams_[0], streams_[1],
+                                     {{"Ia", "Ib", "Ic"}, 20'000'000, {on_finding, false}, accept_test})} {
         sut.on_finding([this](std::size_t end, std::uint32_t found, iec61850::Mac const&) { findings[end] |= found; });
     }
 
     /// Sample `n` of an end, from the address that ends in `source`.
-    void send(std::size_t end, std::uint16_t n, float value, std::uint8_t source = 1) {
+    void send(std::size_t end, std::uint16_t n, float value, std::uint8_t source = 1, bool simulated = false) {
         auto frame = *streams_[end].sv_template(iec61850::Mac{{2, 0, 0, 0, 0, source}});
         frame.set_smp_cnt(0, n);
+        frame.set_simulated(simulated);
         iec61850::store_float(frame.sample(0), 0, value);
         sut.frame(frame.frame(), now_, [this](LineSample const& s) { out.push_back(s); });
     }
@@ -127,6 +132,54 @@ TEST(CurrentInputs, KeepTheSampleOfTheBoundAddress) {
         EXPECT_EQ(fifth.from.validity, Validity::good);
         EXPECT_NE(b.findings[0] & ids::kWrongSource, 0U);
     }
+}
+
+TEST(CurrentInputs, TakeSimulatedSamplesInTestModeOnly) {
+    for (bool const test_mode : {false, true}) {
+        Bench b{kReport, {stream("A"), stream("B")}, test_mode};
+        for (std::uint16_t n = 0; n < 5; ++n, b.next()) {
+            b.send(0, n, 1, 1, true);
+            b.send(1, n, 1);
+        }
+        EXPECT_EQ(b.sut.end(0).subscriber.counters().samples, test_mode ? 5U : 0U);
+        EXPECT_EQ(b.sut.end(1).subscriber.counters().samples, 5U) << "nobody simulates that end";
+        if (test_mode) {
+            ASSERT_EQ(b.out.size(), 5U);
+            EXPECT_TRUE(b.out[4].from.simulated && b.out[4].from.present);
+            EXPECT_FALSE(b.out[4].to.simulated);
+            EXPECT_EQ(b.findings[0], 0U);
+        }
+    }
+}
+
+TEST(CurrentInputs, TellTwoStreamsOfOneSvIdApartByTheirAddresses) {
+    streams::Stream other = stream("A");
+    other.address.destination = *iec61850::Mac::parse("01:0C:CD:04:00:22");
+    other.address.app_id = 0x4022;
+    Bench b{kRefuse, {stream("A"), other}};
+    for (std::uint16_t n = 0; n < 10; ++n, b.next()) {
+        b.send(0, n, 1, 1);
+        b.send(1, n, 2, 2);
+    }
+    ASSERT_EQ(b.out.size(), 9U);
+    EXPECT_EQ(b.out[8].from.i_a[0], 1);
+    EXPECT_EQ(b.out[8].to.i_a[0], 2);
+    EXPECT_EQ(b.findings, (std::array<std::uint32_t, 2>{})) << "each has its own source";
+    EXPECT_EQ(b.sut.end(0).subscriber.counters().of(iec61850::SvEvent::identity_mismatch), 0U);
+    EXPECT_EQ(b.sut.end(1).first_line.refused(), 0U);
+}
+
+TEST(CurrentInputs, DoubtAnSvIdFromAnAddressThatIsNobodys) {
+    Bench b{kReport};
+    b.send(0, 0, 1);
+    b.next();
+    streams::Stream strange = stream("A");
+    strange.address.app_id = 0x4999;
+    auto frame = *strange.sv_template(iec61850::Mac{{2, 0, 0, 0, 0, 66}});
+    frame.set_smp_cnt(0, 1);
+    b.sut.frame(frame.frame(), kPeriod, [](LineSample const&) {});
+    EXPECT_NE(b.findings[0] & ids::kWrongSource, 0U);
+    EXPECT_EQ(b.sut.end(0).subscriber.counters().of(iec61850::SvEvent::identity_mismatch), 1U);
 }
 
 TEST(CurrentInputs, CallUnsynchronisedWhatTwoDifferentClocksCount) {
