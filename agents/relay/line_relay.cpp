@@ -42,7 +42,7 @@ bool usable(EndSample const& sample, RelayParams const& params) {
 
 LineRelay::LineRelay(RelayParams const& params)
     : params_{params}, element_{params.element}, events_{params.event_capacity} {
-    output_.blocked = kFilling;
+    output_.blocked = said_ = kFilling; // every relay begins so: nothing to tell
 }
 
 RelayOutput const& LineRelay::step(LineSample const& sample, TripPermission permission) {
@@ -130,9 +130,10 @@ void LineRelay::set_blocked(std::int64_t index, BlockReasons reasons) {
     if (reasons == output_.blocked) {
         return;
     }
-    bool const was = output_.blocked != 0;
     output_.blocked = reasons;
+    bool const first = said_ == 0;
     if (reasons == 0) {
+        said_ = 0;
         note(index, RelayEvent::Kind::unblock);
         return;
     }
@@ -143,7 +144,11 @@ void LineRelay::set_blocked(std::int64_t index, BlockReasons reasons) {
     confirmed_ = 0;
     output_.withheld = false;
     output_.trip = output_.trip && params_.seal_in;
-    if (!was || (reasons & kOutOfService) != 0) {
+    // Each reason once until the relay works again: one that comes and goes with every other sample must not fill the
+    // log. Who switches the relay off and on wants to read it each time.
+    BlockReasons const fresh = reasons & ~said_;
+    said_ = (said_ & ~static_cast<BlockReasons>(kOutOfService)) | reasons;
+    if (fresh != 0 && (first || fresh != kFilling)) {
         note(index, RelayEvent::Kind::block, reasons);
     }
 }

@@ -93,6 +93,7 @@ class LineRelay {
     EventLog events_;
     RelayOutput output_;
     RelayCounters counters_;
+    BlockReasons said_{0}; ///< what events have told about the present block
     Pair last_good_;
     std::int64_t last_index_{0}, last_good_index_{0};
     bool started_{false}, has_good_{false};

@@ -353,6 +353,7 @@ class RelayAgent {
                 trip_->set(tripped_, now_ns_ + latency_ns_); // in real time at least so late: a hold-back
             }
         }
+        publish_events();
     }
 
     /// Detector and relay, the detector's time taken.
@@ -371,6 +372,10 @@ class RelayAgent {
     void publish_state() {
         std::array<double, 4> const row{pickup_ ? 1.0 : 0.0, tripped_ ? 1.0 : 0.0, blocked_ ? 1.0 : 0.0, instant_of(relay_->relay().output().index)};
         state_signals_->row(now(), row);
+    }
+
+    /// Also while it stays blocked: another reason is an event of its own.
+    void publish_events() {
         relay_->relay().events().drain([&](RelayEvent const& event) {
             std::string text = fmt::format("sample {}", event.index);
             if (event.phases != 0) {

@@ -374,6 +374,50 @@ TEST(LineRelay, TellsItsStoryInEvents) {
     EXPECT_EQ(sut.events().size(), 0U);
 }
 
+TEST(LineRelay, SaysOnceWhyItNeverBeganToWork) {
+    LineRelay sut{params()};
+    std::vector<RelayEvent> events;
+    for (std::int64_t k = 0; k < 300; ++k) {
+        LineSample s = through(k);
+        s.from.synch = k >= 24 ? Synch::none : Synch::global; // 5 ms after the start
+        s.to.present = k < 200 || k % 2 == 0;                 // comes and goes
+        sut.step(s);
+    }
+    sut.events().drain([&](RelayEvent const& e) { events.push_back(e); });
+    std::erase_if(events, [](RelayEvent const& e) { return e.kind == RelayEvent::Kind::restart; });
+    ASSERT_EQ(events.size(), 2U);
+    EXPECT_EQ(events[0].kind, RelayEvent::Kind::block);
+    EXPECT_EQ(events[0].index, 24);
+    EXPECT_EQ(events[0].reasons, kFromSynch | kFilling);
+    EXPECT_EQ(events[1].index, 201);
+    EXPECT_EQ(events[1].reasons, kFromSynch | kToLost | kFilling);
+
+    LineRelay never{params()};
+    LineSample s = through(0);
+    s.from.synch = s.to.synch = Synch::none;
+    never.step(s);
+    events.clear();
+    never.events().drain([&](RelayEvent const& e) { events.push_back(e); });
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_EQ(block_names(events[0].reasons), "filling, from_synch, to_synch");
+}
+
+TEST(LineRelay, SaysAgainWhyItBlocksAfterItHasWorked) {
+    LineRelay sut{params()};
+    std::vector<std::int64_t> blocks;
+    for (std::int64_t k = 0; k < 400; ++k) {
+        LineSample s = through(k);
+        s.from.validity = k == 100 || k == 300 ? Validity::invalid : Validity::good;
+        sut.step(s);
+    }
+    sut.events().drain([&](RelayEvent const& e) {
+        if (e.kind == RelayEvent::Kind::block) {
+            blocks.push_back(e.index);
+        }
+    });
+    EXPECT_EQ(blocks, (std::vector<std::int64_t>{100, 300}));
+}
+
 TEST(EventLog, KeepsTheFirstEventsAndCountsTheRest) {
     EventLog sut{2};
     for (std::int64_t k = 0; k < 5; ++k) {
