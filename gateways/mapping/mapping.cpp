@@ -80,6 +80,15 @@ std::optional<Mapping::Step> Mapping::step_of(Rule const& rule, Field const& fro
         }
         step.scale *= *factor;
     }
+    if (from_unit.empty() != to_unit.empty() && !(rule.from_unit.empty() && rule.to_unit.empty())) {
+        bool const from_known = !from_unit.empty();
+        mistake.message =
+            fmt::format("'{}' is in {}, and the unit of '{}' is not known", from_known ? from.name : to.name,
+                        from_known ? from_unit : to_unit, from_known ? to.name : from.name);
+        mistake.about_to = from_known;
+        mistake.hint = fmt::format("say it with {}, or scale without units", from_known ? "to_unit" : "from_unit");
+        return std::nullopt;
+    }
     bool const scaled = step.scale != 1 || step.offset != 0;
     auto const refuse = [&](std::string hint) -> std::optional<Step> {
         mistake.message = fmt::format("'{}' is {}, '{}' is {}: one does not become the other", from.name,

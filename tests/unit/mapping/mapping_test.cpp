@@ -54,6 +54,23 @@ TEST(Mapping, AppliesScaleAndOffsetAfterTheUnits) {
     EXPECT_EQ(sut(Value::of(1.5)).number(), 3001);
 }
 
+TEST(Mapping, DoesNotIgnoreAUnitThatHasNothingToComeFrom) {
+    Rule to_unit = rule("a", "b"), from_unit = rule("a", "b"), both = rule("a", "b");
+    to_unit.to_unit = both.to_unit = "mA";
+    from_unit.from_unit = both.from_unit = "kA";
+    Field const a{"a", BasicType::float64}, b{"b", BasicType::int32};
+    One const no_source{a, b, to_unit};
+    ASSERT_EQ(no_source.mistakes.size(), 1U);
+    EXPECT_EQ(no_source.mistakes[0].message, "'b' is in mA, and the unit of 'a' is not known");
+    EXPECT_THAT(no_source.mistakes[0].hint, HasSubstr("from_unit"));
+    EXPECT_FALSE(no_source.mistakes[0].about_to);
+    One const no_target{a, b, from_unit};
+    ASSERT_EQ(no_target.mistakes.size(), 1U);
+    EXPECT_THAT(no_target.mistakes[0].hint, HasSubstr("to_unit"));
+    EXPECT_TRUE((One{a, b, both}.mistakes.empty()));
+    EXPECT_TRUE((One{{"a", BasicType::float64, 0, "A"}, b}.mistakes.empty())) << "nobody said a unit";
+}
+
 TEST(Mapping, KeepsWholeNumbersExactBeyondWhatADoubleHolds) {
     One sut{{"a", BasicType::int64}, {"b", BasicType::uint64}};
     EXPECT_EQ(sut(Value::integer(BasicType::int64, 9'007'199'254'740'993)).bits, 9'007'199'254'740'993U);
