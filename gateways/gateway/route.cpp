@@ -269,9 +269,23 @@ class RouteMaker {
         route_.on_loss = mapping::Mapping::compile(lost, {}, route_.to, none);
         route_.acts_on_loss = !lost.empty() || std::any_of(rules.begin(), rules.end(),
                                                            [](mapping::Rule const& r) { return r.from == "$alive"; });
+        find_invalid();
         for (auto const& own : {route_.time_field, config_.to.is_topic() ? route_.index_field : std::nullopt}) {
             if (own) {
                 route_.written.push_back(*own);
+            }
+        }
+    }
+
+    /// A channel that nobody writes is not a good zero: 9-2LE has eight of them, and three may be measured.
+    void find_invalid() {
+        auto const is_written = [&](std::size_t field) {
+            return std::find(route_.written.begin(), route_.written.end(), field) != route_.written.end();
+        };
+        for (std::size_t i = 1; route_.to_samples() && i < route_.to.size(); ++i) {
+            if (route_.to[i].type == mapping::BasicType::quality &&
+                route_.to[i - 1].type != mapping::BasicType::quality && !is_written(i) && !is_written(i - 1)) {
+                route_.invalid.push_back(i);
             }
         }
     }

@@ -37,6 +37,8 @@ struct Route {
     mapping::Mapping on_loss;         ///< constants only
     bool acts_on_loss{false};         ///< a loss is written: it has values for it, or $alive is mapped
     std::vector<std::size_t> written; ///< fields of the target that are written, the gateway's own included
+    std::vector<std::size_t>
+        invalid; ///< qualities of sampled values that no rule writes, behind values that none writes
     std::optional<std::size_t> index_field, time_field; ///< of the topic: with the sample's index; time_ns of a target
     struct Filter {
         std::size_t field{0};

@@ -3,14 +3,21 @@
 #include "gateways/gateway/sample_sink.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <statistics.h>
 
 namespace gridspace::gateways {
+namespace {
+
+constexpr unsigned kClockAccuracyBits = 0x0A; ///< of the times that are stamped: about a millisecond
+
+} // namespace
 
 SampleSink::SampleSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame)
     : Sink{route}, context_{context}, route_{route}, layout_{route.to_stream->data_set},
       publisher_{std::move(frame), static_cast<std::uint32_t>(route.to_stream->rate_hz.num())},
-      period_quanta_{Rational{1} / route.to_stream->rate_hz / context.node.time_base().quantum_s()} {}
+      period_quanta_{Rational{1} / route.to_stream->rate_hz / context.node.time_base().quantum_s()},
+      grid_{route.to_stream->rate_hz}, synch_{route.to_stream->smp_synch} {}
 
 void SampleSink::encode(std::span<std::uint8_t> sample) const {
     layout_.write_all(values_, sample); // what no rule writes is zero
@@ -25,7 +32,35 @@ iec61850::Octets SampleSink::fill(std::int64_t index, std::span<std::uint8_t con
         publisher_.frame().set_smp_cnt(static_cast<std::size_t>(index) % publisher_.samples_per_frame(),
                                        static_cast<std::uint16_t>(count));
     }
+    if (stream().send_refr_tm) {
+        // By the clock of the device: with one that runs ahead, its counter and its time do.
+        bool const synchronised = synch_ != iec61850::kNotSynchronised;
+        auto const quality = static_cast<std::uint8_t>(
+            kClockAccuracyBits | (synchronised ? 0U : unsigned{iec61850::UtcTime::kNotSynchronised}));
+        publisher_.frame().set_refr_tm(
+            static_cast<std::size_t>(index) % publisher_.samples_per_frame(),
+            iec61850::UtcTime::from_nanoseconds(
+                std::max<std::int64_t>(0, taken_unix_ns(index) + grid_.nanoseconds(shift_samples_)), quality));
+    }
     return publisher_.commit();
+}
+
+std::int64_t SampleSink::taken_unix_ns(std::int64_t index) {
+    std::int64_t const ns = grid_.nanoseconds(index);
+    if (context_.node.lockstep()) {
+        return context_.clock.utc_ns(ns);
+    }
+    if (!zero_unix_ns_) {
+        zero_unix_ns_ = context_.node.start_unix_ns();
+    }
+    double const speed = context_.wire.speed;
+    return *zero_unix_ns_ + (speed == 1 ? ns : std::llround(static_cast<double>(ns) / speed));
+}
+
+/// Without a simulator nobody knows when the index of a foreign sample was 0: then it was taken when it came here.
+std::int64_t IndexedSink::taken_unix_ns(std::int64_t index) {
+    bool const foreign = !context_.node.lockstep() && context_.node.config().clock.simulator.empty();
+    return foreign ? context_.clock.utc_ns(0) : SampleSink::taken_unix_ns(index);
 }
 
 void SampleSink::obey_clock_changes(std::int64_t index) {
@@ -35,7 +70,8 @@ void SampleSink::obey_clock_changes(std::int64_t index) {
         if (Rational{index} < change.at_s * route_.to_stream->rate_hz) {
             return;
         }
-        publisher_.set_synch(change.synchronised ? route_.to_stream->smp_synch : iec61850::kNotSynchronised);
+        synch_ = change.synchronised ? route_.to_stream->smp_synch : iec61850::kNotSynchronised;
+        publisher_.set_synch(synch_);
         shift_samples_ = change.synchronised ? 0 : change.shift_samples;
     }
 }
@@ -117,7 +153,7 @@ void IndexedSink::put(Moment, std::int64_t index) {
 
 HeldSink::HeldSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame)
     : SampleSink{context, route, std::move(frame)}, current_(layout_.sample_octets()),
-      newest_{std::vector<std::uint8_t>(layout_.sample_octets())}, grid_{route.to_stream->rate_hz} {}
+      newest_{std::vector<std::uint8_t>(layout_.sample_octets())} {}
 
 Result<std::unique_ptr<HeldSink>> HeldSink::create(GatewayContext const& context, Route& route) {
     auto frame = route.to_stream->sv_template(context.port.mac());

@@ -35,6 +35,8 @@ class SampleSink : public Sink {
     void encode(std::span<std::uint8_t> sample) const;
     /// Puts sample `index` into its frame; the frame when it was the last one of it.
     [[nodiscard]] iec61850::Octets fill(std::int64_t index, std::span<std::uint8_t const> sample);
+    /// When a sample was taken: simulated UTC; in real time the clock of the machine.
+    [[nodiscard]] virtual std::int64_t taken_unix_ns(std::int64_t index);
     /// A frame with `index` as its last sample leaves, or has left.
     void departs(std::int64_t index);
     /// The instant of a sample, as the first one of the time grid that is not before it.
@@ -45,11 +47,14 @@ class SampleSink : public Sink {
     iec61850::SvLayout layout_;
     iec61850::SvPublisher publisher_;
     Rational period_quanta_;
+    iec61850::SampleGrid grid_;
 
   private:
     void obey_clock_changes(std::int64_t index);
     std::size_t next_clock_change_{0}; ///< on the thread that sends
     std::int64_t shift_samples_{0};
+    std::uint8_t synch_;
+    std::optional<std::int64_t> zero_unix_ns_; ///< real time: at simulated time 0; on the thread that sends
     std::atomic<std::uint64_t> sent_{0};
     SpscRing<Departure> departures_{8192};
 };
@@ -64,6 +69,7 @@ class IndexedSink final : public SampleSink {
 
   private:
     using SampleSink::SampleSink;
+    [[nodiscard]] std::int64_t taken_unix_ns(std::int64_t index) override;
     std::vector<std::uint8_t> sample_;
     std::uint64_t missed_{0};                 ///< lockstep: of ticks in which this process was paused
     std::unique_ptr<ethernet::Port> port_;    ///< of the sender's thread
@@ -95,7 +101,6 @@ class HeldSink final : public SampleSink {
 
     std::vector<std::uint8_t> current_;
     TripleBuffer<std::vector<std::uint8_t>> newest_;
-    iec61850::SampleGrid grid_;
     std::optional<std::int64_t> next_; ///< lockstep: index of the next sample
     std::atomic<bool> has_values_{false};
     std::atomic<std::uint64_t> late_{0};

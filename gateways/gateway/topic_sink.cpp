@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/gateway/sink.hpp"
+#include "gateways/iec61850/quality.hpp"
 #include "gateways/mapping/record_writer.hpp"
 
 #include <algorithm>
@@ -16,6 +17,9 @@ Sink::Sink(Route& route) {
         values_.push_back({field.type, bits ? static_cast<std::uint8_t>(field.length) : std::uint8_t{0}, 0, {}});
     }
     route.constants.apply({}, values_);
+    for (std::size_t const field : route.invalid) {
+        values_[field] = mapping::Value::quality(iec61850::quality::kInvalid);
+    }
 }
 
 namespace {

@@ -39,9 +39,11 @@ class SvTemplate {
     void set_smp_cnt(std::size_t asdu, std::uint16_t smp_cnt) noexcept { patch(slots_[asdu].smp_cnt, smp_cnt); }
     void set_smp_synch(std::size_t asdu, std::uint8_t synch) noexcept { frame_[slots_[asdu].smp_synch] = synch; }
     void set_conf_rev(std::size_t asdu, std::uint32_t conf_rev) noexcept { patch(slots_[asdu].conf_rev, conf_rev); }
+    /// Nothing happens in a frame that does not carry it.
     void set_refr_tm(std::size_t asdu, UtcTime time) noexcept {
-        assert(slots_[asdu].refr_tm != 0);
-        patch(slots_[asdu].refr_tm, time.bits());
+        if (slots_[asdu].refr_tm != 0) { // the destination address is there
+            patch(slots_[asdu].refr_tm, time.bits());
+        }
     }
     /// The data set of an ASDU, to be written in place (SvLayout::write, store_float).
     [[nodiscard]] std::span<std::uint8_t> sample(std::size_t asdu) noexcept {

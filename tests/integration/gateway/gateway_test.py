@@ -32,12 +32,12 @@ GOOSE_OUT = {"kind": "goose", "mac": "01:0C:CD:01:00:08", "app_id": 8, "control_
              "data_set": {"mv": "int32", "pos": "position", "there": "boolean"}, "min_time_ms": 2, "max_time_ms": 20}
 SV_IN = {"kind": "smv", "mac": "01:0C:CD:04:00:07", "app_id": 0x4007, "sv_id": "IN", "rate_hz": 400,
          "data_set": {"Ia": "float32", "Ib": "float32", "Ic": "float32"}}
-SV_OUT = {"kind": "smv", "mac": "01:0C:CD:04:00:08", "app_id": 0x4008, "sv_id": "OUT", "rate_hz": 400,
+SV_OUT = {"kind": "smv", "mac": "01:0C:CD:04:00:08", "app_id": 0x4008, "sv_id": "OUT", "rate_hz": 400, "send_refr_tm": True,
           "data_set": {"Ia": "int32", "q": "quality"}}
 
 
 def keys_of(stream):
-    return [f"{k}={json.dumps(v) if isinstance(v, dict) else v}" for k, v in stream.items() if k != "kind"]
+    return [f"{k}={json.dumps(v) if isinstance(v, (dict, bool)) else v}" for k, v in stream.items() if k != "kind"]
 
 
 class Gateway(unittest.TestCase):
@@ -137,9 +137,12 @@ class Gateway(unittest.TestCase):
         publisher = self.start(self.wire("sv-pub", "in0", "--amplitude", "10", *keys_of(SV_IN)))
         first = self.first_line(subscriber, lambda m: m.get("values", {}).get("Ia", 0) != 0)
         self.assertLessEqual(abs(first["values"]["Ia"]), 10000)
-        counts = [first["smp_cnt"]] + [self.first_line(subscriber, lambda m: True)["smp_cnt"] for _ in range(100)]
-        for a, b in zip(counts, counts[1:]):
-            self.assertEqual(b, (a + 1) % 400)
+        samples = [first] + [self.first_line(subscriber, lambda m: True) for _ in range(100)]
+        for a, b in zip(samples, samples[1:]):
+            self.assertEqual(b["smp_cnt"], (a["smp_cnt"] + 1) % 400)
+            self.assertAlmostEqual(b["refr_tm_ns"] - a["refr_tm_ns"], 2_500_000, delta=120, msg="the time of the sample, in 2^-24 s")
+        self.assertAlmostEqual(first["refr_tm_ns"] % 1_000_000_000, first["smp_cnt"] * 2_500_000, delta=120, msg="sample 0 is on the second")
+        self.assertLess(abs(first["refr_tm_ns"] / 1e9 - time.time()), HANG_S)
         self.stop(publisher)
         self.first_line(subscriber, lambda m: m["values"]["q"] not in ("0x0000", 0))
 

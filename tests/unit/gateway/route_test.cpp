@@ -19,6 +19,7 @@ using testing::HasSubstr;
 constexpr char const* kStreams = R"(
 streams:
   SV: {kind: smv, mac: "01:0C:CD:04:00:03", app_id: 0x4003, sv_id: MU03, data_set: {Ia: int32, q: quality, P: float32}}
+  LE: {kind: smv, mac: "01:0C:CD:04:00:04", app_id: 0x4004, sv_id: MU04, data_set: 9-2LE}
   GO: {kind: goose, mac: "01:0C:CD:01:00:03", app_id: 3, control_block: LD/LLN0$GO$a, data_set: {st: boolean, pos: position, id: {type: visible_string, length: 8}}}
 )";
 
@@ -89,9 +90,9 @@ TEST(Route, TakesUnitsFromTheNamesOfTopicFields) {
 
 TEST(Route, SaysEverythingThatIsWrongAtItsPlace) {
     auto const sut = make(mapping_of(kBus, "{stream: SV}", "{Ia: v_puu, q: {value: goood}, X: v_pu, P: {from: p_kw, to_unit: V}}"));
-    EXPECT_THAT(sut->said, AllOf(HasSubstr("gw.yaml:9:18: error: there is no field 'v_puu'"), HasSubstr("did you mean 'v_pu'?"),
-                                 HasSubstr("gw.yaml:9:36: error: 'goood' is no value of 'q', which is quality"), HasSubstr("expected good, invalid"),
-                                 HasSubstr("gw.yaml:9:44: error: there is no field 'X'"), HasSubstr("there are: Ia, q, P"),
+    EXPECT_THAT(sut->said, AllOf(HasSubstr("gw.yaml:10:18: error: there is no field 'v_puu'"), HasSubstr("did you mean 'v_pu'?"),
+                                 HasSubstr("gw.yaml:10:36: error: 'goood' is no value of 'q', which is quality"), HasSubstr("expected good, invalid"),
+                                 HasSubstr("gw.yaml:10:44: error: there is no field 'X'"), HasSubstr("there are: Ia, q, P"),
                                  HasSubstr("'p_kw' is in kW, 'P' in V: they measure different things"), HasSubstr("4 errors")))
         << sut->said;
 }
@@ -139,6 +140,22 @@ INSTANTIATE_TEST_SUITE_P(
                 mapping_of(kBus, "{stream: SV}", "{P: v_pu}") + "  n: {from: " + kBus + ", to: {stream: SV}, fields: {P: v_pu}}\n",
                 "stream 'SV' is sent by mapping 'm' already"}),
     [](auto const& mistake) { return mistake.param.name; });
+
+TEST(Route, CallsTheChannelsInvalidThatNobodyWrites) {
+    auto const invalid = [](std::string const& fields) {
+        auto const sut = make(mapping_of(kBus, "{stream: LE}", fields));
+        EXPECT_EQ(sut->said, "");
+        std::vector<std::string> out;
+        for (std::size_t const field : sut->routes.front().invalid) {
+            out.push_back(sut->routes.front().to[field].name);
+        }
+        return out;
+    };
+    EXPECT_THAT(invalid("{Ia: v_pu, Ib: v_pu, Ic: v_pu}"), testing::ElementsAre("In_q", "Va_q", "Vb_q", "Vc_q", "Vn_q"));
+    EXPECT_THAT(invalid("{Ia: v_pu, Ib: v_pu, Ic: {value: 0}, In_q: {value: good}, Va: v_pu, Vb: v_pu, Vc: v_pu}"), testing::ElementsAre("Vn_q"));
+    auto const held = make(mapping_of("{stream: GO}", kFeeder, "{energised: st}"));
+    EXPECT_TRUE(held->routes.front().invalid.empty()) << "a topic says what it says";
+}
 
 TEST(Route, KeepsItsConstantsWhenItMoves) {
     auto const sut = make(mapping_of("{stream: GO}", kFeeder, "{feeder: {value: A1}}"));

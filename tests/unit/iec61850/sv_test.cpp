@@ -134,6 +134,13 @@ TEST(SvDecoder, ReadsEveryOptionalField) {
     EXPECT_TRUE(sut.header.simulated());
 }
 
+TEST(SvTemplate, LeavesAFrameAloneThatCarriesNoTime) {
+    auto sut = *SvTemplate::create(sv_address(), {asdu("MU", 4)});
+    Buffer const before{sut.frame().begin(), sut.frame().end()};
+    sut.set_refr_tm(0, UtcTime{1, 2, 3});
+    EXPECT_TRUE(std::ranges::equal(sut.frame(), before));
+}
+
 TEST(SvDecoder, TellsTheStreamsOfOneFrameApart) {
     std::vector<AsduDescription> many;
     for (int i = 0; i < 13; ++i) {
