@@ -169,6 +169,24 @@ class Gateway(unittest.TestCase):
             sample = self.first_line(original, lambda m: m["smp_cnt"] in wanted)
             self.assertEqual(sample["values"], wanted.pop(sample["smp_cnt"]))
 
+    def test_two_streams_of_one_sv_id_are_told_apart_by_their_addresses(self):
+        other = dict(SV_IN, mac="01:0C:CD:04:00:0A", app_id=0x400A)
+        inward = self.gateway("inward", "in1", {"IN": SV_IN, "OTHER": other}, {name: {
+            "from": {"stream": stream}, "to": {"topic": "feeders", "type": "example::FeederState"}, "every": 10,
+            "fields": {"feeder": {"value": name}, "voltage_kv": "Ia"}} for name, stream in (("A", "IN"), ("B", "OTHER"))})
+        self.gateway("outward", "out0", {"OUT": SV_OUT}, {"m": {
+            "from": {"topic": "feeders", "type": "example::FeederState", "where": {"feeder": "B"}}, "to": {"stream": "OUT"},
+            "fields": {"Ia": {"from": "voltage_kv", "scale": 1000}}}})
+        subscriber = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(SV_OUT)))
+        for amplitude, stream in (("1000", SV_IN), ("10", other)):
+            self.start(self.wire("sv-pub", "in0", "--amplitude", amplitude, *keys_of(stream)))
+        self.first_line(subscriber, lambda m: m.get("values", {}).get("Ia", 0) != 0)
+        for _ in range(100):
+            self.assertLessEqual(abs(self.first_line(subscriber, lambda m: True)["values"]["Ia"]), 10000, "of the other stream")
+        inward.send_signal(signal.SIGTERM)
+        _, said = inward.communicate(timeout=HANG_S)
+        self.assertNotIn("wrong_", said)
+
     # For every message: a change that comes before the two gateways have found each other would be gone.
     INWARD_GOOSE = {"m": {"from": {"stream": "IN"}, "to": {"topic": "feeders", "type": "example::FeederState"}, "write_on": "message",
                           "fields": {"feeder": {"value": "A"}, "voltage_kv": {"from": "n", "scale": 0.5}, "energised": "ok"}}}
