@@ -21,6 +21,8 @@ class ArrivalStatistics {
             std::int64_t const gap = now_ns - last_ns_;
             if (gap == 0) {
                 last_index_ = index;
+                // The slope is between the last samples of two frames: those of the first were all there at its time.
+                first_index_ = count_ == 1 ? index : first_index_;
                 return;
             }
             shortest_ns_ = count_ == 1 ? gap : std::min(shortest_ns_, gap);

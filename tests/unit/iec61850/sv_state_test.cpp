@@ -283,6 +283,18 @@ TEST(ArrivalStatistics, GivesTheRateAsASlope) {
     EXPECT_NEAR(static_cast<double>(sut.shortest_ns()), 158'333, 1);
 }
 
+TEST(ArrivalStatistics, SamplesThatShareAFrameDoNotMakeTheSlopeSteeper) {
+    ArrivalStatistics sut;
+    SampleGrid const grid{Rational{4800}};
+    for (std::int64_t frame = 0; frame < 100; ++frame) { // short: 7 samples too many would be 1 % of it
+        for (std::int64_t k = 0; k < 8; ++k) {
+            sut.add(frame * 8 + k, grid.nanoseconds(frame * 8 + 7));
+        }
+    }
+    EXPECT_EQ(sut.count(), 100U);
+    EXPECT_NEAR(sut.rate_hz(), 4800, 1e-3);
+}
+
 using Alignment = StreamAlignment<int>;
 constexpr std::int64_t kTimeout = 3'150'000;
 
