@@ -3,6 +3,7 @@
 #include "launcher/report/wire_timing.hpp"
 
 #include "common/config/fields.hpp"
+#include "launcher/wire/steady_interval.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,18 +39,21 @@ std::optional<std::size_t> rise(SignalSeries const* series) {
     return std::nullopt;
 }
 
-std::optional<double> nominal_rate(Node const& scenario, std::string const& stream) {
+/// A number of a stream's entry in `streams:`; nothing where it has none.
+std::optional<double> declared(Node const& scenario, std::string const& stream, char const* key) {
     Node const* streams = scenario.find("streams");
-    Node const* declared = streams == nullptr ? nullptr : streams->find(stream);
-    Node const* rate = declared == nullptr ? nullptr : declared->find("rate_hz");
-    return rate == nullptr ? std::nullopt : config::number_of(*rate);
+    Node const* entry = streams == nullptr ? nullptr : streams->find(stream);
+    Node const* value = entry == nullptr ? nullptr : entry->find(key);
+    return value == nullptr ? std::nullopt : config::number_of(*value);
 }
 
 SmvTiming smv_timing(SignalStore const& signals, Node const& scenario, std::string const& stream) {
     std::string const prefix = "stream." + stream + ".";
     SmvTiming out;
     out.stream = stream;
-    out.nominal_hz = nominal_rate(scenario, stream);
+    out.nominal_hz = declared(scenario, stream, "rate_hz");
+    out.samples_per_frame =
+        static_cast<std::size_t>(std::max(1.0, declared(scenario, stream, "samples_per_frame").value_or(1)));
     out.received = last_count(signals, prefix + "received");
     out.lost = last_count(signals, prefix + "lost");
     out.duplicate = last_count(signals, prefix + "duplicate");
@@ -67,7 +71,8 @@ SmvTiming smv_timing(SignalStore const& signals, Node const& scenario, std::stri
         }
         out.interval = spread_of(std::move(intervals));
         double const seconds = (out.arrival_ms.back() - out.arrival_ms.front()) / 1e3;
-        out.mean_hz = seconds > 0 ? static_cast<double>(out.arrival_ms.size() - 1) / seconds : 0;
+        std::size_t const samples = (out.arrival_ms.size() - 1) * out.samples_per_frame; // a row of ages is a frame
+        out.mean_hz = seconds > 0 ? static_cast<double>(samples) / seconds : 0;
     }
     return out;
 }
@@ -88,12 +93,11 @@ GooseTiming goose_timing(SignalStore const& signals, std::string const& stream) 
             out.event = i;
         }
     }
-    std::size_t const steady_until = out.event.value_or(out.interval_ms.size());
-    if (steady_until > 1) { // the first message has nothing before it
-        out.steady_ms = spread_of({out.interval_ms.begin() + 1,
-                                   out.interval_ms.begin() + static_cast<std::ptrdiff_t>(steady_until)})
-                            .p50;
+    std::vector<wire::MessageInterval> messages;
+    for (std::size_t i = 1; i < std::min(states->values.size(), out.interval_ms.size()); ++i) {
+        messages.push_back({out.interval_ms[i], states->values[i] == states->values[i - 1]});
     }
+    out.steady_ms = wire::steady_interval_ms(messages);
     out.wire_delay = spread_of(values_of(signals, prefix + "wire_delay_ms"));
     return out;
 }

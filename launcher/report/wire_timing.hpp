@@ -25,17 +25,18 @@ struct SmvTiming {
     std::string stream;
     std::optional<double> nominal_hz;
     std::size_t received{0}, lost{0}, duplicate{0}, late{0};
-    double mean_hz{0};                   ///< frames over the time between the first and the last; 0 in lockstep
-    std::vector<std::int64_t> sample_ns; ///< simulated instants of the samples that arrived, in order
-    std::vector<double> arrival_ms;      ///< of each on the wall clock, since the start; empty in lockstep
-    Spread interval;                     ///< between two arrivals
+    std::size_t samples_per_frame{1};
+    double mean_hz{0};                   ///< samples over the time between the first and the last frame; 0 in lockstep
+    std::vector<std::int64_t> sample_ns; ///< simulated instants of the last samples of the frames, in order
+    std::vector<double> arrival_ms;      ///< of each frame on the wall clock, since the start; empty in lockstep
+    Spread interval;                     ///< between the arrivals of two frames
     Spread publish_age, wire_delay;
 };
 
 struct GooseTiming {
     std::string stream;
     std::size_t messages{0};
-    double steady_ms{0};              ///< median interval before the event
+    std::optional<double> steady_ms;  ///< median interval where it no longer grows; nothing when it nowhere does
     std::optional<std::size_t> event; ///< index of the first message of the new state
     std::vector<double> interval_ms;  ///< of each message, to the one before
     Spread wire_delay;

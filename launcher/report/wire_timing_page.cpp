@@ -53,11 +53,12 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
                  : fmt::format("<i>{:+.0f} ppm</i>", (*published.smv_rate_hz / *t.smv[0].nominal_hz - 1) * 1e6),
              ""});
     }
-    out.note = t.lockstep ? "Counted by smpCnt at the relay. Lockstep: frames are sent at simulated instants, so the "
-                            "rate is exact and there is no jitter to measure."
-                          : "Counted by smpCnt at the relay. Rate: frames over the time between the first and the last "
-                            "arrival. Intervals: between the receiving kernel's stamps "
-                            "(CLOCK_REALTIME) of consecutive frames, at the relay's end of its cable.";
+    out.note = t.lockstep
+                   ? "Counted by smpCnt at the relay. Lockstep: frames are sent at simulated instants, so the "
+                     "rate is exact and there is no jitter to measure."
+                   : "Counted by smpCnt at the relay. Rate: samples over the time between the first and the last "
+                     "arrival. Intervals: between the receiving kernel's stamps "
+                     "(CLOCK_REALTIME) of consecutive frames, at the relay's end of its cable.";
     return out;
 }
 
@@ -123,14 +124,16 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
     return out;
 }
 
-/// Arrivals in windows of 0.1 s: how many, over the time that they took.
+/// Samples in windows of 0.1 s: how many, over the time that their frames took.
 Figure::Series rate_over_time(SmvTiming const& s) {
     Figure::Series out;
     out.name = s.stream;
-    std::size_t const per_window = static_cast<std::size_t>(std::max(2.0, s.nominal_hz.value_or(4800) / 10));
+    auto const per_frame = static_cast<double>(s.samples_per_frame);
+    auto const per_window = static_cast<std::size_t>(std::max(2.0, s.nominal_hz.value_or(4800) / 10 / per_frame));
     for (std::size_t i = per_window; i < s.arrival_ms.size(); i += per_window) {
         out.times_ns.push_back(std::llround(s.arrival_ms[i] * 1e6));
-        out.values.push_back(static_cast<double>(per_window) / (s.arrival_ms[i] - s.arrival_ms[i - per_window]) * 1e3);
+        out.values.push_back(static_cast<double>(per_window) * per_frame /
+                             (s.arrival_ms[i] - s.arrival_ms[i - per_window]) * 1e3);
     }
     return out;
 }
@@ -209,7 +212,7 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
         Figure rate;
         rate.id = "smv_rate";
         rate.title = captioned("Rate of sampled values", published.smv_figure);
-        rate.y_label = "frames per second";
+        rate.y_label = "samples per second";
         rate.to_s = end_s;
         Figure histogram;
         histogram.id = "smv_intervals";
@@ -218,7 +221,8 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
         histogram.axis = histogram.id;
         histogram.x_label = "interval, ms";
         histogram.log_y = true;
-        double const nominal_ms = 1e3 / t.smv[0].nominal_hz.value_or(4800);
+        double const nominal_ms =
+            1e3 * static_cast<double>(t.smv[0].samples_per_frame) / t.smv[0].nominal_hz.value_or(4800);
         constexpr double kBinMs = 0.01;
         histogram.to_s = 5 * nominal_ms;
         for (SmvTiming const& s : t.smv) {
@@ -231,8 +235,9 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
         if (published.smv_rate_hz) {
             rate.lines.push_back({"published mean", *published.smv_rate_hz});
         }
-        rate.note = "480 frames at a time over the time they took to arrive (kernel stamps at the relay; a tenth of a "
-                    "second at 4800 Hz).";
+        rate.note =
+            "As many samples at a time as a tenth of a second nominally has, over the time their frames took to "
+            "arrive (kernel stamps at the relay).";
         histogram.marks.push_back({"nominal", nominal_ms, -1});
         histogram.note = "Kernel stamps at the relay. Logarithmic: a single late frame is to be seen. The last bin "
                          "holds all that is longer.";
@@ -297,7 +302,7 @@ std::string wire_timing_json(WireTiming const& t) {
             burst.push_back(g.interval_ms[i]);
         }
         out["goose"][g.stream] = {{"messages", g.messages},
-                                  {"steady_interval_ms", g.steady_ms},
+                                  {"steady_interval_ms", g.steady_ms ? Json(*g.steady_ms) : Json(nullptr)},
                                   {"burst_ms", burst},
                                   {"wire_delay_ms", spread(g.wire_delay)}};
     }

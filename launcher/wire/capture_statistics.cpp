@@ -216,7 +216,7 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
             s.delay_ms = percentiles(own);
         }
         if (stream->goose) {
-            s.steady_ms = median(stream->intervals_ms);
+            s.steady_ms = steady_interval_ms(stream->intervals);
             describe_bursts(s);
         }
         out.streams.push_back(std::move(s));
@@ -250,8 +250,9 @@ std::string to_text(CaptureStatistics const& c) {
         out += fmt::format("  {} frames, lost {}, duplicate {}, out of order {}, restarts {}\n", o.frames, o.lost,
                            o.duplicates, o.out_of_order, o.restarts);
         if (o.goose) {
-            out += fmt::format("  {} changes of state; steady interval {:.3f} ms; {} came after their time to live\n",
-                               o.states, s.steady_ms, o.late);
+            out += fmt::format(
+                "  {} changes of state; {}; {} came after their time to live\n", o.states,
+                s.steady_ms ? fmt::format("steady interval {:.3f} ms", *s.steady_ms) : "never in steady state", o.late);
             if (!s.burst_ms.empty()) {
                 out += "  retransmission curve, ms:";
                 for (double const ms : s.burst_ms) {
@@ -312,7 +313,7 @@ std::string to_json(CaptureStatistics const& c) {
         if (o.goose) {
             j["states"] = o.states;
             j["late"] = o.late;
-            j["steady_ms"] = s.steady_ms;
+            j["steady_ms"] = s.steady_ms ? nlohmann::ordered_json(*s.steady_ms) : nlohmann::ordered_json(nullptr);
             j["burst_ms"] = s.burst_ms;
         } else {
             j["rate_hz"] = o.rate_hz();

@@ -29,7 +29,7 @@ struct StreamStatistics {
     ObservedStream stream;
     Percentiles interval_ms;             ///< between frames
     std::optional<Percentiles> delay_ms; ///< between two points of capture that saw the same frame
-    double steady_ms{0};                 ///< GOOSE: median interval
+    std::optional<double> steady_ms;     ///< GOOSE: median interval where it no longer grows; nothing: nowhere
     std::vector<double> burst_ms;        ///< GOOSE: medians of the intervals behind a change of state
 };
 

@@ -139,8 +139,8 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
         return;
     }
     if (!first) {
-        if (s.intervals_ms.size() < ObservedStream::kIntervals) {
-            s.intervals_ms.push_back(interval_ms);
+        if (s.intervals.size() < ObservedStream::kIntervals) {
+            s.intervals.push_back({interval_ms, same_state});
         }
         s.late += interval_ms > s.live_ms ? 1 : 0;
         if (same_state) {

@@ -4,6 +4,7 @@
 
 #include "gateways/iec61850/goose.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
+#include "launcher/wire/steady_interval.hpp"
 
 #include <map>
 #include <memory>
@@ -33,7 +34,7 @@ struct ObservedStream {
     // GOOSE
     std::uint32_t st_num{0}, sq_num{0}, live_ms{0};
     std::uint64_t states{0}, late{0};        ///< late: came after timeAllowedToLive of the one before
-    std::vector<double> intervals_ms;        ///< between messages, in order
+    std::vector<MessageInterval> intervals;  ///< between messages, in order
     std::vector<std::vector<double>> bursts; ///< intervals behind each change of state, at most kBurst of each
     std::string values;                      ///< of the last message, for people
 

@@ -125,7 +125,50 @@ TEST(WireTiming, IntervalsAndRateComeFromArrivals) {
     EXPECT_NEAR(sut.smv[0].mean_hz, 3 / 0.0025, 1e-6);
     ASSERT_EQ(sut.goose.size(), 1U);
     EXPECT_EQ(sut.goose[0].event, std::optional<std::size_t>{2});
-    EXPECT_DOUBLE_EQ(sut.goose[0].steady_ms, 10);
+    EXPECT_EQ(sut.goose[0].steady_ms, std::nullopt) << "one interval alone does not say whether it still grows";
+}
+
+TEST(WireTiming, FramesOfSeveralSamplesCountAsSoManySamples) {
+    config::Node settings = scenario();
+    settings.find("streams")->find("SMV21")->set("samples_per_frame", config::Node::scalar("2"));
+    Results r = run();
+    SignalSeries& ages = r.signals["stream.SMV21.arrival_age_ms"];
+    ages = {"ms", {}, {}};
+    for (int frame = 0; frame < 1000; ++frame) { // 1000 Hz, two samples in a frame
+        ages.times_ns.push_back(ns(frame * 0.002));
+        ages.values.push_back(2);
+    }
+
+    WireTiming const sut = measure_wire_timing(r, settings);
+
+    EXPECT_NEAR(sut.smv[0].mean_hz, 1000, 1e-6);
+    std::string table;
+    for (ReportTable const& t : wire_timing_tables(sut, {})) {
+        for (auto const& row : t.rows) {
+            table += row[0] == "SMV21" && row.size() == 8 ? row[6] : "";
+        }
+    }
+    EXPECT_EQ(table, "+0 ppm");
+    Figure const rate = wire_timing_figures(sut, r, {})[0];
+    ASSERT_EQ(rate.id, "smv_rate");
+    EXPECT_EQ(rate.y_label, "samples per second");
+    ASSERT_FALSE(rate.series[0].values.empty());
+    for (double const hz : rate.series[0].values) {
+        EXPECT_NEAR(hz, 1000, 1e-6);
+    }
+    EXPECT_NEAR(rate.lines[0].value, 1000, 1e-9);
+}
+
+TEST(WireTiming, TheSteadyIntervalIsThatOfMessagesWhoseIntervalNoLongerGrows) {
+    Results r = run();
+    r.signals["stream.TRIP2.st_num"].values = {1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+    r.signals["stream.TRIP2.interval_ms"].values = {0, 1, 2, 4, 10, 10.2, 7, 1, 2, 4, 3, 1, 2, 4};
+    EXPECT_EQ(measure_wire_timing(r, scenario()).goose[0].steady_ms, 10.2);
+
+    r.signals["stream.TRIP2.interval_ms"].values = {0, 1, 2, 4, 8, 16, 7, 1, 2, 4, 3, 1, 2, 4};
+    EXPECT_EQ(measure_wire_timing(r, scenario()).goose[0].steady_ms, std::nullopt);
+    EXPECT_NE(wire_timing_json(measure_wire_timing(r, scenario())).find("\"steady_interval_ms\":null"),
+              std::string::npos);
 }
 
 TEST(WireTiming, TablesShowPublishedValuesBesideTheMeasuredOnesAndSayHow) {
