@@ -2,14 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/report/comtrade_output.hpp"
 
+#include "common/comtrade/comtrade_record.hpp"
+#include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
-#include "common/comtrade/comtrade_record.hpp"
 #include "sim/app/sim_config.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 
 namespace gridspace::launcher {
 namespace {
@@ -56,22 +58,73 @@ std::string trigger_signal(Results const& r, ComtradeSettings const& settings) {
     return {};
 }
 
-double rate_hz(Node const& scenario) {
+sim::SimulationConfig simulation_of(Node const& scenario) {
     sim::SimulationConfig simulation;
     config::Diagnostics ignored; // the run was started with it
     if (Node const* node = scenario.find("simulation")) {
         config::read_fields(*node, "simulation", ignored, [&](config::Fields& f) { describe(f, simulation); });
     }
-    return sim::signal_rate_hz(simulation).to_double();
+    return simulation;
 }
 
-/// Of the network file in the run folder; 60 where that is not a YAML file that says otherwise.
-double line_frequency_hz(fs::path const& folder) {
-    config::Diagnostics ignored;
-    auto const network = config::load_yaml(folder / "network.yaml", ignored);
-    Node const* base = network ? network->find("base") : nullptr;
+/// The network of a run as far as a record speaks of it: the copy of its file in the run folder, with what that
+/// extends and the scenario's changes. Empty where it is no YAML file.
+Node network_of(fs::path const& folder, sim::SimulationConfig const& simulation) {
+    config::Diagnostics ignored; // the run was started with it
+    auto network = config::load_yaml(folder / "network.yaml", ignored);
+    if (network && network->find("extends") != nullptr) { // relative to where the file was, not to its copy
+        auto extended = config::load_extended(simulation.network, ignored);
+        network = extended ? std::move(extended) : std::move(network);
+    }
+    if (!network || !network->is_map()) {
+        return Node::map();
+    }
+    if (!simulation.network_changes.is_null()) {
+        config::merge(*network, simulation.network_changes);
+    }
+    return *network;
+}
+
+double line_frequency_hz(Node const& network) {
+    Node const* base = network.find("base");
     Node const* frequency = base == nullptr ? nullptr : base->find("frequency_hz");
     return frequency == nullptr ? 60 : config::number_of(*frequency).value_or(60);
+}
+
+struct Ratio {
+    double primary{1}, secondary{1};
+};
+using Ratios = std::map<std::string, Ratio>; ///< by the beginning of the transformer's signals: "ct.CT21"
+
+/// "400:5" as 400 and 5.
+std::optional<Ratio> ratio_of(std::string const& text) {
+    std::vector<std::string> const parts = split(text, ':');
+    if (parts.size() != 2) {
+        return std::nullopt;
+    }
+    auto const primary = config::number_of(Node::scalar(parts[0])),
+               secondary = config::number_of(Node::scalar(parts[1]));
+    return primary && secondary ? std::optional{Ratio{*primary, *secondary}} : std::nullopt;
+}
+
+/// Of all instrument transformers of a network file.
+Ratios ratios_of(Node const& network) {
+    Ratios out;
+    for (std::string const kind : {"ct", "vt"}) {
+        Node const *transformers = network.find(kind + "s"), *types = network.find(kind + "_types");
+        if (transformers == nullptr || types == nullptr) {
+            continue;
+        }
+        for (Node::Entry const& entry : transformers->entries) {
+            Node const* name = entry.value.find("type");
+            Node const* type = name == nullptr ? nullptr : types->find(name->text);
+            Node const* ratio = type == nullptr ? nullptr : type->find("ratio");
+            if (auto const value = ratio == nullptr ? std::nullopt : ratio_of(ratio->text)) {
+                out[kind + "." + entry.key] = *value;
+            }
+        }
+    }
+    return out;
 }
 
 /// "ct.CT21.i.a" is channel "CT21 Ia", phase A; "breaker.CB3.pole.a" is the auxiliary contact "CB3 52a A"; others keep
@@ -97,8 +150,8 @@ ComtradeChannel channel_of(std::string const& signal, std::string const& unit, b
 
 class RecordMaker {
   public:
-    RecordMaker(SignalStore const& signals, double rate, std::int64_t first, std::size_t rows)
-        : signals_{signals}, rate_{rate}, first_{first}, rows_{rows} {}
+    RecordMaker(SignalStore const& signals, Ratios const& ratios, double rate, std::int64_t first, std::size_t rows)
+        : signals_{signals}, ratios_{ratios}, rate_{rate}, first_{first}, rows_{rows} {}
 
     /// All signals that match, each once; false when there is none.
     bool add(std::string const& pattern, bool digital) {
@@ -135,7 +188,14 @@ class RecordMaker {
         return out;
     }
     void add_analog(std::string const& name, SignalSeries const& series) {
-        record.header.analog.push_back(channel_of(name, series.unit, false));
+        ComtradeChannel channel = channel_of(name, series.unit, false);
+        std::vector<std::string> const parts = split(name, '.');
+        if (auto const ratio = ratios_.find(parts.size() < 2 ? name : parts[0] + "." + parts[1]);
+            ratio != ratios_.end()) {
+            channel.primary = ratio->second.primary;
+            channel.secondary = ratio->second.secondary;
+        }
+        record.header.analog.push_back(std::move(channel));
         record.analog.push_back(sampled(series));
     }
     void add_digital(std::string const& name, SignalSeries const& series) {
@@ -150,6 +210,7 @@ class RecordMaker {
     }
 
     SignalStore const& signals_;
+    Ratios const& ratios_;
     double rate_;
     std::int64_t first_;
     std::size_t rows_;
@@ -193,7 +254,10 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
     }
     std::error_code error;
     fs::create_directories(folder, error);
-    double const rate = rate_hz(scenario);
+    sim::SimulationConfig const simulation = simulation_of(scenario);
+    double const rate = sim::signal_rate_hz(simulation).to_double();
+    Node const network = network_of(r.folder, simulation);
+    Ratios const ratios = ratios_of(network);
     ComtradeChannels const usual = usual_channels(scenario, trigger_signal(r, settings));
     for (std::size_t n = 0; n < instants.size(); ++n) {
         double const trigger_s = static_cast<double>(instants[n]) / 1e9;
@@ -201,7 +265,7 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
                      to_s = std::min(r.outcome.simulated_s, trigger_s + settings.after_ms / 1e3);
         auto const first = static_cast<std::int64_t>(std::ceil(from_s * rate - 1e-6)),
                    last = static_cast<std::int64_t>(std::floor(to_s * rate + 1e-6));
-        RecordMaker maker{r.signals, rate, first,
+        RecordMaker maker{r.signals, ratios, rate, first,
                           static_cast<std::size_t>(std::max<std::int64_t>(0, last - first + 1))};
         std::vector<std::pair<std::string, bool>> wanted;
         for (std::string const& pattern : usual.analog) {
@@ -219,13 +283,14 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
             }
         }
         if (maker.record.header.analog.empty() && maker.record.header.digital.empty()) {
-            out.notes.push_back("nothing that was recorded is a channel of such a record: name signals (--signals, or record.comtrade.signals)");
+            out.notes.push_back("nothing that was recorded is a channel of such a record: name signals (--signals, or "
+                                "record.comtrade.signals)");
             return out;
         }
         ComtradeHeader& header = maker.record.header;
         header.station = r.scenario;
         header.device = settings.trigger.name.substr(0, settings.trigger.name.find('.'));
-        header.line_frequency_hz = line_frequency_hz(r.folder);
+        header.line_frequency_hz = line_frequency_hz(network);
         header.sample_rate_hz = rate;
         std::int64_t const epoch_ns = r.epoch_unix_s * 1'000'000'000;
         header.start_unix_ns = epoch_ns + std::llround(static_cast<double>(first) / rate * 1e9);

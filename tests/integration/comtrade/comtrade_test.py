@@ -26,7 +26,8 @@ class DisturbanceRecords(ScenarioTest):
         super().setUpClass()
 
     def test_a_trip_leaves_a_record_in_ascii_and_one_in_binary_that_say_what_the_recording_says(self):
-        run = self.run_to_end("run", [*SHORT, "--until", "0.5s", "--set", "record.comtrade.after_ms=150"], scenario=LOCKSTEP)
+        ratio = ["--set", "simulation.network_changes.ct_types.ideal.ratio='400:5'"]
+        run = self.run_to_end("run", [*SHORT, *ratio, "--until", "0.5s", "--set", "record.comtrade.after_ms=150"], scenario=LOCKSTEP)
         self.assertEqual(run.summary()["comtrade"], ["relay2_trip_1_ascii.cfg", "relay2_trip_1_binary.cfg"])
         ascii_record, binary = (Comtrade(run.folder / "comtrade" / name) for name in run.summary()["comtrade"])
         self.assertEqual((ascii_record.format, binary.format), ("ASCII", "BINARY"))
@@ -37,7 +38,7 @@ class DisturbanceRecords(ScenarioTest):
             self.assertEqual(names[:6], [f"{ct} I{p}" for ct in ("CT21", "CT22") for p in "abc"])
             self.assertEqual(set(names[6:]), {f"{bus} V{p}" for bus in ("GRID", "B1", "B2", "B3", "B4") for p in "abc"})
             self.assertEqual([c["name"] for c in sut.digital], ["relay2 pickup", "relay2 trip"] + [f"{cb} 52a {p}" for cb in ("CB3", "CB4") for p in "ABC"])
-            self.assertTrue(all(c["ps"] == "P" and c["ratio"] == 1 for c in sut.analog))
+            self.assertEqual([(c["ps"], c["ratio"]) for c in sut.analog], [("P", 80)] * 6 + [("P", 1)] * (len(names) - 6))
             self.assertEqual({c["unit"] for c in sut.analog[:6]}, {"A"})
 
             # The window: 200 ms before to 150 ms after the trip, whole samples, on the grid of the simulation.
