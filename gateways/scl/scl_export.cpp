@@ -168,8 +168,16 @@ class Exporter {
             ln_type_ = type(ln_types_, "LNodeType", {{"id", ln_type}, {"lnClass", "GGIO"}});
             set(add(ln_type_, "DO"), {{"name", "Beh"}, {"type", "ENS_Beh"}});
             counters_.clear();
+            std::map<std::string, Stream const*> sets; // a name is one set, whoever sends it
             for (auto const& [s, place] : streams) {
-                if (auto ok = write_data_set(ln0, *s, place); !ok) {
+                auto const [same_name, fresh] = sets.try_emplace(place.data_set, s);
+                if (!fresh && same_name->second->data_set != s->data_set) {
+                    return fail(ExitCode::usage,
+                                fmt::format("streams '{}' and '{}' call different data sets '{}' in {}{}",
+                                            same_name->second->name.name, s->name.name, place.data_set, ied, inst),
+                                "another `data_set_name`, or the same `data_set`, for one of them");
+                }
+                if (auto ok = fresh ? write_data_set(ln0, *s, place) : Result<void>{}; !ok) {
                     return ok;
                 }
             }

@@ -83,6 +83,36 @@ TEST(Scl, WhatIsExportedIsImportedAsTheSameStreams) {
     EXPECT_EQ(find_stream(after, "MU21_MSVCB01")->data_set_name, "MU21LD1/LLN0$Currents");
 }
 
+/// Two streams that call their data sets the same, in one device.
+std::string two_streams(std::string const& second_set) {
+    return R"(
+A: {kind: smv, mac: "01:0C:CD:04:00:21", app_id: 0x4021, sv_id: A, data_set_name: MU21LD1/LLN0$Currents, data_set: {Ia: float32, q: quality}}
+B: {kind: smv, mac: "01:0C:CD:04:00:22", app_id: 0x4022, sv_id: B, data_set_name: MU21LD1/LLN0$Currents, data_set: )" +
+           second_set + "}\n";
+}
+
+TEST(Scl, StreamsThatNameTheSameDataSetShareIt) {
+    auto const scl = export_streams(read(two_streams("{Ia: float32, q: quality}")), "test");
+    ASSERT_TRUE(scl) << describe(scl.error());
+    std::size_t const at = scl->find("<DataSet ");
+    ASSERT_NE(at, std::string::npos);
+    EXPECT_EQ(scl->find("<DataSet ", at + 1), std::string::npos) << *scl;
+    auto const imported = import_streams(*scl, "test.cid", {});
+    ASSERT_TRUE(imported);
+    auto const after = read(imported->streams);
+    ASSERT_EQ(after.size(), 2U);
+    EXPECT_EQ(after[0].data_set, after[1].data_set);
+    EXPECT_EQ(leaves_of(after[1].data_set).size(), 2U);
+}
+
+TEST(Scl, OneNameForTwoDifferentDataSetsIsRefused) {
+    auto const refused = export_streams(read(two_streams("{Ia: int32, q: quality}")), "test");
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(describe(refused.error()),
+                testing::AllOf(HasSubstr("streams 'A' and 'B' call different data sets 'Currents' in MU21LD1"),
+                               HasSubstr("data_set_name")));
+}
+
 TEST(Scl, OnlyTheNamedIedIsImported) {
     auto const scl = export_streams(read(kStreams), "test");
     ImportOptions options;
