@@ -169,6 +169,9 @@ void describe_sampled_values(Fields& f, Stream& s) {
     if (!s.rate_hz.is_whole() || s.rate_hz > Rational{65536}) {
         f.error("rate_hz", fmt::format("{} samples a second", s.rate_hz.to_string()),
                 "smpCnt counts whole samples in a second, at most 65536");
+    } else if (s.send_smp_rate && s.rate_hz > Rational{65535}) {
+        f.error("send_smp_rate", fmt::format("smpRate cannot say {} samples a second", s.rate_hz.to_string()),
+                "it ends at 65535: leave it out, or a lower rate_hz");
     }
 }
 

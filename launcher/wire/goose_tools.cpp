@@ -181,6 +181,7 @@ Result<void> goose_subscribe(GooseSubscribeOptions const& o) {
         if (!o.stream.file.empty()) {
             s.destination = stream->address.destination;
             s.app_id = stream->address.app_id;
+            s.dat_set = stream->data_set_name;
         }
         subscriber.emplace(std::move(s));
     }

@@ -4,35 +4,18 @@
 #include "gateways/iec61850/sv_publisher.hpp"
 #include "launcher/wire/live.hpp"
 #include "launcher/wire/observer.hpp"
+#include "launcher/wire/test_pattern.hpp"
 #include "launcher/wire/tools.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 namespace gridspace::wire {
 namespace {
 
 using namespace iec61850;
 using Json = nlohmann::ordered_json;
-
-/// Balanced phases on every numeric member, qualities good.
-void write_sample(SvLayout const& layout, std::span<std::uint8_t> sample, std::int64_t index, double rate_hz,
-                  SvPublishOptions const& o) {
-    std::size_t phase = 0;
-    for (std::size_t i = 0; i < layout.slots().size(); ++i) {
-        BasicType const type = layout.slots()[i].leaf.type;
-        if (!is_number(type)) {
-            continue;
-        }
-        double const angle =
-            2 * std::numbers::pi *
-            (o.frequency_hz * static_cast<double>(index) / rate_hz - static_cast<double>(phase++ % 3) / 3);
-        layout.write(i, Value::from_number(type, o.amplitude * std::cos(angle)), sample);
-    }
-}
 
 Json value_json(Value const& v) {
     if (v.type == BasicType::boolean) {
@@ -168,14 +151,17 @@ Result<void> sv_publish(SvPublishOptions const& o) {
     catch_signals();
     auto const per_frame = static_cast<std::int64_t>(publishers[0].samples_per_frame());
     // Sample 0 of the grid is at the last whole UTC second, unless the counter was chosen.
-    std::int64_t const now = monotonic_ns(), into_second = utc_ns() % 1'000'000'000;
+    std::int64_t const now = monotonic_ns(), utc = utc_ns(), into_second = utc % 1'000'000'000;
     std::int64_t const zero = o.first_smp_cnt >= 0 ? now : now - into_second;
+    std::int64_t const zero_utc = utc - (now - zero);
     std::int64_t const offset = o.first_smp_cnt >= 0 ? o.first_smp_cnt / per_frame * per_frame : 0;
     std::int64_t const passed =
         o.first_smp_cnt >= 0
             ? 0
             : static_cast<std::int64_t>(static_cast<double>(into_second) * 1e-9 * rate) / per_frame + 1;
     SendSchedule schedule{described->rate_hz, static_cast<std::size_t>(per_frame), zero, passed};
+    SampleGrid const grid{described->rate_hz};
+    TestPattern const pattern{layout, o.amplitude, o.frequency_hz, rate};
     Duration const duration{o.duration_s};
     std::vector<Octets> batch;
     while (!duration.over()) {
@@ -185,11 +171,12 @@ Result<void> sv_publish(SvPublishOptions const& o) {
             batch.clear();
             for (SvPublisher& publisher : publishers) {
                 for (std::int64_t s = 0; s < per_frame; ++s) {
-                    std::int64_t const index = schedule.next_frame() * per_frame + s + offset;
-                    write_sample(layout, publisher.sample(index), index, rate, o);
-                    if (described->send_refr_tm) {
-                        publisher.frame().set_refr_tm(static_cast<std::size_t>(s),
-                                                      UtcTime::from_nanoseconds(utc_ns(), 0x0A));
+                    std::int64_t const number = schedule.next_frame() * per_frame + s, index = number + offset;
+                    pattern.write(index, publisher.sample(index));
+                    if (described->send_refr_tm) { // the time of the sample, not of this wake-up
+                        publisher.frame().set_refr_tm(
+                            static_cast<std::size_t>(s),
+                            UtcTime::from_nanoseconds(zero_utc + grid.nanoseconds(number), 0x0A));
                     }
                     if (Octets const frame = publisher.commit(); !frame.empty()) {
                         batch.push_back(frame);

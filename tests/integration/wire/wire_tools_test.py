@@ -68,6 +68,30 @@ class WireTools(unittest.TestCase):
         self.assertEqual(set(one["values"]), {"Ia", "q", "t"})
         self.assertGreater(max(abs(s["values"]["Ia"]) for s in samples), 300)
 
+    def test_every_sample_of_a_frame_carries_its_own_time(self):
+        keys = ["samples_per_frame=8", "send_refr_tm=true"]
+        done = self.while_publishing(["sv-pub", "left", *keys], "sv-sub", "right", "--frames", "--count", "40", *keys)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        samples = lines(done.stdout)
+        self.assertEqual(len(samples), 320)
+        for a, b in zip(samples, samples[1:]):
+            self.assertAlmostEqual(b["refr_tm_ns"] - a["refr_tm_ns"], 1e9 / 4800, delta=200)  # 2^-24 s is 60 ns
+        for s in samples:  # smpCnt 0 is at the second
+            self.assertAlmostEqual(s["refr_tm_ns"] % 10**9, s["smp_cnt"] * 1e9 / 4800, delta=200)
+
+    def test_currents_and_voltages_of_9_2_le_are_balanced(self):
+        done = self.while_publishing(["sv-pub", "left", "--amplitude", "1000", "data_set=9-2LE"], "sv-sub", "right", "--frames", "--count", "20", "data_set=9-2LE")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for values in (s["values"] for s in lines(done.stdout)):
+            for quantity in "IV":
+                self.assertAlmostEqual(sum(values[quantity + phase] for phase in "abc"), values[quantity + "n"], delta=2)
+            self.assertEqual([values["I" + phase] for phase in "abcn"], [values["V" + phase] for phase in "abcn"])
+
+    def test_a_smp_rate_that_does_not_fit_is_refused(self):
+        refused = wire("sv-pub", "left", "rate_hz=65536", "send_smp_rate=true", "--duration", "1")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("smpRate cannot say 65536 samples a second", refused.stderr)
+
     def test_the_table_shows_streams_and_their_state(self):
         done = self.while_publishing(["sv-pub", "left", "--streams", "2", "sv_id=MU"], "list", "right", "--json", "--once", "--duration", "1")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -90,6 +114,16 @@ class WireTools(unittest.TestCase):
         self.assertEqual(events[0]["event"], "first")
         self.assertEqual(events[0]["values"], "false, {closed, 0x0800}")
         self.assertEqual(events[-2]["values"], "true, {closed, 0x0800}")
+
+    def test_a_subscriber_with_a_file_checks_the_data_set_too(self):
+        file = self.folder / "streams.yaml"
+        file.write_text('streams:\n  G: {kind: goose, mac: "01:0C:CD:01:00:01", control_block: IED/LLN0$GO$g, data_set_name: IED/LLN0$Own,\n'
+                        '      max_time_ms: 20, data_set: {trip: boolean}}\n')
+        for data_set, event, accepted in [("IED/LLN0$Own", "first", True), ("IED/LLN0$Other", "identity_mismatch", False)]:
+            done = self.while_publishing(["goose-pub", "left", "control_block=IED/LLN0$GO$g", f"data_set_name={data_set}", "max_time_ms=20", "data_set={trip: boolean}"],
+                                         "goose-sub", "right", "--file", str(file), "--stream", "G", "--count", "1")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual([(e["event"], e["accepted"], e["dat_set"]) for e in lines(done.stdout)], [(event, accepted, data_set)])
 
     def test_a_capture_is_replayed_and_judged(self):
         capture = self.folder / "c.pcapng"

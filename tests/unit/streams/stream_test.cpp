@@ -58,6 +58,14 @@ TEST(Streams, AreReadWithTheirDefaults) {
     EXPECT_TRUE(goose.goose_template({}));
 }
 
+TEST(Streams, SaySmpRateOnlyWhereItCanHoldTheRate) {
+    std::string const with_rate = changed(kSmv, "sv_id: MU21", "sv_id: MU21, send_smp_rate: true, rate_hz: 65536");
+    EXPECT_THAT(read(with_rate).text,
+                AllOf(HasSubstr("smpRate cannot say 65536 samples a second"), HasSubstr("65535")));
+    EXPECT_EQ(read(changed(with_rate, "65536", "65535")).text, "");
+    EXPECT_EQ(read(changed(with_rate, "send_smp_rate: true, ", "")).text, "");
+}
+
 TEST(Streams, TakeTheRestFromAStreamThatTheyAreLike) {
     auto const sut = read(kSmv + "T: {like: S, mac: \"01:0C:CD:04:00:22\", sv_id: MU22}\n");
     ASSERT_EQ(sut.text, "");
