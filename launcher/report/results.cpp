@@ -5,9 +5,11 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
+#include "launcher/expect/recording_loss.hpp"
 #include "launcher/report/wire_timing_page.hpp"
 #include "launcher/report/wall_clock.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
+#include "recorder/signals/cdr_cursor.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -63,7 +65,23 @@ void read_manifest(fs::path const& folder, Results& out) {
     }
 }
 
-Result<void> read_recording(fs::path const& folder, Results& out) {
+/// Whose signals are whose.
+void read_catalog(std::span<std::byte const> data, std::string const& process, RecordingLoss& loss) {
+    CdrCursor cursor{data};
+    cursor.text();           // source
+    cursor.text();           // group
+    cursor.number<double>(); // rate
+    auto const count = cursor.number<std::uint32_t>();
+    for (std::uint32_t i = 0; i < count && cursor.ok(); ++i) {
+        std::string const signal = cursor.text();
+        cursor.text(); // unit
+        if (cursor.ok()) {
+            loss.publishes(process, signal);
+        }
+    }
+}
+
+Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss& loss) {
     fs::path const file = folder / "data.mcap";
     if (!fs::exists(file)) {
         out.recording_note = "nothing was recorded";
@@ -80,6 +98,9 @@ Result<void> read_recording(fs::path const& folder, Results& out) {
         }
         if (auto const it = message.channel.metadata.find("process"); it != message.channel.metadata.end()) {
             processes[topic.topic].insert(it->second);
+            if (message.channel.topic == "signal_catalog") {
+                read_catalog(message.data, it->second, loss);
+            }
         }
         return true;
     });
@@ -117,7 +138,7 @@ Result<void> add_intrusion(fs::path const& folder, Results& out) {
     return {};
 }
 
-void judge_all(fs::path const& folder, Results& out) {
+void judge_all(fs::path const& folder, Results& out, RecordingLoss loss) {
     config::Diagnostics diagnostics;
     auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", diagnostics);
     if (!scenario) {
@@ -133,10 +154,14 @@ void judge_all(fs::path const& folder, Results& out) {
     }
     for (LoggedEvent const& event : out.events) {
         moments.try_emplace(event.source + "." + event.event, event.time_s);
+        if (event.event == "samples_dropped") {
+            loss.dropped(event.text);
+        }
     }
     config::Node const* expect = scenario->find("expect");
     for (Expectation const& e : read_expectations(expect == nullptr ? config::Node{} : *expect, diagnostics)) {
         out.expectations.push_back(judge(e, out.signals, moments, out.outcome.simulated_s, out.mode == "lockstep"));
+        name_loss(e, loss, out.expectations.back());
     }
 }
 
@@ -200,14 +225,15 @@ Result<Results> read_results(fs::path const& folder) {
     out.folder = fs::canonical(folder);
     read_manifest(folder, out);
     out.events = read_events(folder / "events.ndjson");
-    if (auto ok = read_recording(folder, out); !ok) {
+    RecordingLoss loss;
+    if (auto ok = read_recording(folder, out, loss); !ok) {
         return std::unexpected{ok.error()};
     }
     if (auto ok = add_intrusion(folder, out); !ok) {
         return std::unexpected{ok.error()};
     }
     add_wall_clock_values(folder, out.outcome.simulated_s, out.signals);
-    judge_all(folder, out);
+    judge_all(folder, out, std::move(loss));
     std::error_code none;
     for (auto const& file : fs::directory_iterator{folder / "comtrade", none}) {
         if (file.path().extension() == ".cfg") {
