@@ -45,6 +45,10 @@ Result<Recording> load(std::filesystem::path const& file, std::vector<std::strin
     return out;
 }
 
+bool earlier(Difference const& p, Difference const& q) {
+    return p.time_ns < q.time_ns;
+}
+
 /// The leaves of a sample as (path, value).
 struct Leaves final : idl::Visitor {
     std::vector<std::pair<std::string, idl::Value>> values;
@@ -130,7 +134,7 @@ Result<Comparison> compare_samples(std::filesystem::path const& a, std::filesyst
             note(longer[common].time_ns, fmt::format("{} samples and {} samples", x.size(), y.size()));
         }
     }
-    std::stable_sort(out.differences.begin(), out.differences.end(), [](auto const& p, auto const& q) { return p.time_ns < q.time_ns; });
+    std::stable_sort(out.differences.begin(), out.differences.end(), earlier);
     return out;
 }
 
@@ -160,16 +164,19 @@ Result<Comparison> compare_signals(std::filesystem::path const& a, std::filesyst
         for (; i < common; ++i) {
             ++out.samples;
             if (x.times_ns[i] != y.times_ns[i] || !close(idl::Value{x.values[i]}, idl::Value{y.values[i]}, options.tolerance)) {
-                out.differences.push_back({name, "", static_cast<std::uint64_t>(x.times_ns[i]),
+                out.differences.push_back({name, "", static_cast<std::uint64_t>(std::min(x.times_ns[i], y.times_ns[i])),
                                            x.times_ns[i] == y.times_ns[i] ? fmt::format("{} and {}", shortest(x.values[i]), shortest(y.values[i]))
                                                                           : fmt::format("at {} ns and at {} ns", x.times_ns[i], y.times_ns[i])});
                 break;
             }
         }
         if (i == common && x.values.size() != y.values.size()) {
-            out.differences.push_back({name, "", 0, fmt::format("{} values and {} values", x.values.size(), y.values.size())});
+            auto const& longer = x.values.size() > y.values.size() ? x : y;
+            out.differences.push_back({name, "", static_cast<std::uint64_t>(longer.times_ns[common]),
+                                       fmt::format("{} values and {} values", x.values.size(), y.values.size())});
         }
     }
+    std::stable_sort(out.differences.begin(), out.differences.end(), earlier); // of one instant by name
     return out;
 }
 

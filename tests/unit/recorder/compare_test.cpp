@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder/compare/compare.hpp"
+#include "recorder/mcap/mcap_writer.hpp"
+
+#include <bit>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace gridspace {
+namespace {
+
+/// Little-endian XCDR1, member by member.
+class Cdr {
+  public:
+    template <class T>
+    void number(T value) {
+        octets_.resize((octets_.size() - 4 + sizeof(T) - 1) / sizeof(T) * sizeof(T) + 4);
+        for (std::byte const b : std::bit_cast<std::array<std::byte, sizeof(T)>>(value)) {
+            octets_.push_back(b);
+        }
+    }
+    void text(std::string const& value) {
+        number(static_cast<std::uint32_t>(value.size() + 1));
+        for (char const c : value) {
+            octets_.push_back(static_cast<std::byte>(c));
+        }
+        octets_.push_back(std::byte{0});
+    }
+    [[nodiscard]] std::vector<std::byte> const& octets() const { return octets_; }
+
+  private:
+    std::vector<std::byte> octets_{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+};
+
+class CompareSignals : public ::testing::Test {
+  protected:
+    CompareSignals() {
+        std::string pattern = ::testing::TempDir() + "gridspace_compare_XXXXXX";
+        folder_ = ::mkdtemp(pattern.data());
+    }
+    ~CompareSignals() override { std::filesystem::remove_all(folder_); }
+
+    /// A recording of the signals x.A and x.B, a row every 10 ns.
+    [[nodiscard]] std::filesystem::path recording(std::string const& name,
+                                                  std::vector<std::array<double, 2>> const& rows) const {
+        auto file = mcap::Writer::create(folder_ / name, {});
+        EXPECT_TRUE(file);
+        auto const schema = file->add_schema("T", "omgidl", "struct T { long a; };");
+        auto const catalog = file->add_channel(schema, "signal_catalog", "cdr", {}),
+                   frames = file->add_channel(schema, "signals", "cdr", {});
+        Cdr columns;
+        columns.text("sim");
+        columns.text("g");
+        columns.number(0.0);
+        columns.number(std::uint32_t{2});
+        for (char const* signal : {"x.A", "x.B"}) {
+            columns.text(signal);
+            columns.text("");
+        }
+        EXPECT_TRUE(file->write(catalog, 1, 0, columns.octets()));
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            Cdr row;
+            row.text("sim");
+            row.text("g");
+            row.number(std::uint32_t{1});
+            row.number(static_cast<std::int64_t>(10 * i));
+            row.number(std::uint32_t{2});
+            row.number(rows[i][0]);
+            row.number(rows[i][1]);
+            EXPECT_TRUE(file->write(frames, static_cast<std::uint32_t>(i + 1), 10 * i, row.octets()));
+        }
+        EXPECT_TRUE(file->close());
+        return folder_ / name;
+    }
+    [[nodiscard]] std::vector<std::pair<std::uint64_t, std::string>>
+    differences(std::vector<std::array<double, 2>> const& a, std::vector<std::array<double, 2>> const& b) const {
+        CompareOptions options;
+        options.signals = {"x.*"};
+        auto const sut = compare_recordings(recording("a", a), recording("b", b), options);
+        EXPECT_TRUE(sut) << describe(sut.error());
+        std::vector<std::pair<std::uint64_t, std::string>> out;
+        for (Difference const& d : sut ? sut->differences : std::vector<Difference>{}) {
+            out.emplace_back(d.time_ns, d.topic);
+        }
+        return out;
+    }
+
+    std::filesystem::path folder_;
+};
+
+using Differences = std::vector<std::pair<std::uint64_t, std::string>>;
+
+TEST_F(CompareSignals, TheEarliestDivergenceIsSaidFirstWhateverItsName) {
+    EXPECT_EQ(differences({{1, 1}, {2, 2}, {3, 3}}, {{1, 1}, {2, 9}, {9, 9}}), (Differences{{10, "x.B"}, {20, "x.A"}}));
+}
+
+TEST_F(CompareSignals, DivergencesOfOneInstantAreInTheOrderOfTheirNames) {
+    EXPECT_EQ(differences({{1, 1}, {2, 2}}, {{1, 1}, {9, 9}}), (Differences{{10, "x.A"}, {10, "x.B"}}));
+}
+
+TEST_F(CompareSignals, ARecordingThatEndsEarlierDivergesWhereTheOtherGoesOn) {
+    EXPECT_EQ(differences({{1, 1}, {2, 2}, {3, 3}}, {{1, 1}, {2, 9}}), (Differences{{10, "x.B"}, {20, "x.A"}}));
+    EXPECT_EQ(differences({{1, 1}}, {{1, 1}}), Differences{});
+}
+
+} // namespace
+} // namespace gridspace
