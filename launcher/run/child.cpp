@@ -3,6 +3,7 @@
 #include "launcher/run/child.hpp"
 
 #include "common/realtime.hpp"
+#include "common/text.hpp"
 
 #include <cerrno>
 #include <csignal>
@@ -21,11 +22,36 @@ namespace {
 constexpr int kStatusFd = 3; // in the child
 constexpr int kListenFd = 4;
 
+/// In the child: becomes the program, which is looked for in PATH when its name is no path; returns only when it cannot,
+/// with errno. Not execvp: that gives what no processor here can run to the shell, which then reads it as a script.
+void execute(std::vector<char*> const& arguments) {
+    std::string_view const name{arguments[0]};
+    if (name.empty() || name.find('/') != std::string_view::npos) {
+        ::execv(arguments[0], arguments.data());
+        return;
+    }
+    char const* const path = ::getenv("PATH");
+    int found = ENOENT;
+    for (std::string const& folder : split(path == nullptr ? "/usr/bin:/bin" : path, ':')) {
+        std::string const file = (folder.empty() ? "." : folder) + "/" + std::string{name};
+        ::execv(file.c_str(), arguments.data());
+        if (errno == EACCES) {
+            found = EACCES; // another folder may have one that can be run
+        } else if (errno != ENOENT && errno != ENOTDIR) {
+            return;
+        }
+    }
+    errno = found;
+}
+
 /// In the child: never returns. Reports what fails as "step: reason" on `error_fd`, which closes by itself on success.
 [[noreturn]] void become(PlannedProcess const& process, SpawnOptions const& options, int control_read, int status_write,
                          int log_fd, int error_fd) {
     auto const stop = [&](char const* step) {
-        std::string const text = fmt::format("{}: {}", step, std::strerror(errno));
+        std::string const text = errno == ENOEXEC ? fmt::format("{}: no program for this machine's processor, and no "
+                                                                "script that begins with #!",
+                                                                step)
+                                                  : fmt::format("{}: {}", step, std::strerror(errno));
         [[maybe_unused]] auto const written = ::write(error_fd, text.data(), text.size());
         ::_exit(127);
     };
@@ -82,7 +108,7 @@ constexpr int kListenFd = 4;
     if (::chdir(folder.c_str()) != 0) {
         stop("entering the run folder");
     }
-    ::execvp(arguments[0], arguments.data());
+    execute(arguments);
     stop(arguments[0]);
     ::_exit(127);
 }
@@ -109,7 +135,7 @@ Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options) 
     if (pid < 0) {
         return fail(ExitCode::environment, fmt::format("cannot start '{}': {}", process.name, std::strerror(errno)));
     }
-    char reason[256];
+    char reason[1024];
     ssize_t const size = ::read(error[0], reason, sizeof reason);
     ::close(error[0]);
     if (size > 0) {

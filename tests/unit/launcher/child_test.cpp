@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/run/child.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+class Spawn : public ::testing::Test {
+  protected:
+    Spawn() {
+        std::string pattern = ::testing::TempDir() + "gridspace_spawn_XXXXXX";
+        folder_ = ::mkdtemp(pattern.data());
+    }
+    ~Spawn() override { fs::remove_all(folder_); }
+
+    [[nodiscard]] std::string program(std::string const& name, std::string const& content) const {
+        std::ofstream{folder_ / name, std::ios::binary} << content;
+        fs::permissions(folder_ / name, fs::perms::owner_all);
+        return (folder_ / name).string();
+    }
+    /// The exit code of a user's command, or what stopped it from starting.
+    [[nodiscard]] Result<int> run(std::string const& command,
+                                  std::map<std::string, std::string> environment = {}) const {
+        PlannedProcess process;
+        process.name = "p";
+        process.program = "exec";
+        process.config_file = folder_ / "p.yaml";
+        process.log_file = folder_ / "p.log";
+        process.command = {command};
+        process.environment = std::move(environment);
+        auto const child = spawn(process, {});
+        if (!child) {
+            return std::unexpected{child.error()};
+        }
+        int status = 0;
+        ::waitpid(child->pid, &status, 0);
+        for (int const fd : {child->pidfd, child->status_fd, child->control_fd}) {
+            ::close(fd);
+        }
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
+
+    fs::path folder_;
+};
+
+TEST_F(Spawn, ScriptsAndCommandsOfThePathAreStarted) {
+    EXPECT_EQ(run(program("s", "#!/bin/sh\nexit 7\n")), 7);
+    EXPECT_EQ(run("true"), 0);
+    EXPECT_EQ(run("./s"), 7) << "from the run folder";
+    EXPECT_EQ(run("s", {{"PATH", "/nowhere:" + folder_.string()}}), 7);
+}
+
+TEST_F(Spawn, AProgramOfAnotherProcessorIsNotGivenToTheShell) {
+    std::string elf(64, '\0');
+    elf.replace(0, 7,
+                std::string{"\x7f"
+                            "ELF\x02\x01\x01",
+                            7});
+    elf[16] = 2;    // executable
+    elf[18] = 0x7F; // a machine that is none
+    elf[19] = 0x7F;
+    for (std::string const& content : {elf, std::string{"exit 0\n"}}) {
+        auto const sut = run(program("x", content));
+        ASSERT_FALSE(sut) << "it ran, with exit code " << *sut;
+        EXPECT_EQ(sut.error().code, ExitCode::environment);
+        EXPECT_THAT(sut.error().message, HasSubstr("no program for this machine's processor"));
+        EXPECT_FALSE(run("x", {{"PATH", folder_.string()}}));
+    }
+}
+
+TEST_F(Spawn, ACommandThatIsNowhereIsSaidToBeMissing) {
+    for (std::string const command : {"gridspace_no_such_command", "./gridspace_no_such_command"}) {
+        auto const sut = run(command);
+        ASSERT_FALSE(sut);
+        EXPECT_EQ(sut.error().code, ExitCode::environment);
+        EXPECT_THAT(sut.error().message, HasSubstr("No such file or directory"));
+    }
+}
+
+} // namespace
+} // namespace gridspace::launcher
