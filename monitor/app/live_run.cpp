@@ -121,7 +121,7 @@ void LiveRun::decode(std::string const& topic, std::string const& type, std::str
         if ((good = bus::codec_of<SignalCatalog>().decode(cdr, &sample))) {
             std::vector<stream::SignalWindow::Column> columns;
             for (auto const& column : sample.columns()) {
-                columns.push_back({column.name().c_str(), column.unit().c_str()});
+                columns.push_back({column.name().c_str(), column.unit().c_str(), sample.rate_hz() == 0});
             }
             auto& window = signals[{sample.source().c_str(), sample.group().c_str()}];
             bool const same =

@@ -126,6 +126,17 @@ std::uint64_t keep_graph(LiveRun const& live, std::uint64_t kept) {
     return snapshot.revision;
 }
 
+/// Nothing that a client has asked for ends the run's monitor, and with it the run.
+template <class F>
+bool survive(char const* what, F&& f) {
+    try {
+        return f();
+    } catch (std::exception const& error) {
+        log::warning("{} failed: {}", what, error.what());
+        return true;
+    }
+}
+
 Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     auto socket = socket_to_serve_on(config);
     if (!socket) {
@@ -220,15 +231,23 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
             kept = keep_graph(live, kept);
             measured = now;
         }
-        hub.step(**server, now);
-        foxglove.step(**server);
+        survive("telling the clients", [&] { return hub.step(**server, now); });
+        survive("telling the Foxglove clients", [&] {
+            foxglove.step(**server);
+            return true;
+        });
     } while (!stop.wait(kPeriod));
     run.on_stop({});
     if (tap != nullptr) {
         if (!config.run.events.empty()) {
             last_words(live, events);
         }
-        hub.step(**server, std::chrono::steady_clock::now() + std::chrono::seconds{1}); // it is due
+        auto const begin = std::chrono::steady_clock::now();
+        auto const due = begin + std::chrono::seconds{1}; // everything is, once
+        while (!survive("the last words", [&] { return hub.step(**server, due); }) &&
+               std::chrono::steady_clock::now() - begin < kLastWords) {
+            (*server)->drain(std::chrono::milliseconds{20});
+        }
         (*server)->drain(kLastWords);
     }
     return {};

@@ -101,7 +101,8 @@ double SignalWindow::value_at(std::size_t column, std::int64_t time_ns) const {
     return std::numeric_limits<double>::quiet_NaN();
 }
 
-Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t to_ns, std::size_t pixels) const {
+Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t to_ns, std::size_t pixels,
+                        Ends ends) const {
     Plot out;
     if (empty() || column >= columns_.size() || to_ns < from_ns || pixels == 0) {
         return out;
@@ -126,8 +127,10 @@ Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t t
     };
     std::size_t first = search([&](Bucket const& b) { return b.last_ns < from_ns; });
     std::size_t last = search([&](Bucket const& b) { return b.first_ns <= to_ns; }); // one past
-    first = first > 0 ? first - 1 : 0;
-    last = std::min(last + 1, count);
+    if (ends == Ends::reach_out) {
+        first = first > 0 ? first - 1 : 0;
+        last = std::min(last + 1, count);
+    }
     if (first >= last) {
         return out;
     }
@@ -140,6 +143,9 @@ Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t t
                    : level->high[static_cast<std::size_t>((level->begun - count + i) % capacity_) * width + column];
     };
     auto const put = [&](std::int64_t ns, double value) {
+        if (ends == Ends::inside) {
+            ns = std::clamp(ns, from_ns, to_ns); // a bucket may begin before or end after
+        }
         out.times_s.push_back(static_cast<double>(ns) * 1e-9);
         out.values.push_back(value);
     };
@@ -157,8 +163,9 @@ Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t t
         }
         std::size_t lowest = begin, highest = begin;
         for (std::size_t i = begin; i < end; ++i) {
-            lowest = low_of(i) < low_of(lowest) ? i : lowest;
-            highest = high_of(i) > high_of(highest) ? i : highest;
+            // Nothing is below or above NaN: the first number takes its place.
+            lowest = low_of(i) < low_of(lowest) || std::isnan(low_of(lowest)) ? i : lowest;
+            highest = high_of(i) > high_of(highest) || std::isnan(high_of(highest)) ? i : highest;
         }
         std::int64_t const a = bucket(*level, begin).first_ns, b = bucket(*level, end - 1).last_ns;
         bool const low_first = lowest <= highest;

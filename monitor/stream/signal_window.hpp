@@ -18,12 +18,16 @@ struct Plot {
     std::vector<double> values;
 };
 
+/// Whether a plot has one point beyond each of its ends where there is one, or none.
+enum class Ends { reach_out, inside };
+
 /// The past of a group of signals that share their times, in bounded memory: the newest rows as they came, older ones
 /// as the lowest and highest of 16, 256, … rows. Times increase. Pure: no clock, no lock.
 class SignalWindow {
   public:
     struct Column {
         std::string name, unit;
+        bool steps{false}; ///< rows come when something changes: a value holds until the next
     };
     /// `rows`: how many entries each of the levels keeps.
     explicit SignalWindow(std::vector<Column> columns, std::size_t rows = 32768);
@@ -44,7 +48,8 @@ class SignalWindow {
 
     /// The signal between two instants, with the last point before and the first after them, so that lines reach the
     /// edges.
-    [[nodiscard]] Plot plot(std::size_t column, std::int64_t from_ns, std::int64_t to_ns, std::size_t pixels) const;
+    [[nodiscard]] Plot plot(std::size_t column, std::int64_t from_ns, std::int64_t to_ns, std::size_t pixels,
+                            Ends ends = Ends::reach_out) const;
 
   private:
     struct Bucket {

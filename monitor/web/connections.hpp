@@ -4,6 +4,7 @@
 // Includes Boost: for the files of this folder alone (each takes half a minute to compile).
 #pragma once
 
+#include "common/log.hpp"
 #include "monitor/web/gate.hpp"
 #include "monitor/web/server.hpp"
 #include "monitor/web/transport.hpp"
@@ -35,6 +36,18 @@ class ServerImpl;
 
 inline std::string text_of(beast::string_view text) {
     return {text.data(), text.size()};
+}
+
+/// False when `f` throws: whatever one client asks for, the others are served on.
+template <class F>
+bool guarded(char const* what, F&& f) {
+    try {
+        f();
+        return true;
+    } catch (std::exception const& error) {
+        log::warning("{} failed: {}", what, error.what());
+        return false;
+    }
 }
 
 class Closable {
@@ -85,7 +98,7 @@ class HttpSession final : public Closable, public std::enable_shared_from_this<H
     void read();
     void on_request();
     void open_push(http::request<http::string_body> const& request, Target& target);
-    void refuse(int status, std::string text, std::string allow = {});
+    void refuse(int status, char const* error, char const* remedy, std::string allow = {});
     void answer(Response response);
     void end();
     /// Idle connections are the first to go when there are too many.
@@ -111,8 +124,13 @@ class ServerImpl final : public Server {
     void drain(std::chrono::milliseconds patience) override;
     [[nodiscard]] std::uint64_t dropped(ClientId client) const override {
         std::lock_guard const lock{mutex_};
-        auto const it = dropped_.find(client);
-        return it == dropped_.end() ? 0 : it->second;
+        auto const it = tallies_.find(client);
+        return it == tallies_.end() ? 0 : it->second.dropped;
+    }
+    [[nodiscard]] Waiting waiting(ClientId client) const override {
+        std::lock_guard const lock{mutex_};
+        auto const it = tallies_.find(client);
+        return it == tallies_.end() ? Waiting{} : it->second.waiting;
     }
     [[nodiscard]] ServerCounters counters() const override {
         std::lock_guard const lock{mutex_};
@@ -124,10 +142,14 @@ class ServerImpl final : public Server {
         std::lock_guard const lock{mutex_};
         change(counters_);
     }
-    void count_drop(ClientId client) {
+    /// A message of so many octets has left the client's queue.
+    void count_out(ClientId client, std::size_t octets, bool lost) {
         std::lock_guard const lock{mutex_};
-        ++counters_.dropped;
-        ++dropped_[client];
+        Tally& tally = tallies_[client];
+        --tally.waiting.messages;
+        tally.waiting.octets -= octets;
+        tally.dropped += lost ? 1 : 0;
+        ++(lost ? counters_.dropped : counters_.pushed);
     }
     void enter(Closable* connection) {
         connections_.insert(connection);
@@ -139,13 +161,15 @@ class ServerImpl final : public Server {
     }
     void enter_client(std::shared_ptr<PushSession> const& client) {
         clients_[client->id()] = client.get();
-        count([this](ServerCounters& c) { c.push_clients = clients_.size(); });
+        std::lock_guard const lock{mutex_};
+        counters_.push_clients = clients_.size();
+        tallies_.try_emplace(client->id());
     }
     void leave_client(ClientId id) {
         clients_.erase(id);
         std::lock_guard const lock{mutex_};
         counters_.push_clients = clients_.size();
-        dropped_.erase(id);
+        tallies_.erase(id);
     }
 
     [[nodiscard]] std::size_t push_clients() const { return clients_.size() + opening_; }
@@ -165,7 +189,12 @@ class ServerImpl final : public Server {
     std::size_t opening_{0};       ///< WebSockets whose handshake is under way
 
   private:
+    struct Tally {
+        std::uint64_t dropped{0};
+        Waiting waiting;
+    };
     void accept();
+    void serve();
 
     std::optional<asio::ssl::context> tls_;
     bool ending_{false};
@@ -173,7 +202,7 @@ class ServerImpl final : public Server {
     std::map<ClientId, PushSession*> clients_;
     mutable std::mutex mutex_; // guards the next two
     ServerCounters counters_;
-    std::map<ClientId, std::uint64_t> dropped_;
+    std::map<ClientId, Tally> tallies_;
     // Last, so first to go: connections that end with it still find the rest.
     asio::io_context context_{1};
     tcp::acceptor acceptor_;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "monitor/web/connections.hpp"
 
+#include <fmt/format.h>
+
 namespace gridspace::web {
 
 HttpSession::HttpSession(ServerImpl& server, Transport&& stream) : server_{server}, stream_{std::move(stream)} {
@@ -61,24 +63,23 @@ void HttpSession::read() {
         if (!error) {
             self->on_request();
         } else if (error == http::error::header_limit) {
-            self->refuse(431, "the headers are too long");
+            self->refuse(431, "the headers are too long", "at most 8 KiB together");
         } else if (error == http::error::body_limit) {
-            self->refuse(413, "the body is too long");
+            self->refuse(413, "the body is too long", "at most 64 KiB");
         } else if (error == beast::error::timeout) {
             return; // the stream is closed already
         } else if (error.category() == http::make_error_code(http::error::bad_value).category() &&
                    error != http::error::end_of_stream && error != http::error::partial_message) {
-            self->refuse(400, "this is not HTTP");
+            self->refuse(400, "this is not HTTP", "HTTP/1.1, or https where the monitor has a certificate");
         }
     });
 }
 
-void HttpSession::refuse(int status, std::string text, std::string allow) {
+void HttpSession::refuse(int status, char const* error, char const* remedy, std::string allow) {
     server_.count([](ServerCounters& c) { ++c.refused; });
     Response response;
     response.status = status;
-    response.content_type = "text/plain; charset=utf-8";
-    response.body = std::move(text) + "\n";
+    response.body = fmt::format(R"({{"error":"{}","remedy":"{}"}})", error, remedy); // neither has quotes in it
     response.allow = std::move(allow);
     keep_alive_ = keep_alive_ && status != 400 && status != 404;
     answer(std::move(response));
@@ -90,26 +91,29 @@ void HttpSession::on_request() {
     method_ = request.method();
     server_.count([](ServerCounters& c) { ++c.requests; });
     if (request.count(http::field::host) != 1 || !server_.knows_host(text_of(request[http::field::host]), tcp())) {
-        return refuse(403, "this server does not answer to that host name");
+        return refuse(403, "this monitor does not answer to that host name",
+                      "by its address, a name in its certificate, or one in allow_hosts");
     }
     std::string const origin = text_of(request[http::field::origin]);
     std::string const host = text_of(request[http::field::host]);
     if (!origin_allowed(server_.options_.sites, origin) && origin != "https://" + host && origin != "http://" + host) {
-        return refuse(403, "pages of that origin may not talk to this server");
+        return refuse(403, "pages of that origin may not talk to this monitor",
+                      "its allow_hosts name the sites that may");
     }
     auto target = parse_target(text_of(request.target()));
     if (!target) {
-        return refuse(400, "the path is not a plain one");
+        return refuse(400, "this is no plain path with a plain query",
+                      "no .., no empty or dot segments, no control characters, whole %XX escapes, at most 4096 octets");
     }
     if (websocket::is_upgrade(request)) {
         return open_push(request, *target);
     }
     if (method_ != http::verb::get && method_ != http::verb::head && method_ != http::verb::post) {
-        return refuse(405, "only GET, HEAD and POST", "GET, HEAD, POST");
+        return refuse(405, "nothing here is asked for by that method", "GET, HEAD or POST", "GET, HEAD, POST");
     }
     if (server_.crowded()) {
         keep_alive_ = false;
-        return refuse(503, "too many connections; come back in a moment");
+        return refuse(503, "too many connections", "come back in a moment");
     }
     Request out;
     out.method = text_of(request.method_string());
@@ -124,14 +128,21 @@ void HttpSession::on_request() {
     if (instead && instead->status == 401) {
         server_.count([](ServerCounters& c) { ++c.refused; });
     }
-    answer(instead ? std::move(*instead) : server_.handlers_.request(out));
+    if (instead) {
+        return answer(std::move(*instead));
+    }
+    Response response;
+    if (!guarded("a request", [&] { response = server_.handlers_.request(out); })) {
+        return refuse(500, "this request failed", "the monitor's log says why");
+    }
+    answer(std::move(response));
 }
 
 void HttpSession::open_push(http::request<http::string_body> const& request, Target& target) {
     std::string const& path = target.path;
     if (!server_.gate_.admits_push(text_of(request[http::field::authorization]), text_of(request[http::field::cookie]),
                                    target)) {
-        return refuse(401, "this monitor asks for a token: Authorization: Bearer TOKEN, or ?token=TOKEN");
+        return refuse(401, "this monitor asks for a token", "Authorization: Bearer TOKEN, or ?token=TOKEN");
     }
     std::vector<std::string> offered;
     for (auto const& protocol : http::token_list{request[http::field::sec_websocket_protocol]}) {
@@ -139,11 +150,11 @@ void HttpSession::open_push(http::request<http::string_body> const& request, Tar
     }
     auto chosen = server_.handlers_.accepts_push ? server_.handlers_.accepts_push(path, offered) : std::nullopt;
     if (!chosen) {
-        return refuse(404, "no WebSocket here");
+        return refuse(404, "there is no WebSocket here", "/ws/v1, or the subprotocol foxglove.websocket.v1");
     }
     if (server_.push_clients() >= server_.options_.limits.push_clients) {
         keep_alive_ = false;
-        return refuse(503, "too many WebSockets are open");
+        return refuse(503, "too many WebSockets are open", "close one, or come back in a moment");
     }
     idle(false);
     std::make_shared<PushSession>(server_, std::move(stream_), server_.next_client_++)

@@ -53,8 +53,14 @@ void PushSession::read() {
             self->close(); // a write that waits for the client ends too
             return;
         }
-        if (self->server_.handlers_.message) {
-            self->server_.handlers_.message(self->id_, beast::buffers_to_string(self->buffer_.data()));
+        bool const understood = guarded("a message of a WebSocket client", [&] {
+            if (self->server_.handlers_.message) {
+                self->server_.handlers_.message(self->id_, beast::buffers_to_string(self->buffer_.data()));
+            }
+        });
+        if (!understood) {
+            self->close();
+            return;
         }
         self->buffer_.clear();
         self->read();
@@ -77,8 +83,8 @@ void PushSession::push(Message message) {
             break;
         }
         waiting_octets_ -= oldest->octets->size();
+        server_.count_out(id_, oldest->octets->size(), true);
         waiting_.erase(oldest);
-        server_.count_drop(id_);
     }
     if (!writing_) {
         write();
@@ -94,7 +100,7 @@ void PushSession::write() {
                                 self->close();
                                 return;
                             }
-                            self->server_.count([](ServerCounters& c) { ++c.pushed; });
+                            self->server_.count_out(self->id_, self->waiting_.front().octets->size(), false);
                             self->waiting_octets_ -= self->waiting_.front().octets->size();
                             self->waiting_.pop_front();
                             self->writing_ = false;

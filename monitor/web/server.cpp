@@ -39,11 +39,25 @@ Result<void> ServerImpl::open(UniqueFd listening) {
     }
     (void)listening.release();
     accept();
-    thread_ = std::thread{[this] { context_.run(); }};
+    thread_ = std::thread{[this] { serve(); }};
     return {};
 }
 
+void ServerImpl::serve() {
+    while (!guarded("the work for a client", [this] { context_.run(); })) { // it goes on with the next one's
+    }
+}
+
 void ServerImpl::push(ClientId client, Message message) {
+    {
+        std::lock_guard const lock{mutex_};
+        auto const it = tallies_.find(client);
+        if (it == tallies_.end()) {
+            return; // it has left
+        }
+        ++it->second.waiting.messages;
+        it->second.waiting.octets += message.octets->size();
+    }
     asio::post(context_, [this, client, message = std::move(message)]() mutable {
         if (auto const it = clients_.find(client); it != clients_.end()) {
             it->second->push(std::move(message));
@@ -81,7 +95,10 @@ void ServerImpl::accept() {
             }
             // A few beyond the limit are on their way out; more than that are not let in.
             if (connections_.size() < options_.limits.connections + kLeaving) {
-                std::make_shared<HttpSession>(*this, Transport{std::move(socket), tls_ ? &*tls_ : nullptr})->start();
+                guarded("a new connection", [&] {
+                    std::make_shared<HttpSession>(*this, Transport{std::move(socket), tls_ ? &*tls_ : nullptr})
+                        ->start();
+                });
             }
         }
         accept();
@@ -98,6 +115,9 @@ Result<std::unique_ptr<Server>> Server::start(UniqueFd listening, Options option
         auto context = load_tls(*options.tls);
         if (!context) {
             return std::unexpected{context.error()};
+        }
+        for (std::string& name : names_of(context->get())) {
+            options.sites.hosts.push_back(std::move(name)); // whoever asks by it has been shown that it is us
         }
         tls.emplace(context->release()); // it is freed there
     }

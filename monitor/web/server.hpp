@@ -63,7 +63,7 @@ struct Message {
     bool lasting{false}; ///< nothing later says the same again: it is never dropped
 };
 
-/// Called on the server's thread: must answer at once.
+/// Called on the server's thread: must answer at once. What they throw ends one request or one client, nothing else.
 struct Handlers {
     std::function<Response(Request const&)> request;
     /// A WebSocket may be opened there: the subprotocol that is chosen among those offered, or an empty one for none.
@@ -72,6 +72,11 @@ struct Handlers {
     std::function<void(ClientId, std::string const& path, std::string const& protocol)> opened;
     std::function<void(ClientId, std::string const& text)> message;
     std::function<void(ClientId)> closed;
+};
+
+/// What a WebSocket client has been sent and has not taken yet.
+struct Waiting {
+    std::size_t messages{0}, octets{0};
 };
 
 struct ServerCounters {
@@ -103,6 +108,8 @@ class Server {
     virtual void push(ClientId client, Message message) = 0;
     /// Messages that this client has lost so far.
     [[nodiscard]] virtual std::uint64_t dropped(ClientId client) const = 0;
+    /// From any thread, at once; counts what push() was given before.
+    [[nodiscard]] virtual Waiting waiting(ClientId client) const = 0;
     [[nodiscard]] virtual ServerCounters counters() const = 0;
     /// Waits until what was pushed is on its way to the clients, or for as long as that.
     virtual void drain(std::chrono::milliseconds /*patience*/) {}

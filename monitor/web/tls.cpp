@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "monitor/web/tls.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <fmt/format.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
+#include <openssl/x509v3.h>
 #include <sys/stat.h>
 
 namespace gridspace::web {
@@ -33,6 +36,43 @@ int no_passphrase(char*, int, int, void*) {
 
 void TlsContextDeleter::operator()(ssl_ctx_st* context) const {
     ::SSL_CTX_free(context);
+}
+
+std::vector<std::string> names_of(ssl_ctx_st* context) {
+    std::vector<std::string> out;
+    auto const add = [&out](ASN1_STRING const* text) {
+        std::string name{reinterpret_cast<char const*>(::ASN1_STRING_get0_data(text)),
+                         static_cast<std::size_t>(::ASN1_STRING_length(text))};
+        std::transform(name.begin(), name.end(), name.begin(),
+                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        bool const plain = std::all_of(name.begin(), name.end(),
+                                       [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '.'; });
+        if (plain && !name.empty()) {
+            out.push_back(std::move(name));
+        }
+    };
+    X509* const certificate = ::SSL_CTX_get0_certificate(context);
+    if (certificate == nullptr) {
+        return out;
+    }
+    bool named = false;
+    if (auto* const names =
+            static_cast<GENERAL_NAMES*>(::X509_get_ext_d2i(certificate, NID_subject_alt_name, nullptr, nullptr))) {
+        for (int i = 0; i < sk_GENERAL_NAME_num(names); ++i) {
+            GENERAL_NAME const* const name = sk_GENERAL_NAME_value(names, i);
+            if (name->type == GEN_DNS) {
+                named = true;
+                add(name->d.dNSName);
+            }
+        }
+        ::GENERAL_NAMES_free(names);
+    }
+    X509_NAME* const subject = ::X509_get_subject_name(certificate);
+    int const at = ::X509_NAME_get_index_by_NID(subject, NID_commonName, -1);
+    if (!named && at >= 0) {
+        add(::X509_NAME_ENTRY_get_data(::X509_NAME_get_entry(subject, at)));
+    }
+    return out;
 }
 
 Result<TlsContext> load_tls(TlsFiles const& files) {

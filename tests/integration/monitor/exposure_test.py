@@ -29,7 +29,7 @@ class Exposure(harness.ScenarioTest):
     def certificate(self, name):
         cert, key = self.folder / f"{name}.pem", self.folder / f"{name}.key"
         subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
-                        "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-keyout", key, "-out", cert],
+                        "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,DNS:Lab.example,IP:127.0.0.1", "-keyout", key, "-out", cert],
                        check=True, capture_output=True)
         return cert, key
 
@@ -100,8 +100,8 @@ class Exposure(harness.ScenarioTest):
 
         self.assert_browser_is_let_in(stranger)
         self.assert_only_tls_is_spoken(noted.port)
-        # Host and Origin are still looked at, and the address that was asked is one of the names.
-        for host, status in (("localhost", 200), ("127.0.0.1", 200), ("evil.example", 403), ("192.0.2.1", 403)):
+        # Host and Origin are still looked at; the address that was asked and what the certificate says are among the names.
+        for host, status in (("localhost", 200), ("lab.example:8443", 200), ("LAB.example", 200), ("127.0.0.1", 200), ("evil.example", 403), ("192.0.2.1", 403)):
             self.assertEqual(friend.get("/api/v1/health", Host=host).status, status, host)
         self.assertEqual(friend.get("/api/v1/health", Origin="https://evil.example").status, 403)
         # Whoever may control the run may look at it; whoever may look may not control it.

@@ -21,6 +21,7 @@ class Pushes final : public web::Server {
         (message.binary ? binary : text).push_back(*message.octets);
     }
     [[nodiscard]] std::uint64_t dropped(web::ClientId) const override { return 0; }
+    [[nodiscard]] web::Waiting waiting(web::ClientId) const override { return {}; }
     [[nodiscard]] web::ServerCounters counters() const override { return {}; }
     std::vector<json> take() {
         std::vector<json> out;

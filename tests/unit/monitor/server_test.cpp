@@ -8,6 +8,7 @@
 #include <atomic>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
+#include <stdexcept>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -33,6 +34,9 @@ class ServerTest : public testing::Test {
         port_ = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
         Handlers handlers;
         handlers.request = [](Request const& request) {
+            if (request.target.path == "/fails") {
+                throw std::runtime_error{"as it is asked to"};
+            }
             Response response;
             response.content_type = "text/plain";
             response.body = request.method + " " + request.target.path + " " + request.body;
@@ -45,6 +49,7 @@ class ServerTest : public testing::Test {
                                       : std::nullopt;
         };
         handlers.opened = [this](ClientId id, std::string const&, std::string const&) { client_ = id; };
+        handlers.message = [](ClientId, std::string const& text) { throw std::runtime_error{text}; };
         handlers.closed = [this](ClientId) { ++closed_; };
         Server::Options options;
         options.limits = limits;
@@ -141,7 +146,9 @@ class BadRequestTest : public ServerTest, public testing::WithParamInterface<Bad
 
 TEST_P(BadRequestTest, IsRefusedAndNobodyElseNotices) {
     start();
-    EXPECT_THAT(exchange(GetParam().text), StartsWith(std::string{"HTTP/1.1 "} + GetParam().status));
+    EXPECT_THAT(exchange(GetParam().text), testing::AllOf(StartsWith(std::string{"HTTP/1.1 "} + GetParam().status),
+                                                          HasSubstr("Content-Type: application/json"),
+                                                          HasSubstr(R"({"error":")"), HasSubstr(R"(","remedy":")")));
     EXPECT_THAT(exchange(std::string{"GET /a HTTP/1.0\r\n"} + kHost + "\r\n"), HasSubstr("GET /a "));
 }
 
@@ -291,6 +298,38 @@ TEST_F(ServerTest, PushesToAWebSocket) {
     UniqueFd const fd = open_push();
     sut_->push(client_, {std::make_shared<std::string const>("hello")});
     EXPECT_EQ(receive(fd, "hello"), "\x81\x05hello"); // RFC 6455, 5.7
+}
+
+TEST_F(ServerTest, ServesOthersWhenOneRequestOrOneClientFails) {
+    start();
+    EXPECT_THAT(exchange(std::string{"GET /fails HTTP/1.0\r\n"} + kHost + "\r\n"), StartsWith("HTTP/1.1 500"));
+    UniqueFd const fd = open_push();
+    send(fd, std::string{"\x81\x82\x00\x00\x00\x00hi", 8}); // masked, as a client's must be
+    EXPECT_EQ(receive(fd), "");                             // it is let go
+    EXPECT_THAT(exchange(std::string{"GET /a HTTP/1.0\r\n"} + kHost + "\r\n"), HasSubstr("GET /a "));
+}
+
+TEST_F(ServerTest, KnowsWhatAClientHasNotTakenYet) {
+    Limits limits;
+    limits.push_messages = 4;
+    start(limits);
+    UniqueFd const fd = open_push(4096);
+    for (int i = 0; i < 200; ++i) {
+        push(std::string(100'000, 'x'), false);
+    }
+    while (sut_->counters().dropped < 150) {
+        std::this_thread::yield();
+    }
+    Waiting const waiting = sut_->waiting(client_);
+    EXPECT_GT(waiting.messages, 0U);
+    EXPECT_EQ(waiting.octets, waiting.messages * 100'000);
+    std::thread reader{[&fd] { receive(fd, "newest"); }};
+    push("newest", false);
+    while (sut_->waiting(client_).messages > 0) {
+        std::this_thread::yield();
+    }
+    reader.join();
+    EXPECT_EQ(sut_->waiting(client_).octets, 0U);
 }
 
 TEST_F(ServerTest, DropsTheOldestMessagesOfAClientThatDoesNotReadAndCountsThem) {

@@ -56,6 +56,24 @@ TEST(SignalWindow, KeepsTheExtremesOfLongAgoInBoundedMemory) {
     EXPECT_EQ(newest.values.size(), 11U);
 }
 
+TEST(SignalWindow, ShowsWhatFollowsUponNothing) {
+    SignalWindow sut{{{"x", ""}}, 1000};
+    for (int i = 0; i < 400; ++i) {
+        sut.append(i, std::array{i % 100 < 50 ? NAN : i == 370 ? 9.0 : 1.0});
+    }
+    Plot const plot = sut.plot(0, 0, 400, 4); // each column begins with nothing
+    EXPECT_EQ(std::count(plot.values.begin(), plot.values.end(), 9.0), 1);
+    EXPECT_GE(std::count(plot.values.begin(), plot.values.end(), 1.0), 4);
+}
+
+TEST(SignalWindow, StaysInsideWhenAsked) {
+    EXPECT_THAT(ramp(10, 100).plot(0, 4'000'000'000, 6'000'000'000, 100, Ends::inside).values, ElementsAre(4, 5, 6));
+    EXPECT_TRUE(ramp(10, 100).plot(0, 4'200'000'000, 4'800'000'000, 100, Ends::inside).values.empty());
+    for (double const t : ramp(10'000, 64).plot(0, 5'000'000'000, 70'000'000'000, 20, Ends::inside).times_s) {
+        EXPECT_TRUE(t >= 5 && t <= 70) << t;
+    }
+}
+
 TEST(SignalWindow, LeavesOutRowsThatCameTwiceOrHaveAnotherWidth) {
     SignalWindow sut{{{"x", ""}}, 10};
     sut.append(5, std::array{1.0});
