@@ -2,12 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "monitor/app/bus_tap.hpp"
 
+#include "bus/raw_access.hpp"
 #include "common/log.hpp"
 
+#include <algorithm>
+#include <array>
 #include <deque>
+#include <map>
 #include <set>
+#include <string_view>
+#include <utility>
 
 namespace gridspace::monitor {
+namespace {
+
+/// Topics of the framework whose readers are as qos/monitor.xml says.
+constexpr std::array<std::string_view, 5> kProfiles{"simulation_clock", "member_status", "type_catalog",
+                                                    "signal_catalog", "signals"};
+
+} // namespace
 
 /// One domain: what is discovered goes into the graph, and topics that appear wait for a reader.
 struct BusTap::Network final : bus::DiscoveryObserver {
@@ -30,8 +43,15 @@ struct BusTap::Network final : bus::DiscoveryObserver {
             run.graph.participant_found(name, us);
         }
         run.graph.endpoint_found(name, endpoint);
-        if (endpoint.writer && followed.insert(endpoint.topic).second) {
-            waiting.push_back({endpoint.topic, endpoint.type, endpoint.keyed});
+        if (!endpoint.writer) {
+            return;
+        }
+        // A reader that asks for more than a writer offers gets nothing from it: the weakest decides.
+        auto const [it, first] = followed.try_emplace(endpoint.topic, true);
+        bool const lowered = std::exchange(it->second, it->second && endpoint.qos.reliable) != it->second;
+        bool const own = std::find(kProfiles.begin(), kProfiles.end(), endpoint.topic) != kProfiles.end();
+        if (first || (lowered && !own)) {
+            waiting.push_back({endpoint.topic, endpoint.type, endpoint.keyed, own, it->second});
         }
     }
     void endpoint_gone(std::string const& id) override {
@@ -42,17 +62,19 @@ struct BusTap::Network final : bus::DiscoveryObserver {
     struct NewTopic {
         std::string topic, type;
         bool keyed{false};
+        bool own{false};     ///< has a profile of its own
+        bool reliable{true}; ///< its reader, otherwise
     };
 
     std::string const name;
     LiveRun& run;
     bus::DiscoveredParticipant self;
-    std::set<std::string> known;        // participants; with the run's mutex
-    std::set<std::string> followed;     // with the run's mutex
-    std::vector<NewTopic> waiting;      // with the run's mutex
-    std::deque<std::string> type_names; // codecs refer to them
+    std::set<std::string> known;          // participants; with the run's mutex
+    std::map<std::string, bool> followed; // by topic, all its writers have been reliable; with the run's mutex
+    std::vector<NewTopic> waiting;        // with the run's mutex
+    std::deque<std::string> type_names;   // codecs refer to them
     std::unique_ptr<bus::Participant> participant;
-    std::vector<std::unique_ptr<bus::RawReader>> readers; // before the participant in death
+    std::map<std::string, std::unique_ptr<bus::RawReader>> readers; // by topic; before the participant in death
 };
 
 Result<std::unique_ptr<BusTap>> BusTap::join(bus::NodeConfig const& node, LiveRun& run) {
@@ -113,15 +135,19 @@ void BusTap::follow() {
                 codec.keyed = found.keyed;
             }
             auto* const raw = network.get();
-            auto reader = network->participant->create_reader(
-                found.topic, codec,
-                [raw, topic = found.topic, type = found.type](std::span<std::byte const> cdr,
-                                                              bus::SampleHeader const& header) {
-                    raw->run.on_sample(raw->name, topic, type, raw->participant->peer(header.peer).process, cdr,
-                                       header.source_ns);
-                });
+            bus::SampleHandler handler = [raw, topic = found.topic, type = found.type](
+                                             std::span<std::byte const> cdr, bus::SampleHeader const& header) {
+                raw->run.on_sample(raw->name, topic, type, raw->participant->peer(header.peer).process, cdr,
+                                   header.source_ns);
+            };
+            network->readers.erase(found.topic); // one that asked for more than a writer gives
+            bus::EndpointQos like;               // volatile, which everybody offers
+            like.reliable = found.reliable;
+            auto reader = found.own ? network->participant->create_reader(found.topic, codec, std::move(handler))
+                                    : bus::create_reader_like(*network->participant, found.topic, codec, like,
+                                                              std::move(handler));
             if (reader) {
-                network->readers.push_back(std::move(*reader));
+                network->readers[found.topic] = std::move(*reader);
             } else {
                 log::warning("topic '{}' is not followed: {}", found.topic, describe(reader.error()));
             }

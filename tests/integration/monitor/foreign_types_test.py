@@ -47,8 +47,8 @@ class ForeignTypes(harness.ScenarioTest):
                 process.wait(client.PATIENCE_S)
 
     @contextlib.contextmanager
-    def station(self):
-        process = subprocess.Popen([WRITER, harness.SOURCE / "qos/member.xml", str(DOMAIN)], stdin=subprocess.PIPE)
+    def station(self, *mode):
+        process = subprocess.Popen([WRITER, harness.SOURCE / "qos/member.xml", str(DOMAIN), *mode], stdin=subprocess.PIPE)
         try:
             yield
         finally:
@@ -57,6 +57,14 @@ class ForeignTypes(harness.ScenarioTest):
 
     def echo(self, monitor, *arguments):
         return harness.gridspace("topic", "echo", "rt/weather", "--run", f"http://{monitor.host}:{monitor.port}", *arguments)
+
+    def test_a_writer_that_sends_best_effort_is_heard_beside_one_that_is_reliable(self):
+        with self.station(), self.monitor() as monitor:
+            with self.station("best_effort"):
+                monitor.until("/api/v1/topics/rt%2Fweather/last", lambda t: any(s["process"] == "gust" for s in t["last"]), "a sample of the second")
+                self.assertEqual([e["problems"] for e in monitor.json("/api/v1/graph")["edges"] if e["problems"]], [])
+        with self.station("best_effort"), self.monitor() as monitor:
+            self.assertEqual(monitor.json("/api/v1/topics/rt%2Fweather/last")["last"][0]["process"], "gust")
 
     def test_its_samples_are_read_by_the_idl_that_the_user_gives(self):
         with self.station():

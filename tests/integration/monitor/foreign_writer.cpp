@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// foreign_writer QOS_FILE DOMAIN: writes topic `rt/weather` of a type that is published nowhere (foreign_types_test.py
-// has its IDL) until its standard input ends.
+// foreign_writer QOS_FILE DOMAIN [best_effort]: writes topic `rt/weather` of a type that is published nowhere
+// (foreign_types_test.py has its IDL) until its standard input ends.
 #include "bus/participant.hpp"
+#include "bus/raw_access.hpp"
 
 #include <array>
 #include <cstdio>
@@ -13,11 +14,12 @@
 
 int main(int argc, char** argv) {
     using namespace gridspace;
-    if (argc != 3) {
+    if (argc < 3) {
         return 2;
     }
     bus::ParticipantOptions options;
-    options.process = "station";
+    bool const best_effort = argc > 3;
+    options.process = best_effort ? "gust" : "station";
     options.program = "foreign_writer";
     options.domain = std::atoi(argv[2]);
     options.qos_file = argv[1];
@@ -25,8 +27,9 @@ int main(int argc, char** argv) {
     auto participant = bus::Participant::create(std::move(options));
     bus::Codec codec;
     codec.type_name = "station::Weather";
-    auto writer =
-        participant ? (*participant)->create_writer("rt/weather", codec) : std::unexpected{participant.error()};
+    auto writer = !participant  ? std::unexpected{participant.error()}
+                  : best_effort ? bus::create_writer_like(**participant, "rt/weather", codec, {})
+                                : (*participant)->create_writer("rt/weather", codec);
     if (!writer) {
         std::fprintf(stderr, "%s\n", describe(writer.error()).c_str());
         return 3;

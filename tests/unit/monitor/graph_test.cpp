@@ -168,5 +168,19 @@ TEST(GraphText, OfAnotherKindIsNotAGraph) {
         from_json(R"({"revision":1,"processes":[{"name":3}],"topics":[],"edges":[],"wires":[],"endpoints":[]})"));
 }
 
+TEST(GraphModel, DoesNotBlameAnybodyForAReaderOfTheMonitor) {
+    GraphModel model = pair();
+    model.participant_found("data", {"p3", {"monitor", 0, "gridspace-monitor"}, {"10.10.0.5"}});
+    model.participant_found("data", {"p4", {"stranger", 0, "somebody"}, {"10.10.0.6"}});
+    auto writer = endpoint("w2", "p4", true);
+    writer.qos.reliable = false;
+    model.endpoint_found("data", writer);
+    auto reader = endpoint("r2", "p3", false);
+    model.endpoint_found("data", reader);
+    Snapshot const graph = model.snapshot();
+    EXPECT_THAT(edge(graph, "monitor").problems, IsEmpty());
+    EXPECT_THAT(edge(graph, "stranger").problems, ElementsAre(HasSubstr("mcca does not get it: reliability")));
+}
+
 } // namespace
 } // namespace gridspace::graph
