@@ -263,6 +263,7 @@ std::string Api::signals() const {
         }
         for (std::size_t c = 0; c < window->columns().size(); ++c) {
             Json entry{{"name", window->columns()[c].name}, {"unit", window->columns()[c].unit}, {"source", key.first}};
+            entry["steps"] = window->columns()[c].steps;
             if (!window->empty()) {
                 entry["time_s"] = static_cast<double>(window->newest_ns()) * 1e-9;
                 entry["value"] = window->newest(c);
@@ -288,7 +289,7 @@ web::Response Api::signal_query(web::Target const& target) const {
     if (wanted.size() > 64) {
         return problem(400, "at most 64 signals at once");
     }
-    auto const ns = [](double s) { return static_cast<std::int64_t>(std::clamp(s * 1e9, -9e18, 9e18)); };
+    auto const ns = [](double s) { return static_cast<std::int64_t>(std::llround(std::clamp(s * 1e9, -9e18, 9e18))); };
     auto const pixels = static_cast<std::size_t>(std::clamp(px.value_or(800), 1.0, 10000.0));
     Json series = Json::array();
     std::lock_guard const lock{run_.mutex};
@@ -297,7 +298,8 @@ web::Response Api::signal_query(web::Target const& target) const {
         if (window == nullptr) {
             return problem(404, "there is no signal '" + name + "'", "GET /api/v1/signals lists them");
         }
-        stream::Plot const plot = window->plot(column, ns(t0.value_or(-1e9)), ns(t1.value_or(9e9)), pixels);
+        stream::Plot const plot =
+            window->plot(column, ns(t0.value_or(-1e9)), ns(t1.value_or(9e9)), pixels, stream::Ends::inside);
         series.push_back(
             {{"name", name}, {"unit", window->columns()[column].unit}, {"t", plot.times_s}, {"v", plot.values}});
     }

@@ -30,6 +30,20 @@ std::optional<std::string> match(std::string_view pattern, std::string_view path
     return std::string{path}; // with slashes, too: topics of others have them in their names
 }
 
+/// A switch of the query: missing is off, without a value on; nothing when it is neither on nor off.
+std::optional<bool> flag(web::Target const& target, char const* name) {
+    auto const it = target.query.find(name);
+    std::string const value = it == target.query.end() ? "0" : it->second;
+    if (value.empty() || value == "1" || value == "true") {
+        return true;
+    }
+    return value == "0" || value == "false" ? std::optional{false} : std::nullopt;
+}
+
+web::Response no_flag(std::string const& name) {
+    return problem(400, name + " is on or off", "?" + name + "=1 or ?" + name + "=0");
+}
+
 } // namespace
 
 web::Response json_response(std::string body, int status) {
@@ -82,7 +96,8 @@ std::span<Api::Entry const> Api::entries() {
               [](Api const& api, Request const&, Text const&) { return json_response(api.topics()); }},
         Entry{{"GET", "/api/v1/topics/{topic}/last"},
               [](Api const& api, Request const& r, Text const& topic) {
-                  return api.last_samples(topic, r.target.query.contains("cdr"));
+                  auto const cdr = flag(r.target, "cdr");
+                  return cdr ? api.last_samples(topic, *cdr) : no_flag("cdr");
               }},
         Entry{{"GET", "/api/v1/topics/{topic}"},
               [](Api const& api, Request const&, Text const& topic) { return api.topic(topic); }},
@@ -107,10 +122,14 @@ std::span<Api::Route const> Api::routes() {
 }
 
 web::Response Api::picture(web::Target const& target, bool dot) const {
+    auto const asked = flag(target, "framework");
+    if (!asked) {
+        return no_flag("framework");
+    }
     std::unique_lock lock{run_.mutex};
     graph::Snapshot const snapshot = run_.snapshot();
     lock.unlock();
-    bool const framework = target.query.contains("framework");
+    bool const framework = *asked;
     web::Response response;
     response.content_type = dot ? "text/vnd.graphviz; charset=utf-8" : "image/svg+xml";
     response.body = dot ? graph::to_dot(snapshot, framework) : graph::to_svg(snapshot, framework);

@@ -43,10 +43,11 @@ TEST(ApiRoutes, AreAllInTheOpenApiDocumentAndNothingElseIs) {
 
 class ApiAnswers : public testing::Test {
   protected:
-    web::Response ask(std::string method, std::string path) {
+    web::Response ask(std::string method, std::string path, std::map<std::string, std::string> query = {}) {
         web::Request request;
         request.method = std::move(method);
         request.target.path = std::move(path);
+        request.target.query = std::move(query);
         return sut_.answer(request);
     }
     LiveRun run_{RunPlan{}};
@@ -72,6 +73,23 @@ TEST_F(ApiAnswers, FindTopicsWhoseNamesHaveSlashes) {
     EXPECT_EQ(ask("GET", "/api/v1/topics/rt/chatter").status, 200);
     EXPECT_EQ(ask("GET", "/api/v1/topics/rt/chatter/last").status, 200);
     EXPECT_EQ(ask("GET", "/api/v1/topics/rt").status, 404);
+}
+
+TEST_F(ApiAnswers, KnowASwitchThatIsOffFromOneThatIsOn) {
+    std::byte const cdr[]{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}, std::byte{7}};
+    run_.on_sample("data", "t", "Thing", "somebody", cdr, 0);
+    auto const with = [&](std::map<std::string, std::string> query) {
+        return ask("GET", "/api/v1/topics/t/last", std::move(query)).body;
+    };
+    EXPECT_NE(with({{"cdr", "1"}}), with({}));
+    for (char const* on : {"", "true"}) {
+        EXPECT_EQ(with({{"cdr", on}}), with({{"cdr", "1"}}));
+    }
+    for (char const* off : {"0", "false"}) {
+        EXPECT_EQ(with({{"cdr", off}}), with({}));
+    }
+    EXPECT_EQ(ask("GET", "/api/v1/topics/t/last", {{"cdr", "perhaps"}}).status, 400);
+    EXPECT_EQ(ask("GET", "/api/v1/graph.svg", {{"framework", "2"}}).status, 400);
 }
 
 } // namespace
