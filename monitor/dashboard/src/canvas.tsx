@@ -57,6 +57,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
       ...d.series.map((s, i) => ({
         label: look().label?.(s.name) ?? short(s.name), stroke: colours[i % colours.length], width: 1.5, spanGaps: true,
         dash: look().dash?.(s.name) ?? (i >= colours.length ? [6, 4] : undefined), points: { show: false },
+        paths: s.steps ? uPlot.paths.stepped!({ align: 1 }) : undefined, // what is told when it changes holds until then
         value: (u: uPlot, v: number | null) => (v === null || v === undefined ? "" : `${within(v, u.scales.y.max! - u.scales.y.min!)} ${s.unit}`),
       })),
     ],
@@ -135,7 +136,7 @@ export function Lines({ id, pattern, height, look }: { id: string; pattern: stri
   useEffect(() => {
     const node = holder.current;
     if (!node || !d || !d.series.length) return;
-    const shape = d.series.map(s => s.name).join(" ") + theme + (run.value?.duration_s ?? 0);
+    const shape = d.series.map(s => s.name + (s.steps ? "/" : "")).join(" ") + theme + (run.value?.duration_s ?? 0);
     if (!plot.current || made.current !== shape) {
       plot.current?.destroy();
       plot.current = create(node, d, height, pattern, () => latest.current);

@@ -75,6 +75,8 @@ export function GraphView() {
     const w = kind === "process" ? kProcess : kTopic;
     const open = () => { if (!streams.has(name)) picked.value = chosen === name ? null : { kind, name }; };
     const per = rates.get(name);
+    // As many letters as the box has room for, the mark of a lost one among them.
+    const label = (kind === "process" && p?.state === "lost" ? "✕ " : "") + name, most = kind === "process" ? 17 : 19;
     const said = kind === "process" ? `${p?.program} on ${p?.host}: ${p?.state}` : per === undefined ? name : `${name}: ${rate(per)}`;
     return (
       <g class={`node ${cls}${found(name) ? " found" : ""}${chosen === name ? " chosen" : ""}`} key={kind + name} tabindex={0}
@@ -82,7 +84,7 @@ export function GraphView() {
         <title>{said}</title>
         <rect x={x} y={y(list, name) - kBox / 2} width={w} height={kBox} rx={kind === "process" || streams.has(name) ? 5 : 15} />
         <text x={x + w / 2} y={y(list, name) + 4}>
-          {p && p.state === "lost" ? "✕ " : ""}{name.length > 19 ? name.slice(0, 18) + "…" : name}
+          {label.length > most ? label.slice(0, most - 1) + "…" : label}
         </text>
       </g>
     );

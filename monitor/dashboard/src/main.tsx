@@ -50,7 +50,7 @@ function Processes() {
         {r?.processes.map(p => (
           <tr key={p.name} class={`state ${p.state}`}>
             <td><button class="link" onClick={() => { picked.value = { kind: "process", name: p.name }; }}>{p.name}</button></td>
-            <td class="soft">{p.host}</td>
+            <td class="soft host">{p.host}</td>
             <td class="sign">{sign[p.state]} {r.recorded && p.state === "alive" ? "took part" : p.state}{p.incarnation > 0 ? ` (restarted ${p.incarnation}x)` : ""}</td>
             {used && <><td class="number">{p.cpu_percent === undefined ? "–" : `${p.cpu_percent < 9.95 ? p.cpu_percent.toFixed(1) : Math.round(p.cpu_percent)} %`}</td>
               <td class="number">{p.memory_octets === undefined ? "–" : Math.round(p.memory_octets / 1e6)}</td></>}

@@ -37,7 +37,7 @@ export interface StreamEnd {
 }
 export interface StreamState { name: string; kind: string; from: string[]; to: string[]; counted: StreamEnd[] }
 export interface RunEvent { number: number; time_s: number; source: string; event: string; text: string }
-export interface Series { name: string; unit: string; t: Float64Array; v: Float64Array }
+export interface Series { name: string; unit: string; steps: boolean; t: Float64Array; v: Float64Array }
 export interface Drawn { t0: number; t1: number; series: Series[] }
 
 export const connected = signal(false);
@@ -83,8 +83,8 @@ function series(bytes: ArrayBuffer): void {
     at += 8 * n;
     return out;
   };
-  const list: Series[] = header.series.map((s: { name: string; unit: string; points: number }) => ({
-    name: s.name, unit: s.unit, t: take(s.points), v: take(s.points),
+  const list: Series[] = header.series.map((s: { name: string; unit: string; steps?: boolean; points: number }) => ({
+    name: s.name, unit: s.unit, steps: s.steps ?? false, t: take(s.points), v: take(s.points),
   }));
   drawn.value = { ...drawn.value, [header.id]: { t0: header.t0, t1: header.t1, series: list } };
 }
