@@ -22,7 +22,8 @@ struct Held {
     std::string interface, address;
 };
 
-/// IPv4 addresses of the interfaces that are up.
+/// IPv4 addresses of the interfaces that run: Fast DDS uses no others, and a link that has just been set up runs a
+/// moment later.
 std::vector<Held> held_addresses() {
     std::vector<Held> out;
     ifaddrs* list = nullptr;
@@ -30,7 +31,8 @@ std::vector<Held> held_addresses() {
         return out;
     }
     for (ifaddrs const* i = list; i != nullptr; i = i->ifa_next) {
-        if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET || (i->ifa_flags & IFF_UP) == 0) {
+        if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET ||
+            (i->ifa_flags & (IFF_UP | IFF_RUNNING)) != (IFF_UP | IFF_RUNNING)) {
             continue;
         }
         std::array<char, INET_ADDRSTRLEN> text{};
@@ -67,9 +69,11 @@ Result<void> wait_for_addresses(std::vector<std::string> const& addresses, std::
             }
             return fail(ExitCode::environment,
                         fmt::format("no interface has the address {}{}", join(missing, ", "),
-                                    patience > kUnsaid ? fmt::format(", also after {} s", patience / std::chrono::seconds{1}) : ""),
-                        listed.empty() ? "no interface is up"
-                                       : "the interfaces that are up have " + join(listed, ", "));
+                                    patience > kUnsaid
+                                        ? fmt::format(", also after {} s", patience / std::chrono::seconds{1})
+                                        : ""),
+                        listed.empty() ? "no interface is up and has a carrier"
+                                       : "the interfaces that are up and have a carrier have " + join(listed, ", "));
         }
         if (!said && waited >= kUnsaid) {
             said = true;

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 32U << 20U; ///< octets in front of one end
 constexpr std::chrono::milliseconds kLastWords{1000};
+constexpr std::chrono::milliseconds kAddressPatience{2000}; ///< a link that was just set up
 
 } // namespace
 
@@ -53,7 +54,7 @@ Result<std::unique_ptr<End>> End::open(EndConfig const& config, std::string cons
     options.profile = config.profile;
     options.addresses = config.addresses;
     auto joined = end->inside([&]() -> Result<void> {
-        if (auto ok = bus::wait_for_addresses(config.addresses, {}); !ok) {
+        if (auto ok = bus::wait_for_addresses(config.addresses, kAddressPatience); !ok) {
             return ok;
         }
         auto participant = config.link ? bus::join_over_tcp(std::move(options), *config.link, observer)
