@@ -7,6 +7,7 @@
 #include "tests/integration/veth/veth.hpp"
 
 #include <bus_gateway.h>
+#include <set>
 
 namespace gridspace::router {
 namespace {
@@ -110,11 +111,23 @@ TEST_F(Carry, ALoopOfTwoRoutersDoesNotMultiplySamples) {
     listener.reads("from_right");
     ASSERT_TRUE(right.wait_sources("x", 2));    // both routers carry it
     ASSERT_TRUE(listener.wait_sources("x", 1)); // the writer alone
-    warm_up(writer, right, "x");
+    std::uint32_t mark = warm_up(writer, right, "x");
+    Signal both; // routers hear the writer and are heard: each at its own time
+    ASSERT_TRUE(both.wait([&] {
+        writer.write_cdr(sample(mark++ % 1000), kStart);
+        std::set<std::string> from;
+        for (auto const& one : right.all("x")) {
+            from.insert(one.from);
+        }
+        return from.size() == 2;
+    }));
     std::uint32_t const marks = warm_up(from_right, listener, "from_right");
     constexpr std::uint32_t kSamples = 200, kFirst = 5000;
     for (std::uint32_t i = 0; i < kSamples; ++i) {
         writer.write_cdr(sample(kFirst + i), kStart);
+        if (i % 50 == 49) {
+            ASSERT_TRUE(writer.wait_acknowledged(std::chrono::milliseconds{10'000})); // its history is bounded
+        }
     }
     auto const later = [](Program& program) {
         std::size_t count = 0;
