@@ -27,7 +27,6 @@ namespace {
 constexpr std::string_view kUserDataMark = "gridspace/1";
 
 /// A board that boots has its program before its address.
-constexpr std::chrono::seconds kAddressPatience{30};
 
 std::string user_data_of(ParticipantOptions const& options) {
     return fmt::format("{};process={};incarnation={};program={}", kUserDataMark, options.process, options.incarnation,
@@ -120,7 +119,7 @@ class FastDdsParticipant final : public Participant {
     }
 
     Result<void> open(TcpLink const* link = nullptr) {
-        if (auto ok = wait_for_addresses(options_.addresses, kAddressPatience); !ok) {
+        if (auto ok = wait_for_addresses(options_.addresses, options_.address_patience); !ok) {
             return ok;
         }
         std::lock_guard const lock{profiles_mutex()};

@@ -46,6 +46,7 @@ struct ParticipantOptions {
     std::filesystem::path qos_file;     ///< qos/<role>.xml
     std::string profile{"management"};  ///< participant profile in that file
     std::vector<std::string> addresses; ///< interfaces to use, by their IPv4 address; empty: all
+    std::chrono::milliseconds address_patience{30'000}; ///< a board's interface may come up after its programs
 };
 
 struct Endpoint {

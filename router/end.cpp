@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "router/end.hpp"
 
-#include "bus/local_addresses.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
 #include "router/route_table.hpp"
@@ -53,10 +52,8 @@ Result<std::unique_ptr<End>> End::open(EndConfig const& config, std::string cons
     options.qos_file = config.qos.empty() ? qos_file : config.qos;
     options.profile = config.profile;
     options.addresses = config.addresses;
+    options.address_patience = kAddressPatience;
     auto joined = end->inside([&]() -> Result<void> {
-        if (auto ok = bus::wait_for_addresses(config.addresses, kAddressPatience); !ok) {
-            return ok;
-        }
         auto participant = config.link ? bus::join_over_tcp(std::move(options), *config.link, observer)
                                        : bus::Participant::create(std::move(options), observer);
         if (!participant) {

@@ -49,7 +49,9 @@ Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams
     }
     // Who refuses looks for a second claim to a sample, which comes at most a sample later.
     bool const refuses = params.first_line.on_finding == gateways::FirstLineConfig::OnFinding::refuse;
-    return CurrentInputs{std::move(ends), params.partner_timeout_ns, static_cast<std::uint32_t>(from.rate_hz.num()), refuses ? 1 : 0};
+    CurrentInputs out{std::move(ends), params.partner_timeout_ns, static_cast<std::uint32_t>(from.rate_hz.num()), refuses ? 1 : 0};
+    out.same_sv_id_ = from.sv_id == to.sv_id;
+    return out;
 }
 
 EndSample CurrentInputs::read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu) {
@@ -97,7 +99,7 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, OnPair c
         iec61850::Asdu const& asdu = asdus[place];
         // Two devices may say the same svID: then the address tells whose sample it is. One that is nobody's is judged by
         // both, as it was.
-        bool const has_owner = std::any_of(ends_.begin(), ends_.end(), [&](End const& end) {
+        bool const has_owner = same_sv_id_ && std::any_of(ends_.begin(), ends_.end(), [&](End const& end) {
             return end.subscriber.is_mine(asdu) && end.subscriber.is_addressed(decoded_.header);
         });
         for (std::size_t i = 0; i < ends_.size(); ++i) {

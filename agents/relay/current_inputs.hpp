@@ -61,6 +61,7 @@ class CurrentInputs {
     void give_out(std::int64_t now_ns, OnPair const& on_pair);
 
     std::vector<End> ends_; ///< from, to
+    bool same_sv_id_{false};
     iec61850::StreamAlignment<EndSample> alignment_;
     iec61850::SvFrame decoded_;
     iec61850::DecodeCounters damaged_;

@@ -17,6 +17,7 @@
 #include "monitor/app/run_plan.hpp"
 #include "monitor/graph/graph_text.hpp"
 #include "monitor/web/gate.hpp"
+#include "monitor/web/guarded.hpp"
 #include "monitor/web/server.hpp"
 
 #include <algorithm>
@@ -126,17 +127,6 @@ std::uint64_t keep_graph(LiveRun const& live, std::uint64_t kept) {
     return snapshot.revision;
 }
 
-/// Nothing that a client has asked for ends the run's monitor, and with it the run.
-template <class F>
-bool survive(char const* what, F&& f) {
-    try {
-        return f();
-    } catch (std::exception const& error) {
-        log::warning("{} failed: {}", what, error.what());
-        return true;
-    }
-}
-
 Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
     auto socket = socket_to_serve_on(config);
     if (!socket) {
@@ -231,11 +221,9 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
             kept = keep_graph(live, kept);
             measured = now;
         }
-        survive("telling the clients", [&] { return hub.step(**server, now); });
-        survive("telling the Foxglove clients", [&] {
-            foxglove.step(**server);
-            return true;
-        });
+        // Nothing that a client has asked for ends the run's monitor, and with it the run.
+        web::guarded("telling the clients", [&] { hub.step(**server, now); });
+        web::guarded("telling the Foxglove clients", [&] { foxglove.step(**server); });
     } while (!stop.wait(kPeriod));
     run.on_stop({});
     if (tap != nullptr) {
@@ -244,7 +232,12 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         }
         auto const begin = std::chrono::steady_clock::now();
         auto const due = begin + std::chrono::seconds{1}; // everything is, once
-        while (!survive("the last words", [&] { return hub.step(**server, due); }) &&
+        auto const all_said = [&] {
+            bool all = true;
+            web::guarded("the last words", [&] { all = hub.step(**server, due); });
+            return all;
+        };
+        while (!all_said() &&
                std::chrono::steady_clock::now() - begin < kLastWords) {
             (*server)->drain(std::chrono::milliseconds{20});
         }

@@ -6,6 +6,7 @@
 
 #include "common/log.hpp"
 #include "monitor/web/gate.hpp"
+#include "monitor/web/guarded.hpp"
 #include "monitor/web/server.hpp"
 #include "monitor/web/transport.hpp"
 
@@ -36,18 +37,6 @@ class ServerImpl;
 
 inline std::string text_of(beast::string_view text) {
     return {text.data(), text.size()};
-}
-
-/// False when `f` throws: whatever one client asks for, the others are served on.
-template <class F>
-bool guarded(char const* what, F&& f) {
-    try {
-        f();
-        return true;
-    } catch (std::exception const& error) {
-        log::warning("{} failed: {}", what, error.what());
-        return false;
-    }
 }
 
 class Closable {

@@ -99,10 +99,8 @@ class RecorderShell {
                     return ok;
                 }
                 log::info("{} samples, {} octets", file_.messages(), file_.octets());
-            } else {
-                if (auto ok = flush_sometimes(); !ok) {
-                    return ok;
-                }
+            } else if (auto ok = flush_sometimes(); !ok) {
+                return ok;
             }
             // Samples are kept by the receiving threads; they are written and acknowledged in batches.
             if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok || (*tick)->final) {
@@ -288,7 +286,6 @@ class RecorderShell {
         return closed;
     }
 
-    /// In real time a crash must not cost more than a second of the recording.
     /// Whatever happens, not much more than a second of recording is lost: also of a run at the pace of the wall clock.
     Result<void> flush_sometimes() {
         auto const now = std::chrono::steady_clock::now();

@@ -74,10 +74,10 @@ class Feeder {
         }
         // The share of a load that is an impedance belongs to the matrix: behind windings without earth it is all that
         // holds the potential. Where that does not lead to a solution, the whole load at nominal voltage may.
-        add_loads([](LoadModel model, Load const& l) { return impedance_shares(model, l); });
+        add_loads(impedance_shares);
         auto flow = iterate(options);
         if (!flow) {
-            add_loads([](LoadModel, Load const&) { return std::pair{1.0, 1.0}; });
+            add_loads([](Load const&) { return std::pair{1.0, 1.0}; });
             auto again = iterate(options);
             return again ? again : flow;
         }
@@ -86,8 +86,8 @@ class Feeder {
 
   private:
     /// Shares of a load's active and reactive power that go with the square of the voltage.
-    static std::pair<double, double> impedance_shares(LoadModel model, Load const& l) {
-        switch (model) {
+    static std::pair<double, double> impedance_shares(Load const& l) {
+        switch (l.model) {
         case LoadModel::constant_impedance:
         case LoadModel::dc_resistive:
             return {1, 1};
@@ -116,7 +116,7 @@ class Feeder {
     void add_loads(Shares shares) {
         linear_.clear();
         for (Load const& l : n_.loads) {
-            auto const [p, q] = shares(l.model, l);
+            auto const [p, q] = shares(l);
             double const v = phase_v_[bus_of(l.bus)];
             for (int k = 0; k < 3; ++k) {
                 Complex const s = nominal(l, k), y = std::conj(Complex{s.real() * p, s.imag() * q}) / (v * v);

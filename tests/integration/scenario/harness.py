@@ -22,17 +22,23 @@ SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", SOURCE / "build/release/bin"))
 CASE_1 = SOURCE / "configs/scenarios/ev_charging.yaml"
 
-# Case 2 in lockstep, 0.1 s of it, without what a test does not need: for a file that others extend.
-SHORT_CASE_2 = f"""---
+
+
+def short_case_2(scenario="protection_lockstep", duration_s=0.1, events="{fault: {at_s: 0.04}}"):
+    """A piece of case 2 without what a test does not need: for a file that others extend."""
+    return f"""---
 gridspace: 1
-extends: {SOURCE}/configs/scenarios/protection_lockstep.yaml
+extends: {SOURCE}/configs/scenarios/{scenario}.yaml
 name: short
-simulation: {{duration_s: 0.1}}
+simulation: {{duration_s: {duration_s}}}
 processes: {{monitor: ~}}
-events: {{fault: {{at_s: 0.04}}}}
+events: {events}
 record: {{comtrade: ~}}
 expect: ~
 """
+
+
+SHORT_CASE_2 = short_case_2()
 HANG_S = 240  # nothing that works takes that long, even beside ten other jobs
 
 OK, EXPECTATION, USAGE, ENVIRONMENT, CHILD_DIED, STALL, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130

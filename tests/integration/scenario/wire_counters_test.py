@@ -7,20 +7,9 @@ import os
 import signal
 import unittest
 
-from harness import INTERRUPTED, SOURCE, ScenarioTest, gridspace
+from harness import INTERRUPTED, SOURCE, ScenarioTest, gridspace, short_case_2
 
 PROTECTION = SOURCE / "configs/scenarios/protection_lockstep.yaml"
-
-REAL_TIME = f"""---
-gridspace: 1
-extends: {SOURCE}/configs/scenarios/protection.yaml
-name: short
-simulation: {{duration_s: 1.4}}
-processes: {{monitor: ~}}
-events: ~
-record: {{comtrade: ~}}
-expect: ~
-"""
 
 
 class WireCounters(ScenarioTest):
@@ -53,7 +42,7 @@ class WireCounters(ScenarioTest):
 
     def test_the_last_counters_of_a_real_time_run_are_in_its_recording(self):
         """The relay says them when it hears of the end, and so does the recorder: neither waits for the other."""
-        run = self.start("run", scenario=self.write("short.yaml", REAL_TIME))
+        run = self.start("run", scenario=self.write("short.yaml", short_case_2("protection", 1.4, events="~")))
         run.finish()  # on a busy machine samples may be late; that is not what is looked at
         self.assert_recording_readable(run)
         tables = [t for t in (run.folder / "csv").glob("*.csv") if "stream.SMV21.received" in t.read_text().split("\n", 1)[0]]

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/child.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -16,12 +17,6 @@ namespace fs = std::filesystem;
 
 class Spawn : public ::testing::Test {
   protected:
-    Spawn() {
-        std::string pattern = ::testing::TempDir() + "gridspace_spawn_XXXXXX";
-        folder_ = ::mkdtemp(pattern.data());
-    }
-    ~Spawn() override { fs::remove_all(folder_); }
-
     [[nodiscard]] std::string program(std::string const& name, std::string const& content) const {
         std::ofstream{folder_ / name, std::ios::binary} << content;
         fs::permissions(folder_ / name, fs::perms::owner_all);
@@ -49,7 +44,8 @@ class Spawn : public ::testing::Test {
         return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     }
 
-    fs::path folder_;
+    TemporaryFolder temporary_;
+    fs::path folder_{temporary_.path()};
 };
 
 TEST_F(Spawn, ScriptsAndCommandsOfThePathAreStarted) {

@@ -108,6 +108,14 @@ class ServerTest : public testing::Test {
         return fd;
     }
 
+    /// A client that takes little, of a server that keeps four messages for it.
+    UniqueFd open_slow_push() {
+        Limits limits;
+        limits.push_messages = 4;
+        start(limits);
+        return open_push(4096);
+    }
+
     std::unique_ptr<Server> sut_;
     std::uint16_t port_{0};
     std::atomic<ClientId> client_{0};
@@ -310,10 +318,7 @@ TEST_F(ServerTest, ServesOthersWhenOneRequestOrOneClientFails) {
 }
 
 TEST_F(ServerTest, KnowsWhatAClientHasNotTakenYet) {
-    Limits limits;
-    limits.push_messages = 4;
-    start(limits);
-    UniqueFd const fd = open_push(4096);
+    UniqueFd const fd = open_slow_push();
     for (int i = 0; i < 200; ++i) {
         push(std::string(100'000, 'x'), false);
     }
@@ -333,10 +338,7 @@ TEST_F(ServerTest, KnowsWhatAClientHasNotTakenYet) {
 }
 
 TEST_F(ServerTest, DropsTheOldestMessagesOfAClientThatDoesNotReadAndCountsThem) {
-    Limits limits;
-    limits.push_messages = 4;
-    start(limits);
-    UniqueFd const fd = open_push(4096);
+    UniqueFd const fd = open_slow_push();
     for (int i = 0; i < 200; ++i) {
         push(std::string(100'000, 'x') + (i == 199 ? "newest" : ""), false);
     }
@@ -348,10 +350,7 @@ TEST_F(ServerTest, DropsTheOldestMessagesOfAClientThatDoesNotReadAndCountsThem) 
 }
 
 TEST_F(ServerTest, KeepsWhatNothingLaterSaysAgainForAClientThatDoesNotRead) {
-    Limits limits;
-    limits.push_messages = 4;
-    start(limits);
-    UniqueFd const fd = open_push(4096);
+    UniqueFd const fd = open_slow_push();
     for (int i = 0; i < 200; ++i) {
         push(i == 100 ? "the breaker is open" : std::string(100'000, 'x') + (i == 199 ? "newest" : ""), i == 100);
     }

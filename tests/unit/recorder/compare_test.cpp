@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/compare/compare.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <bit>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace gridspace {
 namespace {
@@ -35,12 +35,6 @@ class Cdr {
 
 class CompareSignals : public ::testing::Test {
   protected:
-    CompareSignals() {
-        std::string pattern = ::testing::TempDir() + "gridspace_compare_XXXXXX";
-        folder_ = ::mkdtemp(pattern.data());
-    }
-    ~CompareSignals() override { std::filesystem::remove_all(folder_); }
-
     /// A recording of the signals x.A and x.B, a row every 10 ns.
     [[nodiscard]] std::filesystem::path recording(std::string const& name,
                                                   std::vector<std::array<double, 2>> const& rows) const {
@@ -86,7 +80,8 @@ class CompareSignals : public ::testing::Test {
         return out;
     }
 
-    std::filesystem::path folder_;
+    TemporaryFolder temporary_;
+    std::filesystem::path folder_{temporary_.path()};
 };
 
 using Differences = std::vector<std::pair<std::uint64_t, std::string>>;

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/comtrade/comtrade_record.hpp"
 #include "common/comtrade/comtrade_writer.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
-#include <unistd.h>
 
 namespace gridspace {
 namespace {
@@ -16,12 +16,6 @@ constexpr std::int64_t kEpochNs = 1'575'158'400'000'000'000; // 2019-12-01T00:00
 
 class Comtrade : public ::testing::Test {
   protected:
-    Comtrade() {
-        std::string pattern = ::testing::TempDir() + "gridspace_comtrade_XXXXXX";
-        folder_ = ::mkdtemp(pattern.data());
-    }
-    ~Comtrade() override { std::filesystem::remove_all(folder_); }
-
     static std::string text_of(std::filesystem::path const& file) {
         std::ifstream stream{file, std::ios::binary};
         return {std::istreambuf_iterator<char>{stream}, {}};
@@ -44,7 +38,8 @@ class Comtrade : public ::testing::Test {
         out.header.digital[0].normally_set = true;
         return out;
     }
-    std::filesystem::path folder_;
+    TemporaryFolder temporary_;
+    std::filesystem::path folder_{temporary_.path()};
 };
 
 TEST_F(Comtrade, TheConfigurationSaysWhatTheStandardAsksFor) {

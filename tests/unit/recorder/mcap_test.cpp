@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/mcap/mcap_reader.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <malloc.h>
 #include <iterator>
-#include <unistd.h>
 
 namespace gridspace::mcap {
 namespace {
@@ -16,13 +16,6 @@ namespace {
 /// A folder of the test's own.
 class Recording : public ::testing::TestWithParam<bool> {
   protected:
-    Recording() {
-        std::string pattern = ::testing::TempDir() + "gridspace_mcap_XXXXXX";
-        folder_ = ::mkdtemp(pattern.data());
-        file_ = folder_ / "data.mcap";
-    }
-    ~Recording() override { std::filesystem::remove_all(folder_); }
-
     static std::vector<std::byte> sample(std::uint32_t n) {
         std::vector<std::byte> out(40 + n % 7, std::byte{0x5a});
         out[0] = static_cast<std::byte>(n & 0xff);
@@ -75,7 +68,8 @@ class Recording : public ::testing::TestWithParam<bool> {
     }
     void put(std::string_view text) const { std::ofstream{file_, std::ios::binary | std::ios::trunc} << text; }
 
-    std::filesystem::path folder_, file_;
+    TemporaryFolder temporary_;
+    std::filesystem::path folder_{temporary_.path()}, file_{folder_ / "data.mcap"};
 };
 
 TEST_P(Recording, ReadsBackWhatWasWritten) {
@@ -188,9 +182,8 @@ TEST_P(Recording, ThatCannotBeWrittenSaysSo) {
 }
 
 TEST(LongRecording, MemoryDoesNotGrowWithItsLength) {
-    std::string folder = (std::filesystem::temp_directory_path() / "gridspace-long-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(folder.data()), nullptr);
-    std::filesystem::path const file = std::filesystem::path{folder} / "long.mcap";
+    TemporaryFolder const folder;
+    std::filesystem::path const file = folder.path() / "long.mcap";
     constexpr std::uint32_t kChunks = 40'000; // of one message each: ten gigabytes of a real recording
     {
         auto sut = Writer::create(file, {.compress = false, .chunk_octets = 1});
@@ -211,7 +204,6 @@ TEST(LongRecording, MemoryDoesNotGrowWithItsLength) {
     ASSERT_TRUE(outcome);
     EXPECT_TRUE(outcome->complete);
     EXPECT_EQ(next, kChunks);
-    std::filesystem::remove_all(folder);
 }
 
 INSTANTIATE_TEST_SUITE_P(Compressed, Recording, ::testing::Bool(), [](auto const& p) { return p.param ? "zstd" : "plain"; });

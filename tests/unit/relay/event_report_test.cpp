@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/event_report.hpp"
 
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/relay/waves.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -18,21 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kUtc = 1'575'158'400'000'000'000; // 2019-12-01T00:00:00Z
 constexpr std::size_t kOctetsOfRow = 4 + 4 + 9 * 2 + 2;
-
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        std::string pattern = ::testing::TempDir() + "gridspace_event_report_XXXXXX";
-        path_ = ::mkdtemp(pattern.data());
-    }
-    ~TemporaryFolder() { fs::remove_all(path_); }
-    TemporaryFolder(TemporaryFolder const&) = delete;
-    TemporaryFolder& operator=(TemporaryFolder const&) = delete;
-    [[nodiscard]] fs::path const& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
 
 std::string content(fs::path const& file) {
     std::ifstream stream{file, std::ios::binary};
