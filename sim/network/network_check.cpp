@@ -239,8 +239,9 @@ void check_line_ends(Network const& n, std::vector<T> const& devices, std::strin
     }
 }
 
-/// Every bus must be reached, through lines and transformers that are in service, from something that holds voltage.
-void check_islands(Network const& n, Diagnostics& diagnostics) {
+/// Which buses something that holds voltage reaches, over transformers and over the lines that `joins`.
+template <class Joins>
+std::vector<bool> fed_buses(Network const& n, Joins joins) {
     std::vector<std::size_t> root(n.buses.size());
     std::iota(root.begin(), root.end(), std::size_t{0});
     auto const top = [&](std::size_t i) {
@@ -253,19 +254,15 @@ void check_islands(Network const& n, Diagnostics& diagnostics) {
         root[top(index_of(n.buses, a.name))] = top(index_of(n.buses, b.name));
     };
     for (Line const& line : n.lines) {
-        bool open = false;
-        for (Breaker const& b : n.breakers) {
-            open = open || (b.line == line.name && !b.closed);
-        }
-        if (!open) {
+        if (joins(line)) {
             join_buses(line.from, line.to);
         }
     }
     for (Transformer const& t : n.transformers) {
         join_buses(t.from, t.to);
     }
-    std::vector<bool> fed(n.buses.size(), false);
-    auto const feed = [&](Ref const& bus) { fed[top(index_of(n.buses, bus.name))] = true; };
+    std::vector<bool> fed_roots(n.buses.size(), false), fed(n.buses.size());
+    auto const feed = [&](Ref const& bus) { fed_roots[top(index_of(n.buses, bus.name))] = true; };
     for (Source const& s : n.sources) {
         feed(s.bus);
     }
@@ -277,24 +274,39 @@ void check_islands(Network const& n, Diagnostics& diagnostics) {
             feed(g.bus);
         }
     }
-    std::vector<std::size_t> unfed;
-    for (std::size_t i = 0; i < n.buses.size(); ++i) {
-        if (!fed[top(i)]) {
-            unfed.push_back(i);
-        }
+    for (std::size_t i = 0; i < fed.size(); ++i) {
+        fed[i] = fed_roots[top(i)];
     }
-    if (unfed.size() == n.buses.size()) {
+    return fed;
+}
+
+/// Every bus must be reached from something that holds voltage. Behind a breaker that is open at the start it has none
+/// until that closes.
+void check_islands(Network const& n, Diagnostics& diagnostics) {
+    auto const closed = [&](Line const& line) {
+        return std::none_of(n.breakers.begin(), n.breakers.end(),
+                            [&](Breaker const& b) { return b.line == line.name && !b.closed; });
+    };
+    auto const ever = fed_buses(n, [](Line const&) { return true; }), at_start = fed_buses(n, closed);
+    if (std::find(ever.begin(), ever.end(), true) == ever.end()) {
         diagnostics.error(n.where, "nothing holds the voltage of this network",
                           "it needs a source, a machine, or a generator with `role: slack`");
         return;
     }
-    for (std::size_t const i : unfed) {
+    for (std::size_t i = 0; i < n.buses.size(); ++i) {
         Bus const& bus = n.buses[i];
-        diagnostics.error(bus.name.where,
-                          fmt::format("bus '{}' is islanded: no line or transformer in service joins it to a source, "
-                                      "machine or slack generator",
-                                      bus.name.name),
-                          "join it, or remove it", width(bus.name));
+        if (!ever[i]) {
+            diagnostics.error(bus.name.where,
+                              fmt::format("bus '{}' is islanded: no line or transformer joins it to a source, machine "
+                                          "or slack generator",
+                                          bus.name.name),
+                              "join it, or remove it", width(bus.name));
+        } else if (!at_start[i]) {
+            diagnostics.warning(
+                bus.name.where,
+                fmt::format("bus '{}' has no voltage at the start: it is behind a breaker that is open", bus.name.name),
+                "with `closed: true` at that breaker it has", width(bus.name));
+        }
     }
 }
 

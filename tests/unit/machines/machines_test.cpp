@@ -115,5 +115,37 @@ TEST(Engines, APowerStepMovesBothAlike) {
     EXPECT_LT(read(*w, "machine.G1.frequency_hz"), 59.95);
 }
 
+TEST(Engines, AFeederWithoutVoltageAtTheStartIsEnergisedByItsBreaker) {
+    auto const feeder = [](std::string const& state) {
+        return emt::network_of("buses: {A: {voltage_v: 400}, B: {voltage_v: 400}, C: {voltage_v: 230}}\n"
+                               "sources: {S: {bus: A, r_ohm: 0.01, l_mh: 0.05}}\n"
+                               "lines: {L: {from: A, to: B, r_ohm: 0.02, l_mh: 0.1}}\n"
+                               "breaker_types: {t: {}}\nbreakers: {CB: {line: L, end: from, type: t, state: " +
+                               state +
+                               "}}\n"
+                               "transformers: {T: {from: B, to: C, rating_kva: 30, x_percent: 4, from_winding: delta, "
+                               "phase_shift_deg: 30}}\n"
+                               "loads: {Z: {bus: B, p_kw: 5, power_factor: 1, model: constant_impedance}, P: {bus: C, "
+                               "p_kw: 4, model: constant_power}}\n");
+    };
+    TimeBase const base{Rational{1, 48000}};
+    for (bool const waves : {false, true}) {
+        auto const engine = [&](std::string const& state) {
+            return waves ? emt::started(feeder(state), base, Rational{1, 48000}) : phasors(feeder(state), base);
+        };
+        auto const dead = engine("open"), fed = engine("closed");
+        for (char const* bus : {"bus.B.v_pu", "bus.C.v_pu"}) {
+            EXPECT_EQ(read(*dead, bus), 0) << waves;
+        }
+        apply(*dead, SwitchBreaker{"CB", true});
+        for (int t = 1; t <= 24000; ++t) {
+            advance(*dead, SimTime{t});
+        }
+        for (char const* signal : {"bus.B.v_pu", "bus.C.v_pu", "load.Z.p_kw", "load.P.p_kw", "line.L.from.p_kw"}) {
+            EXPECT_NEAR(read(*dead, signal), read(*fed, signal), 2e-3) << signal << ' ' << waves;
+        }
+    }
+}
+
 } // namespace
 } // namespace gridspace::sim
