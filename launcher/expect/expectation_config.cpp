@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace gridspace::launcher {
@@ -57,6 +58,13 @@ void moment(Fields& f, std::string_view key, std::optional<Moment>& out, std::st
                     "an event, with `+` or `-` and a time: fault + 2 s");
         }
     }
+}
+
+/// Bounds that exclude each other. `between` is judged on its own.
+bool nothing_lies_within(Expectation const& e) {
+    double const lower = std::max(e.above.value_or(-INFINITY), e.at_least.value_or(-INFINITY));
+    double const upper = std::min(e.below.value_or(INFINITY), e.at_most.value_or(INFINITY));
+    return lower > upper || (lower == upper && (e.above == lower || e.below == upper));
 }
 
 void describe(Fields& f, Expectation& e) {
@@ -134,6 +142,10 @@ void describe(Fields& f, Expectation& e) {
     }
     if (!e.between.empty() && (e.between.size() != 2 || e.between[0] > e.between[1])) {
         f.error("between", fmt::format("expectation '{}' needs two bounds, the lower first", e.name.name));
+    }
+    if (nothing_lies_within(e)) {
+        f.error("", fmt::format("expectation '{}' has bounds that no value lies within", e.name.name),
+                "the lower bound (above, at_least) belongs below the upper one (below, at_most)");
     }
     bool const is_time = e.verb == Verb::time_of;
     if (is_time && e.unit.empty()) {
