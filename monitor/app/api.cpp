@@ -88,7 +88,7 @@ std::string Api::run() const {
              {"speed", run_.plan.speed},
              {"recorded", run_.recorded},
              {"control", !token_.empty()},
-             {"state", clock.state},
+             {"state", clock.paused && clock.state == "running" ? "paused" : clock.state},
              {"time_s", clock.time_s},
              {"duration_s", run_.plan.duration_s},
              {"tick", clock.tick},

@@ -196,6 +196,8 @@ void LiveRun::add_event(RunEvent event) {
         graph.process_died(event.source);
     } else if (event.source == "launcher" && event.text.ends_with(" killed")) {
         graph.process_died(event.text.substr(0, event.text.find(' ')));
+    } else if (event.source == "launcher" && (event.event == "paused" || event.event == "resumed")) {
+        clock.paused = event.event == "paused";
     }
     events.push_back(std::move(event));
     if (events.size() > kKeptEvents) {

@@ -41,6 +41,7 @@ struct RunClock {
     std::uint64_t tick{0};
     double time_s{0};
     std::string state{"waiting"}; ///< waiting, running, final, aborted; loading, recorded
+    bool paused{false};           ///< somebody has asked the running simulator to wait
     double factor{0};             ///< simulated seconds per second of wall clock, lately
 };
 

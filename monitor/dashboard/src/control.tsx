@@ -1,15 +1,9 @@
 // Run control: pause, step, continue, stop of a run that was started with --allow-control.
 import { signal } from "@preact/signals";
-import { events, run } from "./model";
+import { run } from "./model";
 
 const kKey = "gridspace control token";
 const refused = signal("");
-
-/** The launcher logs every halt. */
-const paused = () => {
-  const last = [...events.value].reverse().find(e => e.source === "launcher" && (e.event === "paused" || e.event === "resumed"));
-  return last?.event === "paused";
-};
 
 async function ask(action: string) {
   const token = sessionStorage.getItem(kKey) ?? prompt("Control token (in the file control.token of the run folder):")?.trim();
@@ -23,7 +17,7 @@ async function ask(action: string) {
 }
 
 export function Control() {
-  const lockstep = run.value?.mode === "lockstep", halted = paused();
+  const lockstep = run.value?.mode === "lockstep", halted = run.value?.state === "paused";
   return (
     <div class="tools" role="group" aria-label="run control">
       {lockstep && (halted

@@ -106,6 +106,9 @@ class Contract(harness.ScenarioTest):
             self.assertEqual(json_schema.problems(DOCUMENT, action, body) == [], status != 400, body)
             answer = monitor.ask("POST", "/api/v1/control", json.dumps(body), {"Authorization": f"Bearer {said}"})
             self.assertEqual(answer.status, status, body)
+            if status == 202 and body["action"] in ("pause", "continue"):
+                wanted = "paused" if body["action"] == "pause" else "running"
+                monitor.until("/api/v1/run", lambda r, wanted=wanted: r["state"] == wanted, f"the run to be {wanted}")
             self.assertEqual(check_answer(DOCUMENT, control, answer), [], body)
         run.finish()
 

@@ -57,6 +57,17 @@ TEST_F(ApiControl, ObeysWhoeverKnowsTheToken) {
     EXPECT_THAT(done_, ElementsAre("pause", "step 3", "continue", "stop"));
 }
 
+TEST_F(ApiControl, TheRunSaysThatItIsPaused) {
+    run_.clock.state = "running";
+    run_.add_event({0, 1, "launcher", "paused", ""});
+    EXPECT_THAT(sut_.run(), HasSubstr(R"("state":"paused")"));
+    run_.add_event({0, 1, "launcher", "resumed", ""});
+    EXPECT_THAT(sut_.run(), HasSubstr(R"("state":"running")"));
+    run_.add_event({0, 1, "launcher", "paused", ""});
+    run_.clock.state = "final";
+    EXPECT_THAT(sut_.run(), HasSubstr(R"("state":"final")"));
+}
+
 TEST_F(ApiControl, RefusesAnybodyElse) {
     allow();
     for (char const* said :
