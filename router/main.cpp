@@ -9,6 +9,7 @@
 #include "router/router.hpp"
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <csignal>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,8 @@ namespace gridspace::router {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::chrono::seconds kAnswerPatience{10}; ///< from the start until somebody is told of a link that is silent
 
 struct Options {
     std::filesystem::path config, qos;
@@ -172,10 +175,18 @@ int main_function(int argc, char** argv) {
         return static_cast<int>(opened.error().code);
     }
     printer.ready();
+    using Clock = std::chrono::steady_clock;
+    auto const answer_due = Clock::now() + kAnswerPatience;
+    bool asked = false;
     while (true) {
         router.update();
+        auto const left = std::chrono::ceil<std::chrono::milliseconds>(answer_due - Clock::now()).count();
+        if (!asked && left <= 0) {
+            router.note_silent_links();
+            asked = true;
+        }
         pollfd ready[2]{{signals.get(), POLLIN, 0}, {changes.get(), POLLIN, 0}};
-        if (::poll(ready, 2, -1) < 0 && errno != EINTR) {
+        if (::poll(ready, 2, asked ? -1 : static_cast<int>(left)) < 0 && errno != EINTR) {
             break;
         }
         if (ready[0].revents != 0) {

@@ -133,6 +133,25 @@ void Router::update() {
     publish_types();
 }
 
+void Router::note_silent_links() {
+    for (auto const& watch : watches_) {
+        auto const& link = config_.ends[watch->end].link;
+        if (!link || link->listens) {
+            continue; // who listens cannot know whether somebody ought to have come
+        }
+        std::unique_lock lock{mutex_};
+        bool const silent = watch->sites.empty();
+        lock.unlock();
+        if (silent) {
+            reporter_.note(
+                fmt::format("{}: no router has answered at {}:{} yet{}; it goes on trying",
+                            config_.ends[watch->end].name.name, link->address, link->port,
+                            link->tls ? " (does one listen there, with TLS and a certificate of the same authority?)"
+                                      : " (does one listen there, without TLS?)"));
+        }
+    }
+}
+
 void Router::open_route(Route route) {
     auto carried = std::make_unique<Carried>();
     carried->route = std::move(route);

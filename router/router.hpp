@@ -29,6 +29,8 @@ class Router {
     [[nodiscard]] Result<void> open(std::filesystem::path const& qos_file, std::function<void()> wake);
     /// Opens and closes routes after what was discovered; from one thread.
     void update();
+    /// Notes every link to somebody who has not answered so far.
+    void note_silent_links();
     /// Ends all routes, writes what waits, and reports the totals.
     void close();
 

@@ -91,6 +91,7 @@ class RunningRouter final : public Reporter {
     explicit RunningRouter(std::string const& yaml);
     ~RunningRouter() override;
     void stop();
+    void note_silent_links() { router_->note_silent_links(); }
 
     struct Seen {
         std::vector<std::string> events;             ///< "connected wan b", "carries x a", "note …"

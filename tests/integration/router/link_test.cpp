@@ -104,6 +104,11 @@ TEST_F(Link, TlsLetsInWhomTheAuthorityHasSignedAndNobodyElse) {
     EXPECT_EQ(a.count("connected wan impostor"), 0U);
     EXPECT_EQ(a.count("connected wan plain"), 0U);
     EXPECT_EQ(stranger.heard("x"), 0U);
+    for (RunningRouter* one : {&a, &b, &impostor, &plain}) {
+        one->note_silent_links();
+        EXPECT_EQ(one->count("note wan: no router has answered at 127.0.0.1:7411"),
+                  one == &impostor || one == &plain ? 1U : 0U);
+    }
 }
 
 TEST_F(Link, APortThatSomebodyHasIsNamed) {
