@@ -68,9 +68,10 @@ struct ClockServer::State {
         core.changed.notify_all();
     }
 
-    /// Who is not READY, or is matched with an incarnation that is gone. Under the mutex.
+    /// Who is not READY, or is matched with an incarnation that is gone; whom nobody has heard of comes alone, since
+    /// the others wait for it. Under the mutex.
     std::string not_ready() const {
-        std::string out;
+        std::string out, absent;
         for (MemberPlan const& member : plan) {
             if (dropped.contains(member.name)) {
                 continue;
@@ -80,7 +81,7 @@ struct ClockServer::State {
             auto const expected = incarnations.find(member.name);
             std::uint32_t const incarnation = expected == incarnations.end() ? 0 : expected->second;
             if (it == statuses.end() || it->second.incarnation < incarnation) {
-                why = "has not appeared on the bus";
+                absent += fmt::format("{}{} has not appeared on the bus", absent.empty() ? "" : "; ", member.name);
             } else if (it->second.state != MEMBER_READY) {
                 why = it->second.waiting_for.empty() ? "is starting" : "waits for " + it->second.waiting_for;
             } else {
@@ -95,7 +96,7 @@ struct ClockServer::State {
                 out += fmt::format("{}{} {}", out.empty() ? "" : "; ", member.name, why);
             }
         }
-        return out;
+        return absent.empty() ? out : absent;
     }
 
     bool inputs_complete() const {
@@ -116,8 +117,11 @@ struct ClockServer::State {
                 continue;
             }
             auto const last = barrier.last_ack(barrier.member_index(member.name));
-            out += fmt::format("{}{} ({})", out.empty() ? "" : ", ", member.name,
-                               last ? fmt::format("last acknowledged tick {}", *last) : "has never acknowledged");
+            auto const status = statuses.find(member.name);
+            bool const says_why = status != statuses.end() && !status->second.waiting_for.empty();
+            out += fmt::format("{}{} ({}{})", out.empty() ? "" : ", ", member.name,
+                               last ? fmt::format("last acknowledged tick {}", *last) : "has never acknowledged",
+                               says_why ? ", waits for " + status->second.waiting_for : "");
         }
         for (std::size_t const process : inputs) {
             if (std::string const samples = core.book->missing(process); !samples.empty()) {
@@ -149,7 +153,8 @@ struct ClockServer::State {
         while (true) {
             std::string own_missing = core.refresh_status(MEMBER_STARTING);
             std::unique_lock lock{core.mutex};
-            for (Peer const& peer : core.status_matched) { // what is sent to the old incarnation is lost for the new one
+            for (Peer const& peer :
+                 core.status_matched) { // what is sent to the old incarnation is lost for the new one
                 auto const newest = incarnations.find(peer.process);
                 if (newest != incarnations.end() && peer.incarnation < newest->second) {
                     own_missing += fmt::format("{}the restarted {}", own_missing.empty() ? "" : ", ", peer.process);
@@ -184,6 +189,7 @@ ClockServer::~ClockServer() {
     std::lock_guard const lock{state_->core.mutex};
     state_->core.on_ack = {};
     state_->core.server_waits_no_more = {};
+    state_->core.who_is_missing = {};
 }
 
 Result<void> ClockServer::start() {
@@ -203,11 +209,16 @@ Result<void> ClockServer::start() {
         std::lock_guard const lock{s.core.mutex};
         s.core.on_ack = [&s](ClockAck const& ack) {
             std::size_t const member = s.barrier.member_index(ack.member().c_str());
-            if (member != lockstep::Barrier::kUnknown) {
-                s.barrier.on_ack(member, ack.tick(), ack.next_tick_needed());
+            if (member != lockstep::Barrier::kUnknown &&
+                !s.barrier.on_ack(member, ack.tick(), ack.next_tick_needed())) {
+                s.core.fail_locked({ExitCode::stall,
+                                    fmt::format("{} has acknowledged tick {}, and the newest is {}",
+                                                ack.member().c_str(), ack.tick(), s.barrier.tick()),
+                                    "a member acknowledges the tick of the clock that it has taken, and no other"});
             }
         };
         s.core.server_waits_no_more = [&s] { return s.barrier.complete() && s.inputs_complete(); };
+        s.core.who_is_missing = [&s] { return s.not_ready(); };
     }
     if (auto ok = s.node.start(); !ok) {
         return ok;

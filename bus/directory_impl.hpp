@@ -4,6 +4,7 @@
 
 #include "bus/participant.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <fastdds/rtps/common/Guid.h>
 #include <functional>
@@ -29,15 +30,23 @@ class Directory {
     void announce(rtps::GuidPrefix_t const& prefix, Peer peer) {
         {
             std::lock_guard const lock{mutex_};
-            peers_[locked_index(prefix)] = std::move(peer);
+            std::uint32_t const index = locked_index(prefix);
+            peers_[index] = std::move(peer);
+            here_.insert(index);
         }
         changed();
+    }
+    bool hears(Peer const& peer) const {
+        std::lock_guard const lock{mutex_};
+        return std::any_of(here_.begin(), here_.end(), [&](std::uint32_t index) { return peers_[index] == peer; });
     }
     void depart(rtps::GuidPrefix_t const& prefix, bool clean) {
         Peer who;
         {
             std::lock_guard const lock{mutex_};
-            who = peers_[locked_index(prefix)];
+            std::uint32_t const index = locked_index(prefix);
+            who = peers_[index];
+            here_.erase(index);
         }
         {
             std::lock_guard const lock{callbacks_mutex_};
@@ -77,7 +86,8 @@ class Directory {
     mutable std::mutex mutex_;
     std::map<rtps::GuidPrefix_t, std::uint32_t> index_;
     std::vector<Peer> peers_;
-    std::mutex callbacks_mutex_; // guards the next two, also while they are called
+    std::set<std::uint32_t> here_; ///< those that have not departed
+    std::mutex callbacks_mutex_;   // guards the next two, also while they are called
     std::function<void()> on_change_;
     std::function<void(Peer const&, bool)> on_departure_;
 };

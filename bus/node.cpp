@@ -6,11 +6,13 @@
 #include "bus/node_core.hpp"
 #include "bus/topics.hpp"
 #include "common/log.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <catalog.h>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
 
 namespace gridspace::bus {
@@ -105,7 +107,50 @@ void Node::Core::fill_ledger(std::vector<LedgerEntry>& ledger) const {
     }
 }
 
+Peer const& Node::Core::writer_of(std::vector<std::optional<Peer>>& sources, SampleHeader const& header) const {
+    if (header.source >= sources.size()) {
+        sources.resize(header.source + 1);
+    }
+    std::optional<Peer>& source = sources[header.source];
+    if (!source) {
+        source = management->peer(header.peer);
+    }
+    return *source;
+}
+
+bool Node::Core::clock_fits(SampleHeader const& header) {
+    if (clock.state() == CLOCK_ABORTED) {
+        return true; // it may have ended before it began to count
+    }
+    constexpr std::int64_t kSlackNs = 1000; // the stamps of DDS count in 2^-32 s
+    Rational const quantum = config.clock.quantum_s;
+    SimTime const now{clock.quanta()};
+    std::int64_t const in_ticks = tick_span.quanta * static_cast<std::int64_t>(clock.tick());
+    std::int64_t const off_ns = header.source_ns - source_ns(now);
+    std::string mismatch;
+    if (quantum.num() != clock.quantum_num() || quantum.den() != clock.quantum_den()) {
+        mismatch = fmt::format("counts in steps of {}/{} s, and this process in {} s", clock.quantum_num(),
+                               clock.quantum_den(), quantum.to_string());
+    } else if (lockstep() && now.quanta != in_ticks && clock.state() != CLOCK_FINAL) { // the last one may be shorter
+        mismatch = fmt::format("is at {} s in tick {}, and a tick of this process is {} s", shortest(base.seconds(now)),
+                               clock.tick(), config.clock.tick_s.to_string());
+    } else if (lockstep() && std::llabs(off_ns) > kSlackNs) {
+        mismatch =
+            fmt::format("has another epoch than this process, by {} s", shortest(static_cast<double>(off_ns) / 1e9));
+    }
+    if (!mismatch.empty()) {
+        fail_locked({ExitCode::usage, fmt::format("the clock of '{}' {}", config.clock.simulator, mismatch),
+                     "the configuration of this process is that of another scenario, or of an older one: make it again "
+                     "(on a board: its bundle)"});
+    }
+    return mismatch.empty();
+}
+
 void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
+    if (writer_of(clock_sources, header).process != config.clock.simulator) {
+        ++foreign_samples; // of another run, or of somebody who looks on
+        return;
+    }
     std::lock_guard const lock{mutex};
     if (!codec_of<SimClock>().decode(cdr, &clock)) {
         fail_locked({ExitCode::environment,
@@ -119,6 +164,9 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
         pace.first_arrived = pace.last_arrived;
         pace.first = {clock.quanta()};
     }
+    if (!clock_fits(header)) {
+        return;
+    }
     if (!lockstep()) {
         auto const wall_ns = wall_clock_ns();
         if (auto const ahead = clock_watch.offset(header.source_ns, wall_ns)) {
@@ -127,6 +175,12 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
                                      std::abs(static_cast<double>(*ahead)) / 1e9, *ahead > 0 ? "ahead of" : "behind"),
                          "in real time they have to agree: chrony, ntpd or PTP on both; in lockstep no clock is used"});
         }
+    }
+    if (lockstep() && !clock_seen && config.incarnation == 0 && clock.tick() > 0 && clock.state() != CLOCK_ABORTED) {
+        fail_locked({ExitCode::environment,
+                     fmt::format("the run is already under way: its clock is at tick {}", clock.tick()),
+                     "in lockstep a program joins before the start, or is restarted by the scenario (`restart:`)"});
+        return;
     }
     clock_seen = true;
     if (clock_tap != nullptr && clock.state() != CLOCK_HELD) {
@@ -199,13 +253,15 @@ std::string Node::Core::missing_ledgers() const {
 }
 
 void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
+    Peer const& writer = writer_of(ack_sources, header);
     std::lock_guard const lock{mutex};
     static thread_local ClockAck received; // keeps its capacity: no allocation per acknowledgement
     if (!codec_of<ClockAck>().decode(cdr, &received)) {
         return;
     }
     std::size_t const process = book->process_index(received.member().c_str());
-    if (process == lockstep::LedgerBook::kUnknown) {
+    if (process == lockstep::LedgerBook::kUnknown || writer.process != received.member().c_str() ||
+        writer.incarnation != received.incarnation()) {
         ++foreign_samples;
         return;
     }
@@ -225,6 +281,14 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
     if (is_restated) {
         return;
     }
+    std::int64_t const time_quanta = tick_span.quanta * static_cast<std::int64_t>(received.tick());
+    if (std::string const more = book->acknowledged(process, received.incarnation(), time_quanta); !more.empty()) {
+        fail_locked(
+            {ExitCode::stall,
+             fmt::format("{} has acknowledged tick {}: {}", received.member().c_str(), received.tick(), more),
+             "a member writes all that belongs to a tick before it acknowledges it, and counts it in its ledger"});
+        return;
+    }
     gate->on_ack(process, received.tick());
     if (on_ack) {
         on_ack(received);
@@ -242,6 +306,15 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     if (!source.known) {
         Peer const peer = slot.network->peer(header.peer);
         source = {true, book->process_index(peer.process), peer.incarnation, peer.process};
+        if (lockstep() && source.process != lockstep::LedgerBook::kUnknown && !slot.diagnostic) {
+            auto const expected = config.expected_writers.find(slot.topic);
+            if (expected != config.expected_writers.end() && !expected->second.contains(peer.process)) {
+                fail({ExitCode::usage,
+                      fmt::format("{} writes '{}', which the scenario does not say", peer.process, slot.topic),
+                      "in lockstep the order of the processes follows from who writes what: add the topic to its "
+                      "`writes`"});
+            }
+        }
     }
     std::size_t const process = source.process;
     Origin origin;
@@ -264,9 +337,18 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : time_now();
     if (process != lockstep::LedgerBook::kUnknown) {
         using Arrival = lockstep::LedgerBook::Arrival;
-        Arrival const arrival =
-            book->arrived(process, source.incarnation, slot.book_reader, header.writer, header.sequence);
+        bool const counted = lockstep() && !slot.diagnostic;
+        Arrival const arrival = book->arrived(process, source.incarnation, slot.book_reader, header.writer,
+                                              header.sequence, counted ? origin.time.quanta : INT64_MAX);
         if (arrival == Arrival::repeated) {
+            return;
+        }
+        if (arrival == Arrival::late) {
+            fail_locked(
+                {ExitCode::stall,
+                 fmt::format("a sample of '{}' from {} came for {} s, which {} had acknowledged without it", slot.topic,
+                             source.name, shortest(base.seconds(origin.time)), source.name),
+                 "a member writes all that belongs to a tick before it acknowledges it, and counts it in its ledger"});
             return;
         }
         if (arrival == Arrival::gap) {
@@ -401,6 +483,7 @@ Result<std::unique_ptr<RawWriter>> Node::open_writer(std::string const& topic, C
 Result<void> Node::open_reader(std::string const& topic, Codec const& codec, std::shared_ptr<Inbox> inbox) {
     auto slot = std::make_unique<Core::ReaderSlot>();
     slot->topic = topic;
+    slot->diagnostic = is_diagnostic_topic(topic);
     slot->codec = codec;
     slot->inbox = std::move(inbox);
     if (!core_->lockstep()) {

@@ -38,6 +38,7 @@ struct Node::Core {
 
     struct ReaderSlot {
         std::string topic;
+        bool diagnostic{false}; ///< in no ledger
         Codec codec;
         std::shared_ptr<Inbox> inbox;
         std::size_t book_reader{0};
@@ -62,6 +63,7 @@ struct Node::Core {
     std::unique_ptr<RawWriter> catalog_writer;
     std::unique_ptr<RawReader> clock_reader;
     std::unique_ptr<RawReader> ack_reader;
+    std::vector<std::optional<Peer>> clock_sources, ack_sources; ///< by SampleHeader::source; one receiving thread each
     std::vector<std::string> catalogued_types;
     ClockAck ack; ///< reused for every acknowledgement
 
@@ -109,12 +111,19 @@ struct Node::Core {
     std::uint64_t matches_published{0};
     std::function<void(ClockAck const&)> on_ack; ///< of the clock server; under the mutex
     std::function<bool()> server_waits_no_more;  ///< of the clock server; under the mutex
+    std::function<std::string()> who_is_missing; ///< of the clock server, at the start; under the mutex
 
     std::atomic<std::uint64_t> foreign_samples{0};
     std::atomic<std::uint64_t> refused_writes{0};
     std::atomic<std::uint64_t> foreign_frames{0};
     std::atomic<std::uint64_t> lost_samples{0};
 
+    /// Somebody else is here under the name of this process.
+    [[nodiscard]] bool has_namesake() const {
+        bool const data_is_here = config.data && config.data->domain == config.management.domain;
+        return !data_is_here &&
+               management->hears({config.process, static_cast<std::uint32_t>(config.incarnation), config.program});
+    }
     [[nodiscard]] bool is_simulator() const { return config.process == config.clock.simulator; }
     [[nodiscard]] bool has_clock() const { return !config.clock.simulator.empty(); } ///< otherwise time is UTC
     [[nodiscard]] bool lockstep() const { return config.clock.mode == ClockMode::lockstep; }
@@ -125,6 +134,10 @@ struct Node::Core {
     void fail_locked(Error why);
 
     void on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header);
+    /// Who wrote a sample of the management network; looked up once per writer.
+    Peer const& writer_of(std::vector<std::optional<Peer>>& sources, SampleHeader const& header) const;
+    /// Whether the clock counts as this process was configured to. Under the mutex.
+    [[nodiscard]] bool clock_fits(SampleHeader const& header);
     void on_held_clock(); ///< under the mutex
     void on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header);
     void on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header);
@@ -147,6 +160,7 @@ struct Node::Core {
     /// Looks at the matches and publishes member_status if they changed; returns what is missing. Only the process's
     /// own thread calls it.
     std::string refresh_status(MemberState state_when_incomplete);
+    void publish_status(MemberState state, std::string_view waiting_for);
     std::vector<Peer> status_matched;
     std::string status_missing{"-"};
 };

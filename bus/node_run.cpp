@@ -119,19 +119,23 @@ std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
     }
     status_matched = matched;
     status_missing = missing;
+    publish_status(state, missing);
+    return missing;
+}
+
+void Node::Core::publish_status(MemberState state, std::string_view waiting_for) {
     MemberStatus status;
     status.process(config.process.c_str());
     status.incarnation(static_cast<std::uint32_t>(config.incarnation));
     status.state(state);
-    for (Peer const& peer : matched) {
+    for (Peer const& peer : status_matched) {
         MatchedPeer entry;
         entry.process(peer.process.c_str());
         entry.incarnation(peer.incarnation);
         status.matched().push_back(entry);
     }
-    status.waiting_for(missing.substr(0, 255).c_str());
+    status.waiting_for(std::string{waiting_for.substr(0, 255)}.c_str());
     status_writer->write(&status, std::nullopt);
-    return missing;
 }
 
 Result<void> Node::start() {
@@ -227,12 +231,19 @@ Result<void> Node::start() {
         }
     }
 
-    Deadline const deadline{clock.start_timeout_s};
+    // Twice the simulator's own patience, so that it can name the culprit while the others are still there.
+    double const patience_s = (core.is_simulator() || !core.has_clock() ? 1 : 2) * clock.start_timeout_s;
+    Deadline const deadline{patience_s};
     auto const began = std::chrono::steady_clock::now();
     bool said = false;
     while (true) {
         std::string const missing = core.refresh_status(MEMBER_STARTING);
         bool const ready = missing.empty();
+        if (core.has_namesake()) {
+            return fail(ExitCode::environment, fmt::format("another '{}' is already on this bus", config.process),
+                        "two programs of one name in a run (a service, and a start by hand?), or another run on this "
+                        "network and DDS domain");
+        }
         std::unique_lock lock{core.mutex};
         if (ready) {
             return core.error ? Result<void>{std::unexpected{*core.error}} : Result<void>{};
@@ -244,10 +255,11 @@ Result<void> Node::start() {
             return fail(ExitCode::interrupted, "stopped while waiting for the others");
         }
         if (deadline.passed()) {
-            return fail(
-                ExitCode::stall,
-                fmt::format("not ready after {} s: still unmatched {}", shortest(clock.start_timeout_s), missing),
-                "is that process running, and on the same network and DDS domain?");
+            std::string const who = core.who_is_missing ? core.who_is_missing() : "";
+            return fail(ExitCode::stall,
+                        fmt::format("not ready after {} s: {}", shortest(patience_s),
+                                    who.empty() ? "still unmatched " + missing : who),
+                        "is that process running, and on the same network and DDS domain?");
         }
         if (!said && std::chrono::steady_clock::now() - began > std::chrono::seconds{3}) {
             said = true;
@@ -268,6 +280,7 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
         // Waiting for the next clock may take any time: others work, or the run is paused. Once the clock has come,
         // what belongs to it must follow: twice the simulator's own patience, so that it can name the culprit first.
         double const patience_s = 2 * core.config.clock.member_timeout_s;
+        bool said = false;
         while (!may_return()) {
             core.changed.wait_for(lock, std::chrono::seconds{1});
             if (core.matches_published != core.matches_generation) {
@@ -284,6 +297,14 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
                 lock.lock();
             }
             std::chrono::duration<double> const waited = std::chrono::steady_clock::now() - core.pending_since;
+            if (patience_s > 0 && core.gate->has_pending() && waited.count() > patience_s / 4 && !said &&
+                !may_return()) {
+                said = true; // the simulator is to know why, when its own patience is over
+                std::string const awaited = core.gate->awaiting();
+                lock.unlock();
+                core.publish_status(MEMBER_READY, awaited);
+                lock.lock();
+            }
             if (patience_s > 0 && core.gate->has_pending() && waited.count() > patience_s && !may_return()) {
                 core.fail_locked({ExitCode::stall,
                                   fmt::format("tick {}: waited {} s for {}", core.clock.tick(), shortest(patience_s),
@@ -296,6 +317,11 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
         }
         if (core.stop_requested || core.final_done) {
             return std::nullopt;
+        }
+        if (said) {
+            lock.unlock();
+            core.publish_status(MEMBER_READY, "");
+            lock.lock();
         }
         auto const grant = *core.gate->granted();
         Tick const tick{grant.tick, core.latest_time, grant.final};

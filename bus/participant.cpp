@@ -183,6 +183,7 @@ class FastDdsParticipant final : public Participant {
     }
 
     [[nodiscard]] Peer peer(std::uint32_t index) const override { return directory_.peer(index); }
+    [[nodiscard]] bool hears(Peer const& peer) const override { return directory_.hears(peer); }
     void on_change(std::function<void()> callback) override { directory_.on_change(std::move(callback)); }
     void on_departure(std::function<void(Peer const&, bool)> callback) override {
         directory_.on_departure(std::move(callback));

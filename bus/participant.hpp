@@ -43,9 +43,9 @@ struct ParticipantOptions {
     std::uint32_t incarnation{0};
     std::string program;
     int domain{0};
-    std::filesystem::path qos_file;     ///< qos/<role>.xml
-    std::string profile{"management"};  ///< participant profile in that file
-    std::vector<std::string> addresses; ///< interfaces to use, by their IPv4 address; empty: all
+    std::filesystem::path qos_file;                     ///< qos/<role>.xml
+    std::string profile{"management"};                  ///< participant profile in that file
+    std::vector<std::string> addresses;                 ///< interfaces to use, by their IPv4 address; empty: all
     std::chrono::milliseconds address_patience{30'000}; ///< a board's interface may come up after its programs
 };
 
@@ -92,6 +92,8 @@ class Participant {
                                                                            SampleHandler handler) = 0;
 
     [[nodiscard]] virtual Peer peer(std::uint32_t index) const = 0;
+    /// Whether another participant of this name, program and incarnation is here.
+    [[nodiscard]] virtual bool hears(Peer const& peer) const = 0;
     /// Called, from threads of DDS, whenever a peer appears or leaves or an endpoint is matched or unmatched.
     virtual void on_change(std::function<void()> callback) = 0;
     /// Called, from threads of DDS, when a participant is gone: `clean` when it said goodbye, not when its lease ran

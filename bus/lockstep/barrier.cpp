@@ -62,16 +62,20 @@ void Barrier::open(std::uint64_t tick, bool everybody) {
     open_acks_ = awaited_count_;
 }
 
-void Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed) {
+bool Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed) {
     State& state = members_[member];
+    if (tick > tick_) {
+        return false;
+    }
     if (static_cast<std::int64_t>(tick) <= state.acked) {
-        return;
+        return true;
     }
     state.acked = static_cast<std::int64_t>(tick);
     state.next_needed = std::max(next_tick_needed, tick + 1);
     if (tick == tick_ && state.awaited) {
         --open_acks_;
     }
+    return true;
 }
 
 void Barrier::drop(std::size_t member) {

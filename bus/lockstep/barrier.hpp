@@ -25,6 +25,7 @@ class Barrier {
 
     /// Opens tick k (k counts up by one). `everybody`: the first and the last tick.
     void open(std::uint64_t tick, bool everybody);
+    [[nodiscard]] std::uint64_t tick() const { return tick_; }
     [[nodiscard]] bool anybody_awaited() const { return awaited_count_ > 0; }
     [[nodiscard]] std::vector<std::uint8_t> const& awaited_bits() const { return bits_; }
 
@@ -33,7 +34,8 @@ class Barrier {
     [[nodiscard]] std::string const& member_name(std::size_t index) const { return members_[index].name; }
     [[nodiscard]] std::size_t size() const { return members_.size(); }
 
-    void on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed);
+    /// False, and not taken: a tick that is still to come.
+    [[nodiscard]] bool on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed);
     /// The member is not awaited any more (the scenario lets the run go on without it).
     void drop(std::size_t member);
     /// A new incarnation of the member joined: it is awaited from the next tick on.

@@ -36,6 +36,7 @@ bool LedgerBook::enter_incarnation(Process& process, std::uint32_t incarnation) 
         for (Counts& counts : process.readers) {
             counts.announced = 0;
             counts.held = 0;
+            counts.newest = counts.acknowledged = INT64_MIN;
             counts.joined_late = false;
             counts.writers.clear();
         }
@@ -69,8 +70,24 @@ void LedgerBook::baseline(std::size_t process, std::uint32_t incarnation, std::s
     }
 }
 
+std::string LedgerBook::acknowledged(std::size_t process, std::uint32_t incarnation, std::int64_t time_quanta) {
+    std::string out;
+    if (!enter_incarnation(processes_[process], incarnation)) {
+        return out;
+    }
+    for (std::size_t r = 0; r < readers_.size(); ++r) {
+        Counts& counts = processes_[process].readers[r];
+        counts.acknowledged = std::max(counts.acknowledged, time_quanta);
+        if (holds_too_much(counts)) {
+            out += fmt::format("{}{} samples of '{}' have come, and its ledger says {}", out.empty() ? "" : ", ",
+                               counts.held, readers_[r], counts.announced);
+        }
+    }
+    return out;
+}
+
 LedgerBook::Arrival LedgerBook::arrived(std::size_t process, std::uint32_t incarnation, std::size_t reader,
-                                        std::uint32_t writer, std::uint64_t sequence) {
+                                        std::uint32_t writer, std::uint64_t sequence, std::int64_t time_quanta) {
     if (!enter_incarnation(processes_[process], incarnation)) {
         return Arrival::repeated;
     }
@@ -88,7 +105,8 @@ LedgerBook::Arrival LedgerBook::arrived(std::size_t process, std::uint32_t incar
     bool const gap = sequence != it->last + 1 && !first_of_late_joiner;
     it->last = sequence;
     ++counts.held;
-    return gap ? Arrival::gap : Arrival::expected;
+    counts.newest = time_quanta;
+    return gap ? Arrival::gap : holds_too_much(counts) ? Arrival::late : Arrival::expected;
 }
 
 bool LedgerBook::complete(std::size_t process) const {

@@ -61,7 +61,7 @@ class ClockPath {
                 book_.arrived(process, 0, 1, 10 + i, k + 1);
             }
             gate_.on_ack(process, heard_ack_.tick());
-            barrier_.on_ack(barrier_.member_index(heard_ack_.member().c_str()), heard_ack_.tick(), heard_ack_.next_tick_needed());
+            (void)barrier_.on_ack(barrier_.member_index(heard_ack_.member().c_str()), heard_ack_.tick(), heard_ack_.next_tick_needed());
         }
         return good && barrier_.complete();
     }

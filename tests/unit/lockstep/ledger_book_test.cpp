@@ -57,6 +57,30 @@ TEST_F(LedgerBookTest, TellsGapsAndRepetitions) {
     EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 3), Arrival::gap);
 }
 
+TEST_F(LedgerBookTest, WhatWasWrittenAfterItsAcknowledgementIsLate) {
+    EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 1, 10), Arrival::expected);
+    sut.announced(ev1, 0, "requests", 2);
+    EXPECT_EQ(sut.acknowledged(ev1, 0, 10), "");
+    EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 2, 10), Arrival::expected) << "announced, and still on its way";
+    EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 3, 20), Arrival::expected) << "of a later tick";
+    sut.announced(ev1, 0, "requests", 3);
+    EXPECT_EQ(sut.acknowledged(ev1, 0, 20), "");
+    EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 4, 20), Arrival::late);
+}
+
+TEST_F(LedgerBookTest, SamplesThatTheLedgerDoesNotCountAreNamedWithTheAcknowledgement) {
+    EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 1, 10), Arrival::expected);
+    EXPECT_EQ(sut.acknowledged(ev1, 0, 10), "1 samples of 'requests' have come, and its ledger says 0");
+    EXPECT_EQ(sut.acknowledged(ev1, 1, 10), "") << "a new incarnation";
+}
+
+TEST_F(LedgerBookTest, WithTwoWritersWhatOvertookIsNotLate) {
+    sut.announced(ev1, 0, "requests", 1);
+    EXPECT_EQ(sut.acknowledged(ev1, 0, 10), "");
+    EXPECT_EQ(sut.arrived(ev1, 0, requests, 8, 1, 20), Arrival::expected);
+    EXPECT_EQ(sut.arrived(ev1, 0, requests, 7, 1, 10), Arrival::expected);
+}
+
 TEST_F(LedgerBookTest, ALostFirstSampleIsAGap) { EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 2), Arrival::gap); }
 
 TEST_F(LedgerBookTest, ARestartedProcessCountsFromZeroAndItsOldSelfIsIgnored) {
