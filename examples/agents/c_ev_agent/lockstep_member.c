@@ -32,8 +32,9 @@ typedef struct {
     bool upstream;
     int member;             // its number in the awaited bits, -1: none
     int64_t acked, awaited; // newest tick that it acknowledged, and in which it was awaited
-    bool absent;            // the run goes on without it
-    int64_t ledger_of;      // newest tick of which we have its ledger
+    dds_instance_handle_t ack_writer;
+    bool absent;       // the run goes on without it
+    int64_t ledger_of; // newest tick of which we have its ledger
 } process;
 
 typedef struct {
@@ -93,6 +94,7 @@ struct gs_member {
     expectation expected_writers[MAX_EXPECTED], expected_readers[MAX_EXPECTED];
     int expected_writer_count, expected_reader_count;
     dds_entity_t clock_reader, ack_reader, ack_writer, status_writer, waitset;
+    dds_instance_handle_t clock_writer;
     bool pending, pending_final;
     uint64_t pending_tick, generation, taken;
     int64_t pending_time_ns;
@@ -556,9 +558,29 @@ static void on_clock(gs_member* m, SimClock const* clock) {
     }
 }
 
-static void on_ack(gs_member* m, ClockAck const* ack) {
+// Clocks count from the simulator alone, acknowledgements from the member that they name: another run may be on this
+// bus.
+static bool written_by(gs_member* m, dds_entity_t reader, dds_instance_handle_t writer, char const* process_name,
+                       dds_instance_handle_t* known) {
+    if (writer == *known) {
+        return true;
+    }
+    dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader, writer);
+    participant const* owner = endpoint == NULL ? NULL : owner_of(m, 0, endpoint);
+    bool const ours = owner != NULL && strcmp(owner->process, process_name) == 0;
+    if (endpoint != NULL) {
+        dds_builtintopic_free_endpoint(endpoint);
+    }
+    if (ours) {
+        *known = writer;
+    }
+    return ours;
+}
+
+static void on_ack(gs_member* m, ClockAck const* ack, dds_instance_handle_t writer) {
     int const index = process_of(m, ack->member, false);
-    if (index < 0 || !m->processes[index].upstream) {
+    if (index < 0 || !m->processes[index].upstream ||
+        !written_by(m, m->ack_reader, writer, ack->member, &m->processes[index].ack_writer)) {
         return;
     }
     take_ledger(m, index, ack->incarnation, &ack->ledger);
@@ -618,9 +640,11 @@ static void drain(gs_member* m, dds_entity_t entity, reader* r) {
             if (r != NULL) {
                 on_sample(m, r, samples[i], &infos[i]);
             } else if (entity == m->clock_reader) {
-                on_clock(m, samples[i]);
+                if (written_by(m, entity, infos[i].publication_handle, m->simulator, &m->clock_writer)) {
+                    on_clock(m, samples[i]);
+                }
             } else {
-                on_ack(m, samples[i]);
+                on_ack(m, samples[i], infos[i].publication_handle);
             }
         }
         dds_return_loan(entity, samples, n);

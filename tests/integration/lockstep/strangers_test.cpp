@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A simulator and its member on a bus of their own, beside somebody who does not keep the protocol.
+#include "bus/clock_server.hpp"
+#include "bus/node.hpp"
+#include "bus/raw_access.hpp"
+#include "tests/integration/veth/veth.hpp"
+
+#include <clock.h>
+#include <cstdio>
+#include <ev_charging.h>
+#include <fmt/format.h>
+#include <future>
+#include <gmock/gmock.h>
+#include <thread>
+#include <unistd.h>
+
+namespace gridspace::bus {
+namespace {
+
+using testing::HasSubstr;
+
+NodeConfig config(std::string const& process, std::vector<std::string> members = {"a"}) {
+    NodeConfig out;
+    out.process = process;
+    out.program = "test";
+    out.qos = fmt::format("{}/qos/{}.xml", GRIDSPACE_SOURCE_DIR, process == "sim" ? "simulator" : "member");
+    out.management = {1, {"127.0.0.1"}};
+    out.clock.mode = ClockMode::lockstep;
+    out.clock.quantum_s = out.clock.tick_s = Rational{1, 1000};
+    out.clock.member_timeout_s = 3;
+    out.clock.start_timeout_s = 20;
+    out.clock.members = std::move(members);
+    return out;
+}
+
+std::string said(Result<void> const& result) {
+    return result ? "nothing" : describe(result.error());
+}
+
+/// 300 ticks. `writer`: the process that the scenario says writes `requests`; it is waited for unless it is `absent`.
+Result<void> simulate(std::string const& writer, std::string const& absent) {
+    NodeConfig configuration = config("sim");
+    if (!writer.empty()) {
+        configuration.expected_writers["requests"][writer] = 1;
+    }
+    configuration.absent = {absent};
+    auto node = Node::create(configuration);
+    if (!node) {
+        return std::unexpected{node.error()};
+    }
+    auto const requests = (*node)->reader<ChargingRequest>("requests");
+    ClockServer clock{**node, {{"a", {}, {}, true}}};
+    auto done = clock.start();
+    constexpr std::int64_t kTicks = 300;
+    for (std::int64_t k = 0; done && k <= kTicks; ++k) {
+        done = clock.tick(SimTime{k}, k == kTicks);
+    }
+    return done;
+}
+
+/// A process of its own: what a process sends is held back until it has acknowledged, for all its participants.
+class Simulator {
+  public:
+    explicit Simulator(std::string const& writer = "-", std::string const& absent = "-")
+        : output_{::popen(fmt::format("exec /proc/{}/exe --simulate {} {}", ::getpid(), writer, absent).c_str(), "r")} {
+    }
+    ~Simulator() { (void)said(); }
+    Simulator(Simulator const&) = delete;
+    Simulator& operator=(Simulator const&) = delete;
+    /// What it says at its end: what went wrong, or "nothing".
+    std::string said() {
+        while (output_ != nullptr) {
+            char text[512];
+            if (std::fgets(text, sizeof text, output_) == nullptr) {
+                ::pclose(output_);
+                output_ = nullptr;
+            } else {
+                said_ += text;
+            }
+        }
+        return said_;
+    }
+
+  private:
+    std::FILE* output_;
+    std::string said_;
+};
+
+/// A member's whole life.
+using Work = std::function<void(Node&, Tick const&, Writer<ChargingRequest>&)>;
+Result<void> take_part(NodeConfig const& configuration, Work const& work = {}) {
+    auto node = Node::create(configuration);
+    if (!node) {
+        return std::unexpected{node.error()};
+    }
+    auto const requests = (*node)->writer<ChargingRequest>("requests");
+    if (auto ok = (*node)->start(); !ok) {
+        return ok;
+    }
+    while (true) {
+        auto const tick = (*node)->next();
+        if (!tick) {
+            return std::unexpected{tick.error()};
+        }
+        if (!*tick) {
+            return {};
+        }
+        if (work) {
+            work(**node, **tick, **requests);
+        }
+        if (auto ok = (*node)->done(**tick, (*tick)->number + 1); !ok) {
+            return ok;
+        }
+    }
+}
+
+class Strangers : public ethernet::Veth {};
+
+TEST_F(Strangers, WhoSendsAClockOrAnAcknowledgementInAnotherNameIsNotHeard) {
+    auto stranger = Participant::create({"stranger", 0, "test", 1, config("x").qos, "management", {"127.0.0.1"}});
+    ASSERT_TRUE(stranger);
+    EndpointQos like;
+    like.reliable = true;
+    like.durability = Durability::transient_local;
+    auto const clocks = create_writer_like(**stranger, "simulation_clock", codec_of<SimClock>(), like);
+    auto const acknowledgements = create_writer_like(**stranger, "clock_ack", codec_of<ClockAck>(), like);
+    ASSERT_TRUE(clocks && acknowledgements);
+    Simulator sim;
+    std::uint64_t foreign = 0;
+    auto const heard = [&] { return !(*clocks)->matched().empty() && !(*acknowledgements)->matched().empty(); };
+    auto const member = take_part(config("a"), [&](Node& node, auto&, auto&) {
+        while (!heard()) { // the run waits for this process, and this process for nobody but the two
+            std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        }
+        SimClock clock;
+        clock.tick(3);
+        clock.state(CLOCK_FINAL);
+        (*clocks)->write(&clock, std::nullopt);
+        ClockAck ack;
+        ack.member("a");
+        ack.tick(70);
+        (*acknowledgements)->write(&ack, std::nullopt);
+        foreign = node.counters().foreign_samples;
+    });
+    EXPECT_TRUE(member) << said(member);
+    EXPECT_EQ(sim.said(), "nothing");
+    EXPECT_GT(foreign, 3U) << "they did come";
+}
+
+TEST_F(Strangers, AConfigurationOfAnotherStepTickOrEpochIsRefused) {
+    auto const with = [](auto&& change) {
+        NodeConfig out = config("a");
+        change(out.clock);
+        return out;
+    };
+    for (auto const& [configuration, expected] : std::vector<std::pair<NodeConfig, std::string>>{
+             {with([](ClockConfig& c) { c.quantum_s = c.tick_s = Rational{1, 500}; }),
+              "counts in steps of 1/1000 s, and this process in 1/500 s"},
+             {with([](ClockConfig& c) { c.tick_s = Rational{1, 500}; }),
+              "is at 0.001 s in tick 1, and a tick of this process is 1/500 s"},
+             {with([](ClockConfig& c) { c.epoch_unix_s = 3600; }),
+              "has another epoch than this process, by -3600 s"}}) {
+        Simulator sim;
+        EXPECT_THAT(said(take_part(configuration)), HasSubstr(expected));
+        EXPECT_NE(sim.said(), "nothing");
+    }
+}
+
+TEST_F(Strangers, ASecondProcessOfTheSameNameIsRefused) {
+    NodeConfig one = config("a");
+    one.clock.start_timeout_s = 2;
+    auto first = std::async(std::launch::async, [&] { return take_part(one); });
+    EXPECT_THAT(said(take_part(one)), HasSubstr("another 'a' is already on this bus"));
+    EXPECT_FALSE(first.get()); // it was there at the same time
+}
+
+TEST_F(Strangers, WhatIsWrittenAfterItsAcknowledgementEndsTheRunByName) {
+    NodeConfig member = config("a");
+    member.expected_readers["requests"]["sim"] = 1;
+    Simulator sim{"a"};
+    auto node = Node::create(member);
+    ASSERT_TRUE(node);
+    auto const requests = (*node)->writer<ChargingRequest>("requests");
+    ASSERT_TRUE((*node)->start());
+    for (int k = 0; k < 3; ++k) {
+        auto const tick = (*node)->next();
+        ASSERT_TRUE(tick && *tick);
+        (*requests)->write(ChargingRequest{}, (*tick)->time);
+        ASSERT_TRUE((*node)->done(**tick, (*tick)->number + 1));
+        if (k == 2) {
+            (*requests)->write(ChargingRequest{}, (*tick)->time);
+        }
+    }
+    EXPECT_THAT(sim.said(),
+                HasSubstr("a sample of 'requests' from a came for 0.002 s, which a had acknowledged without it"));
+}
+
+TEST_F(Strangers, AWriterThatTheScenarioDoesNotNameEndsTheRunByName) {
+    NodeConfig member = config("a");
+    member.expected_readers["requests"]["sim"] = 1;
+    Simulator sim{"somebody", "somebody"};
+    (void)take_part(member,
+                    [](auto&, Tick const& tick, auto& requests) { requests.write(ChargingRequest{}, tick.time); });
+    EXPECT_THAT(sim.said(), HasSubstr("a writes 'requests', which the scenario does not say"));
+}
+
+} // namespace
+} // namespace gridspace::bus
+
+int main(int argc, char** argv) {
+    using namespace gridspace::bus;
+    if (argc == 4 && std::string_view{argv[1]} == "--simulate") {
+        auto const name = [](std::string const& text) { return text == "-" ? std::string{} : text; };
+        std::fputs(said(simulate(name(argv[2]), name(argv[3]))).c_str(), stdout);
+        return 0;
+    }
+    testing::InitGoogleTest(&argc, argv);
+    return RUN_ALL_TESTS();
+}
