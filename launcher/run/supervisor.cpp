@@ -39,6 +39,7 @@ struct Watched {
     Child child;
     bool running{false};
     bool expected_to_die{false}; ///< killed by an event of the scenario
+    bool paused{false};          ///< by an event of the scenario: it does not hear of the end
     std::int64_t incarnation{0};
     std::string pending;         ///< status text without its line end yet
     std::optional<Error> reported; ///< what it said before it ended
@@ -49,7 +50,7 @@ class Supervisor {
     Supervisor(RunPlan const& plan, int channel, std::map<std::string, int> const& listen_fds)
         : plan_{plan}, channel_{channel}, listen_fds_{listen_fds} {
         for (PlannedProcess const& process : plan.processes) {
-            watched_.push_back({process, {}, false, false, 0, {}, std::nullopt});
+            watched_.push_back({process, {}, false, false, false, 0, {}, std::nullopt});
         }
     }
 
@@ -128,10 +129,11 @@ class Supervisor {
             watch_simulator(now);
             return failure_.has_value();
         }
-        bool const members_done = std::none_of(watched_.begin(), watched_.end(), [](Watched const& w) { return w.running && !w.plan.is_observer; });
+        auto const is_awaited = [](Watched const& w) { return w.running && !w.plan.is_observer && !w.paused; };
+        bool const members_done = std::none_of(watched_.begin(), watched_.end(), is_awaited);
         if (!members_done && now > *simulator_done_ + seconds{10}) {
             for (Watched const& w : watched_) {
-                if (w.running && !w.plan.is_observer) {
+                if (is_awaited(w)) {
                     fail_with({ExitCode::stall, fmt::format("process '{}' did not end after the last tick", w.plan.name), "see its log"});
                 }
             }
@@ -338,16 +340,19 @@ class Supervisor {
                     if (!plan_.lockstep) {
                         ::kill(-w->child.pid, SIGSTOP);
                     }
+                    w->paused = true;
                     answer += "drop " + stroke.process + "\n";
                     text = "paused";
                     break;
                 case Kind::resume:
                     ::kill(-w->child.pid, SIGCONT);
+                    w->paused = false;
                     answer += "rejoin " + stroke.process + "\n";
                     text = "resumed";
                     break;
                 case Kind::restart:
                     w->expected_to_die = true;
+                    w->paused = false;
                     kill_and_reap(*w);
                     if (!restart(*w, stroke.at_s)) {
                         return;

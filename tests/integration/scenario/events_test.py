@@ -55,8 +55,9 @@ class ProcessEvents(ScenarioTest):
         self.assertTrue([t for t in requests if t > 2000])
 
     def test_a_paused_agent_is_silent_until_it_is_resumed(self):
-        run = self.run_twice("  sleep: {at_s: 1000, pause: ev2}\n  wake: {at_s: 2000, resume: ev2}\n")
-        self.assertEqual(self.happened(run), [(1000, "ev2 paused"), (2000, "ev2 resumed")])
+        """And who is still paused at the end does not hear of it, and does no harm."""
+        run = self.run_twice("  sleep: {at_s: 1000, pause: ev2}\n  wake: {at_s: 2000, resume: ev2}\n  nap: {at_s: 3400, pause: ev3}\n")
+        self.assertEqual(self.happened(run), [(1000, "ev2 paused"), (2000, "ev2 resumed"), (3400, "ev3 paused")])
         requests = self.requests(run)["EV2"]
         self.assertFalse([t for t in requests if 1000 < t < 2000])
         self.assertTrue([t for t in requests if t > 2000])
