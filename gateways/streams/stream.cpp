@@ -15,6 +15,8 @@ using config::Fields;
 using config::Node;
 using iec61850::DataNode;
 
+constexpr double kLongestLiveMs = 4294967295.0; ///< timeAllowedToLive has 32 bits
+
 /// A member of a data set: `Ia: float32`, `id: {type: visible_string, length: 20}`, `h: {array: float32, count: 3}`, a
 /// list of types (an array too), or a map of members (a structure).
 std::optional<DataNode> read_member(std::string const& name, Node const& node, std::string& problem) {
@@ -175,16 +177,29 @@ void describe_sampled_values(Fields& f, Stream& s) {
     }
 }
 
+/// Usual is LD/LLN0$GO$name; but a subscriber has to expect what its device sends.
+void check_control_block(Fields& f, std::string const& reference) {
+    std::size_t const slash = reference.find('/');
+    bool const two_parts = slash != std::string::npos && slash > 0 && slash + 1 < reference.size();
+    if (!reference.empty() && (!two_parts || reference.find(' ') != std::string::npos)) {
+        f.error("control_block", fmt::format("'{}' is no reference of a control block", reference),
+                "LD/LLN0$GO$name without spaces, for example IED2LD0/LLN0$GO$Trip");
+    }
+}
+
 void describe_goose(Fields& f, Stream& s) {
     using Form = iec61850::IntegerForm;
     GooseTiming& t = s.timing;
     f.text("control_block", s.control_block, {.doc = "gocbRef: LD/LLN0$GO$name", .required = true});
+    check_control_block(f, s.control_block);
     f.text("go_id", s.go_id, {.doc = "goID; not sent when not given"});
     f.number("min_time_ms", t.min_time_ms, {.doc = "from a change to the first repetition", .above = 0});
     f.number("growth", t.growth, {.doc = "each interval is so much longer than the one before", .min = 1});
     f.number("max_time_ms", t.max_time_ms, {.doc = "interval in steady state", .above = 0});
-    f.number("live_factor", t.live_factor, {.doc = "timeAllowedToLive, in intervals until the next message", .min = 1});
-    f.number("live_min_ms", t.live_min_ms, {.doc = "timeAllowedToLive is at least this", .min = 0});
+    f.number("live_factor", t.live_factor,
+             {.doc = "timeAllowedToLive, in intervals until the next message", .above = 1});
+    f.number("live_min_ms", t.live_min_ms,
+             {.doc = "timeAllowedToLive is at least this", .min = 0, .max = kLongestLiveMs});
     std::int64_t first_sq_num = 0;
     f.integer("first_sq_num", first_sq_num,
               {.doc = "sqNum of the very first message; conformance tests of Edition 1 want 1", .min = 0, .max = 1});
@@ -193,6 +208,11 @@ void describe_goose(Fields& f, Stream& s) {
                    {.doc = "length of integers (8-1 Ed.2, annex A)"});
     if (t.max_time_ms < t.min_time_ms) {
         f.error("max_time_ms", fmt::format("it is shorter than min_time_ms ({} ms)", shortest(t.min_time_ms)));
+    } else if (t.live_factor * t.max_time_ms > kLongestLiveMs) {
+        f.error(f.has("max_time_ms") ? "max_time_ms" : "live_factor",
+                fmt::format("timeAllowedToLive would be {} ms: live_factor ({}) times max_time_ms ({})",
+                            shortest(t.live_factor * t.max_time_ms), shortest(t.live_factor), shortest(t.max_time_ms)),
+                fmt::format("it has 32 bits and ends at {} ms", shortest(kLongestLiveMs)));
     }
 }
 

@@ -99,6 +99,12 @@ TEST(Streams, CarryWhatTheClockIs) {
     EXPECT_EQ(sut.streams[0].gm_identity, 0x001122FFFE334455U);
 }
 
+TEST(Streams, MayNameControlBlocksOfOtherMakersAndLiveAsLongAsTheFrameCanSay) {
+    EXPECT_EQ(read(changed(kGoose, "IED2LD0/LLN0$GO$Trip", "AA1J1Q01A1LD0/PRPTRC1$GO$a-b.c")).text, "");
+    EXPECT_EQ(read(changed(kGoose, "data_set", "max_time_ms: 1431655765, data_set")).text, "");
+    EXPECT_EQ(read(changed(kGoose, "data_set", "live_factor: 1.01, data_set")).text, "");
+}
+
 struct Mistake {
     char const *name, *what, *with, *message;
     bool goose;
@@ -137,6 +143,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "ipTripTripTripTripTripTripTripTr"
                 "ipTripTrip",
                 "gocbRef has", true},
+        Mistake{"ControlBlockOfOnePart", "IED2LD0/LLN0$GO$Trip", "x", "'x' is no reference of a control block", true},
+        Mistake{"ControlBlockWithSpaces", "IED2LD0/LLN0$GO$Trip", "no / slash", "LD/LLN0$GO$name without spaces", true},
+        Mistake{"ControlBlockOfNoDevice", "IED2LD0/LLN0$GO$Trip", "/LLN0$GO$Trip", "is no reference", true},
+        Mistake{"LiveFactor", "data_set", "live_factor: 1, data_set", "live_factor", true},
+        Mistake{"LiveMin", "data_set", "live_min_ms: 5000000000, data_set", "4294967295", true},
+        Mistake{"TimeAllowedToLive", "data_set", "max_time_ms: 1500000000, data_set",
+                "timeAllowedToLive would be 4500000000 ms: live_factor (3) times max_time_ms (1500000000)", true},
         Mistake{"NoControlBlock", "control_block: IED2LD0/LLN0$GO$Trip, ", "", "control_block", true},
         Mistake{"92LEInGoose", "{status: boolean}", "9-2LE", "the data set is '9-2LE'", true}),
     [](auto const& p) { return p.param.name; });
