@@ -69,10 +69,15 @@ std::optional<DataNode> basic_node(std::string const& b_type, std::string name) 
 }
 
 std::string b_type_of(iec61850::Leaf const& leaf) {
+    bool const exact = leaf.type == BasicType::bit_string;
     std::string best;
-    for (Basic const& basic : kBasics) { // the shortest string that is long enough: the table goes down
-        bool const fits = basic.type == leaf.type && (!iec61850::is_string(leaf.type) || basic.length >= leaf.length);
-        if (fits && (best.empty() || iec61850::is_string(leaf.type)) && std::string_view{basic.name} != "ObjRef") {
+    for (Basic const& basic : kBasics) { // the shortest text that is long enough: the table goes down
+        std::string_view const name = basic.name;
+        bool const general = name != "ObjRef" && (name != "EntryID" || leaf.length == basic.length);
+        bool const fits = exact                            ? basic.length == leaf.length
+                          : iec61850::is_string(leaf.type) ? basic.length >= leaf.length
+                                                           : true;
+        if (basic.type == leaf.type && fits && general && (best.empty() || iec61850::is_string(leaf.type))) {
             best = basic.name;
         }
     }
@@ -117,6 +122,13 @@ Result<DataNode> in_array(Element const& definition, std::string name, Result<Da
     return DataNode{std::move(name), DataNode::Kind::array, {}, 0, std::vector<DataNode>(*size, *element)};
 }
 
+std::unexpected<Error> too_deep(char const* kind, Element const& type) {
+    return fail(
+        ExitCode::usage,
+        fmt::format("the types are nested more than {} levels deep at {} '{}'", kDeepest, kind, attribute(type, "id")),
+        "it may contain itself");
+}
+
 } // namespace
 
 Result<DataNode> DataTypes::attribute_of(Element const& definition, Path path, std::string name, int depth) const {
@@ -141,8 +153,11 @@ Result<DataNode> DataTypes::element_of(Element const& definition, Path path, std
         return *node;
     }
     Element const* const type = find("DAType", attribute(definition, "type"));
-    if (type == nullptr || depth > kDeepest) {
+    if (type == nullptr) {
         return fail(ExitCode::usage, fmt::format("there is no DAType '{}'", attribute(definition, "type")));
+    }
+    if (depth > kDeepest) {
+        return too_deep("DAType", *type);
     }
     if (!path.last()) {
         std::string const& wanted = path.parts[path.at + 1];
@@ -167,8 +182,11 @@ Result<DataNode> DataTypes::element_of(Element const& definition, Path path, std
 
 Result<DataNode> DataTypes::object_node(Element const& type, std::string const& constraint, std::string name,
                                         int depth) const {
+    if (depth > kDeepest) {
+        return too_deep("DOType", type);
+    }
     DataNode structure{std::move(name), DataNode::Kind::structure, {}, 0, {}};
-    for (Element const* e = type.FirstChildElement(); e != nullptr && depth <= kDeepest; e = e->NextSiblingElement()) {
+    for (Element const* e = type.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
         std::vector<std::string> const own{attribute(*e, "name")};
         if (local_name(*e) == "DA" && attribute(*e, "fc") == constraint) {
             auto member = attribute_of(*e, {own}, own[0], depth + 1);

@@ -46,7 +46,7 @@ class DataTypes {
 
 /// A basic type of SCL ("INT32", "Dbpos", "VisString255"); nothing for those that have no place in a stream.
 [[nodiscard]] std::optional<iec61850::DataNode> basic_node(std::string const& b_type, std::string name);
-/// The other way round.
+/// The other way round: of strings the shortest that is long enough. Empty when there is none.
 [[nodiscard]] std::string b_type_of(iec61850::Leaf const& leaf);
 
 } // namespace gridspace::scl

@@ -6,8 +6,10 @@
 #include "gateways/scl/data_types.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <fmt/format.h>
 #include <map>
+#include <set>
 
 namespace gridspace::scl {
 namespace {
@@ -17,50 +19,35 @@ using iec61850::DataNode;
 using streams::Stream;
 using tinyxml2::XMLElement;
 
-/// Where a stream stands in the model.
-struct Place {
-    std::string ied, inst, ld_name; ///< ld_name: empty when it is ied + inst
-    std::string block, data_set;
-};
-
-std::string identifier(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
-    return text.empty() || std::isalpha(static_cast<unsigned char>(text[0])) == 0 ? "S" + text : text;
-}
-
-/// "IED2LD0" is device LD0 of IED2; another name is a functional one, of an IED called so.
-void place_device(std::string const& ld, Place& out) {
-    std::size_t const at = ld.rfind("LD");
-    bool const usual = at != std::string::npos && at > 0 && at + 2 < ld.size() &&
-                       identifier(ld.substr(0, at)) == ld.substr(0, at) &&
-                       std::all_of(ld.begin() + static_cast<std::ptrdiff_t>(at) + 2, ld.end(),
-                                   [](char c) { return c >= '0' && c <= '9'; });
-    out.ied = usual ? ld.substr(0, at) : identifier(ld);
-    out.inst = usual ? ld.substr(at) : "LD0";
-    out.ld_name = usual ? "" : ld;
-}
-
-Place place_of(Stream const& s, std::size_t number) {
-    Place out;
-    std::string const& reference = s.kind == streams::Kind::goose ? s.control_block : s.data_set_name;
-    std::size_t const slash = reference.find('/');
-    place_device(slash == std::string::npos ? identifier(s.kind == streams::Kind::goose ? s.name.name : s.sv_id) + "LD0"
-                                            : reference.substr(0, slash),
-                 out);
-    std::size_t const block = s.control_block.rfind('$');
-    out.block = s.kind == streams::Kind::goose
-                    ? identifier(block == std::string::npos ? s.control_block : s.control_block.substr(block + 1))
-                    : fmt::format("MSVCB{:02}", number);
-    std::size_t const set = s.data_set_name.rfind('$');
-    out.data_set = set == std::string::npos ? s.name.name : s.data_set_name.substr(set + 1);
-    return out;
+/// The name of an attribute of a structure: the schema wants a small letter, then letters and digits, unless the
+/// standard has it otherwise. No frame carries it.
+std::string attribute_name(std::string const& name, std::set<std::string>& taken) {
+    static std::set<std::string> const standard{"T", "Test", "Check", "SIUnit", "Oper", "SBO", "SBOw", "Cancel"};
+    std::string out;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+        auto const c = static_cast<unsigned char>(name[i]);
+        bool const begins = i > 0 && std::isalnum(static_cast<unsigned char>(name[i - 1])) == 0;
+        if (c < 0x80 && std::isalnum(c) != 0) {
+            out += static_cast<char>(begins && !out.empty() ? std::toupper(c) : c);
+        }
+    }
+    if (out.empty() || std::isdigit(static_cast<unsigned char>(out[0])) != 0) {
+        out.insert(0, 1, 'x');
+    }
+    if (!standard.contains(out)) {
+        out[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(out[0])));
+    }
+    std::string unique = out;
+    for (int n = 2; !taken.insert(unique).second; ++n) {
+        unique = fmt::format("{}x{}", out, n);
+    }
+    return unique;
 }
 
 /// Writes elements into one document.
 class Exporter {
   public:
-    Result<std::string> run(std::vector<Stream> const& streams, std::string const& id) {
+    std::string run(std::vector<std::pair<Stream const*, Place>> const& streams, std::string const& id) {
         document_.InsertEndChild(document_.NewDeclaration());
         XMLElement* const root = document_.NewElement("SCL");
         document_.InsertEndChild(root);
@@ -70,18 +57,14 @@ class Exporter {
         XMLElement* const net = add(add(root, "Communication"), "SubNetwork");
         set(net, {{"name", "process_bus"}, {"type", "8-MMS"}});
         templates_ = document_.NewElement("DataTypeTemplates");
-        std::map<std::string, std::vector<std::pair<Stream const*, Place>>> ieds;
-        std::size_t number = 0;
-        for (Stream const& s : streams) {
-            Place const place = place_of(s, ++number);
-            ieds[place.ied].emplace_back(&s, place);
+        std::map<std::string, Streams> ieds;
+        for (auto const& one : streams) {
+            ieds[one.second.ied].push_back(one);
         }
         write_common_types();
         for (auto const& [ied, own] : ieds) {
             write_addresses(net, ied, own);
-            if (auto ok = write_ied(root, ied, own); !ok) {
-                return std::unexpected{ok.error()};
-            }
+            write_ied(root, ied, own);
         }
         root->InsertEndChild(templates_);
         // The schema wants the kinds of types one after the other.
@@ -92,7 +75,7 @@ class Exporter {
         }
         tinyxml2::XMLPrinter printer;
         document_.Print(&printer);
-        return std::string{printer.CStr()};
+        return printer.CStr();
     }
 
   private:
@@ -147,7 +130,7 @@ class Exporter {
         }
     }
 
-    Result<void> write_ied(XMLElement* root, std::string const& ied, Streams const& own) {
+    void write_ied(XMLElement* root, std::string const& ied, Streams const& own) {
         XMLElement* const server =
             add(set(add(set(add(root, "IED"), {{"name", ied}, {"manufacturer", "Gridspace"}}), "AccessPoint"),
                     {{"name", "AP1"}}),
@@ -168,23 +151,15 @@ class Exporter {
             ln_type_ = type(ln_types_, "LNodeType", {{"id", ln_type}, {"lnClass", "GGIO"}});
             set(add(ln_type_, "DO"), {{"name", "Beh"}, {"type", "ENS_Beh"}});
             counters_.clear();
-            std::map<std::string, Stream const*> sets; // a name is one set, whoever sends it
+            std::set<std::string> sets; // streams that name the same one share it
             for (auto const& [s, place] : streams) {
-                auto const [same_name, fresh] = sets.try_emplace(place.data_set, s);
-                if (!fresh && same_name->second->data_set != s->data_set) {
-                    return fail(ExitCode::usage,
-                                fmt::format("streams '{}' and '{}' call different data sets '{}' in {}{}",
-                                            same_name->second->name.name, s->name.name, place.data_set, ied, inst),
-                                "another `data_set_name`, or the same `data_set`, for one of them");
-                }
-                if (auto ok = fresh ? write_data_set(ln0, *s, place) : Result<void>{}; !ok) {
-                    return ok;
+                if (sets.insert(place.data_set).second) {
+                    write_data_set(ln0, *s, place);
                 }
             }
             write_control_blocks(ln0, streams);
             set(add(device, "LN"), {{"lnClass", "GGIO"}, {"inst", "1"}, {"lnType", ln_type}});
         }
-        return {};
     }
 
     void write_control_blocks(XMLElement* ln0, Streams const& streams) {
@@ -214,29 +189,24 @@ class Exporter {
                 set(add(e, "SmvOpts"), {{"refreshTime", flag(s->send_refr_tm)},
                                         {"sampleSynchronized", "true"},
                                         {"sampleRate", flag(s->send_smp_rate)},
-                                        {"dataSet", flag(!s->data_set_name.empty())}});
+                                        {"dataSet", flag(!s->data_set_name.empty())},
+                                        {"synchSourceId", flag(s->gm_identity.has_value())}});
             }
         }
     }
 
-    Result<void> write_data_set(XMLElement* ln0, Stream const& s, Place const& place) {
+    void write_data_set(XMLElement* ln0, Stream const& s, Place const& place) {
         XMLElement* const set_element = set(add(ln0, "DataSet"), {{"name", place.data_set}});
         for (DataNode const& member : s.data_set.members) {
-            auto const where = write_member(member);
-            if (!where) {
-                return fail(ExitCode::usage,
-                            fmt::format("stream '{}': member '{}' {}", s.name.name, member.name, where.error().message),
-                            where.error().remedy);
-            }
+            Reference const where = write_member(member);
             XMLElement* const fcda =
                 set(add(set_element, "FCDA"),
-                    {{"ldInst", place.inst}, {"lnClass", "GGIO"}, {"lnInst", "1"}, {"doName", where->object}});
-            if (!where->attribute.empty()) {
-                fcda->SetAttribute("daName", where->attribute.c_str());
+                    {{"ldInst", place.inst}, {"lnClass", "GGIO"}, {"lnInst", "1"}, {"doName", where.object}});
+            if (!where.attribute.empty()) {
+                fcda->SetAttribute("daName", where.attribute.c_str());
             }
-            fcda->SetAttribute("fc", where->constraint.c_str());
+            fcda->SetAttribute("fc", where.constraint.c_str());
         }
-        return {};
     }
 
     struct Reference {
@@ -262,84 +232,65 @@ class Exporter {
             return {"Ind", "SPS", "t", "ST"};
         case BasicType::enumerated:
             return {"IntIn", "ENS", "stVal", "ST"};
+        case BasicType::octet_string:
+            return {"SPCSO", "SPC", "origin.orIdent", "ST"};
         default:
             return {"IntIn", "INS", "stVal", "ST"};
         }
     }
 
     /// A data object of its own for a member, with its type.
-    Result<Reference> write_member(DataNode const& member) {
-        std::vector<iec61850::Leaf> const leaves = iec61850::leaves_of({{member}});
-        if (leaves.empty()) {
-            return fail(ExitCode::usage, "is empty");
-        }
-        Class const c = class_of(leaves[0].type);
+    Reference write_member(DataNode const& member) {
+        Class const c = class_of(iec61850::leaves_of({{member}})[0].type);
         std::string const object = fmt::format("{}{}", c.object, ++counters_[c.object]);
         std::string const id = fmt::format("{}_{}", ln_type_->Attribute("id"), object);
         set(add(ln_type_, "DO"), {{"name", object}, {"type", id}, {"desc", member.name}});
         XMLElement* const definition = type(do_types_, "DOType", {{"id", id}, {"cdc", c.cdc}});
-        if (member.kind == DataNode::Kind::leaf) {
-            if (auto ok = write_leaf(definition, "DA", split(c.attribute, '.'), 0, leaves[0], c.constraint, id); !ok) {
-                return std::unexpected{ok.error()};
+        if (member.kind == DataNode::Kind::structure) {
+            write_members(definition, "DA", member, c.constraint, id);
+            return {object, "", c.constraint};
+        }
+        bool const simple = member.kind == DataNode::Kind::leaf || member.members[0].kind == DataNode::Kind::leaf;
+        std::string const path = simple ? c.attribute : "array";
+        std::vector<std::string> const names = split(path, '.');
+        DataNode node = member;
+        node.name = names.back();
+        for (std::size_t i = names.size() - 1; i-- > 0;) {
+            node = DataNode{names[i], DataNode::Kind::structure, {}, 0, {std::move(node)}};
+        }
+        write_members(definition, "DA", {{}, DataNode::Kind::structure, {}, 0, {std::move(node)}}, c.constraint, id);
+        return {object, path, c.constraint};
+    }
+
+    /// The members of a structure as attributes of `parent`, of the kind DA (of an object) or BDA (of an attribute).
+    void write_members(XMLElement* parent, char const* kind, DataNode const& structure, char const* constraint,
+                       std::string const& id) {
+        std::set<std::string> taken;
+        for (DataNode const& member : structure.members) {
+            bool const array = member.kind == DataNode::Kind::array;
+            DataNode const& node = array ? member.members[0] : member;
+            std::string const name = attribute_name(member.name, taken);
+            XMLElement* const e = set(add(parent, kind), {{"name", name}});
+            if (name != member.name) {
+                e->SetAttribute("desc", member.name.c_str());
             }
-            return Reference{object, c.attribute, c.constraint};
-        }
-        if (auto ok = write_structure(definition, "DA", member, c.constraint, id); !ok) {
-            return std::unexpected{ok.error()};
-        }
-        return Reference{object, "", c.constraint};
-    }
-
-    Result<void> write_leaf(XMLElement* parent, char const* kind, std::vector<std::string> const& path, std::size_t at,
-                            iec61850::Leaf const& leaf, char const* constraint, std::string const& id) {
-        XMLElement* const e = set(add(parent, kind), {{"name", path[at]}});
-        bool const last = at + 1 == path.size();
-        std::string const b_type = last ? b_type_of(leaf) : "Struct";
-        if (b_type.empty() || leaf.type == BasicType::bit_string || leaf.type == BasicType::octet_string ||
-            leaf.type == BasicType::entry_time) {
-            return fail(ExitCode::usage, fmt::format("is {}: SCL has no words for it", type_name(leaf.type)));
-        }
-        e->SetAttribute("bType", b_type.c_str());
-        if (std::string_view{kind} == "DA") {
-            e->SetAttribute("fc", constraint);
-        }
-        if (leaf.type == BasicType::enumerated && last) {
-            e->SetAttribute("type", "AnyEnum");
-        }
-        if (last) {
-            return {};
-        }
-        std::string const inner = id + "_" + path[at];
-        e->SetAttribute("type", inner.c_str());
-        return write_leaf(type(da_types_, "DAType", {{"id", inner}}), "BDA", path, at + 1, leaf, constraint, inner);
-    }
-
-    Result<void> write_structure(XMLElement* parent, char const* kind, DataNode const& node, char const* constraint,
-                                 std::string const& id) {
-        if (node.kind == DataNode::Kind::array) {
-            return fail(ExitCode::usage, "is an array: SCL describes its elements, not a whole one");
-        }
-        for (DataNode const& member : node.members) {
-            if (member.kind == DataNode::Kind::leaf) {
-                if (auto ok = write_leaf(parent, kind, {identifier(member.name)}, 0, iec61850::leaves_of({{member}})[0],
-                                         constraint, id);
-                    !ok) {
-                    return ok;
+            if (node.kind == DataNode::Kind::leaf) {
+                e->SetAttribute("bType", b_type_of(iec61850::leaves_of({{node}})[0]).c_str());
+                if (node.type == BasicType::enumerated) {
+                    e->SetAttribute("type", "AnyEnum");
                 }
-                continue;
+            } else {
+                std::string const inner = fmt::format("{}_{}", id, name);
+                set(e, {{"bType", "Struct"}, {"type", inner}});
+                write_members(type(da_types_, "DAType", {{"id", inner}}), "BDA", node, constraint, inner);
             }
-            std::string const inner = id + "_" + identifier(member.name);
-            XMLElement* const e =
-                set(add(parent, kind), {{"name", identifier(member.name)}, {"bType", "Struct"}, {"type", inner}});
+            if (array) {
+                e->SetAttribute("count", std::to_string(member.members.size()).c_str());
+            }
             if (std::string_view{kind} == "DA") {
                 e->SetAttribute("fc", constraint);
             }
-            if (auto ok = write_structure(type(da_types_, "DAType", {{"id", inner}}), "BDA", member, constraint, inner);
-                !ok) {
-                return ok;
-            }
         }
-        return {};
     }
 
     /// LLN0 and what every logical node has.
@@ -385,8 +336,9 @@ class Exporter {
 
 } // namespace
 
-Result<std::string> export_streams(std::vector<Stream> const& streams, std::string const& id) {
-    return Exporter{}.run(streams, id);
+Export export_streams(std::vector<Stream> const& streams, std::string const& id) {
+    Placed placed = place_streams(streams);
+    return {Exporter{}.run(placed.streams, id), std::move(placed.refused)};
 }
 
 } // namespace gridspace::scl

@@ -98,6 +98,26 @@ class Importer {
         }
     }
 
+    /// An attribute, or what stands in for one that is not given.
+    std::string attribute_or(Element const& control, char const* name, char const* fallback) {
+        std::string value = attribute(control, name);
+        if (value.empty()) {
+            note(control, fmt::format("control block '{}' has no {}: {} is assumed", attribute(control, "name"), name,
+                                      fallback));
+            value = fallback;
+        }
+        return value;
+    }
+
+    void note_of_protection(Element const& control) {
+        std::string const wanted = attribute(control, "securityEnable", "None");
+        if (wanted != "None") {
+            note(control,
+                 fmt::format("control block '{}' has securityEnable {}: streams are neither signed nor encrypted",
+                             attribute(control, "name"), wanted));
+        }
+    }
+
     bool read_address(Element const& control, Element const* where, Node& stream) {
         Element const* const address = where == nullptr ? nullptr : child(*where, "Address");
         if (address == nullptr) {
@@ -213,6 +233,18 @@ class Importer {
         return true;
     }
 
+    /// A time below a millisecond: frames cannot say one in timeAllowedToLive.
+    void note_of_times(Element const& time, double ms) {
+        constexpr double kShortest = 1, kPerSecond = 1000;
+        if (ms < kShortest) {
+            note(time,
+                 fmt::format("{} {} of '{}' is taken as {} ms, because SCL counts milliseconds; were seconds meant, "
+                             "it is {} ms",
+                             local_name(time), text_of(time), attribute(*time.Parent()->ToElement(), "cbName"),
+                             shortest(ms), shortest(ms * kPerSecond)));
+        }
+    }
+
     /// MinTime and MaxTime, unless they are nonsense: then the defaults are better than no stream.
     void read_times(Element const& where, Node& stream) {
         std::map<std::string, double> times;
@@ -224,6 +256,7 @@ class Importer {
                                          attribute(where, "cbName")));
                     continue;
                 }
+                note_of_times(*e, *ms);
                 times[name] = *ms;
             }
         }
@@ -270,7 +303,8 @@ class Importer {
         if (!read_address(control, where, stream)) {
             return;
         }
-        stream.set("conf_rev", Node::scalar(attribute(control, "confRev", "1")));
+        stream.set("conf_rev", Node::scalar(attribute_or(control, "confRev", "1")));
+        note_of_protection(control);
         std::string const data_set = ld + "/LLN0$" + attribute(control, "datSet");
         if (goose) {
             stream.set("control_block", Node::scalar(ld + "/LLN0$GO$" + block));
@@ -326,19 +360,43 @@ class Importer {
                              attribute(control, "name"), count, shortest(rate), shortest(options_.nominal_hz)));
         }
         stream.set("rate_hz", Node::scalar(shortest(rate)));
-        stream.set("samples_per_frame", Node::scalar(attribute(control, "nofASDU", "1")));
+        stream.set("samples_per_frame", Node::scalar(attribute_or(control, "nofASDU", "1")));
         if (Element const* const options = child(control, "SmvOpts")) {
-            if (is_true(attribute(*options, "dataSet"))) {
-                stream.set("data_set_name", Node::scalar(data_set));
-            }
-            if (is_true(attribute(*options, "refreshTime"))) {
-                stream.set("send_refr_tm", Node::scalar("true"));
-            }
-            if (is_true(attribute(*options, "sampleRate"))) {
-                stream.set("send_smp_rate", Node::scalar("true"));
+            read_options(control, *options, data_set, stream);
+            if (mode == "SmpPerPeriod" && is_true(attribute(*options, "sampleRate"))) {
+                note(*options,
+                     fmt::format("control block '{}' sends smpRate {} and smpMod 0 (samples per period); a stream "
+                                 "with send_smp_rate sends {} and 1 (samples per second)",
+                                 attribute(control, "name"), count, shortest(rate)));
             }
         }
         return true;
+    }
+
+    /// The optional fields of a frame.
+    void read_options(Element const& control, Element const& options, std::string const& data_set, Node& stream) {
+        auto const has = [&](char const* name) { return is_true(attribute(options, name)); };
+        if (has("dataSet")) {
+            stream.set("data_set_name", Node::scalar(data_set));
+        }
+        if (has("refreshTime")) {
+            stream.set("send_refr_tm", Node::scalar("true"));
+        }
+        if (has("sampleRate")) {
+            stream.set("send_smp_rate", Node::scalar("true"));
+        }
+        if (has("synchSourceId")) {
+            note(options,
+                 fmt::format("control block '{}' sends the identity of its clock (synchSourceId), which SCL does "
+                             "not hold: a publisher needs gm_identity",
+                             attribute(control, "name")));
+        }
+        for (char const* name : {"security", "timestamp"}) {
+            if (has(name)) {
+                note(options, fmt::format("control block '{}' has the option {}, which streams do not send",
+                                          attribute(control, "name"), name));
+            }
+        }
     }
 
     Element const& root_;
