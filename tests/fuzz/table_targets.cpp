@@ -6,6 +6,7 @@
 #include "gateways/gateway/route.hpp"
 #include "gateways/mapping/record_reader.hpp"
 #include "gateways/mapping/record_writer.hpp"
+#include "gateways/scl/scl_export.hpp"
 #include "gateways/scl/scl_import.hpp"
 #include "targets.hpp"
 
@@ -42,8 +43,11 @@ void scl(std::uint8_t const* data, std::size_t size) {
     auto const imported = scl::import_streams(text, "fuzz.scd", {});
     if (imported) {
         config::Diagnostics diagnostics;
-        (void)streams::read_streams(imported->streams, diagnostics);
+        auto streams = streams::read_streams(imported->streams, diagnostics);
         (void)diagnostics.render();
+        std::erase_if(streams, [](streams::Stream const& s) { return s.broken; });
+        std::string const again = scl::export_streams(streams, "fuzz").text;
+        require(scl::import_streams(again, "again.scd", {}).has_value(), "an SCL file that we wrote cannot be read");
     }
 }
 

@@ -14,8 +14,9 @@ void goose(std::uint8_t const* data, std::size_t size);   ///< a frame: decoded,
 void ber(std::uint8_t const* data, std::size_t size);     ///< allData: walked and read as every type
 void pcapng(std::uint8_t const* data, std::size_t size);  ///< a capture file
 void streams(std::uint8_t const* data, std::size_t size); ///< a `streams:` map as YAML text
-void scl(std::uint8_t const* data, std::size_t size);     ///< an SCL file: imported, and what came of it read as streams
-void mapping(std::uint8_t const* data, std::size_t size); ///< the table of a gateway as YAML text, applied when it is valid
+void scl(std::uint8_t const* data, std::size_t size);     ///< an SCL file: imported, read as streams, and exported
+void mapping(std::uint8_t const* data,
+             std::size_t size); ///< the table of a gateway as YAML text, applied when it is valid
 
 /// Ends the program with a message when `ok` is false, also in a build without assertions.
 void require(bool ok, char const* what);

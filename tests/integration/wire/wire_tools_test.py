@@ -203,6 +203,21 @@ class WireTools(unittest.TestCase):
         finally:
             subprocess.run(["ip", "link", "del", "bridge7"], check=True)
 
+    def test_streams_that_scl_cannot_say_are_told_at_their_lines_and_the_others_can_be_chosen(self):
+        file, cid = self.folder / "two.yaml", self.folder / "two.cid"
+        file.write_text('streams:\n  BAD: {kind: goose, mac: "01:0C:CD:01:00:01", app_id: 1, control_block: IED/LLN0$GO$a-b, data_set: {x: boolean}}\n'
+                        '  GOOD: {kind: goose, mac: "01:0C:CD:01:00:02", app_id: 2, control_block: IED/LLN0$GO$a_b, data_set: {x: boolean}}\n')
+        export = lambda *more: subprocess.run([GRIDSPACE, "scl", "export", str(file), "--out", str(cid), *more], capture_output=True, text=True, timeout=60)
+        refused = export()
+        self.assertEqual(refused.returncode, 2)
+        for words in ("two.yaml:2:3: error: stream 'BAD'", "'IED/LLN0$GO$a-b'", "1 of 2 streams", "--stream GOOD"):
+            self.assertIn(words, refused.stderr)
+        self.assertFalse(cid.exists())
+        self.assertEqual(export("--stream", "GOOD").returncode, 0)
+        again = subprocess.run([GRIDSPACE, "scl", "import", str(cid)], capture_output=True, text=True, timeout=60)
+        self.assertIn("control_block: IED/LLN0$GO$a_b", again.stdout)
+        self.assertEqual(export("--stream", "GOD").returncode, 2)
+
     def test_mistakes_are_explained(self):
         for arguments, code, text in [
             (["list", "nosuch0"], 3, "there is no network interface 'nosuch0'"),
