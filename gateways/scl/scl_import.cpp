@@ -19,7 +19,7 @@ using iec61850::DataNode;
 
 Node data_node(DataNode const& node) {
     if (node.kind == DataNode::Kind::leaf) {
-        Node const type = Node::scalar(std::string{iec61850::type_name(node.type)});
+        Node type = Node::scalar(std::string{iec61850::type_name(node.type)});
         if (node.length == 0) {
             return type;
         }
