@@ -43,7 +43,7 @@ def keys_of(stream):
 class Gateway(unittest.TestCase):
     def setUp(self):
         for a, b in (("in0", "in1"), ("out0", "out1")):
-            subprocess.run(f"ip link add {a} type veth peer name {b} && ip link set {a} up && ip link set {b} up", shell=True, check=True)
+            own_namespace.cable(a, b)
         self.folder = pathlib.Path(tempfile.mkdtemp())
         self.running = []
 

@@ -21,7 +21,7 @@ ONE = floats(1.0, -0.5, -0.5)
 
 class ForeignFrames(unittest.TestCase):
     def setUp(self):
-        subprocess.run("ip link add left type veth peer name right && ip link set left up && ip link set right up", shell=True, check=True)
+        own_namespace.cable("left", "right")
         self.port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, 0)
         self.port.bind(("left", 0))
 

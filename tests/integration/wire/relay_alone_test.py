@@ -44,7 +44,7 @@ def frame(end, sample, amplitude, counter=None, **optional):
 
 class RelayAlone(unittest.TestCase):
     def setUp(self):
-        subprocess.run("ip link add bay type veth peer name ied && ip link set bay up && ip link set ied up", shell=True, check=True)
+        own_namespace.cable("bay", "ied")
         self.folder = pathlib.Path(tempfile.mkdtemp())
         self.port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, 0)
         self.port.bind(("bay", 0))

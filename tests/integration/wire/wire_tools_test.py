@@ -31,7 +31,7 @@ def lines(text):
 
 class WireTools(unittest.TestCase):
     def setUp(self):
-        subprocess.run("ip link add left type veth peer name right && ip link set left up && ip link set right up", shell=True, check=True)
+        own_namespace.cable("left", "right")
         self.folder = pathlib.Path(tempfile.mkdtemp())
 
     def tearDown(self):
