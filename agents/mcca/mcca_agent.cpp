@@ -11,6 +11,7 @@
 #include <array>
 #include <ev_charging.h>
 #include <fmt/format.h>
+#include <set>
 
 namespace gridspace::agents {
 namespace {
@@ -67,7 +68,13 @@ class MccaShell {
             }
             for (auto const& received : (*requests)->take()) {
                 ChargingRequest const& r = received.value;
-                if (auto const out = logic_.request(received.origin.time, {r.ev().c_str(), r.current_a(), r.v_pu(), r.period_s()})) {
+                MccaRequest const request{r.ev().c_str(), r.current_a(), r.v_pu(), r.period_s()};
+                if (auto const fault = fault_of(request); fault && logic_.serves(request.ev)) {
+                    refuse(received.origin, request.ev, *fault);
+                    continue;
+                }
+                refused_.erase(request.ev);
+                if (auto const out = logic_.request(received.origin.time, request)) {
                     publish(*out);
                 }
             }
@@ -85,6 +92,15 @@ class MccaShell {
     }
 
   private:
+    /// Once until the EV's requests make sense again.
+    void refuse(bus::Origin const& origin, std::string const& ev, std::string const& fault) {
+        if (refused_.insert(ev).second) {
+            std::string const text = fmt::format("request of {} for {}: {}, ignored", node_.process_name(origin), ev, fault);
+            log::warning("{}", text);
+            run_.status.event(node_.time_base().seconds(origin.time), node_.config().process, "request_ignored", text);
+        }
+    }
+
     void publish(Mcca::Outcome const& outcome) {
         SimTime const effect = node_.effect_time(outcome.time, latency_);
         for (MccaDecision const& decided : outcome.decisions) {
@@ -110,6 +126,7 @@ class MccaShell {
     bus::Node& node_;
     Mcca logic_;
     SimSpan latency_;
+    std::set<std::string> refused_; ///< EVs whose last request was ignored
     std::unique_ptr<bus::Writer<ChargingDecision>> decisions_;
     std::unique_ptr<bus::SignalPublisher> signals_;
 };

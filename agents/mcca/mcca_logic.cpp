@@ -2,15 +2,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/mcca/mcca_logic.hpp"
 
+#include "common/text.hpp"
+
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 
 namespace gridspace::agents {
+
+std::optional<std::string> fault_of(MccaRequest const& request) {
+    auto const is = [](char const* field, double value) {
+        return fmt::format("{} is {}", field, std::isnan(value) ? "nan" : shortest(value));
+    };
+    if (!std::isfinite(request.current_a)) {
+        return is("current_a", request.current_a);
+    }
+    if (std::isinf(request.v_pu)) {
+        return is("v_pu", request.v_pu);
+    }
+    if (!std::isfinite(request.period_s) || request.period_s < 0) {
+        return is("period_s", request.period_s);
+    }
+    return std::nullopt;
+}
 
 Mcca::Mcca(Params params) : params_{std::move(params)}, asked_(params_.evs.size()) {}
 
 std::optional<Mcca::Outcome> Mcca::request(SimTime time, MccaRequest const& request) {
     auto const ev = std::find(params_.evs.begin(), params_.evs.end(), request.ev);
-    if (ev == params_.evs.end()) {
+    if (ev == params_.evs.end() || fault_of(request)) {
         return std::nullopt;
     }
     // A timeout that lies before this request decides first.
@@ -24,6 +44,10 @@ std::optional<Mcca::Outcome> Mcca::request(SimTime time, MccaRequest const& requ
     }
     bool const all = std::all_of(asked_.begin(), asked_.end(), [](auto const& r) { return r.has_value(); });
     return all ? std::optional{decide(time, true)} : std::nullopt;
+}
+
+bool Mcca::serves(std::string_view ev) const {
+    return std::find(params_.evs.begin(), params_.evs.end(), ev) != params_.evs.end();
 }
 
 std::optional<Mcca::Outcome> Mcca::elapse(SimTime now) {

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gridspace::agents {
@@ -30,6 +31,10 @@ struct MccaRequest {
     double v_pu{0};
     double period_s{0};
 };
+
+/// Why nothing can be decided on a request ("current_a is nan"); nothing when it can. A voltage that is not a number is
+/// none: it counts as undervoltage.
+[[nodiscard]] std::optional<std::string> fault_of(MccaRequest const& request);
 
 struct MccaDecision {
     std::string ev;
@@ -57,8 +62,9 @@ class Mcca {
     };
 
     /// A request that takes effect at `time`. Returns the decision when it was the last one awaited.
-    /// Requests of EVs that are not listed are ignored.
+    /// Requests of EVs that are not listed, and those with a fault, are ignored.
     [[nodiscard]] std::optional<Outcome> request(SimTime time, MccaRequest const& request);
+    [[nodiscard]] bool serves(std::string_view ev) const;
     /// Returns the decision when the timeout has passed by `now`.
     [[nodiscard]] std::optional<Outcome> elapse(SimTime now);
     /// When elapse() will have something to do.

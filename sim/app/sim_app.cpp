@@ -75,6 +75,10 @@ class SimApp {
                 if (!gateway) {
                     return std::unexpected{gateway.error()};
                 }
+                (*gateway)->on_refusal([this](SimTime t, std::string const& text) {
+                    log::warning("{}", text);
+                    run_.status.event(node_.time_base().seconds(t), node_.config().process, "decision_ignored", text);
+                });
                 gateways_.push_back(std::move(*gateway));
             }
         }
@@ -143,7 +147,7 @@ class SimApp {
             // Lockstep or not, tick k is not published before its time at the wanted pace.
             auto const advanced = k == 0 ? simulation_.start(observer) : simulation_.run_until(end, observer);
             if (!advanced) {
-                return advanced;
+                return k == 0 || simulation_.refused_event() != nullptr ? advanced : broken_off(advanced.error());
             }
             pacer_.wait(node_.time_base().seconds(end), stop_);
             for (auto const& gateway : line_gateways_) {
@@ -167,6 +171,17 @@ class SimApp {
                 return ok;
             }
         }
+    }
+
+    /// The configuration was good enough to start with: a solver that ends later has met something else.
+    static Result<void> broken_off(Error error) {
+        if (error.code == ExitCode::usage) {
+            error.code = ExitCode::child_died;
+            if (error.remedy.empty()) {
+                error.remedy = "what had changed just before is in events.ndjson of the run folder";
+            }
+        }
+        return std::unexpected{std::move(error)};
     }
 
     /// What belongs to a tick, and the tick itself.

@@ -34,11 +34,13 @@ Result<std::unique_ptr<BusGateway>> BusGateway::create(bus::Node& node, Engine& 
             return fail(ExitCode::usage, fmt::format("the solver has no signal '{}{}' for the gateway of the bus", prefix, name));
         }
     }
+    std::vector<std::string> names;
     for (Ev const& ev : network.evs) {
         if (ev.bus.name == bus) {
             std::string const name = "ev." + ev.name.name;
-            g.evs_.push_back({ev.name.name, engine.find_signal(name + ".soc_percent"),
-                              engine.find_signal(name + ".current_a"), engine.find_signal(name + ".reference_a"), {}});
+            names.push_back(ev.name.name);
+            g.evs_.push_back({engine.find_signal(name + ".soc_percent"), engine.find_signal(name + ".current_a"),
+                              engine.find_signal(name + ".reference_a")});
             EvMeasurement measurement;
             measurement.ev(ev.name.name.c_str());
             measurement.connected(true);
@@ -49,6 +51,7 @@ Result<std::unique_ptr<BusGateway>> BusGateway::create(bus::Node& node, Engine& 
         return fail(ExitCode::usage, fmt::format("bus '{}' has {} EVs, and {} fit into a measurement", bus, g.evs_.size(),
                                                  MAX_EVS_PER_BUS));
     }
+    g.orders_ = std::make_unique<ChargingOrders>(node.time_base(), names);
     if (!g.evs_.empty()) {
         auto reader = node.reader<ChargingDecision>("decisions");
         if (!reader) {
@@ -93,26 +96,19 @@ void BusGateway::take_commands(Simulation& simulation, SimTime until) {
     }
     for (auto const& received : decisions_->take()) {
         ChargingDecision const& decision = received.value;
-        auto const ev = std::find_if(evs_.begin(), evs_.end(),
-                                     [&](EvPort const& port) { return port.ev == decision.ev().c_str(); });
-        if (ev == evs_.end()) {
+        std::string_view const ev = decision.ev().c_str();
+        if (!orders_->has(ev)) {
             continue; // for an EV at another bus
         }
         // In real time a command acts when it arrives; its delay is what it is.
         SimTime const effect = node_->lockstep() ? received.origin.time : std::max(received.origin.time, simulation.now());
-        simulation.command(effect, SetChargingCurrent{ev->ev, decision.current_a()});
-        if (ev->expires && *ev->expires < effect) {
-            simulation.command(*ev->expires, SetChargingCurrent{ev->ev, 0});
-        }
-        auto const valid_ns = static_cast<std::int64_t>(decision.valid_for_s() * 1e9);
-        ev->expires = effect + (node_->time_base().from_nanoseconds(valid_ns) - SimTime{});
-    }
-    for (EvPort& ev : evs_) {
-        if (ev.expires && *ev.expires <= until) {
-            simulation.command(*ev.expires, SetChargingCurrent{ev.ev, 0});
-            ev.expires.reset();
+        auto const fault = orders_->take(simulation, effect, ev, decision.current_a(), decision.valid_for_s());
+        if (fault && on_refusal_) {
+            on_refusal_(effect, fmt::format("decision of {} for {}: {}, ignored", node_->process_name(received.origin), ev,
+                                            *fault));
         }
     }
+    orders_->expire(simulation, until);
 }
 
 } // namespace gridspace::sim

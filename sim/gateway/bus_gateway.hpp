@@ -3,12 +3,13 @@
 #pragma once
 
 #include "bus/node.hpp"
+#include "sim/gateway/charging_orders.hpp"
 #include "sim/gateway/outbox.hpp"
 #include "sim/network/network.hpp"
 #include "sim/runtime/simulation.hpp"
 
+#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,13 +33,13 @@ class BusGateway {
     /// Passes what has arrived on to the simulation, which now goes on from `now` to `until`. A decision holds for its
     /// valid_for_s; then the charger stops.
     void take_commands(Simulation& simulation, SimTime until);
+    /// Called when a decision cannot be obeyed and is ignored, with a sentence about it; not for every one of a row.
+    void on_refusal(std::function<void(SimTime, std::string const&)> callback) { on_refusal_ = std::move(callback); }
 
   private:
     BusGateway() = default;
     struct EvPort {
-        std::string ev;
         std::size_t soc{0}, current{0}, reference{0}; ///< signals
-        std::optional<SimTime> expires;
     };
 
     bus::Node* node_{nullptr};
@@ -49,6 +50,8 @@ class BusGateway {
     std::unique_ptr<Outbox<BusMeasurement>> outbox_; ///< real time
     std::size_t v_{0}, angle_{0}, frequency_{0}, p_{0}, q_{0}; ///< signals
     std::vector<EvPort> evs_;
+    std::unique_ptr<ChargingOrders> orders_; ///< for the same EVs
+    std::function<void(SimTime, std::string const&)> on_refusal_;
 };
 
 } // namespace gridspace::sim

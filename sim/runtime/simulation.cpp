@@ -93,6 +93,7 @@ Result<void> Simulation::apply_changes() {
         Change const& change = node.mapped();
         if (auto ok = is_held_back(change.action) ? Result<void>{} : engine_->apply(change.action); !ok) {
             if (change.event != nullptr) {
+                refused_event_ = change.event;
                 return fail(ok.error().code, fmt::format("event '{}': {}", change.event->event, ok.error().message),
                             ok.error().remedy);
             }

@@ -49,6 +49,9 @@ class Simulation {
     /// Called when a physical event takes effect.
     void on_event(std::function<void(SimTime, TimedAction const&)> callback) { on_event_ = std::move(callback); }
 
+    /// The scenario's event that the engine refused, when that is what ended start() or run_until().
+    [[nodiscard]] TimedAction const* refused_event() const { return refused_event_; }
+
     [[nodiscard]] Engine& engine() { return *engine_; }
     [[nodiscard]] SimTime now() const { return now_; }
 
@@ -67,6 +70,7 @@ class Simulation {
     std::function<void(SimTime, TimedAction const&)> on_event_;
     std::map<std::string, SimTime> stuck_; ///< breakers, and since when
     std::function<void(SimTime, std::string const&)> on_failure_;
+    TimedAction const* refused_event_{nullptr};
     SimTime now_;
     SimTime next_step_;
 };

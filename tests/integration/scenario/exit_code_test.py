@@ -79,6 +79,25 @@ class ExitCodes(ScenarioTest):
         self.assertIn("exit code 7", run.summary()["cause"])
         self.assertIn("my last words", run.stderr())
 
+    def test_4_when_the_solver_comes_to_no_end_and_2_when_an_event_cannot_be(self):
+        text = (SOURCE / "configs/networks/adn_set_a.yaml").read_text()
+        for old, new in (("inertia_h_s: 2.0", "inertia_h_s: 0.002"),
+                         ("governor: {droop_percent: 4, tg_s: 0.05, tt_s: 0.15, integral_ki: 0}", "governor: {droop_percent: 1000, tg_s: 5, tt_s: 5}")):
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        self.write("grid.yaml", text)
+        usual = ("gridspace: 1\nname: away\nclock: {mode: lockstep, tick_s: 0.01}\nhosts: {h: {}}\n"
+                 "processes: {sim: {program: gridspace-sim, host: h}, recorder: {program: gridspace-recorder, host: h}}\n")
+        away = self.write("away.yaml", usual + "simulation: {network: grid.yaml, solver: emt, step_s: 0.0001, duration_s: 3}\n"
+                          "events: {d: {at_s: 0.01, open: [CB1, CB3, CB5]}, l: {at_s: 0.05, disconnect: AC4}}\n")
+        run = self.run_to_end("away", scenario=away, code=CHILD_DIED)
+        self.assertRegex(run.summary()["cause"], r"^sim: (machine 'G\d' runs away|the waveforms diverge) at \d")
+        fault = "apply_fault: {line: TL2, type: 1ph_g}"
+        twice = self.write("twice.yaml", usual + f"simulation: {{network: {SOURCE}/configs/networks/adn_set_b.yaml, solver: phasor, "
+                           f"step_s: 0.01, duration_s: 1}}\nevents: {{a: {{at_s: 0.1, {fault}}}, b: {{at_s: 0.2, {fault}}}}}\n")
+        run = self.run_to_end("twice", scenario=twice, code=USAGE)
+        self.assertRegex(run.summary()["cause"], r"^sim: event 'b': ")
+
     def test_3_when_an_exec_process_does_not_exist(self):
         run = self.run_to_end("run", [*SHORT, "--set", "processes.own={program: exec, host: board1, command: [/no/such/program]}"],
                               code=ENVIRONMENT)

@@ -29,6 +29,13 @@ class ForeignAgent(ScenarioTest):
         other = self.run_to_end("other", [*SHORT, agent[0], agent[1].replace("'5'", "'6'")], EXAMPLE / "ev_charging_c.yaml")
         self.assertNotEqual(self.compare(ours, other, *PHYSICS)[0], 0)
 
+    def test_what_it_asks_is_ignored_when_it_is_no_number(self):
+        agent = self.build()
+        run = self.run_to_end("run", [*SHORT, agent[0], agent[1].replace("'24'", "'-inf'")], EXAMPLE / "ev_charging_c.yaml")
+        said = [event for event in run.events() if event["event"] == "request_ignored"]
+        self.assertEqual([(e["time_s"], e["source"], e["text"]) for e in said],
+                         [(0.0, "mcca", "request of ev4 for EV4: current_a is -inf, ignored")], "once")
+
     def test_it_survives_its_own_restart_and_that_of_its_reader(self):
         events = ["--set", "events={x: {at_s: 1800, restart: ev4}, y: {at_s: 3000, restart: mcca}}"]
         agent = self.build()

@@ -53,6 +53,27 @@ TEST(Mcca, AVoltageThatIsNotANumberCountsAsUndervoltage) {
     EXPECT_TRUE(decide(sut, 0.99, std::numeric_limits<double>::quiet_NaN()).undervoltage);
 }
 
+TEST(Mcca, ARequestThatIsNoNumberIsNoRequest) {
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+    Mcca sut{params()};
+    for (auto const& [request, fault] : {std::pair{MccaRequest{"EV2", kNan, 1, 360}, "current_a is nan"},
+                                         {MccaRequest{"EV2", -kInf, 1, 360}, "current_a is -inf"},
+                                         {MccaRequest{"EV2", 8, kInf, 360}, "v_pu is inf"},
+                                         {MccaRequest{"EV2", 8, 1, kNan}, "period_s is nan"},
+                                         {MccaRequest{"EV2", 8, 1, -1}, "period_s is -1"}}) {
+        EXPECT_EQ(fault_of(request), fault);
+        EXPECT_FALSE(sut.request({0}, request));
+        EXPECT_FALSE(sut.deadline()) << "it does not begin a period";
+    }
+    EXPECT_EQ(fault_of({"EV2", 8, 1, 360}), std::nullopt);
+    EXPECT_FALSE(sut.request({0}, {"EV1", 10, 0.99, 360}));
+    EXPECT_FALSE(sut.request({1}, {"EV2", kNan, 0.99, 360}));
+    auto const out = sut.elapse({30});
+    ASSERT_TRUE(out.has_value()) << "as if EV2 had not asked";
+    ASSERT_EQ(out->decisions.size(), 1U);
+    EXPECT_EQ(out->decisions[0].current_a, 10);
+}
+
 TEST(Mcca, ReadsThePublishedOverlapInThreeWays) {
     Mcca first{params()}, safe{params(MccaRules::Overlap::safe)}, hysteresis{params(MccaRules::Overlap::hysteresis)};
     EXPECT_FALSE(decide(first, 0.972, 0.99).curtailed);
