@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run.hpp"
 
+#include "common/text.hpp"
 #include "common/unique_fd.hpp"
 #include "launcher/run/domain_lock.hpp"
 #include "launcher/run/emulation.hpp"
@@ -154,6 +155,19 @@ class Follower {
         }
     }
 
+    /// In real time nobody waits for what somebody else starts, and nobody knows whether it is there.
+    [[nodiscard]] std::string ready_text() const {
+        std::vector<std::string> others;
+        for (PlannedProcess const& process : plan_.processes) {
+            if (!plan_.lockstep && process.run_on.kind == RunOn::Kind::external) {
+                others.push_back(process.name);
+            }
+        }
+        return others.empty() ? fmt::format("all {} processes are ready", plan_.processes.size())
+                              : fmt::format("all {} processes that are started here are ready; {} may join at any time",
+                                            plan_.processes.size() - others.size(), join(others, ", "));
+    }
+
     /// When the process wrote it.
     static Clock::time_point instant_of(Json const& line) {
         auto const at_ns = line.value("at_ns", std::int64_t{0});
@@ -163,7 +177,7 @@ class Follower {
     void on_status(std::string const& process, Json const& line) {
         std::string const status = line.value("status", "");
         if (status == "ready") {
-            progress_.note(fmt::format("all {} processes are ready", plan_.processes.size()));
+            progress_.note(ready_text());
             clock_started_ = last_progress_ = instant_of(line);
             started_ = true;
         } else if (status == "progress") {

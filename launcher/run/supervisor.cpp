@@ -122,7 +122,7 @@ class Supervisor {
         }
         auto const now = Clock::now();
         if (suspect_ && !simulator_done_ && now > suspect_->first) {
-            fail_with({ExitCode::child_died, fmt::format("process '{}' ended before the run did", suspect_->second), "see its log"});
+            fail_with(suspicion());
             return true;
         }
         if (!simulator_done_) {
@@ -420,8 +420,16 @@ class Supervisor {
         }
     }
 
+    [[nodiscard]] Error suspicion() const {
+        return {ExitCode::child_died, fmt::format("process '{}' ended before the run did, with exit code 0", suspect_->second),
+                "see its log; a member stays until the last tick"};
+    }
+
     void fail_with(Error error) {
         if (!failure_) {
+            if (error.code == ExitCode::stall && suspect_ && !simulator_done_) { // who has gone does not answer
+                error = suspicion();
+            }
             tell(Json{{"kind", "failed"}, {"code", static_cast<int>(error.code)}, {"cause", error.message}}); // before the others end of it
             failure_ = std::move(error);
         }
