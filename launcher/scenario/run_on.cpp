@@ -48,7 +48,10 @@ std::optional<RunOn> parse_ssh(std::string_view text) {
         is_v6 && !out.host.empty() && out.host.find_first_not_of("0123456789abcdefABCDEF:.") == std::string::npos;
     text.remove_prefix(is_v6 ? end + 1 : end);
     if (!text.empty()) {
-        text.remove_prefix(1); // the colon
+        if (text.front() != ':') {
+            return std::nullopt;
+        }
+        text.remove_prefix(1);
         auto const [last, error] = std::from_chars(text.data(), text.data() + text.size(), out.port);
         if (error != std::errc{} || last != text.data() + text.size() || out.port < 1 || out.port > 65535) {
             return std::nullopt;

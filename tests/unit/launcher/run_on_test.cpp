@@ -41,7 +41,7 @@ TEST(RunOn, TakesAnIPv6AddressInBrackets) {
 TEST(RunOn, RefusesWhatSshOrAShellCouldTakeForSomethingElse) {
     for (char const* wrong : {"ssh:", "ssh:@host", "ssh:user@", "ssh:-oProxyCommand=x", "ssh:user@-h",
                               "ssh:host;reboot", "ssh:$(x)", "ssh:a b", "ssh:host:", "ssh:host:0", "ssh:host:65536",
-                              "ssh:host:22x", "ssh:[fe80::1", "ssh:[host]", "ssh", "qemu"}) {
+                              "ssh:host:22x", "ssh:[fe80::1", "ssh:[::1]x22", "ssh:[host]", "ssh", "qemu"}) {
         EXPECT_FALSE(parse_run_on(wrong)) << wrong;
     }
 }
