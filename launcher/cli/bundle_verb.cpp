@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -22,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace launcher;
+
+constexpr std::string_view kConfigFile = "config.yaml";
 
 struct BundleArguments {
     ScenarioArguments scenario;
@@ -56,6 +59,41 @@ std::string network_of(RunPlan const& plan, std::string const& host) {
         }
     }
     return text;
+}
+
+/// Copies every file that the configuration names into `folder`, where the configuration is, and names it as it is
+/// called there: the bundle may be unpacked anywhere. `taken`: by name.
+Result<void> take_along(config::Node& node, fs::path const& folder, std::map<std::string, fs::path>& taken) {
+    for (config::Node& item : node.items) {
+        if (auto ok = take_along(item, folder, taken); !ok) {
+            return ok;
+        }
+    }
+    for (config::Node::Entry& entry : node.entries) {
+        if (auto ok = take_along(entry.value, folder, taken); !ok) {
+            return ok;
+        }
+    }
+    fs::path const file{node.text};
+    std::error_code error;
+    // What the kernel shows as a file belongs to the machine.
+    if (!node.is_scalar() || !file.is_absolute() || node.text.starts_with("/proc/") ||
+        !fs::is_regular_file(file, error)) {
+        return {};
+    }
+    std::string const name = file.filename().string();
+    auto const [it, first] = taken.try_emplace(name, file);
+    if (name == kConfigFile || name == "network" || (!first && it->second != file)) {
+        return fail(ExitCode::usage,
+                    fmt::format("'{}' cannot be called {} in the bundle: another file is", file.string(), name),
+                    "rename one");
+    }
+    if (first && !fs::copy_file(file, folder / name, error)) {
+        return fail(ExitCode::environment, fmt::format("cannot copy '{}': {}", file.string(), error.message()));
+    }
+    node.text = name;
+    node.quoted = true;
+    return {};
 }
 
 int bundle(BundleArguments const& a) {
@@ -96,17 +134,30 @@ int bundle(BundleArguments const& a) {
     std::error_code error;
     fs::create_directories(a.out, error);
     fs::path const stage = fs::absolute(a.out) / fmt::format(".bundle-{}-{}", it->name, ::getpid());
-    fs::create_directories(stage, error);
-    std::ofstream{stage / "config.yaml"} << to_yaml(it->config);
-    std::ofstream{stage / "network"} << network_of(plan, it->host);
-    if (error || !fs::exists(stage / "config.yaml")) {
+    fs::path const conf = stage / "conf";
+    fs::create_directories(conf, error);
+    auto const unwritable = [&] {
         return print_error({ExitCode::environment, fmt::format("cannot write into '{}'", a.out.string()),
                             "--out names another folder"});
+    };
+    if (error) {
+        return unwritable();
+    }
+    std::map<std::string, fs::path> taken;
+    if (auto const ok = take_along(it->config, conf, taken); !ok) {
+        fs::remove_all(stage, error);
+        return print_error(ok.error());
+    }
+    std::ofstream{conf / kConfigFile} << to_yaml(it->config);
+    std::ofstream{conf / "network"} << network_of(plan, it->host);
+    if (!fs::exists(conf / kConfigFile)) {
+        return unwritable();
     }
     fs::path const share = qos_file("member").parent_path().parent_path(); // source tree or share/gridspace
     fs::path const libraries = a.arch == "arm64" ? arm64_files().root : fs::path{"/"};
     int const code = run_and_wait({"sh", (share / "scripts/board/bundle.sh").string(), it->name, a.arch,
-                                   program.string(), stage.string(), libraries.string(), fs::absolute(a.out).string(), std::string{gridspace::version().version}});
+                                   program.string(), stage.string(), libraries.string(), fs::absolute(a.out).string(),
+                                   std::string{gridspace::version().version}});
     fs::remove_all(stage, error);
     return code;
 }

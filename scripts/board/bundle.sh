@@ -4,7 +4,7 @@
 #
 # Packs one process for a board (used by `gridspace bundle`, which has checked that the program is for the architecture):
 #   bundle.sh NAME ARCH PROGRAM STAGE ROOT OUT VERSION
-# STAGE holds its config.yaml and network; ROOT is a file system of ARCH with the libraries. Makes OUT/gridspace-NAME_ARCH.tar.gz, which
+# STAGE/conf holds its config.yaml, the files that this names, and network; ROOT is a file system of ARCH with the libraries. Makes OUT/gridspace-NAME_ARCH.tar.gz, which
 # brings its libraries along, and OUT/gridspace-NAME_ARCH.deb, which depends on Debian's.
 set -eu
 name=$1 arch=$2 program=$3 stage=$4 root=$5 out=$6 version=$7
@@ -15,21 +15,10 @@ of_arch "$arch"
 for tool in dpkg-deb readelf; do command -v "$tool" >/dev/null || fail "the program $tool is missing" "apt install dpkg binutils"; done
 base=$(basename "$program")
 
-# The files that the configuration names come along, and it names them where they will be.
-conf=/etc/gridspace/$name
-mkdir -p "$stage/conf"
-cp "$stage/config.yaml" "$stage/conf/config.yaml"
-for file in $(grep -oE '/[^] ",}]+' "$stage/config.yaml" | tr -d "'" | sort -u); do
-  [ -f "$file" ] || continue
-  [ ! -e "$stage/conf/$(basename "$file")" ] || fail "two files of '$name' are called $(basename "$file")" "rename one"
-  cp "$file" "$stage/conf/"
-  sed -i "s|$file|$conf/$(basename "$file")|g" "$stage/conf/config.yaml"
-done
-cp "$stage/network" "$stage/conf/network"
-
+conf=/etc/gridspace/$name # of the package
 # What it may do on the board: raw frames for who sends or receives them, nothing more.
 raw=""
-grep -q '^  wire:' "$stage/config.yaml" && raw=yes
+grep -q '^  wire:' "$stage/conf/config.yaml" && raw=yes
 {
   sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g" "$here/gridspace.service.in"
   if [ -n "$raw" ]; then
@@ -40,7 +29,7 @@ grep -q '^  wire:' "$stage/config.yaml" && raw=yes
 } >"$stage/gridspace-$name.service"
 sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g; s|@MACHINE@|$machine|g" "$here/start.in" >"$stage/start"
 sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g; s|@ARCH@|$arch|g; s|@MACHINE@|$machine|g" "$here/README.in" >"$stage/README"
-sed 's/^/    /' "$stage/network" >>"$stage/README"
+sed 's/^/    /' "$stage/conf/network" >>"$stage/README"
 
 mkdir -p "$stage/lib"
 collect "$program" "$root" "$stage/lib"
@@ -50,7 +39,6 @@ mkdir -p "$tree/bin" "$tree/conf"
 strip_to "$program" "$tree/bin/$base"
 strip_to "$(dirname "$program")/gridspace-cable" "$tree/bin/gridspace-cable" # for `run_on: ssh:HOST` with what is installed
 cp "$stage/start" "$tree/start" && cp "$stage/README" "$tree/README" && cp -r "$stage/lib" "$tree/lib" && cp "$stage"/conf/* "$tree/conf/"
-sed "s|$conf/|/opt/gridspace-$name/conf/|g" "$stage/conf/config.yaml" >"$tree/conf/config.yaml"
 sed "s|/usr/lib/gridspace/$name|/opt/gridspace-$name|g" "$stage/gridspace-$name.service" >"$tree/gridspace-$name.service"
 chmod 755 "$tree/start" "$tree"/bin/*
 tar -C "$stage" --owner=0 --group=0 --sort=name --mtime=@0 -czf "$out/gridspace-${name}_$arch.tar.gz" "gridspace-$name"

@@ -64,7 +64,7 @@ class OwnBoard(ScenarioTest):
         code, _, err = gridspace("bundle", scenario, "relay2", "--arch", "amd64", "--out", self.folder)
         self.assertEqual(code, OK, err)
         archive = self.folder / "gridspace-relay2_amd64.tar.gz"
-        self.within(self.board, f"mount -t tmpfs none /opt && tar -C /opt -xf {archive}")
+        self.within(self.board, f"mount -t tmpfs none /srv && tar -C /srv -xf {archive}")
         readme = tarfile.open(archive).extractfile("gridspace-relay2/README").read().decode()
         listed = [line.split() for line in readme.splitlines() if line.startswith("    ") and line.split()[1:2] and ":" in line.split()[1]]
         self.assertEqual([name for name, _, _ in listed], ["mgmt0", "process_bus"])
@@ -76,7 +76,7 @@ class OwnBoard(ScenarioTest):
     def switch_on(self):
         """Starts the relay, as its service would."""
         log = open(self.folder / "relay.log", "a")
-        process = subprocess.Popen(["nsenter", "-t", str(self.board), "-n", "-m", "sh", "/opt/gridspace-relay2/start"],
+        process = subprocess.Popen(["nsenter", "-t", str(self.board), "-n", "-m", "sh", "/srv/gridspace-relay2/start"],
                                    stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         log.close()
         self.devices.append(process)
