@@ -192,7 +192,9 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
                 diagnostics.error(
                     name.where,
                     fmt::format("process '{}' reads the topic '{}', which nobody writes", reader.process, topic),
-                    did_you_mean(topic, written, "is a process missing, or a topic misspelt?"),
+                    bus::is_management_topic(topic)
+                        ? "topics of the framework need not be listed: a process may read them as it likes"
+                        : did_you_mean(topic, written, "is a process missing, or a topic misspelt?"),
                     static_cast<int>(name.name.size()));
                 continue;
             }

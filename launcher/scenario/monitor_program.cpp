@@ -3,6 +3,7 @@
 #include "launcher/scenario/monitor_program.hpp"
 
 #include "launcher/scenario/monitor_settings.hpp"
+#include "launcher/scenario/own_topics.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "monitor/web/listening.hpp"
 
@@ -45,6 +46,16 @@ class MonitorSettings final : public ProcessSettings {
             if (!file->empty()) {
                 node.set(key, Node::quoted_text(std::filesystem::absolute(*file).string()));
             }
+        }
+        if (auto const own = own_types(s); !own.empty()) {
+            Node types = Node::sequence();
+            for (auto const& [type, file] : own) {
+                Node entry = Node::map();
+                entry.set("name", Node::quoted_text(type));
+                entry.set("idl", Node::quoted_text(file.string()));
+                types.items.push_back(std::move(entry));
+            }
+            node.set("types", std::move(types));
         }
         node.set("scenario", Node::quoted_text(s.name));
         node.set("run", monitored_run(s, ".."));

@@ -5,6 +5,7 @@
 #include "common/config/fields.hpp"
 #include "common/rational.hpp"
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -22,6 +23,7 @@ struct TopicUse {
     std::int64_t endpoints{1}; ///< how many readers or writers it has on the topic
     bool triggers{false};      ///< reading side: a sample makes the process work in the same tick
     bool optional{false};      ///< reading side: an input that may stay unused; writing side: nobody has to read it
+    std::filesystem::path idl{}; ///< of a type that is not ours
 };
 
 /// Raw frames that a process sends or receives.

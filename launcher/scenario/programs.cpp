@@ -6,6 +6,7 @@
 #include "launcher/scenario/capture_points.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/monitor_program.hpp"
+#include "launcher/scenario/own_topics.hpp"
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
@@ -259,8 +260,13 @@ class RecorderSettings final : public ProcessSettings {
         node.set("file", Node::scalar("../data.mcap")); // beside the folder of the process files
         node.set("compress", Node::scalar(compress_ ? "true" : "false"));
         Node topics = Node::map();
+        auto const idl = own_types(s);
         for (TopicUse const& use : reads(s, process)) {
-            topics.set(use.topic, Node::map()).set("type", Node::scalar(use.type));
+            Node& topic = topics.set(use.topic, Node::map());
+            topic.set("type", Node::scalar(use.type));
+            if (auto const own = idl.find(use.type); own != idl.end()) {
+                topic.set("idl", Node::quoted_text(own->second.string()));
+            }
         }
         node.set("topics", std::move(topics));
         node.set("capture", capture(s, process));
@@ -357,6 +363,7 @@ class ExecSettings final : public ProcessSettings {
                 TopicUse use;
                 use.topic = topic.name;
                 t.text("type", use.type, {.doc = "name of the type on the wire", .required = true});
+                t.file("idl", use.idl, {.doc = "IDL file that defines the type, when it is your own"});
                 t.integer("endpoints", use.endpoints, {.doc = "how many readers or writers it has", .min = 1});
                 t.flag("triggers", use.triggers, {.doc = "a sample makes it work in the same tick"});
                 uses.push_back(std::move(use));

@@ -9,6 +9,7 @@
 #include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/impairments.hpp"
+#include "launcher/scenario/own_topics.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "sim/app/engine_factory.hpp"
 #include "sim/powerflow/power_flow.hpp"
@@ -267,6 +268,7 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
     }
     if (readable && // the rest would only repeat what was said
         s.simulator() != nullptr && s.network && simulates) {
+        check_own_topics(s, diagnostics);
         check_dataflow(s, diagnostics);
         check_expectations(s, diagnostics);
         check_comtrade(s, diagnostics);

@@ -144,6 +144,13 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         }
         live.idl = std::move(*foreign);
     }
+    for (auto const& [type, file] : config.types) {
+        auto own = read_foreign_idl(file);
+        if (!own) {
+            return std::unexpected{own.error()};
+        }
+        live.idl.merge(*own);
+    }
     std::unique_ptr<BusTap> tap;
     std::unique_ptr<RecordedRun> recorded;
     if (config.recording.empty()) {

@@ -24,7 +24,8 @@ void describe_run(config::Fields& f, RunPlan& run) {
         p.text("name", out.name, {.required = true});
         p.text("program", out.program);
         p.text("host", out.host);
-        p.file("pid_file", out.pid_file, {.doc = "where the launcher notes its process identifier, while it runs here"});
+        p.file("pid_file", out.pid_file,
+               {.doc = "where the launcher notes its process identifier, while it runs here"});
     });
     list(f, "wires", "raw frames that a process sends or receives", run.wires,
          [](config::Fields& w, RunPlan::Wire& out) {
@@ -86,6 +87,12 @@ void describe(config::Fields& f, MonitorConfig& config) {
     f.file("tls_cert", config.tls_cert, {.doc = "certificate (PEM), with those that vouch for it"});
     f.file("tls_key", config.tls_key, {.doc = "its key (PEM)"});
     f.file("idl", config.idl, {.doc = "IDL of foreign types, which nobody publishes on type_catalog"});
+    f.list("types", {.doc = "types of the scenario's own programs; filled in by `gridspace run`"},
+           [&](config::Fields& t) {
+               std::string name;
+               t.text("name", name, {.doc = "name of the type on the wire", .required = true});
+               t.file("idl", config.types[name], {.doc = "IDL file that defines the type", .required = true});
+           });
     f.text("scenario", config.run.scenario, {.doc = "name of the scenario"});
     f.object("run", {.doc = "the run; filled in by `gridspace run`"},
              [&](config::Fields& r) { describe_run(r, config.run); });

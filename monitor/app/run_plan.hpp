@@ -5,6 +5,7 @@
 #include "common/config/fields.hpp"
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -71,7 +72,8 @@ struct MonitorConfig {
     std::vector<config::Ref> allow_hosts; ///< names beyond those of this machine under which it may be reached
     std::filesystem::path token_file;     ///< file with the secret of whoever may look; none: everybody of this machine
     std::filesystem::path tls_cert, tls_key;
-    std::filesystem::path idl; ///< of foreign types
+    std::filesystem::path idl;                          ///< of foreign types
+    std::map<std::string, std::filesystem::path> types; ///< the IDL of the types of the scenario's own programs
     RunPlan run;
 };
 

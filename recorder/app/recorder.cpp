@@ -153,7 +153,7 @@ class RecorderShell {
                 return fail(
                     ExitCode::usage,
                     fmt::format("topic '{}' carries '{}', and no IDL defines that type", topic.name, topic.type),
-                    "give the topic an `idl:` file");
+                    "`idl: FILE` beside its type names the file that does");
             }
             tap.model_type = *type;
             tap.has_stamp = std::any_of(model->types[*type].members.begin(), model->types[*type].members.end(),

@@ -3,6 +3,8 @@
 """A monitor beside somebody's own bus, whose types it was not compiled for and nobody describes."""
 import contextlib
 import json
+import os
+import signal
 import subprocess
 import time
 import unittest
@@ -89,6 +91,28 @@ class ForeignTypes(harness.ScenarioTest):
                            ("module station { struct Weather { long a; long b; long c[100]; }; };", "not of that type"), ("", "defines no struct")]:
             _, out, err = self.echo(monitor, "--idl", self.write("weather.bad", text))
             self.assertIn(said, out + err, text)
+
+
+class TypesOfAScenario(harness.ScenarioTest):
+    def test_a_type_that_an_exec_process_names_is_recorded_and_shown(self):
+        idl = IDL.replace("@key ", "")  # the writer has no key either
+        self.write("weather.idl", idl)
+        command = f"sleep 1000 | exec {WRITER} {harness.SOURCE}/qos/member.xml $GRIDSPACE_DATA_DOMAIN reliable weather"
+        run = self.start("run", ["--no-namespaces"], self.write("weather.yaml", json.dumps({
+            "extends": str(harness.CASE_1), "name": "weather", "expect": None, "clock": {"mode": "realtime", "speed": 100},
+            "processes": {"station": {"program": "exec", "host": "board1", "command": ["/bin/sh", "-c", command],
+                                      "writes": {"weather": {"type": "station::Weather", "idl": "weather.idl"}}}}})))
+        url = run.wait_for(lambda line: line.get("note", "").startswith("monitor: http://"), "the monitor")["note"].split()[-1]
+        run.wait_for_time(10)
+        monitor = client.Monitor(url)
+        seen = monitor.until("/api/v1/topics/weather/last", lambda t: t["last"], "a sample")["last"][0]
+        self.assertEqual(seen["fields"], {"place": "roof", "celsius": 21.5, "trend": -3})
+        self.assertEqual(monitor.json("/api/v1/topics/weather")["idl"], idl)
+        os.kill(run.pid, signal.SIGINT)
+        self.assertEqual(run.finish(), harness.INTERRUPTED, run.stderr())
+        code, out, err = harness.gridspace("export", run.folder, "--csv", "--out", run.folder / "csv")
+        self.assertEqual(code, harness.OK, out + err)
+        self.assertTrue((run.folder / "csv/weather.csv").read_text().splitlines()[-1].endswith(",roof,21.5,-3"))
 
 
 if __name__ == "__main__":

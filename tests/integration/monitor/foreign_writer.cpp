@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// foreign_writer QOS_FILE DOMAIN [best_effort]: writes topic `rt/weather` of a type that is published nowhere
-// (foreign_types_test.py has its IDL) until its standard input ends.
+// foreign_writer QOS_FILE DOMAIN [reliable|best_effort [TOPIC]]: writes topic `rt/weather` of a type that is published
+// nowhere (foreign_types_test.py has its IDL) until its standard input ends.
 #include "bus/participant.hpp"
 #include "bus/raw_access.hpp"
 
@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <poll.h>
+#include <string>
 
 int main(int argc, char** argv) {
     using namespace gridspace;
@@ -18,7 +19,8 @@ int main(int argc, char** argv) {
         return 2;
     }
     bus::ParticipantOptions options;
-    bool const best_effort = argc > 3;
+    bool const best_effort = argc > 3 && std::strcmp(argv[3], "best_effort") == 0;
+    std::string const topic = argc > 4 ? argv[4] : "rt/weather";
     options.process = best_effort ? "gust" : "station";
     options.program = "foreign_writer";
     options.domain = std::atoi(argv[2]);
@@ -28,8 +30,8 @@ int main(int argc, char** argv) {
     bus::Codec codec;
     codec.type_name = "station::Weather";
     auto writer = !participant  ? std::unexpected{participant.error()}
-                  : best_effort ? bus::create_writer_like(**participant, "rt/weather", codec, {})
-                                : (*participant)->create_writer("rt/weather", codec);
+                  : best_effort ? bus::create_writer_like(**participant, topic, codec, {})
+                                : (*participant)->create_writer(topic, codec);
     if (!writer) {
         std::fprintf(stderr, "%s\n", describe(writer.error()).c_str());
         return 3;
