@@ -61,13 +61,13 @@ RelayOutput const& LineRelay::step(LineSample const& sample, TripPermission perm
     output_.index = sample.index;
     output_.evaluated = false;
 
-    BlockReasons reasons = unusable(sample);
+    BlockReasons const lacking = unusable(sample);
     std::int64_t const missing = has_good_ ? sample.index - last_good_index_ - 1 : 0;
-    if (has_good_ && (missing + (reasons != 0 ? 1 : 0) > params_.max_interpolated ||
-                      (reasons & (kSynchReasons | kTestReasons)) != 0)) {
+    if (has_good_ && (missing + (lacking != 0 ? 1 : 0) > params_.max_interpolated ||
+                      (lacking & (kSynchReasons | kTestReasons)) != 0)) {
         empty_window(sample.index);
     }
-    if (reasons == 0) {
+    if (lacking == 0) {
         Pair const pair = into_line(sample);
         if (has_good_ && missing > 0) {
             bridge(pair, missing);
@@ -77,8 +77,14 @@ RelayOutput const& LineRelay::step(LineSample const& sample, TripPermission perm
         last_good_index_ = sample.index;
         has_good_ = true;
     }
+    BlockReasons reasons = lacking;
     reasons |= element_.full() ? 0U : static_cast<BlockReasons>(kFilling);
     reasons |= params_.in_service ? 0U : static_cast<BlockReasons>(kOutOfService);
+    if (reasons != 0 &&
+        reasons == lacking) { // the window is full: what it says holds until the gap is bridged or too long
+        output_.blocked = reasons;
+        return output_;
+    }
     set_blocked(sample.index, reasons);
     if (reasons == 0) {
         decide(sample.index, permission);
@@ -133,8 +139,10 @@ void LineRelay::set_blocked(std::int64_t index, BlockReasons reasons) {
     output_.blocked = reasons;
     bool const first = said_ == 0;
     if (reasons == 0) {
-        said_ = 0;
-        note(index, RelayEvent::Kind::unblock);
+        if (!first) { // a gap that is bridged told nothing
+            said_ = 0;
+            note(index, RelayEvent::Kind::unblock);
+        }
         return;
     }
     if (output_.pickup) {

@@ -35,8 +35,8 @@ struct TripPermission {
 
 struct RelayOutput {
     std::int64_t index{0};
-    bool evaluated{false}; ///< the window was full and nothing blocked: `values` belong to this index
-    bool pickup{false};
+    bool evaluated{false};   ///< the window was full and nothing blocked: `values` belong to this index
+    bool pickup{false};      ///< holds over a gap that can still be bridged, as the trip does
     bool trip{false};        ///< what the trip contact says
     bool withheld{false};    ///< picked up and confirmed, and not permitted
     BlockReasons blocked{0}; ///< 0: in operation
@@ -54,9 +54,11 @@ struct RelayCounters {
 
 /// Line differential relay: two ends of a line in, a trip out. No clock, no I/O, no allocation per sample.
 ///
-/// A sample that is missing or unusable blocks at once (it never trips). When no more than `max_interpolated` are
-/// missing in a row, the gap is bridged as soon as the next usable pair arrives; otherwise the relay blocks until a
-/// whole window of usable samples has passed. Unsynchronised and test samples always empty the window.
+/// Nothing is decided by a sample that is missing or unusable. When no more than `max_interpolated` are missing in a
+/// row, pickup, confirmation and trip stay as they are, `blocked` says so, and the gap is bridged as soon as the next
+/// usable pair arrives; only pairs that came count as confirmation, so that no trip rests on bridged samples alone.
+/// Otherwise the pickup drops out and the relay blocks until a whole window of usable samples has passed.
+/// Unsynchronised and test samples always empty the window.
 class LineRelay {
   public:
     explicit LineRelay(RelayParams const& params);

@@ -407,15 +407,124 @@ TEST(LineRelay, SaysAgainWhyItBlocksAfterItHasWorked) {
     std::vector<std::int64_t> blocks;
     for (std::int64_t k = 0; k < 400; ++k) {
         LineSample s = through(k);
-        s.from.validity = k == 100 || k == 300 ? Validity::invalid : Validity::good;
+        bool const bad = (k >= 100 && k < 104) || (k >= 300 && k < 304); // one more than is bridged
+        s.from.validity = bad ? Validity::invalid : Validity::good;
         sut.step(s);
     }
     sut.events().drain([&](RelayEvent const& e) {
         if (e.kind == RelayEvent::Kind::block) {
             blocks.push_back(e.index);
+            EXPECT_EQ(e.reasons, kFromQuality | kFilling);
         }
     });
-    EXPECT_EQ(blocks, (std::vector<std::int64_t>{100, 300}));
+    EXPECT_EQ(blocks, (std::vector<std::int64_t>{103, 303}));
+}
+
+TEST(LineRelay, ABridgedGapHoldsTheTripAndALongerOneDropsIt) {
+    for (int lost = 1; lost <= 4; ++lost) {
+        RelayParams p = params();
+        p.seal_in = false;
+        LineRelay sut{p};
+        run_healthy(sut, 0, 80);
+        for (std::int64_t k = 80; k < 200; ++k) {
+            sut.step(internal_fault(k));
+        }
+        ASSERT_TRUE(sut.output().trip);
+        sut.events().drain([](RelayEvent const&) {});
+        std::int64_t k = 200;
+        for (; k < 200 + lost; ++k) {
+            LineSample s = internal_fault(k);
+            s.from.validity = k % 2 == 0 ? Validity::invalid : Validity::good; // a bad sample is as good as none
+            s.to.present = k % 2 == 0;
+            sut.step(s);
+            bool const bridged = k < 203;
+            EXPECT_EQ(sut.output().trip, bridged) << k;
+            EXPECT_EQ(sut.output().pickup, bridged) << k;
+            EXPECT_FALSE(sut.output().evaluated);
+            EXPECT_NE(sut.output().blocked, 0U);
+        }
+        sut.step(internal_fault(k));
+        EXPECT_EQ(sut.output().trip, lost <= 3);
+        EXPECT_EQ(sut.output().blocked, lost <= 3 ? 0U : kFilling);
+        EXPECT_EQ(sut.events().size(), lost <= 3 ? 0U : 3U); // restart, dropout, block
+        EXPECT_EQ(sut.counters().trips, 1U);
+    }
+}
+
+TEST(LineRelay, ATripDoesNotOutliveSynchronismTestOrServiceInAGap) {
+    void (*const spoil[])(LineSample&, LineRelay&){
+        [](LineSample& s, LineRelay&) { s.to.synch = Synch::none; },
+        [](LineSample& s, LineRelay&) { s.to.test = true; },
+        [](LineSample&, LineRelay& r) { r.set_in_service(false); },
+    };
+    for (auto const how : spoil) {
+        RelayParams p = params();
+        p.seal_in = false;
+        LineRelay sut{p};
+        for (std::int64_t k = 0; k < 200; ++k) {
+            sut.step(internal_fault(k));
+        }
+        ASSERT_TRUE(sut.output().trip);
+        LineSample s = internal_fault(200);
+        s.from.present = false;
+        sut.step(s);
+        EXPECT_TRUE(sut.output().trip);
+        s.index = 201;
+        how(s, sut);
+        sut.step(s);
+        EXPECT_FALSE(sut.output().trip || sut.output().pickup);
+    }
+}
+
+TEST(LineRelay, ConfirmationGoesOnBehindABridgedGapAndCountsOnlyWhatCame) {
+    RelayParams p = params();
+    p.confirm_samples = 20;
+    for (int lost = 0; lost <= 3; ++lost) {
+        LineRelay sut{p};
+        std::int64_t trip = -1, confirmed = 0;
+        for (std::int64_t k = -400; k < 100 && trip < 0; ++k) {
+            LineSample s = published_fault(k);
+            s.to.present = k < 15 || k >= 15 + lost; // amid the confirmation, that begins with 7
+            sut.step(s);
+            confirmed += sut.output().evaluated && sut.output().pickup ? 1 : 0;
+            EXPECT_TRUE(s.to.present || !sut.output().trip);
+            trip = sut.output().trip ? k : trip;
+        }
+        EXPECT_EQ(trip, 26 + lost);
+        EXPECT_EQ(confirmed, 20);
+        EXPECT_EQ(sut.counters().pickups, 1U);
+    }
+}
+
+TEST(LineRelay, NoTripComesInAGapHoweverNearTheConfirmationWas) {
+    RelayParams p = params();
+    p.confirm_samples = 5;
+    LineRelay sut{p};
+    for (std::int64_t k = -400; k < 11; ++k) { // four of five
+        sut.step(published_fault(k));
+    }
+    ASSERT_TRUE(sut.output().pickup);
+    for (std::int64_t k = 11; k < 400; ++k) { // the stream is dead from now on
+        LineSample s = published_fault(k);
+        s.to.present = false;
+        sut.step(s);
+        EXPECT_FALSE(sut.output().trip) << k;
+        EXPECT_EQ(sut.output().pickup, k < 14) << k;
+    }
+}
+
+TEST(LineRelay, WritesNoEventAboutSamplesThatAreBridged) {
+    LineRelay sut{params()};
+    run_healthy(sut, 0, 80);
+    sut.events().drain([](RelayEvent const&) {});
+    for (std::int64_t k = 80; k < 400; ++k) {
+        LineSample s = through(k);
+        s.from.present = k % 10 != 0;
+        sut.step(s);
+        EXPECT_EQ(sut.output().blocked, k % 10 == 0 ? kFromLost : 0U);
+    }
+    EXPECT_EQ(sut.events().size(), 0U);
+    EXPECT_EQ(sut.counters().interpolated, 32U);
 }
 
 TEST(EventLog, KeepsTheFirstEventsAndCountsTheRest) {
