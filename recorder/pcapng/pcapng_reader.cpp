@@ -10,7 +10,7 @@
 namespace gridspace::pcapng {
 namespace {
 
-constexpr std::uint32_t kSection = 0x0A0D0D0A, kInterface = 1, kSimplePacket = 3, kEnhancedPacket = 6;
+constexpr std::uint32_t kSection = 0x0A0D0D0A, kInterface = 1, kPacket = 2, kSimplePacket = 3, kEnhancedPacket = 6;
 constexpr std::uint32_t kMicro = 0xA1B2C3D4, kNano = 0xA1B23C4D, kOrder = 0x1A2B3C4D;
 constexpr std::size_t kLargestBlock = 16U << 20U;
 
@@ -171,7 +171,7 @@ Result<std::optional<Frame>> Reader::next() {
             if (auto ok = interface_block(); !ok) {
                 return std::unexpected{ok.error()};
             }
-        } else if (type == kEnhancedPacket || type == kSimplePacket) {
+        } else if (type == kPacket || type == kEnhancedPacket || type == kSimplePacket) {
             auto frame = packet_block(type);
             offset_ += length;
             return frame;
@@ -232,14 +232,16 @@ Result<void> Reader::interface_block() {
 
 Result<std::optional<Frame>> Reader::packet_block(std::uint32_t type) {
     Frame frame;
-    std::size_t const head = type == kEnhancedPacket ? 20 : 4;
+    bool const whole = type != kSimplePacket; // it has its interface, time and options
+    std::size_t const head = whole ? 20 : 4;
     if (block_.size() < head) {
         return damaged("a packet without its lengths");
     }
     std::uint32_t captured = 0;
     std::uint32_t interface = 0;
-    if (type == kEnhancedPacket) {
-        interface = number<std::uint32_t>(block_.data());
+    if (whole) {
+        interface = type == kPacket ? number<std::uint16_t>(block_.data()) // and how many were dropped
+                                    : number<std::uint32_t>(block_.data());
         captured = number<std::uint32_t>(block_.data() + 12);
         frame.original_octets = number<std::uint32_t>(block_.data() + 16);
     } else {
@@ -254,14 +256,14 @@ Result<std::optional<Frame>> Reader::packet_block(std::uint32_t type) {
         return damaged(fmt::format("a frame of interface {}, which was not described", interface));
     }
     frame.interface = static_cast<std::uint32_t>(index);
-    if (type == kEnhancedPacket) {
+    if (whole) {
         std::uint64_t const count =
             std::uint64_t{number<std::uint32_t>(block_.data() + 4)} << 32U | number<std::uint32_t>(block_.data() + 8);
         frame.time_ns = nanoseconds(count, interfaces_[index].units_per_s);
     }
     frame.octets.assign(block_.begin() + static_cast<std::ptrdiff_t>(head),
                         block_.begin() + static_cast<std::ptrdiff_t>(head + captured));
-    if (type == kEnhancedPacket) {
+    if (whole) {
         packet_options(frame, head + padded(captured));
     }
     return frame;

@@ -21,8 +21,8 @@ struct Interface {
     std::uint64_t units_per_s{1'000'000};
 };
 
-/// Whether a point of a run's capture is in the middle of a cable ("process_bus/mu21:near_unit"): the same frames, as far as
-/// they went on, are seen again where the cable ends.
+/// Whether a point of a run's capture is in the middle of a cable ("process_bus/mu21:near_unit"): the same frames, as
+/// far as they went on, are seen again where the cable ends.
 [[nodiscard]] inline bool is_inside_a_cable(std::string_view point) {
     auto const slash = point.find('/');
     return slash != std::string_view::npos && point.find(':', slash) != std::string_view::npos;
@@ -37,9 +37,9 @@ struct Frame {
     Direction direction{Direction::unknown};
 };
 
-/// Reads captures frame by frame: pcapng and classic pcap (micro- and nanoseconds), either byte order. Memory is
-/// bounded by one block, at most 16 MB. A file that was cut off in the middle (a crash, a full disk) gives its whole
-/// frames and `truncated()`.
+/// Reads captures frame by frame: pcapng (enhanced, simple and the old packet blocks) and classic pcap (micro- and
+/// nanoseconds), either byte order. Memory is bounded by one block, at most 16 MB. A file that was cut off in the
+/// middle (a crash, a full disk) gives its whole frames and `truncated()`.
 class Reader {
   public:
     [[nodiscard]] static Result<Reader> open(std::filesystem::path const& file);

@@ -130,6 +130,38 @@ TEST_F(Pcapng, ReadsClassicCapturesOfEitherByteOrder) {
     }
 }
 
+TEST_F(Pcapng, ReadsPacketBlocksOfOldFiles) {
+    write_example();
+    auto file = content();
+    auto const number = [&](auto v) {
+        file.insert(file.end(), reinterpret_cast<char*>(&v), reinterpret_cast<char*>(&v) + sizeof v);
+    };
+    auto const units = static_cast<std::uint64_t>(kTime); // the writer counts nanoseconds
+    number(std::uint32_t{2});
+    number(std::uint32_t{44});
+    number(std::uint16_t{1});      // interface
+    number(std::uint16_t{0xFFFF}); // drops: not known
+    number(static_cast<std::uint32_t>(units >> 32U));
+    number(static_cast<std::uint32_t>(units));
+    number(std::uint32_t{3});
+    number(std::uint32_t{60});
+    file.insert(file.end(), {7, 8, 9, 0, 2, 0, 4, 0, 2, 0, 0, 0}); // three octets and pack_flags: outbound
+    number(std::uint32_t{44});
+    put(file);
+    auto sut = Reader::open(file_);
+    ASSERT_TRUE(sut);
+    ASSERT_TRUE(sut->next() && sut->next());
+    auto const old = sut->next();
+    ASSERT_TRUE(old && *old);
+    EXPECT_EQ((*old)->octets, (Octets{7, 8, 9}));
+    EXPECT_EQ((*old)->original_octets, 60U);
+    EXPECT_EQ((*old)->time_ns, kTime);
+    EXPECT_EQ(sut->interfaces().at((*old)->interface).name, "data_bus");
+    EXPECT_EQ((*old)->direction, Direction::outbound);
+    EXPECT_FALSE(*sut->next());
+    EXPECT_FALSE(sut->truncated());
+}
+
 TEST_F(Pcapng, NamesWhatIsNoCaptureAndWhatIsNotThere) {
     EXPECT_THAT(Reader::open(folder_ / "none").error().message, testing::HasSubstr("No such file"));
     put({'P', 'K', 3, 4, 5, 6, 7, 8});
