@@ -25,9 +25,14 @@ class ArrivalStatistics {
                 first_index_ = count_ == 1 ? index : first_index_;
                 return;
             }
-            shortest_ns_ = count_ == 1 ? gap : std::min(shortest_ns_, gap);
-            longest_ns_ = std::max(longest_ns_, gap);
-            ++histogram_[bucket(gap)];
+            if (gap < 0) {
+                first_ns_ += gap; // the clock was set back: this step is left out of the slope
+                first_index_ += index - last_index_;
+            } else {
+                shortest_ns_ = shortest_ns_ == 0 ? gap : std::min(shortest_ns_, gap);
+                longest_ns_ = std::max(longest_ns_, gap);
+                ++histogram_[bucket(gap)];
+            }
         }
         last_index_ = index;
         last_ns_ = now_ns;
@@ -39,6 +44,7 @@ class ArrivalStatistics {
     [[nodiscard]] std::int64_t shortest_ns() const noexcept { return shortest_ns_; }
     [[nodiscard]] std::int64_t longest_ns() const noexcept { return longest_ns_; }
     [[nodiscard]] std::int64_t last_ns() const noexcept { return last_ns_; }
+    [[nodiscard]] std::int64_t span_ns() const noexcept { return last_ns_ - first_ns_; }
     /// Samples per second between the first and the last arrival; 0 with fewer than two.
     [[nodiscard]] double rate_hz() const noexcept {
         return last_ns_ > first_ns_

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/iec61850/sv_subscriber.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gridspace::iec61850 {
@@ -11,6 +12,8 @@ constexpr std::uint32_t kWholeCounter = 65536;
 constexpr std::uint32_t kFewLost = 3;
 constexpr std::int64_t kNear = 16;        ///< steps of the counter that need no explanation
 constexpr std::uint32_t kRunToLearn = 16; ///< a peer that restarts at 0 in every frame must not teach us a wrap
+constexpr std::uint64_t kArrivalsForRate = 16;
+constexpr std::int64_t kSpanForRateNs = 100'000'000; ///< frames that come in one heap say nothing about the rate
 
 constexpr std::array<std::string_view, kSvEvents> kNames{"first",         "in_order",          "lost",
                                                          "restart",       "duplicate",         "late",
@@ -29,9 +32,14 @@ std::int64_t nearest_congruent(std::int64_t value, std::int64_t wrap, std::int64
 /// The wrap of a counter that went from `last` to `next`, which is less; 0: that was no wrap, its publisher began anew.
 /// A second holds whole periods of 50 or 60 Hz; or the wrap is what the arrivals say (which may run faster or slower
 /// than the grid); or it is the end of 16 bits. With a few samples lost just there only the rates in use are believed,
-/// which are multiples of 160.
-std::uint32_t wrap_between(std::uint32_t last, std::uint32_t next, double arrivals_hz) noexcept {
+/// which are multiples of 160. `run` samples came in order before: of a few (a second of a slow stream has no more)
+/// only the arrivals are believed.
+std::uint32_t wrap_between(std::uint32_t last, std::uint32_t next, double arrivals_hz, std::uint32_t run) noexcept {
     std::uint32_t const wrap = last + 1;
+    bool const arrivals_say_so = next == 0 && run > 0 && std::abs(arrivals_hz - wrap) < 0.02 * wrap;
+    if (run < kRunToLearn) {
+        return arrivals_say_so ? wrap : 0;
+    }
     if (next == 0 && (wrap % 50 == 0 || wrap % 60 == 0 || wrap >= kWholeCounter - 1)) {
         return wrap;
     }
@@ -40,10 +48,20 @@ std::uint32_t wrap_between(std::uint32_t last, std::uint32_t next, double arriva
             return wrap + lost;
         }
     }
-    if (next == 0 && std::abs(arrivals_hz - wrap) < 0.02 * wrap) {
-        return wrap;
+    return arrivals_say_so ? wrap : 0;
+}
+
+/// The samples in a second at about `hz`: whole periods of 50 or 60 Hz, or of 10 Hz where few are seen. 0: near none.
+std::uint32_t samples_in_a_second(double hz) noexcept {
+    double best = 0;
+    for (double const unit : {10.0, 50.0, 60.0}) {
+        double const samples = std::round(hz / unit) * unit;
+        bool const used = (unit == 10.0) == (hz < 1000);
+        if (used && std::abs(samples - hz) < std::abs(best - hz)) {
+            best = samples;
+        }
     }
-    return 0;
+    return best < kWholeCounter - 1 && std::abs(best - hz) < 0.002 * hz ? static_cast<std::uint32_t>(best) : 0;
 }
 
 } // namespace
@@ -87,23 +105,80 @@ SvArrival SvSubscriber::receive(FrameHeader const& header, Asdu const& asdu, std
     return receive(asdu.smp_cnt, now_ns);
 }
 
+bool SvSubscriber::rate_seen() const noexcept {
+    return arrivals_.count() >= kArrivalsForRate && arrivals_.span_ns() >= kSpanForRateNs;
+}
+
+/// The configured rate; of an unknown stream its wrap, which is exact, unless its publisher is slower or faster than
+/// the clock; then, and before the wrap is known, what the arrivals say.
+double SvSubscriber::rate_hz() const noexcept {
+    if (subscription_.wrap != 0) {
+        return subscription_.rate_hz;
+    }
+    double const seen = rate_seen() ? arrivals_.rate_hz() : 0;
+    if (wrap_known_ && wrap_ < kWholeCounter - 1 && (seen == 0 || std::abs(seen - wrap_) < 0.1 * wrap_)) {
+        return wrap_;
+    }
+    return seen > 0 ? seen : subscription_.rate_hz;
+}
+
+/// Periods since the last sample.
+double SvSubscriber::periods_until(std::int64_t now_ns) const noexcept {
+    return static_cast<double>(now_ns - last_ns_) * 1e-9 * rate_hz();
+}
+
 std::int64_t SvSubscriber::index_of(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept {
     // Where time puts it, when enough of it has passed that the counter alone is ambiguous.
-    double const periods = static_cast<double>(now_ns - last_ns_) * 1e-9 * subscription_.rate_hz;
+    double const periods = periods_until(now_ns);
     std::int64_t const near = periods > wrap_ / 2.0 ? index_ + std::llround(periods) : index_ + 1;
     return nearest_congruent(smp_cnt, wrap_, near);
 }
 
-void SvSubscriber::learn_wrap(std::uint16_t smp_cnt) noexcept {
-    if (wrap_known_ || smp_cnt >= last_cnt_ || run_ < kRunToLearn) {
+void SvSubscriber::learn_wrap(std::uint16_t smp_cnt, std::int64_t now_ns) noexcept {
+    if (wrap_known_ || !started_) {
         return;
     }
-    if (std::uint32_t const wrap = wrap_between(last_cnt_, smp_cnt, arrivals_.rate_hz()); wrap != 0) {
-        wrap_ = wrap;
-        wrap_known_ = true;
-        index_ = last_cnt_;
-        arrivals_.clear(); // its indices were counted with another wrap
+    bool const gap = rate_seen() && periods_until(now_ns) > 2 * kNear; // then the last counter was not the highest
+    std::uint32_t wrap = smp_cnt < last_cnt_ && !gap ? wrap_between(last_cnt_, smp_cnt, arrivals_.rate_hz(), run_) : 0;
+    wrap = wrap == 0 ? wrap_over_gap(smp_cnt, now_ns) : wrap;
+    if (wrap == 0) {
+        return;
     }
+    wrap_ = wrap;
+    wrap_known_ = true;
+    if (index_ != last_cnt_) { // counted with another wrap
+        index_ = last_cnt_;
+        arrivals_.clear();
+    }
+}
+
+/// The wrap of a counter that comes out of a gap where the rate so far puts it, and where a whole counter would not be.
+/// 0: it doesn't.
+std::uint32_t SvSubscriber::wrap_over_gap(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept {
+    double const until = periods_until(now_ns);
+    if (!rate_seen() || until <= kNear) {
+        return 0;
+    }
+    std::int64_t const whole = index_of(smp_cnt, now_ns) - index_;
+    if (whole > 0 && std::abs(until - static_cast<double>(whole)) <= static_cast<double>(kNear + whole / 64)) {
+        return 0;
+    }
+    std::uint32_t const wrap = samples_in_a_second(arrivals_.rate_hz());
+    if (wrap == 0 || last_cnt_ >= wrap || smp_cnt >= wrap) {
+        return 0;
+    }
+    std::int64_t const periods = std::llround(static_cast<double>(now_ns - last_ns_) * 1e-9 * wrap);
+    std::int64_t const step = nearest_congruent(smp_cnt, wrap, last_cnt_ + periods) - last_cnt_;
+    return std::abs(step - periods) <= 2 + std::int64_t{wrap} / 64 ? wrap : 0;
+}
+
+/// Whether so many samples fit between the last one and now.
+bool SvSubscriber::time_explains(std::int64_t step, std::int64_t now_ns) const noexcept {
+    // In a long gap of an unknown stream they may differ by an eighth of a second at most: chance would agree too
+    // often.
+    std::int64_t const wide = subscription_.wrap == 0 ? std::min(step, std::int64_t{wrap_}) : step;
+    return step > 0 &&
+           std::abs(periods_until(now_ns) - static_cast<double>(step)) <= static_cast<double>(kNear + wide / 8);
 }
 
 /// Farther from the last sample than a few lost or late ones, and than the time since then explains.
@@ -115,8 +190,15 @@ bool SvSubscriber::is_jump(std::uint16_t smp_cnt, std::int64_t now_ns) const noe
     if (step <= kNear && -step <= std::int64_t{subscription_.late_window}) {
         return false;
     }
-    double const periods = static_cast<double>(now_ns - last_ns_) * 1e-9 * subscription_.rate_hz;
-    return step < 0 || std::abs(periods - static_cast<double>(step)) > static_cast<double>(kNear + step / 8);
+    return !time_explains(step, now_ns);
+}
+
+/// Of a sample that is taken and `step` away: samples are missing. Otherwise its publisher began anew.
+bool SvSubscriber::is_loss(std::int64_t step, std::int64_t now_ns) const noexcept {
+    if (subscription_.wrap == 0 && rate_seen()) {
+        return step > 0 && (step <= kNear || time_explains(step, now_ns));
+    }
+    return step > 0 && step - 1 <= std::int64_t{subscription_.max_gap};
 }
 
 bool SvSubscriber::goes_on_from_jump(std::uint16_t smp_cnt) const noexcept {
@@ -130,7 +212,7 @@ bool SvSubscriber::goes_on_from_jump(std::uint16_t smp_cnt) const noexcept {
 }
 
 SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noexcept {
-    learn_wrap(smp_cnt);
+    learn_wrap(smp_cnt, now_ns);
     bool const confirmed = goes_on_from_jump(smp_cnt);
     if (started_ && !confirmed && is_jump(smp_cnt, now_ns)) {
         jumped_to_ = smp_cnt;
@@ -153,7 +235,7 @@ SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noex
             return count({SvEvent::duplicate, false, 0, index});
         } else if (step < 0 && -step <= std::int64_t{subscription_.late_window}) {
             return count({SvEvent::late, false, 0, index});
-        } else if (step > 0 && step - 1 <= std::int64_t{subscription_.max_gap}) {
+        } else if (is_loss(step, now_ns)) {
             arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - (confirmed ? 2 : 1)), index};
         } else { // indices never go back
             arrival = {SvEvent::restart, true, 0,
@@ -180,7 +262,7 @@ std::optional<std::int64_t> SvSubscriber::deadline() const noexcept {
     if (!alive()) {
         return std::nullopt;
     }
-    return last_ns_ + static_cast<std::int64_t>(std::ceil(subscription_.silence_periods * 1e9 / subscription_.rate_hz));
+    return last_ns_ + static_cast<std::int64_t>(std::ceil(subscription_.silence_periods * 1e9 / rate_hz()));
 }
 
 bool SvSubscriber::expire(std::int64_t now_ns) noexcept {

@@ -19,10 +19,12 @@ struct SvSubscription {
     std::size_t sample_octets{0};  ///< 0: not checked
     bool simulation{false};        ///< LPHD.Sim: prefer simulated frames; real ones count until the first of those
     double rate_hz{4800};          ///< for silence, and for gaps longer than half of a wrap
-    std::uint32_t wrap{4800};      ///< 0: not known, learned when smpCnt comes back to 0
+    std::uint32_t wrap{4800};      ///< 0: not known, learned as the rate is when smpCnt comes back to 0 or out of a gap
     std::uint32_t late_window{16}; ///< a counter at most so far behind is a late sample, farther: a restart
-    std::uint32_t max_gap{4800};   ///< more samples than this missing: a restart of the stream, not a loss
-    double silence_periods{8};     ///< no sample for so long: the stream is lost
+    /// More samples than this missing: a restart of the stream, not a loss. Of a stream with an unknown wrap, time says
+    /// which of the two it is as soon as its rate was seen.
+    std::uint32_t max_gap{4800};
+    double silence_periods{8}; ///< no sample for so long: the stream is lost
 };
 
 enum class SvEvent : std::uint8_t {
@@ -87,9 +89,15 @@ class SvSubscriber {
     [[nodiscard]] SvSubscription const& subscription() const noexcept { return subscription_; }
 
   private:
+    [[nodiscard]] bool rate_seen() const noexcept;
+    [[nodiscard]] double rate_hz() const noexcept;
+    [[nodiscard]] double periods_until(std::int64_t now_ns) const noexcept;
     [[nodiscard]] std::int64_t index_of(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept;
-    void learn_wrap(std::uint16_t smp_cnt) noexcept;
+    void learn_wrap(std::uint16_t smp_cnt, std::int64_t now_ns) noexcept;
+    [[nodiscard]] std::uint32_t wrap_over_gap(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept;
+    [[nodiscard]] bool time_explains(std::int64_t step, std::int64_t now_ns) const noexcept;
     [[nodiscard]] bool is_jump(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept;
+    [[nodiscard]] bool is_loss(std::int64_t step, std::int64_t now_ns) const noexcept;
     [[nodiscard]] bool goes_on_from_jump(std::uint16_t smp_cnt) const noexcept;
     SvArrival count(SvArrival arrival) noexcept;
 

@@ -41,22 +41,6 @@ std::uint64_t identity(Octets frame) {
     return hash;
 }
 
-/// The streams that the frame belongs to, each once: the ASDUs of one frame may be of several.
-std::vector<std::string> ids_of(Octets frame, iec61850::SvFrame& sv, iec61850::GooseFrame& goose) {
-    std::vector<std::string> out;
-    if (decode_sv(frame, sv)) {
-        for (iec61850::Asdu const& asdu : sv.view()) {
-            std::string id = visible(asdu.sv_id);
-            if (std::find(out.begin(), out.end(), id) == out.end()) {
-                out.push_back(std::move(id));
-            }
-        }
-    } else if (decode_goose(frame, goose)) {
-        out.push_back(visible(goose.gocb_ref));
-    }
-    return out;
-}
-
 /// The same frame at several points, within a second.
 struct Sightings {
     static constexpr std::uint32_t kNowhere = UINT32_MAX;
@@ -154,11 +138,11 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
     }
     Observer observer;
     Sightings sightings;
-    std::unordered_map<std::uint64_t, std::vector<std::string>> ids_by_frame;
-    std::map<std::string, std::vector<double>> intervals;
-    std::map<std::string, std::int64_t> last;
-    auto sv = std::make_unique<iec61850::SvFrame>();
-    iec61850::GooseFrame goose;
+    using Stream = ObservedStream const*;
+    std::unordered_map<std::uint64_t, std::vector<Stream>> streams_by_frame;
+    std::unordered_map<Stream, std::vector<double>> intervals;
+    std::unordered_map<Stream, std::int64_t> last;
+    std::unordered_map<std::uint32_t, std::int64_t> last_of_interface;
     CaptureStatistics out;
     std::int64_t begin = 0, end = 0;
     for (;;) {
@@ -174,6 +158,9 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
         begin = out.frames == 0 ? time : std::min(begin, time);
         end = std::max(end, time);
         ++out.frames;
+        auto const [clock, first_of_interface] = last_of_interface.try_emplace((*frame)->interface, time);
+        out.clock_back += !first_of_interface && time < clock->second ? 1 : 0;
+        clock->second = time;
         if (reader->interfaces()[(*frame)->interface].link_type != pcapng::kEthernetLink) {
             ++out.no_ethernet;
             continue;
@@ -184,15 +171,19 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
         if (!sightings.add(key, (*frame)->interface, inside, time)) {
             continue;
         }
-        observer.add(octets, time);
-        std::vector<std::string> ids = ids_of(octets, *sv, goose);
-        for (std::string const& id : ids) {
-            if (auto const [at, fresh] = last.try_emplace(id, time); !fresh) {
-                intervals[id].push_back(static_cast<double>(time - at->second) * 1e-6);
-                at->second = time;
+        std::vector<Stream>& streams = streams_by_frame[key];
+        streams.clear();
+        for (auto const& [stream, duplicate] : observer.add(octets, time)) {
+            streams.push_back(stream);
+            if (duplicate) {
+                continue;
             }
+            auto const [at, fresh] = last.try_emplace(stream, time);
+            if (!fresh && time >= at->second) {
+                intervals[stream].push_back(static_cast<double>(time - at->second) * 1e-6);
+            }
+            at->second = time;
         }
-        ids_by_frame[key] = std::move(ids);
     }
     out.seconds = static_cast<double>(end - begin) * 1e-9;
     out.truncated = reader->truncated();
@@ -201,18 +192,19 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
     for (pcapng::Interface const& interface : reader->interfaces()) {
         out.points.push_back(visible(interface.name));
     }
-    std::map<std::string, std::vector<double>> delays;
+    std::unordered_map<Stream, std::vector<double>> delays;
     for (auto const& [key, seen] : sightings.frames) {
-        auto const ids = ids_by_frame.find(key);
-        for (std::size_t i = 0; seen.points > 1 && ids != ids_by_frame.end() && i < ids->second.size(); ++i) {
-            delays[ids->second[i]].push_back(static_cast<double>(seen.last_ns - seen.time_ns) * 1e-6);
+        auto const streams = streams_by_frame.find(key);
+        for (std::size_t i = 0; seen.points > 1 && streams != streams_by_frame.end() && i < streams->second.size();
+             ++i) {
+            delays[streams->second[i]].push_back(static_cast<double>(seen.last_ns - seen.time_ns) * 1e-6);
         }
     }
     for (ObservedStream const* stream : observer.streams()) {
         StreamStatistics s;
         s.stream = *stream;
-        s.interval_ms = percentiles(intervals[stream->id]);
-        if (auto& own = delays[stream->id]; !own.empty()) {
+        s.interval_ms = percentiles(intervals[stream]);
+        if (auto& own = delays[stream]; !own.empty()) {
             s.delay_ms = percentiles(own);
         }
         if (stream->goose) {
@@ -236,6 +228,10 @@ std::string to_text(CaptureStatistics const& c) {
     }
     if (c.cut > 0) {
         out += fmt::format("{} frames were cut by the capture (its snap length)\n", c.cut);
+    }
+    if (c.clock_back > 0) {
+        out += fmt::format("the capture's clock went back {} time{}: the intervals there are left out\n", c.clock_back,
+                           c.clock_back == 1 ? "" : "s");
     }
     for (std::size_t i = 0; i < iec61850::kReasons; ++i) {
         if (c.errors.by_reason[i] > 0) {
@@ -270,8 +266,10 @@ std::string to_text(CaptureStatistics const& c) {
                                o.counter->wrap_known() ? fmt::format("; counter wraps at {}", o.counter->wrap()) : "");
         }
         Percentiles const& i = s.interval_ms;
-        out += fmt::format("  interval ms: min {:.3f}  p50 {:.3f}  p99 {:.3f}  p99.9 {:.3f}  max {:.3f}\n", i.min,
-                           i.p50, i.p99, i.p999, i.max);
+        out += i.count == 0
+                   ? std::string{"  interval: not measurable, fewer than two frames that are no duplicates\n"}
+                   : fmt::format("  interval ms: min {:.3f}  p50 {:.3f}  p99 {:.3f}  p99.9 {:.3f}  max {:.3f}\n", i.min,
+                                 i.p50, i.p99, i.p999, i.max);
         if (s.delay_ms) {
             Percentiles const& d = *s.delay_ms;
             TransferClass const* const met = tightest_class(d.p999);
@@ -293,6 +291,7 @@ std::string to_json(CaptureStatistics const& c) {
                                {"other", c.other},
                                {"no_ethernet", c.no_ethernet},
                                {"cut", c.cut},
+                               {"clock_back", c.clock_back},
                                {"undecodable", c.errors.total()},
                                {"streams", nlohmann::ordered_json::array()}};
     for (StreamStatistics const& s : c.streams) {

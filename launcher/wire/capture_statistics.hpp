@@ -27,7 +27,7 @@ struct TransferClass {
 
 struct StreamStatistics {
     ObservedStream stream;
-    Percentiles interval_ms;             ///< between frames
+    Percentiles interval_ms; ///< between frames; without those that came before, and where the clock went back
     std::optional<Percentiles> delay_ms; ///< between two points of capture that saw the same frame
     std::optional<double> steady_ms;     ///< GOOSE: median interval where it no longer grows; nothing: nowhere
     std::vector<double> burst_ms;        ///< GOOSE: medians of the intervals behind a change of state
@@ -37,6 +37,7 @@ struct CaptureStatistics {
     std::uint64_t frames{0}, other{0};
     std::uint64_t cut{0};         ///< of which the capture kept only the beginning
     std::uint64_t no_ethernet{0}; ///< of interfaces of another link type; not looked at
+    std::uint64_t clock_back{0};  ///< of an interface: so many frames are stamped earlier than the one before
     double seconds{0};
     bool truncated{false};
     std::vector<std::string> points; ///< interfaces of the capture

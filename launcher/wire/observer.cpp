@@ -4,6 +4,7 @@
 
 #include "gateways/iec61850/mms_data.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace gridspace::wire {
@@ -81,6 +82,9 @@ ObservedStream* Observer::stream_of(bool goose, std::string_view id, FrameHeader
     }
     s.destination = header.destination;
     s.vlan = header.vlan;
+    if (time_ns < s.last_ns) {
+        s.first_ns += time_ns - s.last_ns; // the clock was set back: that is no time that passed
+    }
     return &s;
 }
 
@@ -89,31 +93,40 @@ void Observer::add_sv(Octets frame, std::int64_t time_ns) {
         errors_.count(ok.error().reason);
         return;
     }
-    ObservedStream const* last = nullptr;
+    bool wanted = false;
     for (Asdu const& asdu : sv_->view()) {
+        if (!sv_id_.empty() && asdu.sv_id != sv_id_) {
+            continue;
+        }
+        wanted = true;
         ObservedStream* const found = stream_of(false, asdu.sv_id, sv_->header, time_ns);
         if (found == nullptr) {
             continue;
         }
         ObservedStream& s = *found;
-        if (&s != last) {
+        if (s.last_frame != frames_) {
+            s.last_frame = frames_;
             ++s.frames;
             s.asdus = 0;
+            seen_.push_back({&s, true});
         }
-        last = &s;
         ++s.asdus;
         s.last_ns = time_ns;
         s.simulated = sv_->header.simulated();
         s.conf_rev = asdu.conf_rev;
         s.smp_synch = asdu.smp_synch;
         s.sample_octets = asdu.sample.size();
-        s.counter->receive(asdu.smp_cnt, time_ns);
+        if (s.counter->receive(asdu.smp_cnt, time_ns).event != SvEvent::duplicate) {
+            std::find_if(seen_.begin(), seen_.end(), [&](Seen const& seen) { return seen.stream == &s; })->duplicate =
+                false;
+        }
         auto const& c = s.counter->counters();
         s.lost = c.lost;
         s.duplicates = c.of(SvEvent::duplicate);
         s.out_of_order = c.of(SvEvent::late);
         s.restarts = c.of(SvEvent::restart);
     }
+    unwanted_ += wanted ? 0 : 1;
 }
 
 void Observer::add_goose(Octets frame, std::int64_t time_ns) {
@@ -130,7 +143,9 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
     bool const first = s.frames++ == 0;
     bool const same_state = !first && m.st_num == s.st_num;
     double const interval_ms = static_cast<double>(time_ns - s.last_ns) * 1e-6;
-    if (same_state && m.sq_num == s.sq_num) {
+    bool const duplicate = same_state && m.sq_num == s.sq_num;
+    seen_.push_back({&s, duplicate});
+    if (duplicate) {
         ++s.duplicates;
         return;
     }
@@ -139,13 +154,15 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
         return;
     }
     if (!first) {
-        if (s.intervals.size() < ObservedStream::kIntervals) {
+        bool const known = interval_ms >= 0; // less: the clock was set back
+        if (known && s.intervals.size() < ObservedStream::kIntervals) {
             s.intervals.push_back({interval_ms, same_state});
         }
         s.late += interval_ms > s.live_ms ? 1 : 0;
         if (same_state) {
             s.lost += m.sq_num > s.sq_num ? m.sq_num - s.sq_num - 1 : 0;
-            if (!s.bursts.empty() && s.bursts.back().size() < ObservedStream::kBurst) {
+            s.burst_whole = s.burst_whole && known;
+            if (s.burst_whole && !s.bursts.empty() && s.bursts.back().size() < ObservedStream::kBurst) {
                 s.bursts.back().push_back(interval_ms);
             }
         } else {
@@ -153,6 +170,7 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
             s.restarts += m.st_num < s.st_num && m.st_num != 1 ? 1 : 0;
             s.restarts += m.st_num == 1 && s.st_num != 0xFFFFFFFF ? 1 : 0;
             s.lost += m.sq_num;
+            s.burst_whole = true;
             if (s.bursts.size() < ObservedStream::kBursts) {
                 s.bursts.emplace_back();
             }
@@ -167,18 +185,20 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
     s.last_ns = time_ns;
 }
 
-void Observer::add(Octets frame, std::int64_t time_ns) {
+std::span<Observer::Seen const> Observer::add(Octets frame, std::int64_t time_ns) {
     ++frames_;
+    seen_.clear();
     switch (ethertype_of(frame)) {
     case kSvEthertype:
         add_sv(frame, time_ns);
-        return;
+        break;
     case kGooseEthertype:
         add_goose(frame, time_ns);
-        return;
+        break;
     default:
         ++other_;
     }
+    return seen_;
 }
 
 std::vector<ObservedStream const*> Observer::streams() const {

@@ -8,6 +8,7 @@
 
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct ObservedStream {
     std::uint32_t conf_rev{0};
     std::uint64_t frames{0}, lost{0}, duplicates{0}, out_of_order{0}, restarts{0};
     std::int64_t first_ns{0}, last_ns{0};
+    std::uint64_t last_frame{0}; ///< number of the frame that it was last seen in
 
     // sampled values
     std::uint16_t asdus{0}; ///< per frame
@@ -36,6 +38,7 @@ struct ObservedStream {
     std::uint64_t states{0}, late{0};        ///< late: came after timeAllowedToLive of the one before
     std::vector<MessageInterval> intervals;  ///< between messages, in order
     std::vector<std::vector<double>> bursts; ///< intervals behind each change of state, at most kBurst of each
+    bool burst_whole{true};                  ///< the last one may go on
     std::string values;                      ///< of the last message, for people
 
     static constexpr std::size_t kBurst = 12, kBursts = 1000, kIntervals = 1'000'000;
@@ -51,12 +54,23 @@ class Observer {
   public:
     static constexpr std::size_t kMaxStreams = 1024;
 
-    /// Any Ethernet frame; frames of other protocols are counted and otherwise ignored.
-    void add(iec61850::Octets frame, std::int64_t time_ns);
+    /// A stream in a frame, and whether all that the frame held of it had come before.
+    struct Seen {
+        ObservedStream const* stream;
+        bool duplicate;
+    };
+
+    /// `sv_id`: of sampled values only this stream is kept; empty: all.
+    explicit Observer(std::string sv_id = {}) : sv_id_{std::move(sv_id)} {}
+
+    /// Any Ethernet frame; frames of other protocols are counted and otherwise ignored. Gives the streams in it, each
+    /// once, until the next call.
+    std::span<Seen const> add(iec61850::Octets frame, std::int64_t time_ns);
 
     [[nodiscard]] std::vector<ObservedStream const*> streams() const; ///< by name
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
     [[nodiscard]] std::uint64_t other() const { return other_; }
+    [[nodiscard]] std::uint64_t unwanted() const { return unwanted_; } ///< frames without the one svID that is kept
     [[nodiscard]] std::uint64_t beyond_table() const { return beyond_table_; } ///< SV samples and GOOSE messages
     [[nodiscard]] iec61850::DecodeCounters const& errors() const { return errors_; }
 
@@ -67,8 +81,10 @@ class Observer {
     void add_sv(iec61850::Octets frame, std::int64_t time_ns);
     void add_goose(iec61850::Octets frame, std::int64_t time_ns);
 
+    std::string sv_id_;
     std::map<Key, ObservedStream> streams_;
-    std::uint64_t frames_{0}, other_{0}, beyond_table_{0};
+    std::vector<Seen> seen_;
+    std::uint64_t frames_{0}, other_{0}, unwanted_{0}, beyond_table_{0};
     iec61850::DecodeCounters errors_;
     std::unique_ptr<iec61850::SvFrame> sv_{std::make_unique<iec61850::SvFrame>()};
     iec61850::GooseFrame goose_;

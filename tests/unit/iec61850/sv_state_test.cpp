@@ -213,6 +213,58 @@ TEST(SvSubscriber, DoesNotLearnFromAPeerThatStartsAnewInEveryFrame) {
     EXPECT_FALSE(sut.wrap_known());
 }
 
+/// Samples of a second's counter that wraps at `rate`, those of `kept` only.
+template <class Kept>
+SvSubscriber listened(int rate, int samples, Kept kept) {
+    SvSubscriber sut{subscription(0)};
+    for (int n = 0; n < samples; ++n) {
+        if (kept(n)) {
+            (void)sut.receive(static_cast<std::uint16_t>(n % rate), std::int64_t{n} * 1'000'000'000 / rate);
+        }
+    }
+    return sut;
+}
+
+TEST(SvSubscriber, FollowsSlowStreamsOfAnUnknownRate) {
+    for (int const rate : {10, 50, 80, 200, 1000}) {
+        SvSubscriber const sut = listened(rate, 6 * rate, [&](int n) { return n <= 4 * rate || n > 4 * rate + 3; });
+        EXPECT_EQ(sut.counters().lost, 3U) << rate;
+        EXPECT_EQ(sut.counters().of(SvEvent::restart), 0U) << rate;
+        EXPECT_EQ(sut.counters().of(SvEvent::duplicate) + sut.counters().of(SvEvent::late), 0U) << rate;
+        EXPECT_NEAR(sut.arrivals().rate_hz(), rate, 1e-3 * rate);
+        EXPECT_EQ(sut.wrap(), static_cast<std::uint32_t>(rate));
+        ASSERT_TRUE(sut.deadline());
+        EXPECT_NEAR(static_cast<double>(*sut.deadline()), 6e9 + 7e9 / rate, 1e3) << "eight periods behind the last";
+    }
+}
+
+TEST(SvSubscriber, CountsWhatIsLostInAnOutageOfAnUnknownStream) {
+    for (int const rate : {80, 4000, 4800, 12800, 14400, 15360}) {
+        for (int const before : {rate / 3, 3 * rate}) { // the wrap is not yet known; it is
+            for (double const seconds : {0.3, 0.55, 1.0, 1.25, 10.0}) {
+                int const lost = static_cast<int>(seconds * rate);
+                SvSubscriber const sut =
+                    listened(rate, before + lost + 2 * rate, [&](int n) { return n < before || n >= before + lost; });
+                EXPECT_EQ(sut.counters().lost, static_cast<std::uint64_t>(lost)) << rate << ' ' << before;
+                EXPECT_EQ(sut.counters().of(SvEvent::restart), 0U) << rate << ' ' << before << ' ' << seconds;
+                EXPECT_NEAR(sut.arrivals().rate_hz(), rate, 1e-3 * rate);
+            }
+        }
+    }
+}
+
+TEST(SvSubscriber, TakesAPublisherThatComesBackWithAnotherCounterForOneThatBeganAnew) {
+    for (int const before : {2000, 12000}) {
+        SvSubscriber sut = listened(4800, before, [](int) { return true; });
+        std::int64_t const back = before * kPeriod + 2'000'000'000;
+        int const counter = (before + 2400) % 4800; // half a second off
+        (void)sut.receive(static_cast<std::uint16_t>(counter), back);
+        (void)sut.receive(static_cast<std::uint16_t>(counter + 1), back + kPeriod);
+        EXPECT_EQ(sut.counters().of(SvEvent::restart), 1U);
+        EXPECT_EQ(sut.counters().lost, 0U);
+    }
+}
+
 TEST(SvSubscriber, NoticesSilence) {
     SvSubscriber sut{subscription()};
     EXPECT_FALSE(sut.deadline());
@@ -293,6 +345,16 @@ TEST(ArrivalStatistics, SamplesThatShareAFrameDoNotMakeTheSlopeSteeper) {
     }
     EXPECT_EQ(sut.count(), 100U);
     EXPECT_NEAR(sut.rate_hz(), 4800, 1e-3);
+}
+
+TEST(ArrivalStatistics, LeavesTheStepOfAClockThatIsSetBackOut) {
+    ArrivalStatistics sut;
+    for (std::int64_t i = 0; i < 200; ++i) {
+        sut.add(i, i * kPeriod - (i >= 100 ? 10'000'000'000 : 0));
+    }
+    EXPECT_NEAR(sut.rate_hz(), 4800, 0.01);
+    EXPECT_EQ(sut.shortest_ns(), kPeriod);
+    EXPECT_EQ(sut.longest_ns(), kPeriod);
 }
 
 using Alignment = StreamAlignment<int>;
