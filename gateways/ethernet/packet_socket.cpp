@@ -113,10 +113,11 @@ Result<void> bind_socket(PacketSocket const& socket, PortOptions const& options)
     return {};
 }
 
-std::uint64_t take_drops(int fd) {
+KernelCounts take_counts(int fd) {
     tpacket_stats stats{};
     socklen_t size = sizeof stats;
-    return ::getsockopt(fd, SOL_PACKET, PACKET_STATISTICS, &stats, &size) == 0 ? stats.tp_drops : 0;
+    bool const told = ::getsockopt(fd, SOL_PACKET, PACKET_STATISTICS, &stats, &size) == 0;
+    return told ? KernelCounts{stats.tp_packets, stats.tp_drops} : KernelCounts{}; // the packets hold the drops
 }
 
 std::uint8_t* restore_tag(std::uint8_t* frame, std::uint16_t tpid, std::uint16_t tci) noexcept {

@@ -18,8 +18,11 @@ struct PacketSocket {
 /// Everything but the ring and bind(): so nothing can arrive before all is ready.
 [[nodiscard]] Result<PacketSocket> make_socket(PortOptions const& options);
 [[nodiscard]] Result<void> bind_socket(PacketSocket const& socket, PortOptions const& options);
-/// Frames that the kernel dropped since the last call.
-[[nodiscard]] std::uint64_t take_drops(int fd);
+/// Frames for the socket since the last call, fetched or not: all of them, and those that the kernel dropped.
+struct KernelCounts {
+    std::uint64_t all{0}, dropped{0};
+};
+[[nodiscard]] KernelCounts take_counts(int fd);
 
 /// Puts a VLAN tag back: moves the addresses four octets to the front, where there must be room. The new start.
 [[nodiscard]] std::uint8_t* restore_tag(std::uint8_t* frame, std::uint16_t tpid, std::uint16_t tci) noexcept;

@@ -19,9 +19,10 @@ struct Port::Impl {
     std::unique_ptr<Receiver> receiver;
     PortCounters counters;
     Mac mac;
-    std::uint64_t already_received{0};  ///< by the interface, when it was opened
-    std::uint64_t accounted_before{0};  ///< of received and dropped, when it was opened
-    std::uint64_t foreign_before{0};    ///< at interfaces of the same name that are gone
+    std::uint64_t already_received{0}; ///< by the interface, when it was opened
+    std::uint64_t accounted_before{0}; ///< of received and dropped, when it was opened
+    std::uint64_t for_us{0};           ///< by the kernel's count, since it was opened; fetched or not
+    std::uint64_t foreign_before{0};   ///< at interfaces of the same name that are gone
 
     static constexpr std::size_t kBatch = 64;
     std::array<mmsghdr, kBatch> messages{};
@@ -41,6 +42,7 @@ struct Port::Impl {
         auto const own = interface_mac(options.interface);
         already_received = options.receive ? interface_received(options.interface).value_or(0) : 0;
         accounted_before = counters.received + counters.dropped;
+        for_us = 0;
         foreign_before = counters.foreign;
         if (auto bound = bind_socket(*made, options); !bound) {
             return bound;
@@ -51,13 +53,22 @@ struct Port::Impl {
         return {};
     }
 
-    void disconnect() {
+    void count() {
         if (socket.fd) {
-            counters.dropped += take_drops(socket.fd.get());
+            auto const [all, dropped] = take_counts(socket.fd.get());
+            for_us += all;
+            counters.dropped += dropped;
         }
+    }
+
+    void disconnect() {
+        count();
         receiver.reset();
         socket = {};
     }
+
+    /// The first reason is kept: those behind it are often its consequences.
+    void not_sent(int error) noexcept { counters.send_error = counters.send_error == 0 ? error : counters.send_error; }
 
     /// What the kernel could not decide.
     [[nodiscard]] bool wanted(ReceivedFrame const& frame) const {
@@ -94,9 +105,7 @@ bool Port::uses_ring() const noexcept {
 }
 
 PortCounters const& Port::counters() noexcept {
-    if (impl_->socket.fd) {
-        impl_->counters.dropped += take_drops(fd());
-    }
+    impl_->count();
     return impl_->counters;
 }
 
@@ -105,8 +114,12 @@ std::uint64_t Port::foreign() {
     auto const all = impl.options.receive && impl.socket.fd ? interface_received(impl.options.interface) : std::nullopt;
     if (all) {
         std::uint64_t const since = *all - std::min(impl.already_received, *all);
-        std::uint64_t const ours = counters().received + counters().dropped - impl.accounted_before;
-        impl.counters.foreign = impl.foreign_before + (since - std::min(ours, since));
+        impl.count();
+        bool const kernel_knows = impl.socket.kernel_filters && impl.socket.ignores_outgoing;
+        std::uint64_t const ours =
+            kernel_knows ? impl.for_us : impl.counters.received + impl.counters.dropped - impl.accounted_before;
+        // The count of the interface is a moment older: what came meanwhile must not take anything back.
+        impl.counters.foreign = std::max(impl.counters.foreign, impl.foreign_before + (since - std::min(ours, since)));
     }
     return impl.counters.foreign;
 }
@@ -147,6 +160,9 @@ bool Port::send(Octets frame) noexcept {
     do { // one frame alone is cheaper without the batch around it
         sent = impl.socket.fd ? ::send(fd(), frame.data(), frame.size(), MSG_DONTWAIT) : -1;
     } while (sent < 0 && impl.socket.fd && errno == EINTR);
+    if (sent < 0) {
+        impl.not_sent(impl.socket.fd ? errno : ENODEV);
+    }
     ++(sent >= 0 ? impl.counters.sent : impl.counters.send_failed);
     return sent >= 0;
 }
@@ -170,9 +186,15 @@ std::size_t Port::send(std::span<Octets const> frames) noexcept {
         if (sent < 0 && errno == EINTR) {
             continue;
         }
+        if (sent < 0) {
+            impl.not_sent(errno);
+        }
         // A frame that fails is left out: the next one is newer, and a sampled value that is late is worth nothing.
         taken += sent > 0 ? static_cast<std::size_t>(sent) : 0;
         at += sent > 0 ? static_cast<std::size_t>(sent) : 1;
+    }
+    if (!impl.socket.fd && !frames.empty()) {
+        impl.not_sent(ENODEV);
     }
     impl.counters.sent += taken;
     impl.counters.send_failed += frames.size() - taken;

@@ -33,7 +33,8 @@ struct ReceivedFrame {
 struct PortCounters {
     std::uint64_t received{0}, sent{0};
     std::uint64_t dropped{0};                ///< by the kernel, because we did not fetch them in time
-    std::uint64_t send_failed{0};            ///< not taken by the kernel (link down, queue full)
+    std::uint64_t send_failed{0};            ///< not taken by the kernel (link down, queue full, longer than the MTU)
+    int send_error{0};                       ///< errno of the first of these
     std::uint64_t truncated{0}, filtered{0}; ///< filtered: by us, not by the kernel
     std::uint64_t reconnects{0};
     std::uint64_t foreign{0}; ///< on the interface since it was opened, and not asked for; as of the last Port::foreign()
