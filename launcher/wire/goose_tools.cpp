@@ -161,6 +161,7 @@ Result<void> goose_publish(GoosePublishOptions const& o) {
                             {"st_num", publisher.state().st_num},
                             {"sq_num", publisher.state().sq_num}}
                            .dump());
+    say_not_sent(*port);
     return {};
 }
 
@@ -178,9 +179,13 @@ Result<void> goose_subscribe(GooseSubscribeOptions const& o) {
         s.data_set = stream->data_set;
         s.strict = o.strict;
         s.simulation = stream->address.simulated;
-        if (!o.stream.file.empty()) {
+        if (is_named(o.stream, "mac")) {
             s.destination = stream->address.destination;
+        }
+        if (is_named(o.stream, "app_id")) {
             s.app_id = stream->address.app_id;
+        }
+        if (is_named(o.stream, "data_set_name")) {
             s.dat_set = stream->data_set_name;
         }
         subscriber.emplace(std::move(s));

@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/wire/live.hpp"
 
+#include "gateways/ethernet/port.hpp"
+
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <ctime>
+#include <fmt/format.h>
 
 namespace gridspace::wire {
 namespace {
@@ -46,6 +51,24 @@ void catch_signals() {
 
 bool stopped() {
     return g_stop.load();
+}
+
+std::string why_not_sent(ethernet::Port& port) {
+    auto const& c = port.counters();
+    if (c.send_failed == 0) {
+        return {};
+    }
+    return fmt::format("{}{}", std::strerror(c.send_error),
+                       c.send_error == EMSGSIZE  ? " (longer than the MTU of the interface: ip link set ... mtu ...)"
+                       : c.send_error == ENOBUFS ? " (its queue is full: send slower)"
+                                                 : "");
+}
+
+void say_not_sent(ethernet::Port& port) {
+    if (std::string const why = why_not_sent(port); !why.empty()) {
+        fmt::print(stderr, "note: {} frame{} not sent on '{}'; the first: {}\n", port.counters().send_failed,
+                   port.counters().send_failed == 1 ? " was" : "s were", port.interface(), why);
+    }
 }
 
 } // namespace gridspace::wire

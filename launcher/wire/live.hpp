@@ -3,6 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+
+namespace gridspace::ethernet {
+class Port;
+}
 
 namespace gridspace::wire {
 
@@ -16,6 +21,11 @@ void sleep_until(std::int64_t at_ns);
 /// Makes SIGINT and SIGTERM ask for an orderly end instead of killing.
 void catch_signals();
 [[nodiscard]] bool stopped();
+
+/// Why the kernel did not take the first of the frames that were not sent, and what to do; empty when it took all.
+[[nodiscard]] std::string why_not_sent(ethernet::Port& port);
+/// The same as a note to stderr.
+void say_not_sent(ethernet::Port& port);
 
 /// The end of a tool that runs for `duration_s` (0: until Ctrl-C).
 class Duration {

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "common/text.hpp"
 #include "gateways/ethernet/port.hpp"
 #include "launcher/wire/live.hpp"
 #include "launcher/wire/tools.hpp"
@@ -48,6 +49,17 @@ Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o, LeftOut& 
         } else {
             out.push_back(std::move(**frame));
         }
+    }
+    std::vector<std::string> names;
+    for (pcapng::Interface const& point : reader->interfaces()) {
+        names.push_back(point.name);
+    }
+    if (!o.only.empty() && std::find(names.begin(), names.end(), o.only) == names.end()) {
+        return fail(ExitCode::usage, fmt::format("'{}' has no interface '{}'", o.file.string(), o.only),
+                    names.empty() ? "it describes none" : fmt::format("there are: {}", join(names, ", ")));
+    }
+    if (reader->truncated()) {
+        fmt::print(stderr, "note: '{}' ends in the middle of a frame: what is whole is replayed\n", o.file.string());
     }
     if (reader->interfaces().size() > 1 && o.only.empty()) {
         fmt::print(stderr,
@@ -122,6 +134,10 @@ Result<void> replay(ReplayOptions const& o) {
     }
     fmt::print("{{\"sent\":{},\"not_sent\":{},\"left_out\":{},\"worst_late_us\":{:.1f}}}\n", port->counters().sent,
                port->counters().send_failed, left_out.total(), static_cast<double>(worst_late) / 1e3);
+    if (port->counters().sent == 0 && port->counters().send_failed > 0) {
+        return fail(ExitCode::environment, fmt::format("no frame was sent on '{}'", o.interface), why_not_sent(*port));
+    }
+    say_not_sent(*port);
     return {};
 }
 

@@ -4,6 +4,7 @@
 #include "common/text.hpp"
 #include "launcher/wire/tools.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <fmt/format.h>
 
@@ -87,6 +88,12 @@ std::optional<streams::Stream> read_stream(StreamArgument const& argument, strea
         fmt::print(stderr, "{}\n", diagnostics.render());
     }
     return out;
+}
+
+bool is_named(StreamArgument const& argument, std::string_view key) {
+    return !argument.file.empty() ||
+           std::any_of(argument.keys.begin(), argument.keys.end(),
+                       [&](std::string const& text) { return trim(text.substr(0, text.find('='))) == key; });
 }
 
 Result<iec61850::Value> parse_value(iec61850::Leaf const& leaf, std::string const& text, std::string& storage) {

@@ -7,7 +7,6 @@
 #include "launcher/wire/test_pattern.hpp"
 #include "launcher/wire/tools.hpp"
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -193,6 +192,7 @@ Result<void> sv_publish(SvPublishOptions const& o) {
                    {"late_wakeups", schedule.late_wakeups()},
                    {"worst_late_us", static_cast<double>(schedule.worst_late_ns()) / 1e3}};
     fmt::print("{}\n", out.dump());
+    say_not_sent(*port);
     return {};
 }
 
@@ -209,13 +209,14 @@ Result<void> sv_subscribe(SvSubscribeOptions const& o) {
             return fail(ExitCode::usage, "the stream cannot be subscribed");
         }
         layout.emplace(wanted->data_set);
-        bool const named = std::any_of(o.stream.keys.begin(), o.stream.keys.end(),
-                                       [](std::string const& key) { return key.starts_with("sv_id="); });
-        if (o.stream.file.empty() && !named) {
-            wanted->sv_id.clear(); // any stream is decoded by that data set
+        // What was not named is a default of publishers: any stream is taken, and decoded by that data set.
+        if (!is_named(o.stream, "sv_id")) {
+            wanted->sv_id.clear();
         }
-        if (!o.stream.file.empty()) { // keys alone say what to decode, not where it must come from
+        if (is_named(o.stream, "mac")) {
             port_options.filter.destinations = {wanted->address.destination};
+        }
+        if (is_named(o.stream, "app_id")) {
             port_options.filter.app_ids = {wanted->address.app_id};
         }
     }
@@ -224,16 +225,17 @@ Result<void> sv_subscribe(SvSubscribeOptions const& o) {
         return std::unexpected{port.error()};
     }
     catch_signals();
-    Observer observer;
+    Observer observer{wanted ? wanted->sv_id : std::string{}};
+    auto const taken = [&] { return observer.frames() - observer.unwanted(); };
     auto frame = std::make_unique<SvFrame>();
     std::vector<ethernet::ReceivedFrame> batch(256);
     Duration const duration{o.duration_s};
     std::int64_t next = monotonic_ns() + 1'000'000'000;
     std::uint64_t said_of = ~std::uint64_t{0}; // frames that the last line spoke of
-    while (!duration.over() && (o.count == 0 || observer.frames() < o.count)) {
+    while (!duration.over() && (o.count == 0 || taken() < o.count)) {
         port->wait(std::max<std::int64_t>(
             1, std::min({next - monotonic_ns(), duration.end_ns() - monotonic_ns(), std::int64_t{100'000'000}})));
-        for (std::size_t n = port->receive(batch), i = 0; i < n && (o.count == 0 || observer.frames() < o.count); ++i) {
+        for (std::size_t n = port->receive(batch), i = 0; i < n && (o.count == 0 || taken() < o.count); ++i) {
             std::int64_t const stamp = batch[i].stamp_ns != 0 ? batch[i].stamp_ns : utc_ns();
             observer.add(batch[i].octets, stamp);
             if (!o.frames) {

@@ -22,6 +22,8 @@ struct StreamArgument {
 };
 /// Reads it with the rules of `streams:`; what is wrong is printed. Nothing then.
 [[nodiscard]] std::optional<streams::Stream> read_stream(StreamArgument const& argument, streams::Kind kind);
+/// Whether the user said it: a file says all keys of its stream, otherwise those that were written out.
+[[nodiscard]] bool is_named(StreamArgument const& argument, std::string_view key);
 
 struct ListOptions {
     std::string interface;

@@ -87,6 +87,30 @@ class WireTools(unittest.TestCase):
                 self.assertAlmostEqual(sum(values[quantity + phase] for phase in "abc"), values[quantity + "n"], delta=2)
             self.assertEqual([values["I" + phase] for phase in "abcn"], [values["V" + phase] for phase in "abcn"])
 
+    def test_a_subscriber_takes_only_what_has_the_keys_that_were_named(self):
+        other = ["sv-pub", "left", "app_id=0x4777", "mac=01:0C:CD:04:00:77", "sv_id=OTHER", "data_set=9-2LE"]
+        for keys, taken in [(["app_id=0x4001"], False), (["mac=01:0C:CD:04:00:99"], False), (["sv_id=WANTED"], False),
+                            (["app_id=0x4777", "mac=01:0C:CD:04:00:77", "sv_id=OTHER"], True), ([], True)]:
+            for how in (["--duration", "0.3"], ["--duration", "0.3", "--frames"]):
+                done = self.while_publishing(other, "sv-sub", "right", *how, *keys, "data_set=9-2LE")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                seen = lines(done.stdout)
+                names = {s["sv_id"] for s in seen} if "--frames" in how else {s["sv_id"] for line in seen for s in line["streams"]}
+                self.assertEqual(names, {"OTHER"} if taken else set(), keys)
+        message = ["goose-pub", "left", "control_block=IED/LLN0$GO$g", "app_id=0x8777", "mac=01:0C:CD:01:00:77", "data_set_name=IED/LLN0$d", "max_time_ms=20"]
+        for keys, event in [(["app_id=0x8002"], "identity_mismatch"), (["mac=01:0C:CD:01:00:02"], "identity_mismatch"),
+                            (["data_set_name=IED/LLN0$x"], "identity_mismatch"), (message[3:6], "first"), ([], "first")]:
+            done = self.while_publishing(message, "goose-sub", "right", "--count", "1", "control_block=IED/LLN0$GO$g", *keys)
+            self.assertEqual([(e["event"], e["accepted"]) for e in lines(done.stdout)], [(event, event == "first")], keys)
+
+    def test_a_slow_stream_has_its_rate_and_loses_nothing(self):
+        publisher = ["sv-pub", "left", "rate_hz=80", "sv_id=MU"]
+        for verb in (["list", "right", "--json", "--once", "--duration", "2.5"], ["sv-sub", "right", "--duration", "2.5"]):
+            done = self.while_publishing(publisher, *verb)
+            stream, = lines(done.stdout)[-1]["streams"]
+            self.assertEqual((stream["lost"], stream["restarts"], stream["duplicates"]), (0, 0, 0), stream)
+            self.assertAlmostEqual(stream["rate_hz"], 80, delta=4)
+
     def test_a_smp_rate_that_does_not_fit_is_refused(self):
         refused = wire("sv-pub", "left", "rate_hz=65536", "send_smp_rate=true", "--duration", "1")
         self.assertEqual(refused.returncode, 2)
@@ -177,6 +201,24 @@ class WireTools(unittest.TestCase):
         mixed = self.pcap([(0, b"short"), (0, bytes(12) + b"\x08\x00" + bytes(46)), *self.samples(3)])
         self.assertEqual(json.loads(wire("replay", mixed, "left").stdout) | {"worst_late_us": 0},
                          {"sent": 3, "not_sent": 0, "left_out": 2, "worst_late_us": 0})
+
+    def test_a_replay_says_what_it_could_not_do(self):
+        whole = self.pcap(self.samples(10))
+        done = wire("replay", whole, "left", "--only", "zz")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("has no interface 'zz'", done.stderr)
+        self.assertIn("there are: pcap", done.stderr)
+        cut = self.folder / "cut.pcap"
+        cut.write_bytes(pathlib.Path(whole).read_bytes()[:-5])
+        done = wire("replay", str(cut), "left", "--speed", "0")
+        self.assertEqual((done.returncode, json.loads(done.stdout)["sent"]), (0, 9))
+        self.assertIn("ends in the middle of a frame", done.stderr)
+        jumbo = (0, sv([asdu("MU", 0, bytes(3000))]))
+        for frames, code, text in [([jumbo, jumbo], 3, "no frame was sent on 'left'"), ([jumbo, *self.samples(3)], 0, "1 frame was not sent on 'left'")]:
+            done = wire("replay", self.pcap(frames), "left", "--speed", "0")
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(text, done.stderr)
+            self.assertIn("Message too long", done.stderr)
 
     def test_a_capture_of_another_link_type_is_no_ethernet(self):
         file = self.pcap(self.samples(10), link_type=101)
