@@ -14,7 +14,26 @@ namespace {
 using Status = ExpectationResult::Status;
 using Verb = Expectation::Verb;
 
+constexpr char const* kUndefined = "without a value (a division by zero)";
+
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+
+std::string seconds_text(std::int64_t ns) { return shortest(static_cast<double>(ns) / 1e9); }
+
+/// "fault + 2 s"
+std::string to_text(Moment const& moment) {
+    return moment.offset_s == 0 ? moment.event
+                                : fmt::format("{} {} {} s", moment.event, moment.offset_s < 0 ? "-" : "+", shortest(std::abs(moment.offset_s)));
+}
+
+/// How far the recording goes: the clock as it was last seen, or what was recorded after that.
+std::int64_t end_of(SignalStore const& signals, double duration_s) {
+    std::int64_t end = nanoseconds(duration_s);
+    for (auto const& [name, series] : signals) {
+        end = series.times_ns.empty() ? end : std::max(end, series.times_ns.back());
+    }
+    return end;
+}
 
 /// Steps through the values of an expression in a window of time.
 class Timeline {
@@ -114,6 +133,12 @@ std::optional<double> statistic(Expectation const& e, Timeline const& timeline) 
     if (values.empty()) {
         return std::nullopt;
     }
+    if (e.verb != Verb::last_of) { // there is no least and no mean of what has no value
+        auto const undefined = std::find_if_not(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+        if (undefined != values.end()) {
+            return *undefined;
+        }
+    }
     switch (e.verb) {
     case Verb::min_of:
         return *std::min_element(values.begin(), values.end());
@@ -148,41 +173,66 @@ std::optional<double> statistic(Expectation const& e, Timeline const& timeline) 
     }
 }
 
-/// Instants at which the expression becomes true (or false), and whether it is true at the begin of the window.
+bool is_true(double value) { return value != 0 && !std::isnan(value); }
+
+/// How often the expression becomes true and false, and at how many samples it is true.
 struct Edges {
-    bool true_at_begin{false};
-    std::vector<std::int64_t> rises, falls;
-    std::int64_t true_samples{0};
+    bool any{false}; ///< the expression has a value in the window
+    std::int64_t rises{0}, falls{0}, true_samples{0};
 };
 
 Edges edges_of(Timeline const& timeline) {
     Edges edges;
-    bool first = true, before = false;
-    timeline.run([&](std::int64_t t, double value) {
-        bool const now = value != 0 && !std::isnan(value);
+    bool before = false;
+    timeline.run([&](std::int64_t, double value) {
+        bool const now = is_true(value);
         edges.true_samples += now ? 1 : 0;
-        if (first) {
-            edges.true_at_begin = now;
-        } else if (now && !before) {
-            edges.rises.push_back(t);
-        } else if (!now && before) {
-            edges.falls.push_back(t);
-        }
-        first = false;
+        edges.rises += edges.any && now && !before ? 1 : 0;
+        edges.falls += edges.any && !now && before ? 1 : 0;
+        edges.any = true;
         before = now;
         return true;
     });
     return edges;
 }
 
+/// When a condition becomes what is waited for.
+struct Fulfilment {
+    std::optional<std::int64_t> at;         ///< the first time at or after the begin
+    std::optional<std::int64_t> true_since; ///< it was so before the begin already, from here on
+};
+
+/// `timeline` starts before `begin`, so that what becomes true at `begin` is told from what was true before. With `rises`
+/// and `falls` the next edge counts; without, a condition whose first value is true has become so with that value.
+Fulfilment fulfilment_of(Timeline const& timeline, Expression::Edge edge, std::int64_t begin) {
+    Fulfilment out;
+    bool known = false, before = false;
+    timeline.run([&](std::int64_t t, double value) {
+        bool const now = is_true(value) != (edge == Expression::Edge::falls);
+        bool const becomes = now && (known ? !before : edge == Expression::Edge::none);
+        known = true;
+        before = now;
+        if (t < begin) {
+            out.true_since = becomes ? std::optional{t} : now ? out.true_since : std::nullopt;
+        } else if (becomes) {
+            out.at = t;
+        }
+        return !out.at && !(t >= begin && out.true_since && edge == Expression::Edge::none);
+    });
+    return out;
+}
+
 void judge_condition(Expectation const& e, Timeline const& timeline, ExpectationResult& out) {
     bool const wanted = e.verb != Verb::never;
-    std::optional<std::int64_t> decisive;
+    std::optional<std::int64_t> decisive, undefined;
     bool any = false;
     timeline.run([&](std::int64_t t, double value) {
         any = true;
-        bool const holds = value != 0 && !std::isnan(value);
-        if (e.verb == Verb::eventually ? holds : holds != wanted) {
+        bool const holds = is_true(value);
+        if (std::isnan(value) && !undefined) {
+            undefined = t;
+        }
+        if (e.verb == Verb::eventually ? holds : holds != wanted || std::isnan(value)) {
             decisive = t;
         }
         return !decisive;
@@ -192,9 +242,12 @@ void judge_condition(Expectation const& e, Timeline const& timeline, Expectation
     out.status = passed ? Status::passed : Status::failed;
     if (!any) {
         out.detail = "the signals have no values in that time";
+    } else if (undefined && !passed) {
+        out.detail = fmt::format("{}{} at {} s", e.verb == Verb::eventually ? "never true in that time; " : "", kUndefined,
+                                 seconds_text(*undefined));
     } else if (decisive) {
         out.detail = fmt::format("{} at {} s", e.verb == Verb::eventually ? "true" : e.verb == Verb::never ? "true" : "not true",
-                                 shortest(static_cast<double>(*decisive) / 1e9));
+                                 seconds_text(*decisive));
     } else if (e.verb == Verb::eventually) {
         out.detail = "never true in that time";
     }
@@ -308,6 +361,15 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
             return missed(fmt::format("'{}' did not happen", moment->event));
         }
     }
+    std::int64_t const recorded_until = end_of(signals, duration_s);
+    for (auto const& [at, moment] : {std::pair{from, e.from}, {since, e.since}}) {
+        if (nanoseconds(*at) > recorded_until) { // the timeline names instants that a run may not come to
+            return missed(fmt::format("the run ended at {} s, before '{}'", seconds_text(recorded_until), to_text(*moment)));
+        }
+    }
+    if (e.until && nanoseconds(*until) < nanoseconds(*from)) {
+        return missed(fmt::format("'{}' is at {} s, before '{}'", to_text(*e.until), shortest(*until), e.from ? to_text(*e.from) : "the start"));
+    }
     if (e.verb == Verb::intervals_ms) {
         judge_intervals(e, signals, nanoseconds(*from), out);
         out.status = e.show_only ? Status::shown : out.status;
@@ -317,7 +379,11 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     if (e.within_s) {
         end = std::min(end, *from + *e.within_s);
     }
-    Timeline const timeline{*e.expression, signals, nanoseconds(*from), nanoseconds(end)};
+    // A time is looked for from `since` on, or it would be met by what was there before; a band that begins below zero asks for that.
+    bool const before_too = out.band.low && *out.band.low < 0;
+    bool const is_time = e.verb == Verb::time_of;
+    std::int64_t const begin = nanoseconds(is_time && !e.from && !before_too ? *since : *from);
+    Timeline const timeline{*e.expression, signals, is_time ? 0 : begin, nanoseconds(end)};
     if (!timeline.missing().empty()) {
         return missed(fmt::format("no signal '{}' was recorded", timeline.missing()));
     }
@@ -336,22 +402,26 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     case Verb::count_of: {
         Edges const edges = edges_of(timeline);
         out.unit.clear();
-        out.value = e.expression->edge() == Expression::Edge::rises   ? static_cast<double>(edges.rises.size())
-                    : e.expression->edge() == Expression::Edge::falls ? static_cast<double>(edges.falls.size())
-                                                                      : static_cast<double>(edges.true_samples);
+        if (!edges.any) {
+            return missed("no values in that time");
+        }
+        out.value = static_cast<double>(e.expression->edge() == Expression::Edge::rises   ? edges.rises
+                                        : e.expression->edge() == Expression::Edge::falls ? edges.falls
+                                                                                          : edges.true_samples);
         break;
     }
     case Verb::time_of: {
-        Edges const edges = edges_of(timeline);
-        std::vector<std::int64_t> const& list = e.expression->edge() == Expression::Edge::falls ? edges.falls : edges.rises;
-        std::optional<std::int64_t> at;
-        if (edges.true_at_begin && e.expression->edge() == Expression::Edge::none) {
-            at = timeline.from();
-        } else if (!list.empty()) {
-            at = list.front();
+        auto const [at, true_since] = fulfilment_of(timeline, e.expression->edge(), begin);
+        std::optional<Moment> const& reference = e.from ? e.from : e.since;
+        if (!at && true_since) {
+            return missed(fmt::format("was already {} at {} s, before '{}'", e.expression->edge() == Expression::Edge::falls ? "false" : "true",
+                                      seconds_text(*true_since), to_text(*reference)));
         }
         if (!at) {
             return missed("it never became true");
+        }
+        if (e.since && !before_too && *at < nanoseconds(*since)) {
+            return missed(fmt::format("became true at {} s, before '{}'", seconds_text(*at), to_text(*e.since)));
         }
         out.value = (static_cast<double>(*at) / 1e9 - *since) / unit_factor(e.unit);
         break;
@@ -361,6 +431,10 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
         if (!out.value) {
             return missed("no values in that time");
         }
+    }
+    if (!std::isfinite(*out.value)) {
+        out.value.reset();
+        return missed(kUndefined);
     }
     out.status = e.show_only ? Status::shown : out.band.contains(*out.value) ? Status::passed : Status::failed;
     return out;

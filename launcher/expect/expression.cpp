@@ -236,24 +236,30 @@ class Parser {
 
 using Bindings = Expression::Bindings;
 
-double evaluate_node(Node const& n, Bindings const& bindings, std::span<double const> values);
+/// The values at an instant. A division by zero is remembered: no comparison may make a truth of it.
+struct Instant {
+    Bindings const& bindings;
+    std::span<double const> values;
+    bool undefined{false};
+};
+
+double evaluate_node(Node const& n, Instant& instant);
 
 /// The values that an argument of a function stands for: all signals of a pattern, or one number.
-void gather(Node const& n, Bindings const& bindings, std::span<double const> values, std::vector<double>& out) {
+void gather(Node const& n, Instant& instant, std::vector<double>& out) {
     if (n.kind == Kind::signal) {
-        for (std::size_t const place : bindings[n.signal]) {
-            out.push_back(values[place]);
+        for (std::size_t const place : instant.bindings[n.signal]) {
+            out.push_back(instant.values[place]);
         }
     } else {
-        out.push_back(evaluate_node(n, bindings, values));
+        out.push_back(evaluate_node(n, instant));
     }
 }
 
-double evaluate_function(Node const& n, Bindings const& bindings, std::span<double const> values) {
-    thread_local std::vector<double> arguments;
-    arguments.clear();
+double evaluate_function(Node const& n, Instant& instant) {
+    std::vector<double> arguments; // of this call: there are functions of functions
     for (Node const& child : n.children) {
-        gather(child, bindings, values, arguments);
+        gather(child, instant, arguments);
     }
     if (arguments.empty()) {
         return std::numeric_limits<double>::quiet_NaN();
@@ -274,13 +280,13 @@ double evaluate_function(Node const& n, Bindings const& bindings, std::span<doub
     return n.function == "mean" ? sum / static_cast<double>(arguments.size()) : sum;
 }
 
-double evaluate_node(Node const& n, Bindings const& bindings, std::span<double const> values) {
-    auto const child = [&](std::size_t i) { return evaluate_node(n.children[i], bindings, values); };
+double evaluate_node(Node const& n, Instant& instant) {
+    auto const child = [&](std::size_t i) { return evaluate_node(n.children[i], instant); };
     switch (n.kind) {
     case Kind::number:
         return n.number;
     case Kind::signal:
-        return bindings[n.signal].empty() ? std::numeric_limits<double>::quiet_NaN() : values[bindings[n.signal].front()];
+        return instant.bindings[n.signal].empty() ? std::numeric_limits<double>::quiet_NaN() : instant.values[instant.bindings[n.signal].front()];
     case Kind::negate:
         return -child(0);
     case Kind::add:
@@ -289,8 +295,11 @@ double evaluate_node(Node const& n, Bindings const& bindings, std::span<double c
         return child(0) - child(1);
     case Kind::multiply:
         return child(0) * child(1);
-    case Kind::divide:
-        return child(0) / child(1);
+    case Kind::divide: {
+        double const quotient = child(0) / child(1);
+        instant.undefined = instant.undefined || !std::isfinite(quotient);
+        return quotient;
+    }
     case Kind::less:
         return child(0) < child(1);
     case Kind::less_equal:
@@ -314,7 +323,7 @@ double evaluate_node(Node const& n, Bindings const& bindings, std::span<double c
     case Kind::logical_not:
         return child(0) == 0;
     case Kind::function:
-        return evaluate_function(n, bindings, values);
+        return evaluate_function(n, instant);
     }
     return 0;
 }
@@ -346,7 +355,9 @@ Result<Expression> Expression::parse(std::string_view text) {
 bool Expression::is_plain_signal() const { return root_->kind == Kind::signal && edge_ == Edge::none; }
 
 double Expression::evaluate(Bindings const& bindings, std::span<double const> values) const {
-    return evaluate_node(*root_, bindings, values);
+    Instant instant{bindings, values};
+    double const value = evaluate_node(*root_, instant);
+    return instant.undefined ? std::numeric_limits<double>::quiet_NaN() : value;
 }
 
 } // namespace gridspace::launcher

@@ -31,7 +31,8 @@ class Expression {
 
     /// What a pattern stands for: indices of values, in the order of signals().
     using Bindings = std::vector<std::vector<std::size_t>>;
-    /// Evaluates with the present values; `bindings[i]` are the places of signals()[i] in `values`. True is 1, false is 0.
+    /// Evaluates with the present values; `bindings[i]` are the places of signals()[i] in `values`. True is 1, false is 0;
+    /// NaN after a division by zero, whatever it was compared with (`x == 0 or y / x > 2` does not divide where x is 0).
     [[nodiscard]] double evaluate(Bindings const& bindings, std::span<double const> values) const;
 
     struct Node;

@@ -50,12 +50,19 @@ TEST(Expression, FunctionsTakeAllSignalsOfAPattern) {
     EXPECT_DOUBLE_EQ(value_of("sum(bus.*.v_pu)", signals), 3.0);
     EXPECT_EQ(value_of("abs(bus.B1.v_pu - 3)", signals), 2);
     EXPECT_EQ(value_of("bus.B1.v_pu >= max(bus.*.v_pu)", signals), 0);
+    EXPECT_EQ(value_of("max(abs(0 - 5), abs(3), 1)"), 5) << "functions of functions";
 }
 
 TEST(Expression, ComparisonsWithWhatIsNotKnownAreFalse) {
     std::map<std::string, std::vector<double>> const signals{{"a.b.c", {std::numeric_limits<double>::quiet_NaN()}}};
     EXPECT_EQ(value_of("a.b.c > 0", signals), 0);
     EXPECT_EQ(value_of("a.b.c <= 0", signals), 0);
+}
+
+TEST(Expression, NothingIsTrueOfADivisionByZero) {
+    EXPECT_TRUE(std::isnan(value_of("1 / 0 > 1")));
+    EXPECT_TRUE(std::isnan(value_of("not (0 / 0 > 1)")));
+    EXPECT_EQ(value_of("1 == 1 or 1 / 0 > 1"), 1) << "not divided";
 }
 
 TEST(Expression, WordsOfTheLanguageAreNumbers) {
