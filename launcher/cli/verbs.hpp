@@ -13,8 +13,7 @@ namespace gridspace::cli {
 struct ScenarioArguments {
     std::filesystem::path file;
     std::vector<std::string> set;
-    std::optional<std::string> speed, until;
-    std::optional<std::int64_t> seed;
+    std::optional<std::string> speed, until, seed;
     std::string allow_attacks_on;
 };
 

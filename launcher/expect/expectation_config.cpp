@@ -160,6 +160,25 @@ void describe(Fields& f, Expectation& e) {
     }
 }
 
+/// What makes the run record samples at all; empty when it does.
+std::string to_be_recorded(Scenario const& scenario) {
+    bool const recorder = std::any_of(scenario.processes.begin(), scenario.processes.end(),
+                                      [](Process const& p) { return p.program.name == "gridspace-recorder"; });
+    return !recorder                  ? "a process with `program: gridspace-recorder` records it"
+           : !scenario.record.samples ? "`record: {samples: all}` records it"
+                                      : "";
+}
+
+/// Whether the report will know a signal. record.signals is about the simulator's; how long a detector takes is in a file of its own.
+bool is_recorded(Scenario const& scenario, Process const& process, std::string const& signal, bool samples) {
+    if (matches_glob("ids.*.time_us_*", signal)) {
+        return true;
+    }
+    std::vector<std::string> const& wanted = scenario.record.signals;
+    return samples && (&process != scenario.simulator() ||
+                       std::any_of(wanted.begin(), wanted.end(), [&](std::string const& p) { return matches_glob(p, signal); }));
+}
+
 } // namespace
 
 std::vector<Expectation> read_expectations(Node const& node, Diagnostics& diagnostics) {
@@ -182,9 +201,13 @@ std::vector<Expectation> read_expectations(Node const& node, Diagnostics& diagno
 
 void check_expectations(Scenario const& scenario, Diagnostics& diagnostics) {
     std::vector<Expectation> const expectations = read_expectations(scenario.expect, diagnostics);
-    std::vector<std::string> signals;
+    std::vector<std::string> signals, recorded;
+    std::string const remedy = to_be_recorded(scenario);
     for (Process const& process : scenario.processes) {
         for (SignalUse& signal : process.settings->signals(scenario, process)) {
+            if (is_recorded(scenario, process, signal.name, remedy.empty())) {
+                recorded.push_back(signal.name);
+            }
             signals.push_back(std::move(signal.name));
         }
     }
@@ -198,15 +221,21 @@ void check_expectations(Scenario const& scenario, Diagnostics& diagnostics) {
         }
         config::Node const* settings = scenario.expect.find(e.name.name);
         config::Node const* written = settings == nullptr ? nullptr : settings->find(e.verb_name);
+        config::SourceMark const where = written == nullptr ? e.name.where : written->where;
+        auto const width = static_cast<int>(written == nullptr ? e.name.name.size() : written->text.size());
         for (std::string const& pattern : e.expression->signals()) {
-            bool const found = std::any_of(signals.begin(), signals.end(),
-                                           [&](std::string const& s) { return matches_glob(pattern, s); });
-            if (!found) {
+            auto const among = [&](std::vector<std::string> const& names) {
+                return std::any_of(names.begin(), names.end(), [&](std::string const& s) { return matches_glob(pattern, s); });
+            };
+            if (!among(signals)) {
                 diagnostics.error(
-                    written == nullptr ? e.name.where : written->where,
-                    fmt::format("expectation '{}' uses the signal '{}', which does not exist", e.name.name, pattern),
-                    did_you_mean(pattern, signals, "`gridspace signals` lists them"),
-                    static_cast<int>(written == nullptr ? e.name.name.size() : written->text.size()));
+                    where, fmt::format("expectation '{}' uses the signal '{}', which does not exist", e.name.name, pattern),
+                    did_you_mean(pattern, signals, "`gridspace signals` lists them"), width);
+            } else if (!among(recorded)) {
+                std::string const what =
+                    fmt::format("expectation '{}' uses the signal '{}', which is not recorded", e.name.name, pattern);
+                std::string const help = remedy.empty() ? fmt::format("add \"{}\" to record.signals", pattern) : remedy;
+                e.show_only ? diagnostics.warning(where, what, help, width) : diagnostics.error(where, what, help, width);
             }
         }
         for (std::optional<Moment> const* moment : {&e.from, &e.until, &e.since}) {

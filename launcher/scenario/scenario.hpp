@@ -104,7 +104,7 @@ struct LoadOptions {
     std::vector<std::string> set{};          ///< --set a.b=c
     std::optional<double> speed{};           ///< --speed; 0: max
     std::optional<std::string> until{};      ///< --until 10s
-    std::optional<std::int64_t> seed{};
+    std::optional<std::string> seed{};       ///< --seed; read as the value of the file
     std::string allow_attacks_on{};          ///< --allow-attacks-on
 };
 

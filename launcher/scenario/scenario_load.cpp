@@ -240,7 +240,15 @@ void apply_options(Node& root, LoadOptions const& options, Diagnostics& diagnost
         option("--speed", "clock.speed", *options.speed == 0 ? "max" : shortest(*options.speed));
     }
     if (options.seed) {
-        option("--seed", "seed", std::to_string(*options.seed));
+        config::SourceMark const where{config::make_source("--seed", *options.seed), 1, 1};
+        Node written = Node::map(where);
+        written.set("seed", Node::scalar(*options.seed)).where = where;
+        std::int64_t seed = 0; // read here for the place of a mistake, and later as any other value
+        auto const errors = diagnostics.errors();
+        config::read_fields(written, "", diagnostics, [&](Fields& f) { f.integer("seed", seed, {}); });
+        if (diagnostics.errors() == errors) {
+            option("--seed", "seed", *options.seed);
+        }
     }
     if (options.until) {
         if (auto const until = parse_duration(*options.until)) {
