@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/cli/load.hpp"
 
+#include "launcher/run/say.hpp"
+
 #include <fmt/format.h>
 
 namespace gridspace::cli {
@@ -18,13 +20,13 @@ std::unique_ptr<launcher::Scenario> load(ScenarioArguments const& arguments) {
     config::Diagnostics diagnostics;
     auto scenario = launcher::load_scenario(arguments.file, options, diagnostics);
     if (diagnostics.errors() + diagnostics.warnings() > 0) {
-        fmt::print(stderr, "{}{}\n", diagnostics.render(), scenario ? "" : "  Nothing was started.");
+        say(stderr, "{}{}\n", diagnostics.render(), scenario ? "" : "  Nothing was started.");
     }
     return scenario;
 }
 
 int print_error(Error const& error) {
-    fmt::print(stderr, "error: {}{}{}\n", error.message, error.remedy.empty() ? "" : "\n  ", error.remedy);
+    say(stderr, "error: {}{}{}\n", error.message, error.remedy.empty() ? "" : "\n  ", error.remedy);
     return static_cast<int>(error.code);
 }
 

@@ -13,11 +13,16 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/cli/wire_verbs.hpp"
 #include "launcher/ids/ids_verbs.hpp"
+#include "launcher/run/say.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace gridspace::cli {
 
@@ -326,14 +331,36 @@ int main_function(int argc, char** argv) {
     return action();
 }
 
+/// `2>&-`: what is opened first must not get the number of a standard stream, and its prints with it. Where there is no
+/// standard output, printing is to fail.
+void open_standard_descriptors() {
+    for (int const fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(fd, F_GETFD) < 0) {
+            (void)::open("/dev/null", fd == STDOUT_FILENO ? O_RDONLY : O_RDWR); // gets the lowest number that is free
+        }
+    }
+}
+
+/// What was printed must have arrived: a full disk is no success.
+int check_output(int code) {
+    errno = 0;
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) {
+        return code;
+    }
+    say(stderr, "error: standard output cannot be written{}{}\n", errno == 0 ? "" : ": ", errno == 0 ? "" : std::strerror(errno));
+    return code == 0 ? static_cast<int>(ExitCode::environment) : code;
+}
+
 } // namespace
 } // namespace gridspace::cli
 
 int main(int argc, char** argv) {
+    gridspace::cli::open_standard_descriptors();
+    int code = static_cast<int>(gridspace::ExitCode::environment);
     try {
-        return gridspace::cli::main_function(argc, argv);
+        code = gridspace::cli::main_function(argc, argv);
     } catch (std::exception const& e) {
-        fmt::print(stderr, "error: {}\n", e.what());
-        return static_cast<int>(gridspace::ExitCode::environment);
+        gridspace::say(stderr, "error: {}\n", e.what());
     }
+    return gridspace::cli::check_output(code);
 }

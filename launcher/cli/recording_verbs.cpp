@@ -149,8 +149,7 @@ int report(std::filesystem::path const& run, bool json) {
         return print_error(html.error());
     }
     if (json) {
-        std::ifstream summary{results->folder / "report/summary.json"};
-        fmt::print("{}", std::string{std::istreambuf_iterator<char>{summary}, {}});
+        fmt::print("{}", summary_json(*results));
     } else {
         fmt::print("{}report: {}\n", to_text(*results, ::isatty(STDOUT_FILENO) != 0), html->string());
     }

@@ -7,7 +7,10 @@
 #include "launcher/report/html_report.hpp"
 #include "launcher/report/results.hpp"
 #include "launcher/run/run.hpp"
+#include "launcher/run/say.hpp"
+#include "launcher/run/write_file.hpp"
 
+#include <csignal>
 #include <fmt/format.h>
 #include <fstream>
 #include <unistd.h>
@@ -40,15 +43,67 @@ void print_cause(FinishedRun const& finished) {
     if (outcome.exit_code == 0) {
         return;
     }
-    fmt::print(stderr, "the run ended early: {}{}{}\n", outcome.cause, outcome.remedy.empty() ? "" : "; ", outcome.remedy);
+    say(stderr, "the run ended early: {}{}{}\n", outcome.cause, outcome.remedy.empty() ? "" : "; ", outcome.remedy);
     for (RunOutcome::ProcessEnd const& end : outcome.ends) {
         if (outcome.cause.find(end.process) != std::string::npos) {
             std::filesystem::path const log = finished.folder / "logs" / (end.process + ".log");
             if (std::string const tail = log_tail(log, 8); !tail.empty()) {
-                fmt::print(stderr, "  {}:\n{}", log.string(), tail);
+                say(stderr, "  {}:\n{}", log.string(), tail);
             }
         }
     }
+}
+
+bool lies_in(std::filesystem::path const& file, std::filesystem::path const& folder) {
+    auto const plain = [](std::filesystem::path const& path) { return std::filesystem::absolute(path).lexically_normal(); };
+    std::filesystem::path const relative = folder.empty() ? folder : plain(file).lexically_relative(plain(folder));
+    return !relative.empty() && *relative.begin() != "..";
+}
+
+/// Judges the run, writes its report and prints the results. What cannot be written is said after what is known: a full
+/// disk keeps no result back.
+int conclude(FinishedRun const& finished, RunArguments const& arguments) {
+    print_cause(finished);
+    auto results = read_results(finished.folder, &finished.outcome);
+    if (!results) {
+        int const code = print_error(results.error());
+        return finished.outcome.exit_code != 0 ? finished.outcome.exit_code : code;
+    }
+    std::vector<Error> unwritten;
+    if (finished.unwritten) {
+        unwritten.push_back(*finished.unwritten);
+    }
+    if (auto const comtrade = write_comtrade_of_run(*results)) {
+        for (std::filesystem::path const& file : comtrade->files) {
+            results->comtrade.push_back(file.filename().string());
+        }
+        results->notes.insert(results->notes.end(), comtrade->notes.begin(), comtrade->notes.end());
+    } else {
+        unwritten.push_back(comtrade.error());
+    }
+    if (auto ok = write_summary(*results); !ok) {
+        unwritten.push_back(ok.error());
+    }
+    auto const html = write_html_report(*results);
+    if (!html) {
+        unwritten.push_back(html.error());
+    }
+    if (!arguments.junit.empty()) {
+        if (auto ok = write_file(arguments.junit, to_junit(*results)); !ok) {
+            unwritten.push_back(ok.error());
+        }
+    }
+    if (arguments.json) {
+        say(stdout, "{}", summary_json(*results));
+    } else if (!arguments.quiet) {
+        say(stdout, "{}{}", to_text(*results, ::isatty(STDOUT_FILENO) != 0), html ? fmt::format("report: {}\n", html->string()) : "");
+    }
+    int code = results->exit_code();
+    for (Error const& error : unwritten) {
+        int const own = print_error(error);
+        code = code == 0 ? own : code;
+    }
+    return code;
 }
 
 } // namespace
@@ -80,40 +135,20 @@ int run(RunArguments const& arguments) {
                     : arguments.json               ? Progress::Style::json
                     : ::isatty(STDERR_FILENO) != 0 ? Progress::Style::terminal
                                                    : Progress::Style::plain;
-    auto const finished = run_scenario(*scenario, options);
+    if (!arguments.junit.empty() && !lies_in(arguments.junit, arguments.out)) { // the folder of --out is not there yet
+        if (auto ok = check_writable(arguments.junit); !ok) {
+            return print_error({ok.error().code, "--junit: " + ok.error().message, "nothing was started"});
+        }
+    }
+    std::signal(SIGPIPE, SIG_IGN); // whoever reads what is printed may leave; the run and its report go on
+    InterruptWatch interrupts;
+    auto const finished = run_scenario(*scenario, options, interrupts);
     if (!finished) {
         return print_error(finished.error());
     }
-    print_cause(*finished);
-    auto results = read_results(finished->folder);
-    if (!results) {
-        return print_error(results.error());
-    }
-    auto const comtrade = write_comtrade_of_run(*results);
-    if (!comtrade) {
-        return print_error(comtrade.error());
-    }
-    for (std::filesystem::path const& file : comtrade->files) {
-        results->comtrade.push_back(file.filename().string());
-    }
-    results->notes.insert(results->notes.end(), comtrade->notes.begin(), comtrade->notes.end());
-    if (auto ok = write_summary(*results); !ok) {
-        return print_error(ok.error());
-    }
-    auto const html = write_html_report(*results);
-    if (!html) {
-        return print_error(html.error());
-    }
-    if (!arguments.junit.empty()) {
-        std::ofstream{arguments.junit} << to_junit(*results);
-    }
-    if (arguments.json) {
-        std::ifstream summary{finished->folder / "report/summary.json"};
-        fmt::print("{}", std::string{std::istreambuf_iterator<char>{summary}, {}});
-    } else if (!arguments.quiet) {
-        fmt::print("{}report: {}\n", to_text(*results, ::isatty(STDOUT_FILENO) != 0), html->string());
-    }
-    return results->exit_code();
+    interrupts.let_finish();
+    int const code = conclude(*finished, arguments);
+    return interrupts.came_late() && finished->outcome.exit_code == 0 ? static_cast<int>(ExitCode::interrupted) : code;
 }
 
 } // namespace gridspace::cli

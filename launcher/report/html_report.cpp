@@ -10,6 +10,7 @@
 #include "launcher/report/protection_figures.hpp"
 #include "launcher/report/report_assets.hpp"
 #include "launcher/report/wire_timing_page.hpp"
+#include "launcher/run/write_file.hpp"
 
 #include <fmt/format.h>
 #include <fstream>
@@ -26,12 +27,6 @@ std::string escape(std::string_view text) {
         out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string{c};
     }
     return out;
-}
-
-Result<void> write(fs::path const& file, std::string const& text) {
-    std::ofstream stream{file, std::ios::trunc};
-    stream << text;
-    return stream ? Result<void>{} : fail(ExitCode::environment, fmt::format("cannot write '{}'", file.string()));
 }
 
 std::string row(std::vector<std::string> const& cells, char const* tag) {
@@ -171,7 +166,7 @@ Result<fs::path> write_html_report(Results const& r) {
     for (Figure const& figure : figures) {
         std::string const svg = to_svg(figure);
         for (auto const& [ending, text] : {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {
-            if (auto ok = write(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
+            if (auto ok = write_file(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
                 return std::unexpected{ok.error()};
             }
         }
@@ -181,7 +176,7 @@ Result<fs::path> write_html_report(Results const& r) {
         data += (data.empty() ? "" : ",") + to_json(figure);
     }
     for (Drawing const& drawing : intrusion_drawings(r.intrusion)) {
-        if (auto ok = write(r.folder / "report" / "figures" / (drawing.id + ".svg"), drawing.svg); !ok) {
+        if (auto ok = write_file(r.folder / "report" / "figures" / (drawing.id + ".svg"), drawing.svg); !ok) {
             return std::unexpected{ok.error()};
         }
         body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a></span></figcaption>"
@@ -199,7 +194,7 @@ Result<fs::path> write_html_report(Results const& r) {
                     "<script>const figures=[{}];\n{}</script></body></html>\n",
                     escape(r.scenario), kReportCss, body, data, kReportJs);
     fs::path const file = r.folder / "report" / "index.html";
-    if (auto ok = write(file, page); !ok) {
+    if (auto ok = write_file(file, page); !ok) {
         return std::unexpected{ok.error()};
     }
     return file;

@@ -8,6 +8,7 @@
 #include "launcher/expect/recording_loss.hpp"
 #include "launcher/report/wire_timing_page.hpp"
 #include "launcher/report/wall_clock.hpp"
+#include "launcher/run/write_file.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 #include "recorder/signals/cdr_cursor.hpp"
 
@@ -61,6 +62,20 @@ void read_manifest(fs::path const& folder, Results& out) {
     if (auto const processes = m.find("processes"); processes != m.end()) {
         for (auto const& [name, p] : processes->items()) {
             out.processes.push_back({name, p.value("program", ""), p.value("host", ""), p.value("end", ""), p.value("exit", 0), p.value("cpu_s", 0.0)});
+        }
+    }
+}
+
+/// What the launcher has seen of the end.
+void take_outcome(RunOutcome const& seen, Results& out) {
+    out.outcome = seen;
+    for (Results::ProcessRow& row : out.processes) {
+        for (RunOutcome::ProcessEnd const& end : seen.ends) {
+            if (end.process == row.name) {
+                row.end = end.how;
+                row.code = end.code;
+                row.cpu_s = end.cpu_s;
+            }
         }
     }
 }
@@ -217,13 +232,16 @@ int Results::exit_code() const {
     return outcome.exit_code != 0 ? outcome.exit_code : static_cast<int>(passed() ? ExitCode::ok : ExitCode::expectation_failed);
 }
 
-Result<Results> read_results(fs::path const& folder) {
+Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
     if (!fs::exists(folder / "manifest.json")) {
         return fail(ExitCode::usage, fmt::format("'{}' is not a run folder", folder.string()), "it has no manifest.json");
     }
     Results out;
     out.folder = fs::canonical(folder);
     read_manifest(folder, out);
+    if (seen != nullptr) {
+        take_outcome(*seen, out);
+    }
     out.events = read_events(folder / "events.ndjson");
     RecordingLoss loss;
     if (auto ok = read_recording(folder, out, loss); !ok) {
@@ -244,7 +262,7 @@ Result<Results> read_results(fs::path const& folder) {
     return out;
 }
 
-Result<void> write_summary(Results const& r) {
+std::string summary_json(Results const& r) {
     Json expectations = Json::array(), processes = Json::array(), topics = Json::array();
     for (ExpectationResult const& e : r.expectations) {
         expectations.push_back({{"name", e.name},
@@ -281,11 +299,13 @@ Result<void> write_summary(Results const& r) {
     if (auto const timing = scenario ? measure_wire_timing(r, *scenario) : WireTiming{}; !timing.empty()) {
         summary["wire_timing"] = Json::parse(wire_timing_json(timing));
     }
+    return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<void> write_summary(Results const& r) {
     std::error_code ignored;
     fs::create_directories(r.folder / "report", ignored);
-    std::ofstream stream{r.folder / "report" / "summary.json", std::ios::trunc};
-    stream << summary.dump(2) << "\n";
-    return stream ? Result<void>{} : fail(ExitCode::environment, fmt::format("cannot write '{}'", (r.folder / "report/summary.json").string()));
+    return write_file(r.folder / "report" / "summary.json", summary_json(r));
 }
 
 std::string to_text(Results const& r, bool colour) {

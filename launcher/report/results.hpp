@@ -47,10 +47,12 @@ struct Results {
     [[nodiscard]] int exit_code() const;
 };
 
-/// Reads a run folder: manifest, resolved scenario, recording, events; judges the expectations.
-[[nodiscard]] Result<Results> read_results(std::filesystem::path const& folder);
+/// Reads a run folder: manifest, resolved scenario, recording, events; judges the expectations. `seen` is the outcome for
+/// who has seen the run: a full disk may have kept it from the manifest.
+[[nodiscard]] Result<Results> read_results(std::filesystem::path const& folder, RunOutcome const* seen = nullptr);
 
-/// report/summary.json
+/// The summary as JSON, and the same as report/summary.json.
+[[nodiscard]] std::string summary_json(Results const& results);
 [[nodiscard]] Result<void> write_summary(Results const& results);
 
 /// The tables that `gridspace run` and `gridspace report` print.

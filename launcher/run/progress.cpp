@@ -3,6 +3,7 @@
 #include "launcher/run/progress.hpp"
 
 #include "common/time.hpp"
+#include "launcher/run/say.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -56,9 +57,9 @@ void Progress::note(std::string_view text) {
     }
     clear();
     if (style_ == Style::json) {
-        fmt::print(stderr, "{}\n", Json{{"note", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+        say(stderr, "{}\n", Json{{"note", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
     } else {
-        fmt::print(stderr, "{}\n", text);
+        say(stderr, "{}\n", text);
     }
 }
 
@@ -68,9 +69,9 @@ void Progress::event(double time_s, std::string_view source, std::string_view te
     }
     clear();
     if (style_ == Style::json) {
-        fmt::print(stderr, "{}\n", Json{{"event", text}, {"source", source}, {"time_s", time_s}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+        say(stderr, "{}\n", Json{{"event", text}, {"source", source}, {"time_s", time_s}}.dump(-1, ' ', false, Json::error_handler_t::replace));
     } else {
-        fmt::print(stderr, "  {:>12.4f} s  {:<12} {}\n", time_s, source, text);
+        say(stderr, "  {:>12.4f} s  {:<12} {}\n", time_s, source, text);
     }
 }
 
@@ -98,19 +99,19 @@ void Progress::draw(bool last) {
     double const share = duration_s_ > 0 ? time_s_ / duration_s_ : 0;
     double const left = speed > 0 ? (duration_s_ - time_s_) / speed : 0;
     if (style_ == Style::json) {
-        fmt::print(stderr, "{}\n", Json{{"time_s", time_s_}, {"duration_s", duration_s_}, {"speed", speed}, {"overruns", overruns_}}.dump());
+        say(stderr, "{}\n", Json{{"time_s", time_s_}, {"duration_s", duration_s_}, {"speed", speed}, {"overruns", overruns_}}.dump());
         return;
     }
     std::string const text = fmt::format("sim {} / {}  x{:.3g}  {}{}", human_duration(time_s_), human_duration(duration_s_), speed,
                                          last ? fmt::format("in {}", human_duration(wall)) : fmt::format("ETA {}", human_duration(left)),
                                          overruns_ > 0 ? fmt::format("  overruns {}", overruns_) : "");
     if (style_ == Style::plain) {
-        fmt::print(stderr, "{}: {}\n", scenario_, text);
+        say(stderr, "{}: {}\n", scenario_, text);
         return;
     }
     int const cells = terminal_width() > scenario_.size() + text.size() + 26 ? 20 : 0;
     std::fputs("\r\x1b[K", stderr);
-    fmt::print(stderr, "{} {}{}{}", scenario_, cells > 0 ? "▕" : "", cells > 0 ? bar(share, cells) + "▏ " : "", text);
+    say(stderr, "{} {}{}{}", scenario_, cells > 0 ? "▕" : "", cells > 0 ? bar(share, cells) + "▏ " : "", text);
     std::fflush(stderr);
     drawn_ = true;
 }

@@ -22,7 +22,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <poll.h>
-#include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -34,46 +33,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-/// SIGINT and SIGTERM as a file descriptor, blocked from before anything is made until after everything is gone.
-class InterruptWatch {
-  public:
-    InterruptWatch() {
-        sigset_t set;
-        sigemptyset(&set);
-        sigaddset(&set, SIGINT);
-        sigaddset(&set, SIGTERM);
-        sigaddset(&set, SIGHUP);
-        ::sigprocmask(SIG_BLOCK, &set, &before_);
-        fd_ = ::signalfd(-1, &set, SFD_CLOEXEC | SFD_NONBLOCK);
-    }
-    ~InterruptWatch() {
-        ::close(fd_);
-        ::sigprocmask(SIG_SETMASK, &before_, nullptr);
-    }
-    InterruptWatch(InterruptWatch const&) = delete;
-    InterruptWatch& operator=(InterruptWatch const&) = delete;
-    [[nodiscard]] int fd() const { return fd_; }
-    /// How many signals came since the last call.
-    int take() const {
-        int count = 0;
-        for (signalfd_siginfo info; ::read(fd_, &info, sizeof info) == sizeof info;) {
-            ++count;
-        }
-        return count;
-    }
-
-  private:
-    int fd_{-1};
-    sigset_t before_{};
-};
-
 /// Follows the supervisor of a run until it is gone.
 class Follower {
   public:
     Follower(RunPlan const& plan, Progress& progress, EventLog& events)
         : plan_{plan}, progress_{progress}, events_{events} {}
 
-    RunOutcome follow(pid_t supervisor, int channel, InterruptWatch const& interrupts) {
+    RunOutcome follow(pid_t supervisor, int channel, InterruptWatch& interrupts) {
         int const pidfd = static_cast<int>(::syscall(SYS_pidfd_open, supervisor, 0));
         int asked = 0;
         bool gone = false;
@@ -218,8 +184,7 @@ std::string setting(PlannedProcess const& process, std::string_view key) {
 
 } // namespace
 
-Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options) {
-    InterruptWatch const interrupts;
+Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options, InterruptWatch& interrupts) {
     auto const begin = Clock::now();
     if (!options.namespaces && has_raw_frames(scenario)) {
         return fail(ExitCode::usage, "this scenario exchanges raw frames, and those need hosts with interfaces of their own",
@@ -362,12 +327,8 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel[0], interrupts);
     ::close(channel[0]);
     finished.outcome.total_wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
-    if (auto ok = write_outcome(*folder, finished.outcome); !ok) {
-        RunOutcome const& outcome = finished.outcome;
-        if (outcome.exit_code != 0) { // a full disk: why the run ended comes first
-            return fail(static_cast<ExitCode>(outcome.exit_code), fmt::format("{} (then: {})", outcome.cause, ok.error().message), outcome.remedy);
-        }
-        return std::unexpected{ok.error()};
+    if (auto ok = write_outcome(*folder, finished.outcome); !ok) { // a full disk: how the run went is to be said all the same
+        finished.unwritten = ok.error();
     }
     return finished;
 }

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "launcher/run/interrupt_watch.hpp"
 #include "launcher/run/progress.hpp"
 #include "launcher/run/run_folder.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <filesystem>
+#include <optional>
 
 namespace gridspace::launcher {
 
@@ -23,10 +25,11 @@ struct RunOptions {
 struct FinishedRun {
     std::filesystem::path folder;
     RunOutcome outcome;
+    std::optional<Error> unwritten; ///< why the run folder does not know the outcome
 };
 
 /// Runs a scenario from start to end: folder, sockets, namespaces, processes, progress. Fails when it cannot even start;
-/// otherwise the outcome says how it went.
-[[nodiscard]] Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options);
+/// otherwise the outcome says how it went. `interrupts` end it.
+[[nodiscard]] Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options, InterruptWatch& interrupts);
 
 } // namespace gridspace::launcher

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_folder.hpp"
 
+#include "launcher/run/write_file.hpp"
 #include "launcher/scenario/monitor_settings.hpp"
 
 #include "common/version.hpp"
@@ -58,18 +59,15 @@ Json host_of(bool root) {
 /// A full disk leaves what was there before.
 Result<void> write_text(fs::path const& file, std::string const& text) {
     fs::path const fresh = file.string() + ".new";
-    std::ofstream stream{fresh, std::ios::trunc};
-    stream << text;
-    stream.close();
-    std::error_code error;
-    if (stream) {
+    auto written = write_file(fresh, text);
+    std::error_code error, ignored;
+    if (written) {
         fs::rename(fresh, file, error);
     }
-    if (!stream || error) {
-        fs::remove(fresh, error);
-        return fail(ExitCode::environment, fmt::format("cannot write '{}'", file.string()));
+    if (!written || error) {
+        fs::remove(fresh, ignored);
     }
-    return {};
+    return error ? fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file.string(), error.message())) : written;
 }
 
 } // namespace

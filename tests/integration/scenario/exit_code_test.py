@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """Every kind of failure has its exit code, and says what to do."""
+import json
 import os
 import shutil
 import subprocess
@@ -34,7 +35,7 @@ class ExitCodes(ScenarioTest):
 
     def test_2_for_a_mistake_on_the_command_line(self):
         for arguments in (["run"], ["run", "--nonsense", CASE_1], ["nonsense"], [], ["run", CASE_1, "--speed", "fast"],
-                          ["run", CASE_1, "--until", "later"], ["run", CASE_1, "--set", "nonsense"], ["completion", "tcsh"]):
+                          ["run", CASE_1, "--until", "later"], ["run", CASE_1, "--seed", "99999999999999999999"], ["run", CASE_1, "--set", "nonsense"], ["completion", "tcsh"]):
             code, out, err = gridspace(*arguments)
             self.assertEqual(code, USAGE, f"{arguments}: {out}{err}")
             self.assertTrue(out + err, arguments)
@@ -70,6 +71,42 @@ class ExitCodes(ScenarioTest):
         code, _, err = gridspace("run", CASE_1, *SHORT, "--out", sealed / "run", user=65534, group=65534)
         self.assertEqual(code, ENVIRONMENT, err)
         self.assertIn("sealed", err)
+
+    def test_3_before_anything_starts_when_the_junit_file_cannot_be_written(self):
+        code, _, err = gridspace("run", CASE_1, *SHORT, "--out", self.folder / "run", "--junit", self.folder / "nowhere/junit.xml")
+        self.assertEqual(code, ENVIRONMENT, err)
+        self.assertIn("nowhere/junit.xml': No such file", err)
+        self.assertFalse((self.folder / "run").exists())
+
+    def test_the_junit_file_may_lie_in_the_run_folder(self):
+        run = self.run_to_end("run", [*SHORT, "--junit", self.folder / "run/junit.xml"])
+        self.assertIn("testsuite", (run.folder / "junit.xml").read_text())
+
+    def test_3_when_the_report_cannot_be_written_and_the_results_are_printed_all_the_same(self):
+        junit = self.folder / "junit.xml"
+        run = self.run_to_end("run", [*BASE, "--until", "1200s", "--speed", "1200", "--set", "expect=~", "--set", "expect={fine: {max_of: bus.*.v_pu, below: 2}}", "--junit", junit,
+                                      "--set", "processes.own={program: exec, host: board1, "
+                                               "command: [/bin/sh, -c, 'rm -r ../report && touch ../report; exec sleep 1000']}"], code=ENVIRONMENT)
+        self.assertRegex(run.stderr(), "cannot write '.*summary.json': Not a directory")
+        self.assertEqual([e["pass"] for e in json.loads(run.printed[0])["expectations"]], [True])
+        self.assertIn('failures="0"', junit.read_text())
+
+    def test_nobody_needs_to_read_what_a_run_says(self):
+        for number, redirection in enumerate(["2>&-", "2>/dev/full", "2>&1 | head -n 1 >/dev/null"]):
+            folder = self.folder / str(number)
+            shell = f'"$@" {redirection}; exit ${{PIPESTATUS[0]}}'
+            done = subprocess.run(["bash", "-c", shell, "bash", BIN / "gridspace", "run", CASE_1, *SHORT, "--out", folder], capture_output=True, text=True,
+                                  timeout=90)
+            self.assertIn(done.returncode, [OK, ENVIRONMENT] if "head" in redirection else [OK], redirection)
+            self.assertEqual(json.loads((folder / "report/summary.json").read_text())["exit"], OK, redirection)
+
+    def test_3_when_the_results_cannot_be_printed(self):
+        for arguments in (["run", CASE_1, *SHORT, "--json", "--out", self.folder / "run"], ["info", "--json", self.folder / "run"],
+                          ["compare", self.folder / "run", self.folder / "run"], ["--version"]):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([BIN / "gridspace", *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True, timeout=90)
+            self.assertEqual(done.returncode, ENVIRONMENT, arguments)
+            self.assertIn("No space left on device", done.stderr)
 
     def test_4_when_an_exec_process_ends_early(self):
         run = self.run_to_end("run", [*SHORT, "--speed", "60", "--set",

@@ -1,12 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """Ctrl-C is clean at every moment: exit code 130, a folder that can be read, nothing left behind."""
+import fcntl
 import os
 import signal
+import subprocess
+import termios
 import time
 import unittest
 
-from harness import BASE, HANG_S, INTERRUPTED, OK, PACED, ScenarioTest
+from harness import BASE, BIN, CASE_1, HANG_S, INTERRUPTED, OK, PACED, ScenarioTest
 
 
 class Interrupt(ScenarioTest):
@@ -32,6 +35,46 @@ class Interrupt(ScenarioTest):
         run = self.start("run", PACED)
         run.wait_for_time(3000)
         self.interrupt(run, signal.SIGTERM)
+
+    def test_a_terminal_that_is_closed_stops_it_in_order(self):
+        ours, terminal = os.openpty()
+        folder = self.folder / "run"
+        process = subprocess.Popen([BIN / "gridspace", "run", CASE_1, *PACED, "--out", folder], stdin=terminal, stdout=terminal, stderr=terminal,
+                                   start_new_session=True, preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
+        os.close(terminal)
+        said = b""
+        while b"are ready" not in said:
+            said += os.read(ours, 4096)
+        os.close(ours)
+        self.assertEqual(process.wait(HANG_S), INTERRUPTED, said)
+        self.assertTrue((folder / "report/index.html").exists())
+
+    def test_nohup_runs_on_when_the_terminal_is_gone(self):
+        run = self.start("run", [*PACED, "--until", "1800s", "--set", "expect=~"], prefix=["nohup"])
+        run.wait_for(lambda line: "ready" in str(line.get("note")), "readiness")
+        os.kill(run.pid, signal.SIGHUP)
+        self.assertEqual(run.finish(), OK, run.stderr())
+
+    def wait_in_the_report(self, name):
+        """A run that is over and writes its report: it waits for somebody to read its JUnit pipe."""
+        pipe = self.folder / f"{name}.xml"
+        os.mkfifo(pipe)
+        run = self.start(name, [*BASE, "--until", "60s", "--set", "expect=~", "--junit", pipe])
+        deadline = time.monotonic() + HANG_S
+        while not (run.folder / "report/index.html").exists() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        return run, pipe
+
+    def test_while_the_report_is_written_the_first_is_noted_and_the_second_ends_it(self):
+        run, pipe = self.wait_in_the_report("once")
+        os.kill(run.pid, signal.SIGINT)
+        self.assertIn("testsuite", pipe.read_text())
+        self.assertEqual(run.finish(), INTERRUPTED, run.stderr())
+        self.assertEqual(run.summary()["exit"], OK, "the run itself had come to its end")
+        run, _ = self.wait_in_the_report("twice")
+        os.kill(run.pid, signal.SIGINT)
+        os.kill(run.pid, signal.SIGTERM)
+        self.assertEqual(run.finish(), INTERRUPTED)
 
     def test_as_soon_as_the_run_folder_is_announced(self):
         run = self.start("run", PACED)
