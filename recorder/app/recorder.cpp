@@ -53,7 +53,21 @@ class RecorderShell {
         : config_{config}, node_{node}, status_{status}, file_{std::move(file)},
           epoch_ns_{node.config().clock.epoch_unix_s * 1'000'000'000} {}
 
+    /// However the recording ends, what was recorded can be read like that of a run to its end: with its index.
     Result<void> run() {
+        Result<void> result = record();
+        if (!result) {
+            for (auto const& closed : {frames_ ? close_capture() : Result<void>{}, file_.close()}) {
+                if (!closed) { // after a failed write nothing more is written, and the first error tells why
+                    log::warning("the recording is not complete: {}", closed.error().message);
+                }
+            }
+        }
+        return result;
+    }
+
+  private:
+    Result<void> record() {
         if (auto ok = open_taps(); !ok) {
             return ok;
         }
@@ -72,7 +86,6 @@ class RecorderShell {
             }
             auto tick = node_.next(std::chrono::steady_clock::now());
             if (!tick) {
-                (void)file_.flush(); // what was recorded is worth reading
                 return std::unexpected{tick.error()};
             }
             report_drops(*tick ? node_.time_base().seconds((*tick)->time) : last_s_, !*tick || (*tick)->final);
@@ -109,7 +122,6 @@ class RecorderShell {
         }
     }
 
-  private:
     /// Real time: the others hear of the end when this process does, and say their last counters then.
     Result<void> take_last_words() {
         constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20},

@@ -39,16 +39,19 @@ class Death(ScenarioTest):
         run = self.kill_in_mid_run("sim")
         self.assert_says(run, "sim")
         self.assert_recording_readable(run, at_least_s=3000)
+        self.assert_recording_complete(run)
 
     def test_killing_an_ev_agent_ends_the_run_and_names_it(self):
         run = self.kill_in_mid_run("ev3")
         self.assert_says(run, "ev3")
         self.assert_recording_readable(run, at_least_s=3000)
+        self.assert_recording_complete(run)
 
     def test_killing_the_mcca_ends_the_run_and_names_it(self):
         run = self.kill_in_mid_run("mcca")
         self.assert_says(run, "mcca")
         self.assert_recording_readable(run, at_least_s=3000)
+        self.assert_recording_complete(run)
 
     def test_killing_the_recorder_ends_the_run_and_its_file_is_still_readable(self):
         run = self.kill_in_mid_run("recorder")

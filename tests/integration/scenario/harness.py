@@ -213,6 +213,10 @@ class ScenarioTest(unittest.TestCase):
         self.assertIn("identical", said)
         return said
 
+    def assert_recording_complete(self, run, why=""):
+        """It ends as MCAP says, behind its index: without that, others' readers refuse it."""
+        self.assertTrue((run.folder / "data.mcap").read_bytes()[8:].endswith(b"\x89MCAP0\r\n"), why)
+
     def assert_recording_readable(self, run, at_least_s=0.0):
         """`export --csv` makes tables of whatever was recorded, up to about the moment of the failure."""
         code, out, err = gridspace("export", run.folder, "--csv", "--out", run.folder / "csv")

@@ -29,6 +29,7 @@ class Interrupt(ScenarioTest):
         self.assertGreater(run.summary()["simulated_s"], 5000)
         self.assertIn(("launcher", "run_stopped"), [(e["source"], e["event"]) for e in run.events()])
         self.assert_recording_readable(run, at_least_s=5000)
+        self.assert_recording_complete(run)
         self.assertTrue((run.folder / "report/index.html").exists())
 
     def test_sigterm_is_as_good_as_ctrl_c(self):
@@ -121,6 +122,8 @@ class Interrupt(ScenarioTest):
             self.assertEqual(run.left_over(), {}, f"{0.05 * step} s: {run.stderr()}")
             # Before main() has blocked it, the signal has its own way; after the last tick the run is simply over.
             self.assertIn(code, [INTERRUPTED, OK, -signal.SIGINT], f"{0.05 * step} s: {run.stderr()}")
+            if (run.folder / "data.mcap").exists():
+                self.assert_recording_complete(run, f"{0.05 * step} s: {run.stderr()}")
             codes.append(code)
         self.assertIn(INTERRUPTED, codes)
 
