@@ -233,7 +233,7 @@ void profile(Fields& f, Profile& p) {
     f.numbers("values", p.values, any("values at the points; linear between them"));
     std::filesystem::path csv;
     std::string column;
-    f.file("csv", csv, {.doc = "file with a column hours and others, instead of points"});
+    f.file("csv", csv, {.doc = "file with a column hours (or h, time_h) and others, instead of points"});
     f.text("column", column, {.doc = "column of the file"});
     f.object("half_sine", {.doc = "sin(pi (h - rise) / (set - rise)) ^ exponent by day, else 0"}, [&](Fields& h) {
         Profile::HalfSine& sine = p.half_sine.emplace();
