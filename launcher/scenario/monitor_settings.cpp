@@ -118,8 +118,11 @@ Node monitored_run(Scenario const& scenario, std::string const& folder) {
                                          {"pid_file", here ? folder + "/processes/" + process.name.name + ".pid" : ""}}));
         auto const add = [&](std::vector<WireUse> const& uses, bool sends) {
             for (WireUse const& use : uses) {
+                if (use.stream.empty()) { // a capture: it takes whatever passes, and is no end of any stream
+                    continue;
+                }
                 Node node = entry({{"process", process.name.name},
-                                   {"stream", use.stream.empty() ? use.link : use.stream},
+                                   {"stream", use.stream},
                                    {"kind", use.ethertype == iec61850::kGooseEthertype ? "goose" : "smv"},
                                    {"link", use.link}});
                 node.set("sends", Node::scalar(sends ? "true" : "false"));

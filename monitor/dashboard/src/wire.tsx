@@ -93,7 +93,7 @@ function of_signals(told: (what: string) => number | undefined): Counted {
 export function Wire() {
   const g = graph.value, now = values.value;
   const names = new Set(signals.value.map(s => s.name));
-  const wires = [...new Set(g?.wires.filter(w => w.publishes).map(w => w.stream) ?? [])].sort(); // others are whole links
+  const wires = [...new Set(g?.wires.filter(w => w.publishes).map(w => w.stream) ?? [])].sort();
   if (!wires.length) return <p class="empty">this scenario has no raw frames</p>;
   const recorded = run.value?.recorded ?? false;
   return (

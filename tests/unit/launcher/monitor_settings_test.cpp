@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/monitor_settings.hpp"
+
+#include "gateways/iec61850/frame.hpp"
+#include "launcher/scenario/scenario.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace gridspace::launcher {
+namespace {
+
+/// A process that sends and receives what it is told to, without a program behind it.
+struct Device final : ProcessSettings {
+    std::vector<WireUse> sent, received;
+    [[nodiscard]] std::vector<WireUse> sends(Scenario const&, Process const&) const override { return sent; }
+    [[nodiscard]] std::vector<WireUse> receives(Scenario const&, Process const&) const override { return received; }
+    [[nodiscard]] config::Node settings(Scenario const&, Process const&) const override { return config::Node::map(); }
+};
+
+Device& add(Scenario& s, std::string const& name) {
+    Process process;
+    process.name = {name, {}};
+    auto device = std::make_unique<Device>();
+    Device& out = *device;
+    process.settings = std::move(device);
+    s.processes.push_back(std::move(process));
+    return out;
+}
+
+TEST(MonitoredRun, HasTheEndsOfStreamsAndNotWhoCapturesALink) {
+    Scenario s;
+    add(s, "mu").sent = {{"bus", iec61850::kSvEthertype, "SMV"}};
+    add(s, "relay").received = {{"bus", iec61850::kSvEthertype, "SMV"}};
+    add(s, "recorder").received = {{"bus", iec61850::kSvEthertype, "", true},
+                                   {"bus", iec61850::kGooseEthertype, "", true}};
+
+    config::Node const run = monitored_run(s, "..");
+
+    std::vector<std::string> ends;
+    for (config::Node const& wire : run.find("wires")->items) {
+        ends.push_back(wire.find("process")->text + " " + wire.find("stream")->text);
+    }
+    EXPECT_THAT(ends, testing::ElementsAre("mu SMV", "relay SMV"));
+}
+
+} // namespace
+} // namespace gridspace::launcher
