@@ -231,6 +231,7 @@ GooseVerdict GooseSubscriber::receive(GooseFrame const& m, std::int64_t now_ns, 
         return verdict;
     }
     (void)match(m, true);
+    arrivals_.add(taken_++, now_ns);
     counters_.lost += verdict.lost;
     counters_.skipped_states += verdict.skipped_states;
     seen_simulated_ = seen_simulated_ || m.simulated();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "gateways/iec61850/arrival_statistics.hpp"
 #include "gateways/iec61850/data_set.hpp"
 #include "gateways/iec61850/goose.hpp"
 #include "gateways/iec61850/mms_data.hpp"
@@ -98,6 +99,8 @@ class GooseSubscriber {
     [[nodiscard]] std::uint32_t sq_num() const noexcept { return sq_num_; }
     [[nodiscard]] UtcTime t() const noexcept { return t_; }
     [[nodiscard]] Counters const& counters() const noexcept { return counters_; }
+    /// Of the messages that were taken.
+    [[nodiscard]] ArrivalStatistics const& arrivals() const noexcept { return arrivals_; }
 
     /// LPHD.Sim. Switching it off accepts real messages again.
     void set_simulation(bool simulation) noexcept;
@@ -124,6 +127,8 @@ class GooseSubscriber {
     UtcTime t_;
     bool seen_simulated_{false};
     Counters counters_;
+    ArrivalStatistics arrivals_;
+    std::int64_t taken_{0};
 };
 
 } // namespace gridspace::iec61850

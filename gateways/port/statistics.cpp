@@ -7,6 +7,16 @@ namespace gridspace::gateways {
 using iec61850::GooseEvent;
 using iec61850::SvEvent;
 
+namespace {
+
+void report_arrivals(StreamStatistics& out, iec61850::ArrivalStatistics const& arrivals) {
+    out.rate_hz(arrivals.rate_hz());
+    out.shortest_gap_ms(static_cast<double>(arrivals.shortest_ns()) / 1e6);
+    out.longest_gap_ms(static_cast<double>(arrivals.longest_ns()) / 1e6);
+}
+
+} // namespace
+
 Result<std::unique_ptr<StatisticsPublisher>> StatisticsPublisher::create(bus::Node& node) {
     auto out = std::unique_ptr<StatisticsPublisher>{new StatisticsPublisher{node}};
     auto writer = node.writer<StreamStatistics>("stream_statistics");
@@ -55,10 +65,7 @@ void report_received(StreamStatistics& out, iec61850::SvSubscriber const& subscr
                 counters.of(SvEvent::size_mismatch) + counters.of(SvEvent::simulation_refused) +
                 counters.of(SvEvent::unconfirmed));
     out.silences(counters.silences);
-    auto const& arrivals = subscriber.arrivals();
-    out.rate_hz(arrivals.rate_hz());
-    out.shortest_gap_ms(static_cast<double>(arrivals.shortest_ns()) / 1e6);
-    out.longest_gap_ms(static_cast<double>(arrivals.longest_ns()) / 1e6);
+    report_arrivals(out, subscriber.arrivals());
 }
 
 void report_received(StreamStatistics& out, iec61850::GooseSubscriber const& subscriber) {
@@ -83,6 +90,7 @@ void report_received(StreamStatistics& out, iec61850::GooseSubscriber const& sub
     out.restarts(counters.of(GooseEvent::restart));
     out.refused(refused);
     out.silences(counters.expired);
+    report_arrivals(out, subscriber.arrivals());
 }
 
 void report_sent(StreamStatistics& out, iec61850::GoosePublisher::Counters const& counters) {

@@ -37,6 +37,9 @@ class WireCounters(ScenarioTest):
             self.assertAlmostEqual(frames, (4800 if stream != "TRIP2" else 100) * seconds, delta=12, msg=(process, row))
             for counter in ("lost", "duplicate", "late", "restarts", "refused", "silences", "underruns", "dropped"):
                 self.assertEqual(int(row[counter]), 0, (process, counter, row))
+            if row["direction"] == "STREAM_RECEIVED":
+                rate = 4800 if stream != "TRIP2" else 100
+                self.assertAlmostEqual(float(row["rate_hz"]), rate, delta=0.05 * rate, msg=(process, row))
         os.kill(run.pid, signal.SIGINT)
         self.assertEqual(run.finish(), INTERRUPTED, run.stderr())
 

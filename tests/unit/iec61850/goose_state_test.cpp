@@ -240,6 +240,19 @@ TEST(GooseSubscriber, CountsLossAndSkippedStates) {
     EXPECT_EQ(sut.counters().lost, 3U);
 }
 
+TEST(GooseSubscriber, MeasuresTheRateOfTheMessagesThatItTook) {
+    GooseSubscriber sut{subscription()};
+    give(sut, message(1, 0), 0);
+    EXPECT_EQ(sut.arrivals().rate_hz(), 0.0);
+    give(sut, message(1, 1), 20 * kMs);
+    give(sut, message(1, 1), 25 * kMs); // twice: not taken
+    give(sut, message(1, 2), 30 * kMs);
+    give(sut, message(2, 0, true), 50 * kMs);
+    EXPECT_DOUBLE_EQ(sut.arrivals().rate_hz(), 3 / 0.05);
+    EXPECT_EQ(sut.arrivals().shortest_ns(), 10 * kMs);
+    EXPECT_EQ(sut.arrivals().longest_ns(), 20 * kMs);
+}
+
 TEST(GooseSubscriber, DropsDuplicatesAndOvertakenMessages) {
     GooseSubscriber sut{subscription()};
     give(sut, message(5, 3, true), 0);
