@@ -20,6 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kMostColumns = 10000; ///< of a query
+
 std::string text(Json const& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -285,12 +287,16 @@ web::Response Api::signal_query(web::Target const& target) const {
             return problem(400, "t0, t1 (seconds of simulated time) and px (columns) are numbers");
         }
     }
+    if (px && (*px < 1 || *px > kMostColumns || *px != std::floor(*px))) {
+        return problem(400, "px is '" + target.query.at("px") + "'",
+                       fmt::format("a whole number of columns, 1 to {}", kMostColumns));
+    }
     std::vector<std::string> const wanted = split(names->second, ',');
     if (wanted.size() > 64) {
         return problem(400, "at most 64 signals at once");
     }
     auto const ns = [](double s) { return static_cast<std::int64_t>(std::llround(std::clamp(s * 1e9, -9e18, 9e18))); };
-    auto const pixels = static_cast<std::size_t>(std::clamp(px.value_or(800), 1.0, 10000.0));
+    auto const pixels = static_cast<std::size_t>(px.value_or(800));
     Json series = Json::array();
     std::lock_guard const lock{run_.mutex};
     for (std::string const& name : wanted) {

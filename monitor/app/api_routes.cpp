@@ -138,8 +138,8 @@ web::Response Api::picture(web::Target const& target, bool dot) const {
 
 web::Response Api::event_query(web::Target const& target) const {
     double const after = number(target, "after").value_or(0);
-    if (!(after >= 0 && after < 1e15)) {
-        return problem(400, "`after` is the number of an event");
+    if (!(after >= 0 && after < 1e15) || after != std::floor(after)) {
+        return problem(400, "`after` is the number of an event", "?after=0 and whole numbers beyond");
     }
     return json_response(events(static_cast<std::uint64_t>(after), 1000));
 }

@@ -167,11 +167,14 @@ Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t t
             lowest = low_of(i) < low_of(lowest) || std::isnan(low_of(lowest)) ? i : lowest;
             highest = high_of(i) > high_of(highest) || std::isnan(high_of(highest)) ? i : highest;
         }
-        std::int64_t const a = bucket(*level, begin).first_ns, b = bucket(*level, end - 1).last_ns;
+        // Each at its own time, as far as that is known: within one bucket only that both were there.
         bool const low_first = lowest <= highest;
+        std::size_t const earlier = std::min(lowest, highest), later = std::max(lowest, highest);
+        std::int64_t const a = bucket(*level, earlier).first_ns;
+        std::int64_t const b = earlier == later ? bucket(*level, later).last_ns : bucket(*level, later).first_ns;
         put(a, low_first ? low_of(lowest) : high_of(highest));
-        if (b > a || low_of(lowest) != high_of(highest)) {
-            put(std::max(a, b), low_first ? high_of(highest) : low_of(lowest));
+        if (b > a) {
+            put(b, low_first ? high_of(highest) : low_of(lowest));
         }
     }
     return out;

@@ -75,6 +75,24 @@ TEST_F(ApiAnswers, FindTopicsWhoseNamesHaveSlashes) {
     EXPECT_EQ(ask("GET", "/api/v1/topics/rt").status, 404);
 }
 
+TEST_F(ApiAnswers, RefuseNumbersThatTheDocumentDoesNotAllow) {
+    run_.signals[{"sim", "g"}] =
+        std::make_unique<stream::SignalWindow>(std::vector<stream::SignalWindow::Column>{{"bus.B1.v_pu", "p.u."}});
+    auto const with = [&](char const* px) {
+        return ask("GET", "/api/v1/signals/query", {{"names", "bus.B1.v_pu"}, {"px", px}});
+    };
+    EXPECT_EQ(with("1").status, 200);
+    EXPECT_EQ(with("10000").status, 200);
+    for (char const* wrong : {"-1", "0", "10001", "1e9", "2.5", "many", ""}) {
+        EXPECT_EQ(with(wrong).status, 400) << wrong;
+    }
+    EXPECT_THAT(with("-1").body, testing::HasSubstr("1 to 10000"));
+    EXPECT_EQ(ask("GET", "/api/v1/events", {{"after", "0"}}).status, 200);
+    for (char const* wrong : {"-1", "1.5", "x"}) {
+        EXPECT_EQ(ask("GET", "/api/v1/events", {{"after", wrong}}).status, 400) << wrong;
+    }
+}
+
 TEST_F(ApiAnswers, KnowASwitchThatIsOffFromOneThatIsOn) {
     std::byte const cdr[]{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}, std::byte{7}};
     run_.on_sample("data", "t", "Thing", "somebody", cdr, 0);

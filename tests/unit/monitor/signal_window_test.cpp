@@ -9,6 +9,7 @@
 namespace gridspace::stream {
 namespace {
 
+using testing::DoubleEq;
 using testing::ElementsAre;
 
 SignalWindow ramp(std::size_t rows, std::size_t capacity) {
@@ -40,6 +41,27 @@ TEST(SignalWindow, KeepsASpikeOfOneSampleHoweverFewColumnsThePlotHas) {
     EXPECT_LE(plot.values.size(), 100U);
     EXPECT_EQ(*std::max_element(plot.values.begin(), plot.values.end()), 500.0);
     EXPECT_TRUE(std::is_sorted(plot.times_s.begin(), plot.times_s.end()));
+}
+
+TEST(SignalWindow, TellsExtremesAtTheirOwnTimes) {
+    SignalWindow sut{{{"v", "p.u."}}, 10'000};
+    for (int i = 0; i < 8000; ++i) {
+        sut.append(i * 1'000'000LL, std::array{i == 5500 ? 0.33 : i == 5600 ? 1.1 : 1.0});
+    }
+    Plot const plot = sut.plot(0, 0, 8'000'000'000, 3, Ends::inside);
+    EXPECT_THAT(plot.times_s, ElementsAre(0, DoubleEq(2.666), DoubleEq(5.5), DoubleEq(5.6))) << "of what never changes one point is enough";
+    EXPECT_THAT(plot.values, ElementsAre(1, 1, testing::DoubleNear(0.33, 1e-6), testing::DoubleNear(1.1, 1e-6)));
+}
+
+TEST(SignalWindow, TellsExtremesOfLongAgoWithinTheRowsThatTheyAreLeftOf) {
+    SignalWindow sut{{{"v", ""}}, 64};
+    for (int i = 0; i < 1600; ++i) { // of the first rows lowest and highest of 256 are left
+        sut.append(i * 1'000'000LL, std::array{i == 700 ? -1.0 : i == 1000 ? 2.0 : 0.0});
+    }
+    Plot const plot = sut.plot(0, 0, 1'599'000'000, 1, Ends::inside);
+    EXPECT_THAT(plot.values, ElementsAre(-1, 2));
+    EXPECT_NEAR(plot.times_s[0], 0.7, 0.256);
+    EXPECT_NEAR(plot.times_s[1], 1.0, 0.256);
 }
 
 TEST(SignalWindow, KeepsTheExtremesOfLongAgoInBoundedMemory) {
