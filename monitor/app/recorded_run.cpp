@@ -17,6 +17,11 @@ RecordedRun::RecordedRun(std::filesystem::path recording, LiveRun& run) : run_{r
     std::string const text{std::istreambuf_iterator<char>{stream}, {}};
     std::lock_guard const lock{run.mutex};
     run.recorded_graph = graph::from_json(text);
+    if (run.recorded_graph) {
+        for (graph::Process& process : run.recorded_graph->processes) { // whoever was there to the end is not any more
+            process.state = process.state == graph::ProcessState::alive ? graph::ProcessState::ended : process.state;
+        }
+    }
     run.recorded = true;
     run.clock.state = "loading";
     run.clock.time_s = 0;
@@ -44,6 +49,7 @@ void RecordedRun::load(std::filesystem::path const& recording) {
             run_.idl.try_emplace(message.schema.name, message.schema.data);
             if (!run_.recorded_graph && seen.insert(name).second) { // no monitor has seen who else was there
                 run_.graph.participant_found("recording", {name, {name, 0, "recorded"}, {}});
+                run_.graph.participant_gone(name, true);
             }
         }
         auto const network = networks.find(message.channel.topic);

@@ -40,7 +40,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
   };
   const volts = pattern.endsWith(".v_pu");
   return new uPlot({
-    width: node.clientWidth, height,
+    width: node.clientWidth, height, padding: [null, whole >= 7200 ? 36 : 24, null, null], // half of the last label
     legend: { live: true },
     cursor: { sync: { key: "time" }, drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
     scales: {
@@ -130,7 +130,13 @@ export function Lines({ id, pattern, height, look }: { id: string; pattern: stri
     const until = (run.value?.recorded ? choice.value.at : null) ?? d?.t1 ?? Infinity;
     let idx = times.length - 1;
     while (idx > 0 && times[idx] > until) --idx;
-    u.setLegend({ idx });
+    // Each signal has instants of its own: what it said last.
+    const held = (values: ArrayLike<unknown>) => {
+      let i = idx;
+      while (i > 0 && values[i] === undefined) --i;
+      return i;
+    };
+    u.setLegend({ idxs: u.data.map((values, i) => (i ? held(values) : idx)) });
   };
   useEffect(() => { plot.current?.redraw(false); requestAnimationFrame(tell); }, [choice.value.at, look?.marks, events.value]);
   useEffect(() => {

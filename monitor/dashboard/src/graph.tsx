@@ -1,5 +1,5 @@
 // The global data space: processes left and right, topics and streams between them, arrows by who writes and who reads.
-import { graph, topics } from "./model";
+import { graph, standing, topics } from "./model";
 import { choice, choose, picked } from "./state";
 import { rate } from "./text";
 
@@ -71,13 +71,13 @@ export function GraphView() {
 
   const box = (name: string, x: number, list: string[], kind: "process" | "topic") => {
     const p = programs.get(name);
-    const cls = kind === "process" ? `process ${p?.state}` : streams.has(name) ? "stream" : "topic";
+    const cls = kind === "process" ? `process ${p && standing(p.state).look}` : streams.has(name) ? "stream" : "topic";
     const w = kind === "process" ? kProcess : kTopic;
     const open = () => { if (!streams.has(name)) picked.value = chosen === name ? null : { kind, name }; };
     const per = rates.get(name);
     // As many letters as the box has room for, the mark of a lost one among them.
     const label = (kind === "process" && p?.state === "lost" ? "✕ " : "") + name, most = kind === "process" ? 17 : 19;
-    const said = kind === "process" ? `${p?.program} on ${p?.host}: ${p?.state}` : per === undefined ? name : `${name}: ${rate(per)}`;
+    const said = kind === "process" ? `${p?.program} on ${p?.host}: ${p && standing(p.state).said}` : per === undefined ? name : `${name}: ${rate(per)}`;
     return (
       <g class={`node ${cls}${found(name) ? " found" : ""}${chosen === name ? " chosen" : ""}`} key={kind + name} tabindex={0}
         role="button" aria-label={`${kind} ${said}`} onClick={open} onKeyDown={e => { if (e.key === "Enter") open(); }}>

@@ -6,7 +6,7 @@ import { Control } from "./control";
 import { GraphView } from "./graph";
 import { detectors, Ids } from "./ids";
 import { kindOf } from "./kinds";
-import { connect, connected, dropped, ended, events, graph, network, run, signals, topics } from "./model";
+import { connect, connected, dropped, ended, events, graph, network, over, run, signals, standing, topics } from "./model";
 import { OneLine } from "./oneline";
 import { Plots } from "./plots";
 import { choice, choose, picked } from "./state";
@@ -17,9 +17,9 @@ import { Wire } from "./wire";
 
 function Header() {
   const r = run.value;
-  const alive = r?.processes.filter(p => p.state === "alive").length ?? 0, all = r?.processes.length ?? 0;
+  const all = r?.processes.length ?? 0, gone = ended.value || (r?.recorded ?? false); // nobody is alive any more
+  const alive = r?.processes.filter(p => p.state === "alive" || (gone && p.state === "ended")).length ?? 0;
   const lost = r?.processes.some(p => p.state === "lost");
-  const over = ended.value || r?.state === "final";
   const part = r && r.duration_s > 0 ? Math.min(r.time_s / r.duration_s, 1) : 0;
   const mode = !r ? "" : r.mode === "lockstep" ? `lockstep ${r.speed === "max" ? "max" : "x" + r.speed}` : "real time";
   const dark = choice.value.theme ? choice.value.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
@@ -28,11 +28,11 @@ function Header() {
       <h1>Gridspace</h1>
       <span>{r?.scenario}</span>
       {mode && <span class={`pill${r!.mode !== "lockstep" && r!.state === "running" && r!.factor > 0 && r!.factor < 0.95 * (Number(r!.speed) || 1) ? " bad" : ""}`}>{mode}{r!.factor > 0 ? ` · now x${r!.factor >= 10 ? Math.round(r!.factor) : r!.factor.toFixed(2)}` : ""}</span>}
-      <span class={`pill ${lost ? "bad" : all && alive === all ? "good" : ""}`} role="status">{lost ? "✕ " : ""}{alive} of {all} {r?.recorded ? "took part" : "alive"}</span>
+      <span class={`pill ${lost ? "bad" : all && alive === all && !gone ? "good" : ""}`} role="status">{lost ? "✕ " : ""}{gone && lost ? `${all - alive} of ${all} lost` : `${alive} of ${all} ${gone ? "took part" : "alive"}`}</span>
       {r?.recorded && r.state === "recorded" ? <Transport /> : <><div class="progress" role="progressbar" aria-valuenow={Math.round(part * 100)} aria-label="progress of the run"><i style={{ width: `${part * 100}%` }} /></div>
       {r && <span class="time">t = {time(r.time_s, r.duration_s)}{r.duration_s > 0 ? ` of ${time(r.duration_s, r.duration_s)}` : ""}</span>}</>}
       {r?.control && connected.value && <Control />}
-      <span class={connected.value ? "soft" : "pill bad"} role="status">{connected.value ? (dropped.value ? `dropped ${dropped.value}` : r?.recorded ? r.state : over ? "finished" : "live") : ended.value ? "run is over" : "connecting"}</span>
+      <span class={connected.value ? "soft" : "pill bad"} role="status">{connected.value ? (dropped.value ? `dropped ${dropped.value}` : r?.recorded ? r.state : over() ? "finished" : "live") : ended.value ? (r?.recorded ? "its monitor is gone" : "run is over") : "connecting"}</span>
       <button aria-label="light or dark" title="light or dark" onClick={() => choose({ theme: dark ? "light" : "dark" })}>{dark ? "☀" : "☾"}</button>
     </header>
   );
@@ -41,17 +41,17 @@ function Header() {
 function Processes() {
   const r = run.value;
   const lockstep = r?.mode === "lockstep" && r.processes.some(p => p.tick !== undefined);
-  const used = r?.processes.some(p => p.memory_octets !== undefined || p.cpu_percent !== undefined);
-  const sign: Record<string, string> = { alive: "●", lost: "✕", ended: "○", expected: "…" };
+  const used = !ended.value && r?.processes.some(p => p.memory_octets !== undefined || p.cpu_percent !== undefined);
+  const sign: Record<string, string> = { alive: "●", lost: "✕", ended: "○", past: "○", expected: "…" };
   return (
     <table class="plain">
       <thead><tr><th>process</th><th>host</th><th>state</th>{used && <><th class="number" title="of one processor, lately">CPU</th><th class="number" title="resident memory">MB</th></>}{lockstep && <th class="number" title="the last tick that it acknowledged">tick</th>}</tr></thead>
       <tbody>
-        {r?.processes.map(p => (
-          <tr key={p.name} class={`state ${p.state}`}>
-            <td><button class="link" onClick={() => { picked.value = { kind: "process", name: p.name }; }}>{p.name}</button></td>
+        {r?.processes.map(p => ({ p, ...standing(p.state) })).map(({ p, said, look }) => (
+          <tr key={p.name} class={`state ${look}`}>
+            <td class="name" title={p.name}><button class="link" onClick={() => { picked.value = { kind: "process", name: p.name }; }}>{p.name}</button></td>
             <td class="soft host">{p.host}</td>
-            <td class="sign">{sign[p.state]} {r.recorded && p.state === "alive" ? "took part" : p.state}{p.incarnation > 0 ? ` (restarted ${p.incarnation}x)` : ""}</td>
+            <td class="sign">{sign[look]} {said}{p.incarnation > 0 ? ` (restarted ${p.incarnation}x)` : ""}</td>
             {used && <><td class="number">{p.cpu_percent === undefined ? "–" : `${p.cpu_percent < 9.95 ? p.cpu_percent.toFixed(1) : Math.round(p.cpu_percent)} %`}</td>
               <td class="number">{p.memory_octets === undefined ? "–" : Math.round(p.memory_octets / 1e6)}</td></>}
             {lockstep && <td class="number soft">{p.tick?.toLocaleString("en") ?? ""}</td>}
@@ -65,7 +65,7 @@ function Processes() {
 function Events() {
   const whole = run.value?.duration_s || 1;
   const list = events.value.slice(-200).reverse();
-  return list.length === 0 ? <p class="empty">nothing has happened yet</p> : (
+  return list.length === 0 ? <p class="empty">{over() ? "nothing has happened" : "nothing has happened yet"}</p> : (
     <table class="plain">
       <tbody>
         {list.map(e => (
@@ -129,7 +129,7 @@ function Drawer() {
   return (
     <aside class="drawer" aria-label={`${p.kind} ${p.name}`}>
       <div class="tools"><h2>{p.kind} {p.name}</h2><button aria-label="close" onClick={() => { picked.value = null; }}>×</button></div>
-      {process && p.kind === "process" && <p>{process.program} on {process.host}, <b>{process.state}</b>, {process.addresses.join(", ")}</p>}
+      {process && p.kind === "process" && <p>{process.program} on {process.host}, <b>{standing(process.state).said}</b>, {process.addresses.join(", ")}</p>}
       {problems.map(x => <p class="bad" key={x}>✕ {x}</p>)}
       {last && <h3>Last samples</h3>}
       {last?.last.map((s, i) => (

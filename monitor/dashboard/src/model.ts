@@ -53,6 +53,15 @@ export const events = signal<RunEvent[]>([]);
 export const values = signal<Map<string, number>>(new Map());
 export const drawn = signal<Record<string, Drawn>>({});
 
+/** Nothing more will come: a recorded run, one that has reached its end, or one whose monitor is gone. */
+export const over = () => ended.value || (run.value?.recorded ?? false) || ["final", "aborted"].includes(run.value?.state ?? "");
+
+/** What is said of a process, and its class: nobody is alive any more once the run is over and its monitor gone. */
+export function standing(state: string): { said: string; look: string } {
+  const recorded = run.value?.recorded ?? false, was = state === "alive" || (recorded && state === "ended");
+  return was && (recorded || ended.value) ? { said: recorded ? "took part" : "was alive", look: "past" } : { said: state, look: state };
+}
+
 /** What a plot asks for: names, and either a window that follows the newest sample (negative: everything) or fixed ends. */
 export interface View { id: string; names: string[]; window_s: number; t0: number; t1: number; px: number }
 

@@ -6,7 +6,7 @@ import { choice, choose } from "./state";
 import { stamp } from "./text";
 import { position } from "./transport";
 
-const kLane = 22, kAxis = 20, kName = 92, kRight = 14, kMostLanes = 10, kLetter = 6.2;
+const kLane = 22, kAxis = 20, kName = 92, kRight = 26, kMostLanes = 10, kLetter = 6.2;
 
 /** Shows the moment t everywhere. */
 export function jumpTo(t: number): void {

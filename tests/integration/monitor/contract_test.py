@@ -74,6 +74,8 @@ class Contract(harness.ScenarioTest):
                                   ("/api/v1/signals/query", DOCUMENT["paths"]["/api/v1/signals/query"]["get"]),
                                   ("/api/v1/signals/query?names=no.such.signal", DOCUMENT["paths"]["/api/v1/signals/query"]["get"]),
                                   ("/api/v1/signals/query?names=a&px=many", DOCUMENT["paths"]["/api/v1/signals/query"]["get"]),
+                                  ("/api/v1/signals/query?names=a&px=0", DOCUMENT["paths"]["/api/v1/signals/query"]["get"]),
+                                  ("/api/v1/events?after=1.5", DOCUMENT["paths"]["/api/v1/events"]["get"]),
                                   ("/api/v1/events?after=-1", DOCUMENT["paths"]["/api/v1/events"]["get"])]:
             answer = monitor.get(target)
             self.assertIn(answer.status, (400, 404), target)
@@ -118,6 +120,11 @@ class Contract(harness.ScenarioTest):
             monitor.until("/api/v1/run", lambda r: r["state"] == "recorded", "the recording to be read")
             self.assert_kept(monitor, {"names": "breaker.CB3.position", "topic": "TL_21"})
             streams = {s["name"]: s for s in monitor.json("/api/v1/streams")["streams"]}
+            self.assertEqual(set(streams), {"SMV21", "SMV22", "TRIP2"}, "and no link that somebody captures")
+            states = {p["name"]: p["state"] for p in monitor.json("/api/v1/run")["processes"]}
+            self.assertEqual({states[name] for name in ("sim", "relay2", "breaker2")}, {"ended"}, states)
+            up = [line for line in monitor.get("/metrics").body.decode().splitlines() if line.startswith("gridspace_process_up{")]
+            self.assertEqual({line.rsplit(" ", 1)[1] for line in up}, {"0"}, "nobody is on the bus any more")
             self.assertEqual((streams["SMV21"]["kind"], streams["SMV21"]["from"]), ("smv", ["mu21"]))
             self.assertEqual(streams["TRIP2"]["kind"], "goose")
             answer = monitor.ask("POST", "/api/v1/control", json.dumps({"action": "stop"}))
