@@ -27,7 +27,7 @@ InterruptWatch::InterruptWatch() {
     sigemptyset(&watched_);
     for (std::size_t i = 0; i < kSignals.size(); ++i) {
         ::sigaction(kSignals[i], nullptr, &actions_[i]);
-        if (actions_[i].sa_handler != SIG_IGN || kSignals[i] == SIGTERM) {
+        if (actions_[i].sa_handler != SIG_IGN || kSignals[i] != SIGHUP) {
             sigaddset(&watched_, kSignals[i]);
         }
     }

@@ -7,9 +7,9 @@
 
 namespace gridspace::launcher {
 
-/// Requests to stop: Ctrl-C (SIGINT), SIGTERM, and a terminal that was closed (SIGHUP). What whoever started this process has it
-/// ignore is ignored: SIGHUP under `nohup`, SIGINT in the background of a script. A terminal that closes may say so
-/// several times; a hang-up is never the second request. At most one object at a time.
+/// Requests to stop: Ctrl-C (SIGINT), SIGTERM, and a terminal that was closed (SIGHUP). Under `nohup` SIGHUP stays
+/// ignored; SIGINT, which a script has its background ignore, does not: who sends it means this run. A terminal that
+/// closes may say so several times; a hang-up is never the second request. At most one object at a time.
 ///
 /// First they are blocked and read from a file descriptor, from before anything is made until everything is gone. After
 /// `let_finish()`, while the report is written, the first is noted and the second ends the process with 130.

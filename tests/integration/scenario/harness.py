@@ -41,10 +41,6 @@ expect: ~
 SHORT_CASE_2 = short_case_2()
 HANG_S = 240  # nothing that works takes that long, even beside ten other jobs
 
-# The background of a script ignores Ctrl-C, and so would whatever is started from there.
-if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-
 OK, EXPECTATION, USAGE, ENVIRONMENT, CHILD_DIED, STALL, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 
 # Case 1 without what a test does not need: no dashboard. `PACED`: slow enough to be caught in the middle.

@@ -56,6 +56,11 @@ class Interrupt(ScenarioTest):
         os.kill(run.pid, signal.SIGHUP)
         self.assertEqual(run.finish(), OK, run.stderr())
 
+    def test_sigint_is_heard_where_a_script_has_its_background_ignore_it(self):
+        run = self.start("run", PACED, prefix=["sh", "-c", 'trap "" INT; exec "$@"', "sh"])
+        run.wait_for_time(1000)
+        self.interrupt(run)
+
     def wait_in_the_report(self, name):
         """A run that is over and writes its report: it waits for somebody to read its JUnit pipe."""
         pipe = self.folder / f"{name}.xml"
