@@ -411,11 +411,13 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
         break;
     }
     case Verb::time_of: {
-        auto const [at, true_since] = fulfilment_of(timeline, e.expression->edge(), begin);
-        std::optional<Moment> const& reference = e.from ? e.from : e.since;
-        if (!at && true_since) {
+        auto [at, true_since] = fulfilment_of(timeline, e.expression->edge(), begin);
+        if (!at && true_since && e.since) { // no answer to it
             return missed(fmt::format("was already {} at {} s, before '{}'", e.expression->edge() == Expression::Edge::falls ? "false" : "true",
-                                      seconds_text(*true_since), to_text(*reference)));
+                                      seconds_text(*true_since), to_text(e.from ? *e.from : *e.since)));
+        }
+        if (!at && true_since && e.expression->edge() == Expression::Edge::none) { // no event is asked about: `from` is the first time
+            at = begin;
         }
         if (!at) {
             return missed("it never became true");
