@@ -6,7 +6,7 @@
 
 #include <vector>
 
-struct sock_filter;
+struct sock_filter; // NOLINT(readability-identifier-naming): the kernel calls it so
 
 namespace gridspace::ethernet {
 
