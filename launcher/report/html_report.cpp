@@ -193,7 +193,7 @@ Result<fs::path> write_html_report(Results const& r) {
                     "<title>{} – Gridspace report</title><style>{}</style></head>\n<body><main>{}</main>\n"
                     "<script>const figures=[{}];\n{}</script></body></html>\n",
                     escape(r.scenario), kReportCss, body, data, kReportJs);
-    fs::path const file = r.folder / "report" / "index.html";
+    fs::path file = r.folder / "report" / "index.html";
     if (auto ok = write_file(file, page); !ok) {
         return std::unexpected{ok.error()};
     }
