@@ -16,6 +16,17 @@ double seconds_of(eprosima::fastrtps::Duration_t const& duration) {
     return duration == eprosima::fastrtps::c_TimeInfinite ? -1 : static_cast<double>(duration.to_ns()) * 1e-9;
 }
 
+/// None announced: XCDR1 (DDS-XTypes 1.3, 7.6.3.1.1). What the specification does not name is left out.
+std::vector<Representation> representations_of(dds::DataRepresentationQosPolicy const& policy) {
+    std::vector<Representation> out;
+    for (auto const id : policy.m_value) {
+        if (id >= dds::XCDR_DATA_REPRESENTATION && id <= dds::XCDR2_DATA_REPRESENTATION) {
+            out.push_back(static_cast<Representation>(id));
+        }
+    }
+    return out.empty() ? std::vector{Representation::xcdr1} : out;
+}
+
 template <class Data>
 DiscoveredEndpoint from(Data const& data, bool writer) {
     DiscoveredEndpoint out;
@@ -32,6 +43,12 @@ DiscoveredEndpoint from(Data const& data, bool writer) {
     out.qos.lease_s = seconds_of(data.m_qos.m_liveliness.lease_duration);
     out.qos.exclusive = data.m_qos.m_ownership.kind == dds::EXCLUSIVE_OWNERSHIP_QOS;
     out.qos.partitions = data.m_qos.m_partition.getNames();
+    out.qos.scope = static_cast<PresentationScope>(data.m_qos.m_presentation.access_scope);
+    out.qos.coherent = data.m_qos.m_presentation.coherent_access;
+    out.qos.ordered = data.m_qos.m_presentation.ordered_access;
+    out.qos.by_source_timestamp =
+        data.m_qos.m_destinationOrder.kind == dds::BY_SOURCE_TIMESTAMP_DESTINATIONORDER_QOS;
+    out.qos.representations = representations_of(data.m_qos.representation);
     return out;
 }
 
@@ -40,6 +57,8 @@ static_assert(static_cast<int>(dds::VOLATILE_DURABILITY_QOS) == static_cast<int>
 static_assert(static_cast<int>(dds::PERSISTENT_DURABILITY_QOS) == static_cast<int>(Durability::persistent));
 static_assert(static_cast<int>(dds::AUTOMATIC_LIVELINESS_QOS) == static_cast<int>(Liveliness::automatic));
 static_assert(static_cast<int>(dds::MANUAL_BY_TOPIC_LIVELINESS_QOS) == static_cast<int>(Liveliness::manual_by_topic));
+static_assert(static_cast<int>(dds::GROUP_PRESENTATION_QOS) == static_cast<int>(PresentationScope::group));
+static_assert(static_cast<int>(dds::XCDR2_DATA_REPRESENTATION) == static_cast<int>(Representation::xcdr2));
 
 } // namespace
 

@@ -18,6 +18,8 @@ struct DiscoveredParticipant {
 
 enum class Durability { volatile_, transient_local, transient, persistent };
 enum class Liveliness { automatic, manual_by_participant, manual_by_topic };
+enum class PresentationScope { instance, topic, group };
+enum class Representation { xcdr1, xml, xcdr2 };
 
 /// The part of an endpoint's QoS that decides a match. Durations in seconds; infinite when negative.
 struct EndpointQos {
@@ -28,6 +30,11 @@ struct EndpointQos {
     double lease_s{-1};
     bool exclusive{false}; ///< ownership
     std::vector<std::string> partitions;
+    PresentationScope scope{PresentationScope::instance};
+    bool coherent{false};            ///< presentation: changes are sent, or wanted, as units
+    bool ordered{false};             ///< presentation: in the order of all changes of the scope
+    bool by_source_timestamp{false}; ///< destination order
+    std::vector<Representation> representations{Representation::xcdr1}; ///< a writer uses the first; never empty
 };
 
 /// A reader or writer of somebody else's.

@@ -5,62 +5,18 @@
 #include "bus/cork.hpp"
 #include "bus/node_core.hpp"
 #include "bus/topics.hpp"
-#include "common/log.hpp"
-#include "common/text.hpp"
 
 #include <algorithm>
 #include <catalog.h>
-#include <chrono>
-#include <cmath>
-#include <cstdlib>
 #include <fmt/format.h>
 
 namespace gridspace::bus {
-namespace {
-
-std::int64_t wall_clock_ns() {
-    auto const utc = std::chrono::system_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(utc).count();
-}
-
-} // namespace
 
 Participant& Node::Core::network_of(std::string const& topic) {
     bool const on_management = is_management_topic(topic) ||
                                std::find(config.management_topics.begin(), config.management_topics.end(), topic) !=
                                    config.management_topics.end();
     return on_management || data == nullptr ? *management : *data;
-}
-
-SimTime Node::Core::time_now() const {
-    if (!has_clock()) {
-        return base.from_nanoseconds(wall_clock_ns() - epoch_ns);
-    }
-    if (lockstep() || is_simulator() || !clock_seen || pace.last_arrived == pace.first_arrived) {
-        return latest_time;
-    }
-    constexpr double kLongestGapS = 0.02; // the simulator may be late, or paused
-    using Seconds = std::chrono::duration<double>;
-    double const arrived_s = Seconds{pace.last_arrived - pace.first_arrived}.count();
-    double const sent_s = static_cast<double>(pace.last_sent_ns - pace.first_sent_ns) / 1e9;
-    double const quanta_per_s = static_cast<double>((latest_time - pace.first).quanta) / std::max(arrived_s, sent_s);
-    double const since_s =
-        std::min(kLongestGapS, Seconds{std::chrono::steady_clock::now() - pace.last_arrived}.count());
-    told = std::max(told, latest_time + SimSpan{static_cast<std::int64_t>(quanta_per_s * since_s)});
-    return told;
-}
-
-void Node::Core::watch_clock() {
-    std::int64_t const steady_ns =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-            .count();
-    if (auto const by = clock_watch.step(wall_clock_ns(), steady_ns)) {
-        fail_locked({ExitCode::environment,
-                     fmt::format("the clock of this machine was set {} by {:.3f} s", *by > 0 ? "forward" : "back",
-                                 std::abs(static_cast<double>(*by)) / 1e9),
-                     "in real time frames are stamped and delays measured with it: let chrony or ntpd finish before "
-                     "the run; in lockstep no clock is used"});
-    }
 }
 
 void Node::Core::fail(Error why) {
@@ -73,18 +29,6 @@ void Node::Core::fail_locked(Error why) {
         error = std::move(why);
     }
     changed.notify_all();
-}
-
-template <class Ledger>
-void Node::Core::take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger) {
-    bool const late_joiner = joining && config.incarnation > 0;
-    for (LedgerEntry const& entry : ledger) {
-        if (late_joiner) {
-            book->baseline(process, incarnation, entry.topic().c_str(), entry.sent());
-        } else {
-            book->announced(process, incarnation, entry.topic().c_str(), entry.sent());
-        }
-    }
 }
 
 void Node::Core::fill_ledger(std::vector<LedgerEntry>& ledger) const {
@@ -107,133 +51,6 @@ void Node::Core::fill_ledger(std::vector<LedgerEntry>& ledger) const {
     }
 }
 
-Peer const& Node::Core::writer_of(std::vector<std::optional<Peer>>& sources, SampleHeader const& header) const {
-    if (header.source >= sources.size()) {
-        sources.resize(header.source + 1);
-    }
-    std::optional<Peer>& source = sources[header.source];
-    if (!source) {
-        source = management->peer(header.peer);
-    }
-    return *source;
-}
-
-bool Node::Core::clock_fits(SampleHeader const& header) {
-    if (clock.state() == CLOCK_ABORTED) {
-        return true; // it may have ended before it began to count
-    }
-    constexpr std::int64_t kSlackNs = 1000; // the stamps of DDS count in 2^-32 s
-    Rational const quantum = config.clock.quantum_s;
-    SimTime const now{clock.quanta()};
-    std::int64_t const in_ticks = tick_span.quanta * static_cast<std::int64_t>(clock.tick());
-    std::int64_t const off_ns = header.source_ns - source_ns(now);
-    std::string mismatch;
-    if (quantum.num() != clock.quantum_num() || quantum.den() != clock.quantum_den()) {
-        mismatch = fmt::format("counts in steps of {}/{} s, and this process in {} s", clock.quantum_num(),
-                               clock.quantum_den(), quantum.to_string());
-    } else if (lockstep() && now.quanta != in_ticks && clock.state() != CLOCK_FINAL) { // the last one may be shorter
-        mismatch = fmt::format("is at {} s in tick {}, and a tick of this process is {} s", shortest(base.seconds(now)),
-                               clock.tick(), config.clock.tick_s.to_string());
-    } else if (lockstep() && std::llabs(off_ns) > kSlackNs) {
-        mismatch =
-            fmt::format("has another epoch than this process, by {} s", shortest(static_cast<double>(off_ns) / 1e9));
-    }
-    if (!mismatch.empty()) {
-        fail_locked({ExitCode::usage, fmt::format("the clock of '{}' {}", config.clock.simulator, mismatch),
-                     "the configuration of this process is that of another scenario, or of an older one: make it again "
-                     "(on a board: its bundle)"});
-    }
-    return mismatch.empty();
-}
-
-void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
-    if (writer_of(clock_sources, header).process != config.clock.simulator) {
-        ++foreign_samples; // of another run, or of somebody who looks on
-        return;
-    }
-    std::lock_guard const lock{mutex};
-    if (!codec_of<SimClock>().decode(cdr, &clock)) {
-        fail_locked({ExitCode::environment,
-                     "a clock sample cannot be decoded: another version of Gridspace on this domain?", ""});
-        return;
-    }
-    pace.last_arrived = std::chrono::steady_clock::now();
-    pace.last_sent_ns = header.source_ns;
-    if (!clock_seen) {
-        pace.first_sent_ns = header.source_ns;
-        pace.first_arrived = pace.last_arrived;
-        pace.first = {clock.quanta()};
-    }
-    if (!clock_fits(header)) {
-        return;
-    }
-    if (!lockstep()) {
-        auto const wall_ns = wall_clock_ns();
-        if (auto const ahead = clock_watch.offset(header.source_ns, wall_ns)) {
-            fail_locked({ExitCode::environment,
-                         fmt::format("the clock of this machine is {:.3f} s {} that of the simulator's machine",
-                                     std::abs(static_cast<double>(*ahead)) / 1e9, *ahead > 0 ? "ahead of" : "behind"),
-                         "in real time they have to agree: chrony, ntpd or PTP on both; in lockstep no clock is used"});
-        }
-    }
-    if (lockstep() && !clock_seen && config.incarnation == 0 && clock.tick() > 0 && clock.state() != CLOCK_ABORTED) {
-        fail_locked({ExitCode::environment,
-                     fmt::format("the run is already under way: its clock is at tick {}", clock.tick()),
-                     "in lockstep a program joins before the start, or is restarted by the scenario (`restart:`)"});
-        return;
-    }
-    clock_seen = true;
-    if (clock_tap != nullptr && clock.state() != CLOCK_HELD) {
-        Origin origin{{clock.quanta()}, 0, header.writer, header.sequence};
-        std::size_t const simulator = book->process_index(config.clock.simulator);
-        origin.process =
-            static_cast<std::uint32_t>(simulator == lockstep::LedgerBook::kUnknown ? book->process_count() : simulator);
-        clock_tap->push(cdr, origin, base);
-    }
-    ++clock_generation;
-    latest_time = {clock.quanta()};
-    if (clock.state() == CLOCK_ABORTED) {
-        fail_locked({ExitCode::stall,
-                     gate->has_pending()
-                         ? fmt::format("the simulator has ended the run; this process waited for {}", gate->awaiting())
-                         : "the simulator has ended the run",
-                     "the simulator's log says why"});
-        return;
-    }
-    std::size_t const simulator = book->process_index(config.clock.simulator);
-    if (simulator != lockstep::LedgerBook::kUnknown && (lockstep() || clock.state() == CLOCK_FINAL)) {
-        take_ledger(simulator, 0, clock.ledger()); // in real time it only tells what was lost
-    }
-    if (lockstep()) {
-        if (clock.state() == CLOCK_HELD) {
-            on_held_clock();
-            return;
-        }
-        if (!joining) {
-            gate->on_clock(clock.tick(), clock.awaited(), clock.state() == CLOCK_FINAL);
-            pending_since = std::chrono::steady_clock::now();
-        }
-        if (!gate->granted()) {
-            return; // the last thing to arrive wakes the process, once
-        }
-    }
-    changed.notify_all();
-}
-
-void Node::Core::on_held_clock() {
-    if (joining) {
-        if (is_late_joiner() && config.joins_at_s && SimTime{} + base.nearest(*config.joins_at_s) <= latest_time) {
-            held = Held{clock.tick(), {clock.awaited().begin(), clock.awaited().end()}};
-        }
-    } else {
-        std::vector<std::string> const& members = config.clock.members; // in the order of names
-        auto const self = std::find(members.begin(), members.end(), config.process);
-        restate_ledger = self != members.end() &&
-                         lockstep::bit_of(clock.awaited(), static_cast<std::size_t>(self - members.begin()));
-    }
-    changed.notify_all();
-}
-
 std::string Node::Core::missing_ledgers() const {
     if (!held) {
         return "the clock of the tick after which it joins";
@@ -250,129 +67,6 @@ std::string Node::Core::missing_ledgers() const {
         }
     }
     return out;
-}
-
-void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
-    Peer const& writer = writer_of(ack_sources, header);
-    std::lock_guard const lock{mutex};
-    static thread_local ClockAck received; // keeps its capacity: no allocation per acknowledgement
-    if (!codec_of<ClockAck>().decode(cdr, &received)) {
-        return;
-    }
-    std::size_t const process = book->process_index(received.member().c_str());
-    if (process == lockstep::LedgerBook::kUnknown || writer.process != received.member().c_str() ||
-        writer.incarnation != received.incarnation()) {
-        ++foreign_samples;
-        return;
-    }
-    bool const is_restated = received.next_tick_needed() == 0;
-    if (ack_tap != nullptr && !is_restated) {
-        ack_tap->push(cdr,
-                      {base.from_nanoseconds(header.source_ns - epoch_ns), static_cast<std::uint32_t>(process),
-                       header.writer, header.sequence},
-                      base);
-    }
-    take_ledger(process, received.incarnation(), received.ledger());
-    take_wire_ledger(process, received);
-    if (joining && is_late_joiner()) {
-        ledgers_of[received.member().c_str()] = received.tick();
-        changed.notify_all();
-    }
-    if (is_restated) {
-        return;
-    }
-    std::int64_t const time_quanta = tick_span.quanta * static_cast<std::int64_t>(received.tick());
-    if (std::string const more = book->acknowledged(process, received.incarnation(), time_quanta); !more.empty()) {
-        fail_locked(
-            {ExitCode::stall,
-             fmt::format("{} has acknowledged tick {}: {}", received.member().c_str(), received.tick(), more),
-             "a member writes all that belongs to a tick before it acknowledges it, and counts it in its ledger"});
-        return;
-    }
-    gate->on_ack(process, received.tick());
-    if (on_ack) {
-        on_ack(received);
-    }
-    if (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value()) {
-        changed.notify_all();
-    }
-}
-
-void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header) {
-    if (header.source >= slot.sources.size()) {
-        slot.sources.resize(header.source + 1);
-    }
-    ReaderSlot::Source& source = slot.sources[header.source];
-    if (!source.known) {
-        Peer const peer = slot.network->peer(header.peer);
-        source = {true, book->process_index(peer.process), peer.incarnation, peer.process};
-        if (lockstep() && source.process != lockstep::LedgerBook::kUnknown && !slot.diagnostic) {
-            auto const expected = config.expected_writers.find(slot.topic);
-            if (expected != config.expected_writers.end() && !expected->second.contains(peer.process)) {
-                fail({ExitCode::usage,
-                      fmt::format("{} writes '{}', which the scenario does not say", peer.process, slot.topic),
-                      "in lockstep the order of the processes follows from who writes what: add the topic to its "
-                      "`writes`"});
-            }
-        }
-    }
-    std::size_t const process = source.process;
-    Origin origin;
-    origin.writer = header.writer;
-    origin.sequence = header.sequence;
-    if (process == lockstep::LedgerBook::kUnknown) {
-        ++foreign_samples;
-        if (lockstep()) {
-            return; // a run must not depend on who else is on the bus
-        }
-        origin.process = static_cast<std::uint32_t>(book->process_count());
-    } else {
-        origin.process = static_cast<std::uint32_t>(process);
-    }
-    // Counted and stored under one lock: what the ledger calls complete must be there to be taken.
-    std::lock_guard const lock{mutex};
-    if (joining && config.incarnation > 0) {
-        return; // sent before this incarnation was ready: part of the baseline
-    }
-    origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : time_now();
-    if (process != lockstep::LedgerBook::kUnknown) {
-        using Arrival = lockstep::LedgerBook::Arrival;
-        bool const counted = lockstep() && !slot.diagnostic;
-        Arrival const arrival = book->arrived(process, source.incarnation, slot.book_reader, header.writer,
-                                              header.sequence, counted ? origin.time.quanta : INT64_MAX);
-        if (arrival == Arrival::repeated) {
-            return;
-        }
-        if (arrival == Arrival::late) {
-            fail_locked(
-                {ExitCode::stall,
-                 fmt::format("a sample of '{}' from {} came for {} s, which {} had acknowledged without it", slot.topic,
-                             source.name, shortest(base.seconds(origin.time)), source.name),
-                 "a member writes all that belongs to a tick before it acknowledges it, and counts it in its ledger"});
-            return;
-        }
-        if (arrival == Arrival::gap) {
-            ++lost_samples;
-            if (lockstep()) {
-                fail_locked({ExitCode::stall,
-                             fmt::format("a sample of '{}' from {} is lost: number {} came after a gap", slot.topic,
-                                         source.name, header.sequence),
-                             "the depth of its QoS profile is too small for this tick, or a socket buffer is"});
-                return;
-            }
-        }
-    }
-    if (!slot.inbox->push(cdr, origin, base)) {
-        fail_locked({ExitCode::environment,
-                     fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
-                     "both sides must be built from the same IDL"});
-        return;
-    }
-    ++input_generation;
-    if (!lockstep() ||
-        (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value())) {
-        changed.notify_all();
-    }
 }
 
 Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {

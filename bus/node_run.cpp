@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A node's life on the clock: start, next, done. Endpoints and receiving are in node.cpp.
+// A node's life on the clock: start, next, done. Endpoints are in node.cpp, receiving is in node_receive.cpp.
 #include "bus/cork.hpp"
 #include "bus/deadline.hpp"
 #include "bus/effect_time.hpp"

@@ -305,7 +305,7 @@ void check_islands(Network const& n, Diagnostics& diagnostics) {
             diagnostics.warning(
                 bus.name.where,
                 fmt::format("bus '{}' has no voltage at the start: it is behind a breaker that is open", bus.name.name),
-                "with `closed: true` at that breaker it has", width(bus.name));
+                "with `state: closed` at that breaker it has", width(bus.name));
         }
     }
 }

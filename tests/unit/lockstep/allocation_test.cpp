@@ -58,7 +58,9 @@ class ClockPath {
             std::size_t const process = book_.process_index(heard_ack_.member().c_str());
             if (i < kMembers - 1) {
                 book_.announced(process, 0, heard_ack_.ledger()[0].topic().c_str(), heard_ack_.ledger()[0].sent());
-                book_.arrived(process, 0, 1, 10 + i, k + 1);
+                auto const now = static_cast<std::int64_t>(k);
+                book_.arrived(process, 0, 1, 10 + i, k + 1, now);
+                good = good && book_.acknowledged(process, 0, now).empty();
             }
             gate_.on_ack(process, heard_ack_.tick());
             (void)barrier_.on_ack(barrier_.member_index(heard_ack_.member().c_str()), heard_ack_.tick(), heard_ack_.next_tick_needed());

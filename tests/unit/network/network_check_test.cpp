@@ -87,7 +87,8 @@ TEST(NetworkCheck, BehindABreakerThatIsOpenAtTheStartThereIsNoVoltageYet) {
                          "breaker_types: {ideal: {}}\n"
                          "breakers: {CB: {line: L, end: from, type: ideal, state: open}}\n"
                          "generators: {G: {bus: A, role: slack}}\n"),
-                ::testing::HasSubstr("warning: bus 'B' has no voltage at the start"));
+                ::testing::AllOf(::testing::HasSubstr("warning: bus 'B' has no voltage at the start"),
+                                 ::testing::HasSubstr("`state: closed`")));
 }
 
 TEST(NetworkCheck, UnknownNamesGetTheNearestSpelling) {
