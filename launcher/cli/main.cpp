@@ -224,8 +224,10 @@ int main_function(int argc, char** argv) {
     add_ids_verbs(app, action, ids_train_arguments, ids_evaluate_arguments, ids_study_arguments);
 
     MonitorArguments monitor_arguments;
-    CLI::App* monitor_verb = verb("monitor", "look at a finished run in the dashboard");
-    monitor_verb->add_option("RUN", monitor_arguments.run, "run folder (default: latest)");
+    CLI::App* monitor_verb = verb("monitor", "look at a finished run, or at any DDS domain, in the dashboard");
+    CLI::Option* const monitored_run = monitor_verb->add_option("RUN", monitor_arguments.run, "run folder (default: latest)");
+    CLI::Option* const domain = monitor_verb->add_option("--domain", monitor_arguments.domain, "a DDS domain instead of a run: whoever talks there")->check(CLI::Range(0, 232))->excludes(monitored_run);
+    monitor_verb->add_option("--address", monitor_arguments.addresses, "address of this machine at which it joins the domain (default: 127.0.0.1; may be repeated)")->check(CLI::ValidIPV4)->allow_extra_args(false)->needs(domain);
     monitor_verb->add_option("--bind,--listen", monitor_arguments.listen, "address and port (port 0: a free one); elsewhere than 127.0.0.1 only with a token and TLS");
     monitor_verb->add_option("--token-file", monitor_arguments.token_file, "file with the secret of whoever may look (mode 0600)");
     CLI::Option* certificate = monitor_verb->add_option("--tls-cert", monitor_arguments.tls_cert, "certificate (PEM)");

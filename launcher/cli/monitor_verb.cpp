@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// gridspace monitor RUN: the dashboard on a finished run. gridspace-monitor takes the place of this process.
+// gridspace monitor RUN: the dashboard on a finished run; gridspace monitor --domain N: on whoever talks there.
+// gridspace-monitor takes the place of this process.
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/installation.hpp"
@@ -12,6 +13,8 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/mman.h>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -21,21 +24,48 @@ namespace {
 
 constexpr int kHandedSocket = 4; ///< where gridspace-monitor looks for a listening socket
 
-} // namespace
-
-int monitor(MonitorArguments const& arguments) {
-    std::filesystem::path const folder = run_folder(arguments.run);
+/// The configuration that a run has kept for its monitor.
+Result<std::string> configuration_of_run(std::filesystem::path const& run) {
+    std::filesystem::path const folder = run_folder(run);
     std::error_code ignored;
     for (char const* name : {"monitor.yaml", "data.mcap"}) {
         if (!std::filesystem::exists(folder / name, ignored)) {
             bool const no_run = !std::filesystem::exists(folder / "manifest.json", ignored);
-            return print_error(
-                {ExitCode::usage,
-                 no_run ? fmt::format("'{}' is not the folder of a run", folder.string())
-                        : fmt::format("the run '{}' has no {}", folder.string(), name),
-                 no_run ? "give one that `gridspace run` has written, or latest"
-                        : "only a run that was recorded (program: gridspace-recorder) can be looked at again"});
+            return std::unexpected{
+                Error{ExitCode::usage,
+                      no_run ? fmt::format("'{}' is not the folder of a run", folder.string())
+                             : fmt::format("the run '{}' has no {}", folder.string(), name),
+                      no_run ? "give one that `gridspace run` has written, or latest"
+                             : "only a run that was recorded (program: gridspace-recorder) can be looked at again"}};
         }
+    }
+    return (folder / "monitor.yaml").string();
+}
+
+/// A configuration for a DDS domain, in a file that is only in memory and goes with the process that reads it.
+Result<std::string> configuration_of_domain(int domain, std::vector<std::string> const& addresses) {
+    std::string const text =
+        nlohmann::json{
+            {"process", "monitor"},
+            {"program", "gridspace-monitor"},
+            {"bus", {{"qos", launcher::qos_file("monitor").string()}, {"management", {{"domain", domain}, {"addresses", addresses}}}}},
+            {"settings", {{"scenario", fmt::format("DDS domain {}", domain)}}}}
+            .dump();
+    int const fd = ::memfd_create("gridspace-monitor.yaml", 0);
+    int const high = fd < 0 ? -1 : ::fcntl(fd, F_DUPFD, kHandedSocket + 1); // out of the way of the socket
+    if (high < 0 || ::write(high, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
+        return std::unexpected{Error{ExitCode::environment, fmt::format("cannot keep a configuration in memory: {}", std::strerror(errno)), ""}};
+    }
+    return fmt::format("/proc/self/fd/{}", high);
+}
+
+} // namespace
+
+int monitor(MonitorArguments const& arguments) {
+    auto const config = arguments.domain ? configuration_of_domain(*arguments.domain, arguments.addresses)
+                                         : configuration_of_run(arguments.run);
+    if (!config) {
+        return print_error(config.error());
     }
     if (arguments.tls_cert.empty() != arguments.tls_key.empty()) {
         return print_error({ExitCode::usage, "a certificate goes with its key", "give --tls-cert and --tls-key"});
@@ -55,9 +85,8 @@ int monitor(MonitorArguments const& arguments) {
     } else {
         ::dup2(socket->fd, kHandedSocket); // the copy stays open over exec
     }
-    std::string const program = launcher::program_file("gridspace-monitor").string(),
-                      config = (folder / "monitor.yaml").string();
-    std::vector<std::string> words{program, "--config", config, "--log-level", "warning"};
+    std::string const program = launcher::program_file("gridspace-monitor").string();
+    std::vector<std::string> words{program, "--config", *config, "--log-level", "warning"};
     for (auto const& [option, file] : {std::pair{"--token-file", &arguments.token_file}, std::pair{"--tls-cert", &arguments.tls_cert},
                                        std::pair{"--tls-key", &arguments.tls_key}, std::pair{"--idl", &arguments.idl}}) {
         if (!file->empty()) {

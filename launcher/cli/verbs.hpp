@@ -59,6 +59,8 @@ int simulate(SimulateArguments const& arguments);
 
 struct MonitorArguments {
     std::filesystem::path run{"latest"};
+    std::optional<int> domain;                       ///< a DDS domain instead of a run
+    std::vector<std::string> addresses{"127.0.0.1"}; ///< of this machine, where it joins the domain
     std::string listen{"127.0.0.1:0"};
     std::filesystem::path token_file, tls_cert, tls_key, idl;
 };

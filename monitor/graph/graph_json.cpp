@@ -54,6 +54,10 @@ std::string to_json(Snapshot const& graph) {
     }
     for (Endpoint const& e : graph.endpoints) {
         bus::EndpointQos const& q = e.endpoint.qos;
+        Json representations = Json::array();
+        for (bus::Representation const one : q.representations) {
+            representations.push_back(name_of(one));
+        }
         endpoints.push_back({{"id", e.endpoint.id},
                              {"process", e.process},
                              {"network", e.network},
@@ -68,7 +72,10 @@ std::string to_json(Snapshot const& graph) {
                                {"liveliness", name_of(q.liveliness)},
                                {"lease_s", duration(q.lease_s)},
                                {"ownership", q.exclusive ? "exclusive" : "shared"},
-                               {"partitions", q.partitions}}}});
+                               {"partitions", q.partitions},
+                               {"destination_order", q.by_source_timestamp ? "by source timestamp" : "by reception timestamp"},
+                               {"presentation", {{"scope", name_of(q.scope)}, {"coherent", q.coherent}, {"ordered", q.ordered}}},
+                               {"representations", representations}}}});
     }
     return Json{
         {"revision", graph.revision}, {"processes", processes}, {"topics", topics}, {"edges", edges}, {"wires", wires},

@@ -28,6 +28,8 @@ double duration(Json const& json) {
 bus::EndpointQos qos_of(Json const& json) {
     using bus::Durability;
     using bus::Liveliness;
+    using bus::PresentationScope;
+    using bus::Representation;
     bus::EndpointQos qos;
     qos.reliable = json.at("reliability") == "reliable";
     qos.durability =
@@ -39,6 +41,20 @@ bus::EndpointQos qos_of(Json const& json) {
     qos.lease_s = duration(json.at("lease_s"));
     qos.exclusive = json.at("ownership") == "exclusive";
     json.at("partitions").get_to(qos.partitions);
+    if (!json.contains("presentation")) {
+        return qos; // a recording of before these were kept
+    }
+    qos.by_source_timestamp = json.at("destination_order") == "by source timestamp";
+    Json const& presentation = json.at("presentation");
+    qos.scope = named(presentation.at("scope").get<std::string>(),
+                      {PresentationScope::instance, PresentationScope::topic, PresentationScope::group});
+    presentation.at("coherent").get_to(qos.coherent);
+    presentation.at("ordered").get_to(qos.ordered);
+    qos.representations.clear();
+    for (Json const& one : json.at("representations")) {
+        qos.representations.push_back(
+            named(one.get<std::string>(), {Representation::xcdr1, Representation::xml, Representation::xcdr2}));
+    }
     return qos;
 }
 

@@ -26,6 +26,14 @@ bool partitions_meet(std::vector<std::string> a, std::vector<std::string> b) {
     });
 }
 
+std::string representation_names(std::vector<bus::Representation> const& all) {
+    std::vector<std::string> names;
+    for (bus::Representation const one : all) {
+        names.emplace_back(name_of(one));
+    }
+    return join(names, " or ");
+}
+
 } // namespace
 
 char const* name_of(bus::Durability durability) {
@@ -50,6 +58,30 @@ char const* name_of(bus::Liveliness liveliness) {
         return "manual by participant";
     case bus::Liveliness::manual_by_topic:
         return "manual by topic";
+    }
+    return "unknown";
+}
+
+char const* name_of(bus::PresentationScope scope) {
+    switch (scope) {
+    case bus::PresentationScope::instance:
+        return "instance";
+    case bus::PresentationScope::topic:
+        return "topic";
+    case bus::PresentationScope::group:
+        return "group";
+    }
+    return "unknown";
+}
+
+char const* name_of(bus::Representation representation) {
+    switch (representation) {
+    case bus::Representation::xcdr1:
+        return "XCDR1";
+    case bus::Representation::xml:
+        return "XML";
+    case bus::Representation::xcdr2:
+        return "XCDR2";
     }
     return "unknown";
 }
@@ -88,6 +120,24 @@ std::vector<std::string> mismatch(bus::DiscoveredEndpoint const& writer, bus::Di
         reasons.push_back(fmt::format("ownership: offered is {}, requested is {}",
                                       offered.exclusive ? "exclusive" : "shared",
                                       requested.exclusive ? "exclusive" : "shared"));
+    }
+    if (offered.by_source_timestamp < requested.by_source_timestamp) {
+        reasons.emplace_back("destination order: offered is by reception timestamp, requested is by source timestamp");
+    }
+    if (offered.scope < requested.scope) {
+        reasons.push_back(fmt::format("presentation: offered is access by {}, requested is by {}", name_of(offered.scope),
+                                      name_of(requested.scope)));
+    }
+    if (!offered.coherent && requested.coherent) {
+        reasons.emplace_back("presentation: coherent access is requested and not offered");
+    }
+    if (!offered.ordered && requested.ordered) {
+        reasons.emplace_back("presentation: ordered access is requested and not offered");
+    }
+    if (auto const& read = requested.representations;
+        std::find(read.begin(), read.end(), offered.representations.front()) == read.end()) {
+        reasons.push_back(fmt::format("data representation: written is {}, read is {}",
+                                      name_of(offered.representations.front()), representation_names(read)));
     }
     if (!partitions_meet(offered.partitions, requested.partitions)) {
         reasons.push_back(fmt::format("partition: written to [{}], read from [{}]", join(offered.partitions, ", "),

@@ -96,8 +96,9 @@ class Contract(harness.ScenarioTest):
         run = self.start("run", ["--speed", "600", "--allow-control"])
         monitor = client.monitor_of(run)
         monitor.until("/api/v1/run", lambda r: r["state"] == "running" and r["time_s"] > 0, "the run to run")
-        signals = monitor.until("/api/v1/signals", lambda s: any("value" in e for e in s["signals"]), "signals")["signals"]
-        name = next(s["name"] for s in signals if s["name"].startswith("bus."))
+        signals = monitor.until("/api/v1/signals", lambda s: any("value" in e and e["name"].startswith("bus.") for e in s["signals"]), "signals of the buses")["signals"]
+        name = next(s["name"] for s in signals if "value" in s and s["name"].startswith("bus."))
+        monitor.until("/api/v1/topics", lambda t: any(x["name"] == "bus_measurements" and x["samples"] > 0 for x in t["topics"]), "a measurement")
         self.assert_kept(monitor, {"names": name, "topic": "bus_measurements"})
 
         control = DOCUMENT["paths"]["/api/v1/control"]["post"]

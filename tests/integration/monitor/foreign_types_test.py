@@ -4,6 +4,7 @@
 import contextlib
 import json
 import os
+import pathlib
 import signal
 import subprocess
 import time
@@ -85,6 +86,43 @@ class ForeignTypes(harness.ScenarioTest):
                 last = monitor.json("/api/v1/topics/rt%2Fweather/last")["last"]
                 self.assertEqual((last[0]["key"], last[0]["fields"]), ("roof", {"place": "roof", "celsius": 21.5, "trend": -3}))
                 self.assertEqual(monitor.json("/api/v1/topics/rt%2Fweather")["idl"], IDL)
+
+    def test_one_command_shows_whoever_talks_in_a_domain(self):
+        with self.station():
+            process = subprocess.Popen([harness.BIN / "gridspace", "monitor", "--domain", str(DOMAIN), "--idl", self.idl], stdout=subprocess.PIPE, text=True)
+            try:
+                monitor = client.Monitor(process.stdout.readline().strip())
+                monitor.until("/api/v1/topics", lambda t: any(x["name"] == "rt/weather" for x in t["topics"]), "the topic")
+                monitor.until("/api/v1/topics/rt%2Fweather/last", lambda t: any(s.get("fields") for s in t["last"]), "a decoded sample")
+                self.assertEqual(monitor.json("/api/v1/run")["scenario"], f"DDS domain {DOMAIN}")
+            finally:
+                process.terminate()
+                process.wait(client.PATIENCE_S)
+                process.stdout.close()
+        for mistake, said in ((["--domain", 233], "0 to 232"), (["--domain", DOMAIN, "latest"], "excludes"), (["--address", "10.0.0.1"], "requires")):
+            code, out, err = harness.gridspace("monitor", *mistake)
+            self.assertEqual(code, harness.USAGE, out + err)
+            self.assertIn(said, out + err)
+
+    def strict_reader(self):
+        """Built of the IDL by the tools of another DDS."""
+        self.write("weather.idl", IDL.replace("@key ", ""))  # the writer has no key
+        source = pathlib.Path(__file__).parent / "strict_reader.c"
+        for command in (["idlc", "-l", "c", "-t", "-o", self.folder, self.folder / "weather.idl"],
+                        ["gcc", "-Wall", "-Wextra", "-I", self.folder, "-o", self.folder / "strict_reader", source, self.folder / "weather.c", "-lddsc"]):
+            done = subprocess.run(command, capture_output=True, text=True, timeout=client.PATIENCE_S)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return subprocess.Popen([self.folder / "strict_reader", str(DOMAIN)], stdin=subprocess.PIPE)
+
+    def test_what_a_reader_of_another_dds_asks_for_in_vain_is_said(self):
+        with self.station(), self.monitor() as monitor, self.strict_reader() as reader:
+            graph = monitor.until("/api/v1/graph", lambda g: any(e["problems"] for e in g["edges"]), "a broken edge")
+            reader.stdin.close()
+        problems = " ".join(p for e in graph["edges"] for p in e["problems"])
+        for said in ("destination order: offered is by reception timestamp, requested is by source timestamp",
+                     "presentation: offered is access by instance, requested is by topic", "ordered access is requested and not offered",
+                     "data representation: written is XCDR1, read is XCDR2"):
+            self.assertIn(said, problems)
 
     def assert_mistakes_are_told(self, monitor):
         for text, said in [("struct Other { long x; };", "does not define station::Weather"), ("struct {", "weather.bad"),
