@@ -133,6 +133,16 @@ for tier in "${tiers[@]}"; do
   declare -F "tier_$tier" >/dev/null || { say "there is no tier '$tier'"; usage >&2; exit 2; }
 done
 
+case " ${tiers[*]} " in
+  *" build "*) ;;
+  *" unit "* | *" integration "* | *" scenarios "* | *" e2e "*)
+    if [ ! -e "$root/build/release/.programs_built" ] || ! grep -qs '^GRIDSPACE_TESTS:.*=ON' "$root/build/release/CMakeCache.txt"; then
+      say "the tests are not built here yet: the tier 'build' is added"
+      tiers=(build "${tiers[@]}")
+    fi
+    ;;
+esac
+
 groups=(build dashboard test)
 case " ${tiers[*]} " in *" sanitizers "* | *" fuzz "* | *" tidy "*) groups+=(all) ;; esac
 case " ${tiers[*]} " in *" e2e "*) groups+=(e2e) ;; esac
