@@ -333,10 +333,10 @@ int simulate(SimulateArguments const& a) {
         run.fail_to_open(stuck.breaker, SimTime{} + base.nearest(stuck.from_s));
     }
     run.on_failure([&](SimTime t, std::string const& breaker) {
-        progress.event(base.seconds(t), breaker, "told to open, and stays closed");
+        progress.event(base.seconds(t), breaker, "fails_to_open", "told to open, and stays closed");
     });
     run.on_event(
-        [&](SimTime t, sim::TimedAction const& action) { progress.event(base.seconds(t), a.solver, action.event); });
+        [&](SimTime t, sim::TimedAction const& action) { progress.event(base.seconds(t), a.solver, "event", action.event); });
     std::vector<float> step_us;
     std::int64_t count = 0;
     Clock::time_point before = Clock::now();

@@ -123,9 +123,9 @@ std::string files_table(Results const& r) {
 }
 
 ReportTable event_table(Results const& r) {
-    ReportTable t{"Events", {"time", "source", "what"}, {}};
+    ReportTable t{"Events", {"time", "source", "event", "what"}, {}};
     for (LoggedEvent const& e : r.events) {
-        t.rows.push_back({fmt::format("{:.4f} s", e.time_s), escape(e.source), escape(e.text)});
+        t.rows.push_back({fmt::format("{:.4f} s", e.time_s), escape(e.source), escape(e.event), escape(e.text)});
     }
     return t;
 }

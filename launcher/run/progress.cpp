@@ -63,15 +63,16 @@ void Progress::note(std::string_view text) {
     }
 }
 
-void Progress::event(double time_s, std::string_view source, std::string_view text) {
+void Progress::event(double time_s, std::string_view source, std::string_view kind, std::string_view text) {
     if (style_ == Style::quiet) {
         return;
     }
     clear();
     if (style_ == Style::json) {
-        say(stderr, "{}\n", Json{{"event", text}, {"source", source}, {"time_s", time_s}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+        Json const line{{"time_s", time_s}, {"source", source}, {"event", kind}, {"text", text}};
+        say(stderr, "{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
     } else {
-        say(stderr, "  {:>12.4f} s  {:<12} {}\n", time_s, source, text);
+        say(stderr, "  {:>12.4f} s  {:<12} {:<16} {}\n", time_s, source, kind, text);
     }
 }
 

@@ -17,7 +17,7 @@ class Progress {
     Progress(Style style, std::string scenario, double duration_s);
 
     void note(std::string_view text);                     ///< a line of its own
-    void event(double time_s, std::string_view source, std::string_view text);
+    void event(double time_s, std::string_view source, std::string_view kind, std::string_view text); ///< as in events.ndjson
     void update(double time_s, unsigned long overruns);
     void finish();
 

@@ -109,7 +109,7 @@ class Follower {
         } else if (kind == "stroke") {
             std::string const text = fmt::format("{} {}", line.value("process", ""), line.value("what", ""));
             events_.write(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
-            progress_.event(line.value("time_s", 0.0), "launcher", text);
+            progress_.event(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
         } else if (kind == "failed") {
             bool const stopped = line.value("code", 0) == static_cast<int>(ExitCode::interrupted);
             events_.write(time_s_, "launcher", stopped ? "run_stopped" : "run_failed", line.value("cause", ""));
@@ -154,7 +154,8 @@ class Follower {
         } else if (status == "event") {
             events_.write(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
                           line.value("text", ""));
-            progress_.event(line.value("time_s", 0.0), line.value("source", process), line.value("text", ""));
+            progress_.event(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
+                            line.value("text", ""));
         } else if (status == "paused" || status == "resumed") {
             time_s_ = line.value("time_s", 0.0);
             events_.write(time_s_, "launcher", status, fmt::format("the run is {}", status));
