@@ -36,6 +36,11 @@ std::string mode_of(Json const& manifest) {
     return manifest.is_object() && manifest.contains("clock") ? manifest["clock"].value("mode", "") : "";
 }
 
+/// How far a run came, simulated; 0 when it does not say.
+double reached_of(Json const& manifest) {
+    return manifest.is_object() ? manifest.value("simulated_s", 0.0) : 0.0;
+}
+
 std::filesystem::path capture_of(std::filesystem::path const& written) { return run_folder(written) / "bus.pcapng"; }
 
 /// A run folder's recording; a file is taken as it is.
@@ -91,6 +96,9 @@ int compare(CompareArguments const& arguments) {
         if (manifest->is_object() && !manifest->value("deterministic", true)) {
             fmt::print(stderr, "note: '{}' ran in real time: its samples depend on the machine; --signals and --tolerance compare what matters\n", folder.string());
         }
+    }
+    if (reached_of(a) != reached_of(b)) { // what is recorded on change only may be equal all the same
+        fmt::print(stderr, "note: the runs ended at different times, at {} s and at {} s\n", reached_of(a), reached_of(b));
     }
     bool const ticks_differ = tick_of(a) != tick_of(b);
     if (ticks_differ) {
