@@ -129,7 +129,7 @@ void LineRelay::empty_window(std::int64_t index) {
     has_good_ = false;
     element_.clear();
     ++counters_.windows_emptied;
-    note(index, RelayEvent::Kind::restart);
+    note(index, RelayEvent::Kind::window_emptied);
 }
 
 void LineRelay::set_blocked(std::int64_t index, BlockReasons reasons) {

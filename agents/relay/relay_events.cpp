@@ -46,8 +46,8 @@ std::string_view name_of(RelayEvent::Kind kind) {
         return "block";
     case RelayEvent::Kind::unblock:
         return "unblock";
-    case RelayEvent::Kind::restart:
-        return "restart";
+    case RelayEvent::Kind::window_emptied:
+        return "window_emptied";
     }
     return "?";
 }

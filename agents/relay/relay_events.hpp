@@ -39,7 +39,7 @@ struct RelayEvent {
         reset,    ///< the seal was taken off
         block,
         unblock,
-        restart, ///< samples jumped back, or a gap longer than what is interpolated emptied the window
+        window_emptied, ///< samples jumped back, or a gap longer than what is interpolated
     };
     std::int64_t index{0};
     Kind kind{Kind::pickup};

@@ -384,7 +384,7 @@ TEST(LineRelay, SaysOnceWhyItNeverBeganToWork) {
         sut.step(s);
     }
     sut.events().drain([&](RelayEvent const& e) { events.push_back(e); });
-    std::erase_if(events, [](RelayEvent const& e) { return e.kind == RelayEvent::Kind::restart; });
+    std::erase_if(events, [](RelayEvent const& e) { return e.kind == RelayEvent::Kind::window_emptied; });
     ASSERT_EQ(events.size(), 2U);
     EXPECT_EQ(events[0].kind, RelayEvent::Kind::block);
     EXPECT_EQ(events[0].index, 24);
