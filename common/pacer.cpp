@@ -10,6 +10,25 @@ namespace gridspace {
 
 void Pacer::start() { start_ = std::chrono::steady_clock::now(); }
 
+std::int64_t Pacer::start_on_utc_second(std::atomic<bool> const& stop) {
+    using namespace std::chrono;
+    // The two clocks are read one after the other: of several readings, the one that was least interrupted.
+    auto best = steady_clock::duration::max();
+    nanoseconds second{};
+    for (int i = 0; i < 5; ++i) {
+        auto const before = steady_clock::now();
+        nanoseconds const wall = system_clock::now().time_since_epoch();
+        auto const after = steady_clock::now();
+        if (after - before < best) {
+            best = after - before;
+            second = floor<seconds>(wall) + seconds{1};
+            start_ = before + (after - before) / 2 + (second - wall);
+        }
+    }
+    sleep_until(start_, stop);
+    return second.count();
+}
+
 bool Pacer::wait(double time_s, std::atomic<bool> const& stop) {
     using std::chrono::nanoseconds;
     if (!paced()) {
@@ -23,17 +42,21 @@ bool Pacer::wait(double time_s, std::atomic<bool> const& stop) {
         ++overruns_;
         return false;
     }
-    // Slices, so that a stop at slow pace is noticed; the deadline of the last one is exact.
+    sleep_until(due, stop);
+    late_ = std::chrono::steady_clock::now() - due;
+    return true;
+}
+
+/// In slices, so that a stop at slow pace is noticed; the deadline of the last one is exact.
+void Pacer::sleep_until(std::chrono::steady_clock::time_point due, std::atomic<bool> const& stop) {
     constexpr std::chrono::milliseconds kSlice{200};
-    for (auto at = now; at < due && !stop.load(std::memory_order_relaxed);) {
+    for (auto at = std::chrono::steady_clock::now(); at < due && !stop.load(std::memory_order_relaxed);) {
         at = std::min(due, at + kSlice);
         auto const ns = at.time_since_epoch().count();
         timespec const until{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
         while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
         }
     }
-    late_ = std::chrono::steady_clock::now() - due;
-    return true;
 }
 
 } // namespace gridspace

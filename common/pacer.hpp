@@ -16,6 +16,9 @@ class Pacer {
 
     /// Simulated time 0 is now.
     void start();
+    /// Simulated time 0 is the next whole second of UTC by this machine's clock, which is waited for. That second, in
+    /// nanoseconds since 1970.
+    std::int64_t start_on_utc_second(std::atomic<bool> const& stop);
     /// After a pause of this length, everything is due so much later.
     void skip(std::chrono::steady_clock::duration pause) { start_ += pause; }
     /// Waits until simulated time `time_s` is due. False when it was due already (an overrun), by `late()`.
@@ -26,6 +29,7 @@ class Pacer {
     [[nodiscard]] bool paced() const { return speed_ > 0; }
 
   private:
+    static void sleep_until(std::chrono::steady_clock::time_point due, std::atomic<bool> const& stop);
     double speed_;
     std::chrono::steady_clock::time_point start_;
     std::chrono::nanoseconds late_{0}, worst_{0};

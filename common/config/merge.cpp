@@ -152,6 +152,9 @@ void resolve_likes(Node& section, Diagnostics& diagnostics) {
             SourceMark const where = own.where;
             entry.value = other->value;
             entry.value.where = where;
+            for (Node::Entry const& beside : own.entries) {
+                entry.value.erase(beside.key); // a value is replaced whole: a data set is an order, not a heap to add to
+            }
             merge(entry.value, own);
         }
         open.erase(entry.key);

@@ -21,7 +21,8 @@ void merge(Node& base, Node const& over);
 /// `number` counts the --set arguments from 1, for messages.
 void apply_set(Node& root, std::string const& assignment, int number, Diagnostics& diagnostics);
 
-/// Lets the entries of the map `section` inherit from each other by `like: other`; the key is consumed.
+/// Lets the entries of the map `section` inherit from each other by `like: other`; the key is consumed. The keys beside it
+/// replace whole values, `~` removes.
 void resolve_likes(Node& section, Diagnostics& diagnostics);
 
 } // namespace gridspace::config

@@ -159,7 +159,12 @@ GooseVerdict GooseSubscriber::judge_older(GooseFrame const& m) const noexcept {
     }
     // A state that began before the one we hold is a message that was overtaken, or a replay. A publisher that was
     // restarted stamps its state later (or not at all: 0 on both sides); one whose clock went back is heard again after
-    // the loss.
+    // the loss. One that has no clock yet says so; that it counts from 1 again is then all it can tell. (With 2 held,
+    // stNum 1 may as well be the state before, overtaken.)
+    constexpr std::uint8_t kNoClock = UtcTime::kClockFailure | UtcTime::kNotSynchronised;
+    if ((m.t.quality & kNoClock) != 0 && m.st_num == 1 && st_num_ > 2) {
+        return {GooseEvent::restart, true, true, 0, 0};
+    }
     if (m.t.bits() >> 8U < t_.bits() >> 8U) {
         return refuse(GooseEvent::out_of_order);
     }

@@ -271,6 +271,9 @@ config::Node simulator_settings(Scenario const& scenario) {
     simulation.set("network", Node::scalar(std::filesystem::absolute(scenario.simulation.network).string()));
     node.set("simulation", std::move(simulation));
     node.set("speed", Node::scalar(shortest(scenario.clock.speed)));
+    if (scenario.clock.start_at_utc_second) {
+        node.set("start_on_utc_second", Node::scalar("true"));
+    }
     Node events = Node::map(), holds = Node::sequence();
     if (Node const* all = scenario.resolved.find("events")) {
         events = *all;

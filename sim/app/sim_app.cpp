@@ -121,12 +121,7 @@ class SimApp {
     Result<void> simulate() {
         auto const observer = [this](SimTime t) { observe(t); };
         double const duration_s = node_.time_base().seconds(duration_);
-        pacer_.start();
-        if (!node_.lockstep()) {
-            clock_.set_start(std::chrono::duration_cast<std::chrono::nanoseconds>(
-                                 std::chrono::system_clock::now().time_since_epoch())
-                                 .count());
-        }
+        start_the_pace();
         signals_->announce({});
         if (!node_.lockstep()) {
             publisher_ =
@@ -170,6 +165,19 @@ class SimApp {
             if (auto ok = hold_for_launcher(end); !ok) {
                 return ok;
             }
+        }
+    }
+
+    /// What the machine's clock shows at simulated time 0 is what ages of samples are measured from.
+    void start_the_pace() {
+        using namespace std::chrono;
+        if (node_.lockstep()) {
+            pacer_.start();
+        } else if (config_.start_on_utc_second) { // smpCnt 0 falls on the second, as everybody else's
+            clock_.set_start(pacer_.start_on_utc_second(stop_));
+        } else {
+            pacer_.start();
+            clock_.set_start(duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count());
         }
     }
 

@@ -68,6 +68,7 @@ void describe(config::Fields& f, SimulationConfig& s) {
 void describe(config::Fields& f, SimConfig& c) {
     f.object("simulation", {.doc = "what is simulated", .required = true}, [&](config::Fields& s) { describe(s, c.simulation); });
     f.number("speed", c.speed, {.doc = "simulated seconds per second; 0: as fast as it goes", .min = 0});
+    f.flag("start_on_utc_second", c.start_on_utc_second, {.doc = "real time: simulated time 0 is a whole second of UTC"});
     describe_events(f, c.events);
     f.map("members", {.doc = "lockstep members"}, [&](config::Ref const& name, config::Fields& m) {
         bus::MemberPlan plan;

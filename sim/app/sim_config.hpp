@@ -42,6 +42,7 @@ void describe(config::Fields& f, SimulationConfig& simulation);
 struct SimConfig {
     SimulationConfig simulation;
     double speed{0};                        ///< simulated seconds per second; 0: as fast as it goes
+    bool start_on_utc_second{false};        ///< real time: simulated time 0 is a whole second of UTC
     std::vector<Event> events;
     std::vector<bus::MemberPlan> members;
     std::vector<Rational> holds_s;          ///< the launcher has to act when these instants have been acknowledged

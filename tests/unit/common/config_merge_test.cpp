@@ -93,6 +93,18 @@ TEST(Like, InheritsWithinASectionInAnyOrder) {
     EXPECT_EQ(section.find("s2")->find("like"), nullptr);
 }
 
+TEST(Like, AKeyBesideItReplacesTheWholeValueInItsOwnOrder) {
+    Node section = tree("s1: {data_set: {a: float32, b: float32}, vlan_id: 3}\n"
+                        "s2: {like: s1, data_set: {h: int16, b: float64}, vlan_id: ~}\n");
+    Diagnostics diagnostics;
+    resolve_likes(section, diagnostics);
+    Node const& own = *section.find("s2")->find("data_set");
+    ASSERT_EQ(own.entries.size(), 2U);
+    EXPECT_EQ(own.entries[0].key, "h");
+    EXPECT_EQ(own.entries[1].value.text, "float64");
+    EXPECT_EQ(section.find("s2")->find("vlan_id"), nullptr);
+}
+
 TEST(Like, UnknownAndCircularAreErrors) {
     Node section = tree("a: {like: b}\nb: {like: a}\nc: {like: aa}\n");
     Diagnostics diagnostics;

@@ -283,6 +283,20 @@ TEST(GooseSubscriber, TakesARestartedPublisherAtOnceUnlessItIsStrict) {
     }
 }
 
+TEST(GooseSubscriber, TakesARestartedPublisherThatHasNoClockYetAndSaysSo) {
+    for (std::uint8_t const quality : {0x0A, 0x3F, 0x4A}) {
+        for (std::uint32_t const held : {2U, 50U}) {
+            GooseSubscriber sut{subscription()};
+            give(sut, message(held, 7, true), 0);
+            Message restarted = message(1, 0, false);
+            restarted.state.t = UtcTime::from_nanoseconds(1'000, quality); // 1970
+            auto const verdict = give(sut, restarted, 1 * kMs);
+            bool const says_so = quality != 0x0A;
+            EXPECT_EQ(verdict.event, says_so && held > 2 ? GooseEvent::restart : GooseEvent::out_of_order) << held;
+        }
+    }
+}
+
 TEST(GooseSubscriber, TakesAPublisherThatWasRestartedAtTheSameStateNumber) {
     for (bool const strict : {false, true}) {
         for (std::uint32_t const held : {0U, 9U}) {

@@ -75,5 +75,15 @@ TEST(Pacer, CountsWhatWasDueAlready) {
     EXPECT_EQ(slow.overruns(), 0U);
 }
 
+TEST(Pacer, BeginsOnAWholeSecondOfUtcThatHasCome) {
+    Pacer sut{1};
+    std::atomic<bool> const stop{false};
+    std::int64_t const second = sut.start_on_utc_second(stop);
+    EXPECT_EQ(second % 1'000'000'000, 0);
+    auto const now = std::chrono::nanoseconds{std::chrono::system_clock::now().time_since_epoch()}.count();
+    EXPECT_GE(now, second - 1'000'000); // the clock may be slewed while we wait
+    EXPECT_FALSE(sut.wait(-1e-9, stop)) << "what was due at that second is late by now";
+}
+
 } // namespace
 } // namespace gridspace
