@@ -39,6 +39,10 @@ class SimApp {
             stop_ = true;
             node_.request_stop();
         });
+        struct Deaf { // on every way out: a signal that comes while this object goes must not find it
+            DaemonRun& run;
+            ~Deaf() { run.on_stop({}); }
+        } const deaf{run_};
         if (auto ok = prepare(); !ok) {
             return ok;
         }
