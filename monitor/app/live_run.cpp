@@ -19,6 +19,7 @@ constexpr std::size_t kKeptOctets = 256 * 1024; ///< per topic
 constexpr std::size_t kKeptEvents = 10'000;
 constexpr std::size_t kGroups = 256;
 constexpr std::size_t kStreamEnds = 4096;
+constexpr std::size_t kTypes = 4096;
 constexpr std::size_t kWindowValues = 4'000'000; ///< of one group and level: 16 MB, 32 MB in the coarser ones
 
 StreamEnd end_of(StreamStatistics const& sample) {
@@ -70,11 +71,14 @@ void LiveRun::on_sample(std::string const& network, std::string const& topic, st
     state.octets += cdr.size();
     decode(topic, type, process, cdr);
     RawSample sample;
-    if (state.newest.size() >= kKeptSamples || state.newest.size() * cdr.size() > kKeptOctets) {
+    while (!state.newest.empty() &&
+           (state.newest.size() >= kKeptSamples || state.newest_octets + cdr.size() > kKeptOctets)) {
         sample = std::move(state.newest.front()); // its memory is used again
+        state.newest_octets -= sample.cdr.size();
         state.newest.pop_front();
     }
     sample.cdr.assign(cdr.begin(), cdr.end());
+    state.newest_octets += cdr.size();
     sample.process = std::move(process);
     sample.source_ns = source_ns;
     sample.number = state.samples;
@@ -113,7 +117,8 @@ void LiveRun::decode(std::string const& topic, std::string const& type, std::str
         }
     } else if (topic == "type_catalog") {
         TypeCatalogEntry sample;
-        if ((good = bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample)) && idl.size() < 4096) {
+        if ((good = bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample)) && 
+            (idl.size() < kTypes || idl.contains(sample.type_name().c_str()))) {
             idl.insert_or_assign(sample.type_name().c_str(), sample.idl());
         }
     } else if (topic == "signal_catalog") {
@@ -137,8 +142,11 @@ void LiveRun::decode(std::string const& topic, std::string const& type, std::str
         decode_signals(cdr, good);
     } else if (topic == "stream_statistics") {
         StreamStatistics sample;
-        if ((good = bus::codec_of<StreamStatistics>().decode(cdr, &sample)) && stream_ends.size() < kStreamEnds) {
-            stream_ends.insert_or_assign({sample.stream().c_str(), sample.process().c_str()}, end_of(sample));
+        if ((good = bus::codec_of<StreamStatistics>().decode(cdr, &sample))) {
+            std::pair<std::string, std::string> key{sample.stream().c_str(), sample.process().c_str()};
+            if (stream_ends.contains(key) || stream_ends.size() < kStreamEnds) {
+                stream_ends.insert_or_assign(std::move(key), end_of(sample));
+            }
         }
     } else if (type == "IdsVerdict") {
         good = intrusion_.on_verdict(cdr, signals);

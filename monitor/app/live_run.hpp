@@ -33,6 +33,7 @@ struct TopicState {
     std::uint64_t samples{0}, octets{0};
     double per_second{0}; ///< wall clock, over the last second or so
     std::uint64_t samples_then{0};
+    std::size_t newest_octets{0}; ///< of the next
     std::deque<RawSample> newest; ///< the last few, so that each key of a keyed topic is likely among them
 };
 

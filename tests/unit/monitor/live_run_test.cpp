@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <intrusion.h>
 #include <signals.h>
+#include <statistics.h>
 
 namespace gridspace::monitor {
 namespace {
@@ -118,6 +119,45 @@ TEST_F(LiveRunTest, KnowsFromTheEventLogWhoHasDied) {
     EXPECT_EQ(states["ev1"], graph::ProcessState::lost);
     EXPECT_EQ(states["ev2"], graph::ProcessState::alive);
     EXPECT_EQ(states["ev3"], graph::ProcessState::lost);
+}
+
+TEST_F(LiveRunTest, KeepsNoMoreOctetsOfATopicWhenItsSamplesGrow) {
+    constexpr std::size_t kMost = 256 * 1024;
+    auto const come = [&](std::size_t octets) {
+        sut_.on_sample("data", "x", "Unknown", "p", std::vector<std::byte>(octets), 0);
+        std::size_t kept = 0;
+        for (RawSample const& sample : sut_.topics.at({"data", "x"}).newest) {
+            kept += sample.cdr.size();
+        }
+        return kept;
+    };
+    auto const& newest = sut_.topics[{"data", "x"}].newest;
+    for (int i = 0; i < 100; ++i) {
+        ASSERT_LE(come(100), kMost);
+    }
+    EXPECT_EQ(newest.size(), 64U);
+    for (int i = 0; i < 100; ++i) {
+        ASSERT_LE(come(60'000), kMost) << i;
+    }
+    EXPECT_EQ(newest.size(), 4U);
+    EXPECT_EQ(come(1'000'000), 1'000'000U) << "the newest is always kept";
+    EXPECT_EQ(come(100), 100U);
+    EXPECT_EQ(newest.back().number, 202U);
+}
+
+TEST_F(LiveRunTest, CountsOnForTheStreamsThatItKnowsWhenThereIsNoRoomForMore) {
+    StreamStatistics row;
+    row.process("relay2");
+    for (std::uint64_t frames : {1, 2}) {
+        row.frames(frames);
+        for (int i = 0; i < 5000; ++i) {
+            row.stream(("S" + std::to_string(i)).c_str());
+            hear("stream_statistics", "StreamStatistics", "relay2", row);
+        }
+    }
+    EXPECT_EQ(sut_.stream_ends.size(), 4096U);
+    EXPECT_EQ(sut_.stream_ends.at({"S0", "relay2"}).frames, 2U);
+    EXPECT_FALSE(sut_.stream_ends.contains({"S4999", "relay2"}));
 }
 
 TEST_F(LiveRunTest, CountsVerdictsThatAreNone) {
