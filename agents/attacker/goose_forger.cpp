@@ -77,6 +77,7 @@ void GooseForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const&
     real.value = real_value_;
     real.simulated = decoded_.simulated();
     std::optional<GooseState> const on = attack_.pass(time_ns, real);
+    count();
     if (!emit) {
         return;
     }
@@ -94,6 +95,7 @@ void GooseForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const&
 void GooseForger::elapse(std::int64_t now_ns, Emit const& emit, Tell const& tell) {
     while (due() && *due() <= now_ns) {
         if (auto const state = attack_.forge(now_ns)) {
+            count();
             tell_one(state->value, tell);
             emit(frame_of(*state));
         }

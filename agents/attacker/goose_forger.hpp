@@ -8,6 +8,7 @@
 #include "gateways/iec61850/goose_template.hpp"
 #include "gateways/streams/stream.hpp"
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -30,12 +31,14 @@ class GooseForger {
 
     void set_source(iec61850::Mac const& source) { template_.set_source(source); }
     void set_utc_base(std::int64_t utc_base_ns) { utc_base_ns_ = utc_base_ns; }
-    [[nodiscard]] std::uint64_t forged() const { return attack_.forged() + attack_.dropped(); }
+    /// From any thread.
+    [[nodiscard]] std::uint64_t forged() const { return forged_.load(std::memory_order_relaxed); }
 
   private:
     GooseForger(streams::Stream const& stream, AttackConfig const& config, GooseAttack attack,
                 iec61850::GooseTemplate frame, std::size_t leaf, std::int64_t utc_base_ns);
     [[nodiscard]] iec61850::Octets frame_of(GooseState const& state);
+    void count() { forged_.store(attack_.forged() + attack_.dropped(), std::memory_order_relaxed); }
     void tell_one(bool sent, Tell const& tell);
 
     iec61850::GooseSubscriber heard_;
@@ -47,6 +50,7 @@ class GooseForger {
     bool real_value_{false};
     iec61850::GooseFrame decoded_;
     std::int64_t told_{0};
+    std::atomic<std::uint64_t> forged_{0}; ///< forged and dropped
 };
 
 } // namespace gridspace::attacker

@@ -101,7 +101,7 @@ void SvForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& em
         labels_of(index, true_a, outcome, tell);
         altered = altered || outcome.altered != 0;
     }
-    forged_ += altered ? 1U : 0U;
+    forged_.fetch_add(altered ? 1U : 0U, std::memory_order_relaxed);
     emit(buffer_);
 }
 
@@ -143,7 +143,7 @@ void SvForger::forge_next(Emit const& emit) {
     for (std::size_t i = 0; i < template_.asdus(); ++i) {
         anticipation_.sent(all[i]);
     }
-    ++forged_;
+    forged_.fetch_add(1, std::memory_order_relaxed);
     emit(template_.frame());
 }
 

@@ -7,6 +7,7 @@
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/streams/stream.hpp"
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <span>
@@ -33,7 +34,7 @@ class SvForger {
     /// The address that forged frames come from.
     void set_source(iec61850::Mac const& source) { template_.set_source(source); }
 
-    [[nodiscard]] std::uint64_t forged() const { return forged_; } ///< frames
+    [[nodiscard]] std::uint64_t forged() const { return forged_.load(std::memory_order_relaxed); } ///< frames; from any thread
 
   private:
     SvForger(streams::Stream const& stream, AttackConfig const& config, SampleAttack attack,
@@ -56,7 +57,7 @@ class SvForger {
     bool spoof_;
     iec61850::SvFrame decoded_;
     std::vector<std::uint8_t> buffer_, last_sample_;
-    std::uint64_t forged_{0};
+    std::atomic<std::uint64_t> forged_{0};
 };
 
 /// Names of the three phase currents of a stream: its first three numbers, as their channels are counted.

@@ -8,7 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <thread>
 
 namespace gridspace::attacker {
 namespace {
@@ -104,6 +106,34 @@ TEST(SvForger, ManInTheMiddleAltersTheAttackedPhaseOfTheAttackedSamplesOnly) {
     EXPECT_EQ(labels.front().index, 4800);
     EXPECT_EQ(labels.front().channel, 0);
     EXPECT_NEAR(labels.front().sent_a - labels.front().true_a, 3, 1e-5);
+    EXPECT_EQ(sut->forged(), 480U);
+}
+
+/// In real time frames pass on one thread, and another says how many were forged: for the thread sanitizer.
+template <class Sut, class Forge>
+void count_from_another_thread(Sut const& sut, Forge const& forge) {
+    std::atomic<bool> done{false};
+    std::thread watching{[&] {
+        for (std::uint64_t last = 0; !done;) {
+            std::uint64_t const now = sut.forged();
+            EXPECT_GE(now, last);
+            last = now;
+        }
+    }};
+    forge();
+    done = true;
+    watching.join();
+}
+
+TEST(SvForger, WhatItHasForgedMayBeAskedFromAnotherThread) {
+    auto const all = declared();
+    auto sut = *SvForger::create(*streams::find_stream(all, "SMV"), values(3, 1.0, 1.1), 60, 1);
+    Publisher publisher{*streams::find_stream(all, "SMV")};
+    count_from_another_thread(*sut, [&] {
+        for (std::int64_t n = 4700; n < 5300; ++n) {
+            sut->pass(publisher.send(n), ns_of(n), [](auto) {}, [](Label const&) {});
+        }
+    });
     EXPECT_EQ(sut->forged(), 480U);
 }
 
@@ -250,6 +280,22 @@ TEST(GooseForger, GrayholeDropsAndStretchAltersOnlyInItsTime) {
     EXPECT_EQ(passed, 20);
     EXPECT_EQ(labels, 10);
     EXPECT_EQ(live_ms, 60'000U);
+}
+
+TEST(GooseForger, WhatItHasForgedMayBeAskedFromAnotherThread) {
+    auto const all = declared();
+    auto const& stream = *streams::find_stream(all, "TRIP");
+    auto hole = *GooseForger::create(stream, message(GooseAttackParams::Kind::grayhole), 1, 0);
+    auto flood = *GooseForger::create(stream, message(GooseAttackParams::Kind::flooding), 1, 0);
+    count_from_another_thread(*hole, [&] {
+        for (std::uint32_t k = 0; k < 30; ++k) {
+            hole->pass(real_message(stream, 1, k, false), 100'000'000LL * (k + 1), [](auto) {}, [](Label const&) {});
+        }
+    });
+    EXPECT_EQ(hole->forged(), 10U);
+    flood->pass(real_message(stream, 1, 1, false), 500'000'000, nullptr, [](Label const&) {});
+    count_from_another_thread(*flood, [&] { flood->elapse(1'995'000'000, [](auto) {}, [](Label const&) {}); });
+    EXPECT_EQ(flood->forged(), 100U);
 }
 
 TEST(GooseForger, NeedsABooleanMember) {
