@@ -9,6 +9,14 @@
 #include <fmt/format.h>
 
 namespace gridspace::bus {
+namespace {
+
+/// What a frame takes of a bound: small frames in great number count, too.
+constexpr std::size_t kept(std::size_t octets) {
+    return octets + sizeof(WireFrame);
+}
+
+} // namespace
 
 void WireReader::Impl::due(std::size_t slot, SimTime time) {
     slots[slot]->time = time;
@@ -23,12 +31,29 @@ WireReader::WireReader(Node& node, std::string link, std::uint16_t ethertype) : 
 
 WireReader::~WireReader() = default;
 
-void WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port) {
+void WireReader::bound(std::size_t octets) {
+    std::lock_guard const lock{impl_->core.mutex};
+    impl_->bound = octets;
+}
+
+std::uint64_t WireReader::dropped() const {
+    std::lock_guard const lock{impl_->core.mutex};
+    return impl_->dropped;
+}
+
+bool WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port, std::int64_t arrived_ns) {
     Impl& r = *impl_;
     Node::Core& core = r.core;
     std::lock_guard const lock{core.mutex};
     if (core.wire_book == nullptr || (core.joining && core.config.incarnation > 0)) {
-        return; // before the start, or meant for an earlier incarnation
+        return true; // before the start, or meant for an earlier incarnation
+    }
+    if (!core.lockstep()) { // there the ledgers and the evictions of the book are the bound
+        if (r.kept_octets + kept(frame.size()) > r.bound) {
+            ++r.dropped;
+            return false;
+        }
+        r.kept_octets += kept(frame.size());
     }
     if (r.free.empty()) {
         r.slots.push_back(std::make_unique<WireFrame>());
@@ -39,12 +64,13 @@ void WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, 
     WireFrame& stored = *r.slots[slot];
     stored.octets.assign(frame.begin(), frame.end());
     stored.kernel_ns = kernel_ns;
+    stored.arrived_ns = arrived_ns;
     stored.port = port;
     if (!core.lockstep()) {
         r.due(slot, core.time_now());
         ++core.input_generation;
         core.changed.notify_all();
-        return;
+        return true;
     }
     auto const arrival = core.wire_book->arrived(r.channel, lockstep::frame_identity(frame), slot);
     if (arrival.evicted != lockstep::WireBook::kUnknown) {
@@ -57,12 +83,14 @@ void WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, 
             core.changed.notify_all();
         }
     }
+    return true;
 }
 
 std::span<WireFrame const* const> WireReader::take() {
     Impl& r = *impl_;
     std::lock_guard const lock{r.core.mutex};
     for (std::size_t const slot : r.taken) {
+        r.kept_octets -= r.core.lockstep() ? 0 : kept(r.slots[slot]->octets.size());
         r.free.push_back(slot);
     }
     r.taken.clear();

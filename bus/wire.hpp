@@ -19,6 +19,7 @@ namespace gridspace::bus {
 struct WireFrame {
     SimTime time;                  ///< lockstep: its simulated send time; real time: the newest clock when it arrived
     std::int64_t kernel_ns{0};     ///< the kernel's receive stamp (CLOCK_REALTIME), 0 without one
+    std::int64_t arrived_ns{0};    ///< the same on the monotonic clock, as the receiver passed it to push()
     std::uint32_t port{0};         ///< whatever the receiver passed to push()
     std::vector<std::byte> octets; ///< from the destination address on, VLAN tag included
 };
@@ -34,8 +35,11 @@ class WireReader {
     WireReader(WireReader const&) = delete;
     WireReader& operator=(WireReader const&) = delete;
 
-    /// From the receiving thread. No allocation once its buffers have grown.
-    void push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port = 0);
+    /// In real time nobody waits for this reader: what comes when so many octets wait already is dropped, and counted.
+    void bound(std::size_t octets);
+    [[nodiscard]] std::uint64_t dropped() const;
+    /// From the receiving thread. No allocation once its buffers have grown. False: there was no room for it.
+    bool push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port = 0, std::int64_t arrived_ns = 0);
     /// What is due, valid until the next call.
     [[nodiscard]] std::span<WireFrame const* const> take();
     /// Lockstep: the earliest time of the frames that are here and not due yet.

@@ -18,6 +18,8 @@ struct WireReader::Impl {
     std::vector<std::size_t> free, waiting, taken;
     std::vector<WireFrame const*> out;
     SimTime until{INT64_MAX};
+    std::size_t kept_octets{0}, bound{SIZE_MAX}; ///< real time: of what is waiting or taken
+    std::uint64_t dropped{0};
 
     void due(std::size_t slot, SimTime time);
 };

@@ -20,6 +20,9 @@
 namespace gridspace::recorder {
 namespace {
 
+/// Real time: frames that wait for a disk which hangs, in octets. What comes on top is dropped and counted.
+constexpr std::size_t kMostWaiting = 32U << 20U;
+
 /// A port and a way through it in one number, which a frame carries through its reader.
 std::uint32_t place_of(std::size_t port, bool outgoing) {
     return static_cast<std::uint32_t>(2 * port) + (outgoing ? 1 : 0);
@@ -106,6 +109,7 @@ FrameCapture::~FrameCapture() {
 FrameCapture::Way FrameCapture::way_of(std::string const& link) {
     if (!node_.lockstep()) {
         bus::WireReader* const all = reader_of({"", 0});
+        all->bound(kMostWaiting);
         return {all, all, all};
     }
     if (link.empty()) {
@@ -172,7 +176,8 @@ void FrameCapture::capture() {
                     ethernet::ReceivedFrame const& frame = batch[k];
                     Way const& way = frame.outgoing ? ports_[i].out : ports_[i].in;
                     if (auto* reader = way.reader_of(iec61850::ethertype_of(frame.octets))) {
-                        reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing));
+                        ports_[i].no_room +=
+                            reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing)) ? 0 : 1;
                     }
                 }
             }
@@ -220,8 +225,9 @@ Result<void> FrameCapture::close() {
         // In lockstep nothing is lost (a ledger would miss it), and the kernel's counts include what came after the
         // end.
         if (!node_.lockstep()) {
-            dropped_ += counters.dropped;
-            if (auto ok = file_->statistics(port.interface, 0, counters.received, counters.dropped); !ok) {
+            std::uint64_t const dropped = counters.dropped + port.no_room;
+            dropped_ += dropped;
+            if (auto ok = file_->statistics(port.interface, 0, counters.received, dropped); !ok) {
                 return ok;
             }
         }

@@ -28,7 +28,7 @@ class FrameCapture {
 
     [[nodiscard]] Result<void> write_due();
     [[nodiscard]] Result<void> close();
-    /// Real time, after close(): frames that the kernel could not keep for us.
+    /// Real time, after close(): frames that the kernel could not keep for us, or that waited too long for the disk.
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
   private:
@@ -48,6 +48,7 @@ class FrameCapture {
         std::uint32_t interface{0}; ///< in the file
         bool both_ways{false};
         Way in, out;
+        std::uint64_t no_room{0}; ///< frames that found none; of the capturing thread until it has ended
     };
     Way way_of(std::string const& link);
     bus::WireReader* reader_of(Channel const& channel);
