@@ -89,7 +89,7 @@ bool CurrentInputs::pass_first_line(std::size_t end, iec61850::Asdu const& asdu,
     return verdict.use;
 }
 
-void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair, std::int64_t arrival_ns) {
+void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPair const& on_pair) {
     if (auto const read_frame = iec61850::decode_sv(octets, decoded_); !read_frame) {
         damaged_.count(read_frame.error().reason);
         return;
@@ -108,15 +108,15 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t now_ns, OnPair c
             if (!mine || !pass_first_line(i, asdu, place, arrival_ns)) {
                 continue;
             }
-            iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, now_ns);
+            iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, arrival_ns);
             if (arrival.accepted) {
                 bool const restarted = arrival.event == iec61850::SvEvent::first || arrival.event == iec61850::SvEvent::restart;
                 EndSample sample = read(end, decoded_, asdu);
                 if (std::exchange(end.contest_next, false)) {
                     sample.validity = std::max(sample.validity, Validity::questionable);
                 }
-                alignment_.push(i, asdu.smp_cnt, asdu.smp_synch, sample, now_ns, restarted);
-                give_out(now_ns, on_pair);
+                alignment_.push(i, asdu.smp_cnt, asdu.smp_synch, sample, arrival_ns, restarted);
+                give_out(arrival_ns, on_pair);
             }
         }
     }

@@ -34,9 +34,8 @@ class CurrentInputs {
     /// What the first-line rules found in a frame of end 0 or 1.
     using OnFinding = std::function<void(std::size_t end, std::uint32_t findings, iec61850::Mac const& source)>;
     void on_finding(OnFinding on_finding) { on_finding_ = std::move(on_finding); }
-    /// A frame of sampled values. Pairs that are complete now are given out. `arrival_ns`: when the kernel received it, on
-    /// any axis.
-    void frame(iec61850::Octets octets, std::int64_t now_ns, OnPair const& on_pair, std::int64_t arrival_ns = 0);
+    /// A frame of sampled values, which came at `arrival_ns`. Pairs that are complete now are given out.
+    void frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPair const& on_pair);
     /// When time alone gives something out, or a stream falls silent.
     [[nodiscard]] std::optional<std::int64_t> deadline() const;
     void elapse(std::int64_t now_ns, OnPair const& on_pair);

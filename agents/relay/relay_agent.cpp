@@ -278,11 +278,11 @@ class RelayAgent {
                 return;
             }
             now_ns_ = std::max(now_ns_, node_.lockstep() ? clock_.of(clock_.at_or_after(*at)) : *at);
-            if (now_ns_ > until_ns) {
+            if (now_ns_ > until_ns && node_.lockstep()) {
                 return; // rounded up to the time grid, behind the end of the tick
             }
             if (input_first) {
-                inputs_->elapse(now_ns_, on_pair_);
+                inputs_->elapse(node_.lockstep() ? now_ns_ : *at, on_pair_); // in real time it lives by arrivals
             } else {
                 trip_->work(now_ns_);
             }
@@ -302,23 +302,47 @@ class RelayAgent {
     }
 
     void realtime_round() {
+        take_frames();
+        std::int64_t const now_ns = clock_.now();
+        if (auto const work = next_work(); work && *work <= now_ns) {
+            port_->drain(); // what has come by now counts before what has run out by now
+            take_frames();
+        }
+        elapse(now_ns);
+    }
+
+    /// The inputs live by the arrivals of the frames: a stall of this process is no gap in a stream. What follows from them
+    /// happens now.
+    void take_frames() {
         for (bus::WireFrame const* frame : port_->take(iec61850::kSvEthertype)) {
             now_ns_ = clock_.now();
+            came(frame->arrived_ns);
             std::array<std::uint64_t, 2> const before{samples_of(0), samples_of(1)};
-            inputs_->frame(WirePort::octets(*frame), now_ns_, on_pair_, frame->kernel_ns);
+            inputs_->elapse(frame->arrived_ns - 1, on_pair_); // at equal times the frame comes first
+            inputs_->frame(WirePort::octets(*frame), frame->arrived_ns, on_pair_);
             for (std::size_t i = 0; i < 2; ++i) {
                 if (samples_of(i) != before[i] && frame->kernel_ns != 0) {
                     publish_age(*arrival_ages_[i], inputs_->end(i).subscriber.last_index(), frame->kernel_ns);
                 }
             }
         }
-        elapse(clock_.now());
+    }
+
+    /// Real time: the simulated time at which a frame came. Of one that has waited, because this process stood still, the
+    /// simulation clock no longer says it: it came so long after the last one that had not.
+    void came(std::int64_t arrived_ns) {
+        constexpr std::int64_t kAtOnceNs = 100'000'000;
+        double const now_s = node_.time_base().seconds(node_.latest_time());
+        bool const at_once = came_ns_ == 0 || now_ns_ - arrived_ns < kAtOnceNs;
+        came_s_ = at_once ? now_s : came_s_ + static_cast<double>(arrived_ns - came_ns_) * 1e-9 * settings_.wire.speed;
+        came_ns_ = arrived_ns;
     }
 
     /// Simulated time of a sample: its counter says which one of a second it is, the clock which second.
     [[nodiscard]] double instant_of(std::int64_t index) const {
         double const in_second_s = static_cast<double>(index) / rate_hz_;
-        return std::round(node_.time_base().seconds(node_.latest_time()) - in_second_s) + in_second_s;
+        double const now_s = came_ns_ == 0 ? node_.time_base().seconds(node_.latest_time()) : came_s_;
+        return std::round(now_s - in_second_s) + in_second_s;
     }
 
     /// When a sample was taken, by its counter: simulated time on the epoch, or in real time on the run's start.
@@ -467,6 +491,8 @@ class RelayAgent {
     double rate_hz_{4800};
     CurrentInputs::OnPair on_pair_{[this](LineSample const& sample) { pair(sample); }};
     std::int64_t now_ns_{0};
+    std::int64_t came_ns_{0}; ///< real time: when the newest frame came, and at which simulated time
+    double came_s_{0};
     std::int64_t reported_{-1}, reported_wall_ns_{0};
     std::array<std::uint64_t, 2> reported_samples_{};
     bool started_{false}, pickup_{false}, tripped_{false}, blocked_{false};

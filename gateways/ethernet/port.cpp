@@ -128,14 +128,20 @@ std::size_t Port::receive(std::span<ReceivedFrame> out) noexcept {
     if (!impl_->receiver) {
         return 0;
     }
-    std::size_t const count = impl_->receiver->receive(out);
+    constexpr int kRounds = 64; // of foreign frames only: behind them something of ours may wait
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (impl_->wanted(out[i])) {
-            impl_->counters.truncated += out[i].truncated ? 1 : 0;
-            out[kept++] = out[i];
-        } else {
-            ++impl_->counters.filtered;
+    for (int round = 0; kept == 0 && round < kRounds; ++round) {
+        std::size_t const count = impl_->receiver->receive(out);
+        if (count == 0) {
+            return 0;
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            if (impl_->wanted(out[i])) {
+                impl_->counters.truncated += out[i].truncated ? 1 : 0;
+                out[kept++] = out[i];
+            } else {
+                ++impl_->counters.filtered;
+            }
         }
     }
     impl_->counters.received += kept;

@@ -38,6 +38,10 @@ Result<void> Gateway::run() {
         begin(**tick);
         take_input(**tick);
         last = moment_of(**tick);
+        if (auto const due = next_timer(); due && *due <= last.ns && !node_.lockstep()) {
+            port_->drain(); // what has come by now counts before what has run out by now
+            take_input(**tick);
+        }
         run_timers(last.ns);
         if ((*tick)->final) {
             finish(last);
@@ -122,8 +126,12 @@ void Gateway::take_input(bus::Tick const& tick) {
     }
     if (!node_.lockstep()) { // as they came
         for (Event const& event : events_) {
-            handle(event, {clock_.now(), event.topic != nullptr ? event.time : tick.time,
-                           event.frame != nullptr ? event.frame->kernel_ns : 0});
+            Moment at{clock_.now(), event.topic != nullptr ? event.time : tick.time};
+            if (event.frame != nullptr) {
+                at.kernel_ns = event.frame->kernel_ns;
+                at.arrived_ns = event.frame->arrived_ns;
+            }
+            handle(event, at);
         }
         return;
     }

@@ -133,7 +133,13 @@ class SvSource final : public Source {
         }
         auto const asdus = frame.view();
         for (std::size_t place = 0; place < asdus.size(); ++place) {
-            if (subscriber_.is_mine(asdus[place]) && may_use(at, frame.header, asdus[place], place)) {
+            if (!subscriber_.is_mine(asdus[place])) {
+                continue;
+            }
+            if (auto const until = deadline(); until && *until < at.arrival_ns()) {
+                expire(at); // nobody looked meanwhile
+            }
+            if (may_use(at, frame.header, asdus[place], place)) {
                 receive(at, frame.header, asdus[place]);
             }
         }
@@ -171,7 +177,7 @@ class SvSource final : public Source {
     }
 
     bool may_use(Moment at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu, std::size_t place) {
-        auto const verdict = first_line_.judge(header, asdu, place, at.kernel_ns != 0 ? at.kernel_ns : at.ns);
+        auto const verdict = first_line_.judge(header, asdu, place, at.arrival_ns());
         if ((verdict.findings & ~kHarmlessSvFindings) != 0 && on_finding_) {
             on_finding_(at, verdict.findings, header.source);
         }
@@ -179,7 +185,7 @@ class SvSource final : public Source {
     }
 
     void receive(Moment at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu) {
-        auto const arrival = subscriber_.receive(header, asdu, at.ns);
+        auto const arrival = subscriber_.receive(header, asdu, at.arrival_ns());
         if (!arrival.accepted) {
             return;
         }
@@ -226,7 +232,11 @@ class GooseSource final : public Source {
         if (message.gocb_ref != route_.from_stream->control_block) {
             return;
         }
-        if (auto const first = first_line_.judge(message, clock_.utc_ns(at.ns)); first.findings != 0) {
+        if (auto const until = deadline(); until && *until < at.arrival_ns()) {
+            expire(at); // nobody looked meanwhile
+        }
+        std::int64_t const utc_ns = clock_.utc_at(at.arrival_ns());
+        if (auto const first = first_line_.judge(message, utc_ns); first.findings != 0) {
             if (on_finding_) {
                 on_finding_(at, first.findings, message.header.source);
             }
@@ -234,7 +244,7 @@ class GooseSource final : public Source {
                 return;
             }
         }
-        auto const verdict = subscriber_.receive(message, at.ns, clock_.utc_ns(at.ns));
+        auto const verdict = subscriber_.receive(message, at.arrival_ns(), utc_ns);
         if (verdict.event == iec61850::GooseEvent::not_ours) {
             return;
         }

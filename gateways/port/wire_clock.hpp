@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bus/node.hpp"
+#include "gateways/port/arrival_clock.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -27,6 +28,14 @@ class WireClock {
         timespec t{};
         clock_gettime(CLOCK_REALTIME, &t);
         return t.tv_sec * 1'000'000'000LL + t.tv_nsec;
+    }
+    /// UTC when the clock of the state machines showed `ns`, by what both show now.
+    [[nodiscard]] std::int64_t utc_at(std::int64_t ns) const {
+        if (node_.lockstep()) {
+            return utc_ns(ns);
+        }
+        ArrivalClock::Reading const now = ArrivalClock::read();
+        return now.utc_ns - (now.steady_ns - ns);
     }
     /// The first instant of simulated time that is not before `ns`.
     [[nodiscard]] SimTime at_or_after(std::int64_t ns) const {

@@ -4,10 +4,14 @@
 
 #include "common/log.hpp"
 
-#include <array>
 #include <fmt/format.h>
 
 namespace gridspace::gateways {
+namespace {
+
+constexpr std::size_t kMostWaiting = 32U << 20U; ///< octets of one ethertype: four seconds of ten streams
+
+} // namespace
 
 Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig const& config, Ethertypes const& ethertypes) {
     ethernet::PortOptions options;
@@ -33,6 +37,7 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
         port->receiver_ = std::make_unique<ethernet::Port>(std::move(*receiver));
         for (std::uint16_t const ethertype : ethertypes.receive) {
             port->readers_[ethertype] = std::make_unique<bus::WireReader>(node, config.receive_link.empty() ? config.link : config.receive_link, ethertype);
+            port->readers_[ethertype]->bound(kMostWaiting);
         }
         port->thread_ = std::thread{[raw = port.get()] { raw->receive_loop(); }};
     }
@@ -48,24 +53,48 @@ WirePort::~WirePort() {
 
 void WirePort::receive_loop() {
     constexpr std::int64_t kLookAfterNs = 100'000'000;
-    std::array<ethernet::ReceivedFrame, 64> batch;
     auto maintained = std::chrono::steady_clock::now();
     while (!stop_) {
         receiver_->wait(kLookAfterNs);
-        for (std::size_t n = 0; (n = receiver_->receive(batch)) > 0;) {
-            for (std::size_t i = 0; i < n; ++i) {
-                auto const reader = readers_.find(iec61850::ethertype_of(batch[i].octets));
-                if (reader != readers_.end()) {
-                    reader->second->push(std::as_bytes(batch[i].octets), batch[i].stamp_ns);
-                }
-            }
-        }
+        drain();
         if (auto const now = std::chrono::steady_clock::now(); now - maintained > std::chrono::milliseconds{200}) {
             maintained = now;
+            std::lock_guard const lock{receiving_};
             receiver_->maintain();
             dropped_.store(receiver_->counters().dropped, std::memory_order_relaxed);
         }
     }
+}
+
+void WirePort::drain() {
+    if (receiver_ == nullptr) {
+        return;
+    }
+    std::lock_guard const lock{receiving_};
+    while (true) {
+        std::int64_t const looked_ns = ArrivalClock::steady_ns();
+        std::size_t const n = receiver_->receive(batch_);
+        if (n == 0) {
+            arrivals_.nothing_at(looked_ns);
+            return;
+        }
+        ArrivalClock::Reading const now = ArrivalClock::read();
+        for (std::size_t i = 0; i < n; ++i) {
+            ethernet::ReceivedFrame const& frame = batch_[i];
+            std::int64_t const arrived_ns = arrivals_.arrival(frame.stamp_ns, now);
+            if (auto const reader = readers_.find(iec61850::ethertype_of(frame.octets)); reader != readers_.end()) {
+                reader->second->push(std::as_bytes(frame.octets), frame.stamp_ns, 0, arrived_ns);
+            }
+        }
+    }
+}
+
+std::uint64_t WirePort::dropped() const {
+    std::uint64_t out = dropped_.load(std::memory_order_relaxed);
+    for (auto const& [ethertype, reader] : readers_) {
+        out += reader->dropped();
+    }
+    return out;
 }
 
 void WirePort::send(std::span<std::uint8_t const> frame, SimTime at) {

@@ -4,11 +4,14 @@
 
 #include "bus/wire.hpp"
 #include "gateways/ethernet/port.hpp"
+#include "gateways/port/arrival_clock.hpp"
 #include "gateways/port/wire_config.hpp"
 
+#include <array>
 #include <atomic>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 namespace gridspace::gateways {
@@ -34,11 +37,15 @@ class WirePort {
     /// Frames that are due, valid until the next call for the same ethertype.
     [[nodiscard]] std::span<bus::WireFrame const* const> take(std::uint16_t ethertype) { return readers_.at(ethertype)->take(); }
 
+    /// Real time: fetches what has come and the receiving thread has not fetched yet. Before something counts as run out: after a
+    /// stall of this process what came in time waits in the kernel, and who runs first is chance.
+    void drain();
+
     /// Looks after the link; cheap, call it in every round.
     void maintain();
     [[nodiscard]] ethernet::PortCounters sent_counters() { return sender_.counters(); }
-    /// Received frames that the kernel had to drop, as of the last look.
-    [[nodiscard]] std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
+    /// Received frames that the kernel had to drop, as of the last look, or that found no room here.
+    [[nodiscard]] std::uint64_t dropped() const;
 
     /// What `gateways/iec61850` decodes.
     [[nodiscard]] static iec61850::Octets octets(bus::WireFrame const& frame) {
@@ -51,7 +58,10 @@ class WirePort {
 
     bus::Node& node_;
     ethernet::Port sender_;
-    std::unique_ptr<ethernet::Port> receiver_;
+    std::unique_ptr<ethernet::Port> receiver_; ///< but for waiting, under receiving_
+    std::mutex receiving_;
+    ArrivalClock arrivals_{ArrivalClock::steady_ns()};
+    std::array<ethernet::ReceivedFrame, 64> batch_;
     std::map<std::uint16_t, std::unique_ptr<bus::WireWriter>> writers_;
     std::map<std::uint16_t, std::unique_ptr<bus::WireReader>> readers_;
     std::atomic<bool> stop_{false};
