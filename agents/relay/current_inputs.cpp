@@ -19,6 +19,8 @@ Synch synch_of(std::uint8_t smp_synch) {
 Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs::Params const& params) {
     auto subscription = gateways::sv_subscription(stream);
     subscription.simulation = params.accept_test;
+    // One end that is silent is noticed when its partner has waited for it in vain; both, by the same time.
+    subscription.silence_periods = std::max(subscription.silence_periods, static_cast<double>(params.partner_timeout_ns) * 1e-9 * subscription.rate_hz);
     CurrentInputs::End end{iec61850::SvSubscriber{std::move(subscription)}, iec61850::SvLayout{stream.data_set}, {}, {}, 1,
                            gateways::SvFirstLine{params.first_line, stream.rate_hz.to_double(), params.accept_test, params.judge_arrival}};
     auto const& slots = end.layout.slots();
@@ -146,12 +148,12 @@ std::optional<std::int64_t> CurrentInputs::deadline() const {
 }
 
 void CurrentInputs::elapse(std::int64_t now_ns, OnPair const& on_pair) {
-    for (End& end : ends_) {
-        if (auto const silence = end.subscriber.deadline(); silence && *silence <= now_ns) {
-            end.subscriber.expire(now_ns);
+    give_out(now_ns, on_pair);
+    for (std::size_t i = 0; i < ends_.size(); ++i) {
+        if (ends_[i].subscriber.expire(now_ns) && on_silence_) {
+            on_silence_(i);
         }
     }
-    give_out(now_ns, on_pair);
 }
 
 } // namespace gridspace::relay

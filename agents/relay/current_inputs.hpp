@@ -34,6 +34,9 @@ class CurrentInputs {
     /// What the first-line rules found in a frame of end 0 or 1.
     using OnFinding = std::function<void(std::size_t end, std::uint32_t findings, iec61850::Mac const& source)>;
     void on_finding(OnFinding on_finding) { on_finding_ = std::move(on_finding); }
+    /// Nothing came of end 0 or 1 for longer than the partner timeout.
+    using OnSilence = std::function<void(std::size_t end)>;
+    void on_silence(OnSilence on_silence) { on_silence_ = std::move(on_silence); }
     /// A frame of sampled values, which came at `arrival_ns`. Pairs that are complete now are given out.
     void frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPair const& on_pair);
     /// When time alone gives something out, or a stream falls silent.
@@ -65,6 +68,7 @@ class CurrentInputs {
     iec61850::SvFrame decoded_;
     iec61850::DecodeCounters damaged_;
     OnFinding on_finding_;
+    OnSilence on_silence_;
 };
 
 } // namespace gridspace::relay

@@ -92,6 +92,12 @@ RelayOutput const& LineRelay::step(LineSample const& sample, TripPermission perm
     return output_;
 }
 
+RelayOutput const& LineRelay::lost(BlockReasons ends) {
+    output_.evaluated = false;
+    set_blocked(last_index_, output_.blocked | ends);
+    return output_;
+}
+
 BlockReasons LineRelay::unusable(LineSample const& sample) {
     static_assert(kToLost == kFromLost << 1U && kToQuality == kFromQuality << 1U && kToTest == kFromTest << 1U &&
                   kToSynch == kFromSynch << 1U);
@@ -133,7 +139,7 @@ void LineRelay::empty_window(std::int64_t index) {
 }
 
 void LineRelay::set_blocked(std::int64_t index, BlockReasons reasons) {
-    if (reasons == output_.blocked) {
+    if (reasons == output_.blocked && (reasons & ~said_) == 0) {
         return;
     }
     output_.blocked = reasons;

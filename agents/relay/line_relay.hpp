@@ -58,7 +58,7 @@ struct RelayCounters {
 /// row, pickup, confirmation and trip stay as they are, `blocked` says so, and the gap is bridged as soon as the next
 /// usable pair arrives; only pairs that came count as confirmation, so that no trip rests on bridged samples alone.
 /// Otherwise the pickup drops out and the relay blocks until a whole window of usable samples has passed.
-/// Unsynchronised and test samples always empty the window.
+/// Unsynchronised and test samples always empty the window. Where nothing comes any more, time has to say so: lost().
 class LineRelay {
   public:
     explicit LineRelay(RelayParams const& params);
@@ -66,6 +66,10 @@ class LineRelay {
     /// Takes the pair of one instant. Indices rise by one; a jump forward counts as missing pairs, an index that is not
     /// newer is ignored. The reference holds until the next call.
     RelayOutput const& step(LineSample const& sample, TripPermission permission = {});
+
+    /// Nothing came of these ends (kFromLost, kToLost) for longer than a sample waits for its partner, so that there is no
+    /// pair to say it: blocked until pairs come again. What the window holds is judged then, by the length of the gap.
+    RelayOutput const& lost(BlockReasons ends);
 
     /// Takes the seal off. False, and nothing happens, while the element still picks up.
     bool reset();

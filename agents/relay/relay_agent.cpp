@@ -105,6 +105,7 @@ class RelayAgent {
             return std::unexpected{inputs.error()};
         }
         inputs_ = std::make_unique<CurrentInputs>(std::move(*inputs));
+        inputs_->on_silence([this](std::size_t end) { act_on(relay_->relay().lost(end == 0 ? kFromLost : kToLost)); });
         open_event_report();
         auto port = WirePort::open(node_, settings_.wire, {{trip->ethertype()}, {from->ethertype()}});
         if (!port) {
@@ -195,7 +196,7 @@ class RelayAgent {
         state_signals_ = std::move(*state);
         std::vector<bus::SignalColumn> columns;
         for (config::Ref const* stream : {&settings_.relay.from_stream, &settings_.relay.to_stream}) {
-            for (char const* name : {"received", "lost", "duplicate", "late", "invalid"}) {
+            for (char const* name : {"received", "lost", "duplicate", "late", "invalid", "silences"}) {
                 columns.push_back({"stream." + stream->name + "." + name, ""});
             }
             if (!node_.lockstep()) { // says nothing where nobody looks at a clock
@@ -256,6 +257,7 @@ class RelayAgent {
         trip_->announce(now);
         now_ns_ = node_.lockstep() ? clock_.of(now) : clock_.now();
         trip_->start(now_ns_);
+        blocked_ = relay_->relay().output().blocked != 0; // also when no sample ever comes
         publish_state();
     }
 
@@ -367,6 +369,10 @@ class RelayAgent {
         if (decision_ages_ != nullptr && sample.from.present && sample.to.present) {
             publish_age(*decision_ages_, sample.index, clock_.utc_ns(0));
         }
+        act_on(out);
+    }
+
+    void act_on(RelayOutput const& out) {
         if (out.pickup != pickup_ || out.trip != tripped_ || (out.blocked != 0) != blocked_) {
             bool const changed = out.trip != tripped_;
             pickup_ = out.pickup;
@@ -435,8 +441,8 @@ class RelayAgent {
         if (first_line_ != nullptr) {
             first_line_->report(time);
         }
-        std::array<double, 12> row{};
-        std::size_t const columns = node_.lockstep() ? 5 : 6;
+        std::array<double, 14> row{};
+        std::size_t const columns = node_.lockstep() ? 6 : 7;
         std::int64_t const wall = clock_.now();
         for (std::size_t i = 0; i < 2; ++i) {
             using iec61850::SvEvent;
@@ -448,16 +454,17 @@ class RelayAgent {
             out[3] = static_cast<double>(c.of(SvEvent::late));
             out[4] = static_cast<double>(c.of(SvEvent::identity_mismatch) + c.of(SvEvent::conf_rev_mismatch) + c.of(SvEvent::size_mismatch) +
                                          c.of(SvEvent::simulation_refused) + inputs_->damaged().total());
-            if (columns > 5) {
+            out[5] = static_cast<double>(c.silences);
+            if (columns > 6) {
                 // Between two reports, by the wall clock; the first one has nothing to compare with.
                 double const seconds = static_cast<double>(wall - reported_wall_ns_) / 1e9;
-                out[5] = reported_wall_ns_ == 0 ? 0 : static_cast<double>(c.samples - reported_samples_[i]) / seconds;
+                out[6] = reported_wall_ns_ == 0 ? 0 : static_cast<double>(c.samples - reported_samples_[i]) / seconds;
                 reported_samples_[i] = c.samples;
             }
         }
         bool const nothing_to_compare = reported_wall_ns_ == 0;
         reported_wall_ns_ = wall;
-        if (columns > 5 && nothing_to_compare) {
+        if (columns > 6 && nothing_to_compare) {
             return;
         }
         counter_signals_->row(time, row);

@@ -232,7 +232,7 @@ class RelaySettings final : public ProcessSettings {
         }
         out.push_back({prefix + "sample_s", "s", 0});
         for (Ref const* stream : {&config_.from_stream, &config_.to_stream}) {
-            for (char const* name : {"received", "lost", "duplicate", "late", "invalid"}) {
+            for (char const* name : {"received", "lost", "duplicate", "late", "invalid", "silences"}) {
                 out.push_back({"stream." + stream->name + "." + name, "", 1});
             }
             out.push_back({"stream." + stream->name + ".rate_hz", "Hz", 1});

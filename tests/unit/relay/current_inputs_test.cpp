@@ -34,6 +34,7 @@ class Bench {
         : streams_{std::move(streams)},
           sut{*CurrentInputs::create(streams_[0], streams_[1],
                                      {{"Ia", "Ib", "Ic"}, 20'000'000, {on_finding, false}, accept_test})} {
+        sut.on_silence([this](std::size_t end) { silent.push_back(end); });
         sut.on_finding([this](std::size_t end, std::uint32_t found, iec61850::Mac const&) { findings[end] |= found; });
     }
 
@@ -46,6 +47,12 @@ class Bench {
         sut.frame(frame.frame(), now_, [this](LineSample const& s) { out.push_back(s); });
     }
     void next() { now_ += kPeriod; }
+    /// Nothing comes until `at_ns`.
+    void elapse(std::int64_t at_ns) {
+        now_ = at_ns;
+        sut.elapse(now_, [this](LineSample const& s) { out.push_back(s); });
+    }
+    [[nodiscard]] std::int64_t now() const { return now_; }
 
   private:
     std::array<streams::Stream, 2> streams_;
@@ -55,6 +62,7 @@ class Bench {
     CurrentInputs sut;
     std::vector<LineSample> out;
     std::array<std::uint32_t, 2> findings{};
+    std::vector<std::size_t> silent;
 };
 
 constexpr auto kRefuse = gateways::FirstLineConfig::OnFinding::refuse,
@@ -68,6 +76,37 @@ TEST(CurrentInputs, GiveAPairAsSoonAsBothEndsAreThere) {
     EXPECT_EQ(b.out[0].from.i_a[0], 1);
     EXPECT_EQ(b.out[0].to.i_a[0], 2);
     EXPECT_EQ(b.out[0].from.validity, Validity::good);
+}
+
+TEST(CurrentInputs, TellThatNothingComesAnyMoreOfEitherEnd) {
+    Bench b{kReport};
+    for (std::uint16_t n = 0; n < 10; ++n, b.next()) {
+        b.send(0, n, 1);
+        b.send(1, n, 1);
+    }
+    std::int64_t const last = b.now() - kPeriod;
+    EXPECT_EQ(b.sut.deadline(), last + 20'000'000);
+    b.elapse(last + 19'999'999);
+    EXPECT_TRUE(b.silent.empty()) << "late is not lost";
+    b.elapse(last + 20'000'000);
+    EXPECT_EQ(b.silent, (std::vector<std::size_t>{0, 1}));
+    EXPECT_FALSE(b.sut.deadline());
+    b.elapse(last + 60'000'000);
+    EXPECT_EQ(b.silent.size(), 2U) << "said once";
+    EXPECT_EQ(b.sut.end(0).subscriber.counters().silences, 1U);
+    b.send(0, 298, 1); // back, and gone again
+    b.send(1, 298, 1);
+    b.elapse(b.now() + 20'000'000);
+    EXPECT_EQ(b.silent.size(), 4U);
+}
+
+TEST(CurrentInputs, GiveOutWhatWaitsBeforeTheyTellOfTheSilence) {
+    Bench b{kReport};
+    b.send(0, 0, 1);
+    b.send(1, 0, 1);
+    b.send(0, 1, 1);
+    b.sut.on_silence([&](std::size_t) { EXPECT_EQ(b.out.size(), 2U); });
+    b.elapse(20'000'000);
 }
 
 TEST(CurrentInputs, CallQuestionableWhatTwoFramesOfOneAddressClaim) {

@@ -420,6 +420,55 @@ TEST(LineRelay, SaysAgainWhyItBlocksAfterItHasWorked) {
     EXPECT_EQ(blocks, (std::vector<std::int64_t>{103, 303}));
 }
 
+TEST(LineRelay, BlocksAndSaysSoWhenNothingComesAnyMore) {
+    for (bool const lone_sample : {false, true}) { // the last sample of one end may have no partner
+        LineRelay sut{params()};
+        run_healthy(sut, 0, 100);
+        if (lone_sample) {
+            LineSample s = through(100);
+            s.to.present = false;
+            sut.step(s);
+        }
+        sut.events().drain([](RelayEvent const&) {});
+        EXPECT_NE(sut.lost(kFromLost).blocked & kFromLost, 0U);
+        EXPECT_NE(sut.lost(kToLost).blocked & (kFromLost | kToLost), 0U);
+        BlockReasons told = 0;
+        sut.events().drain([&](RelayEvent const& e) {
+            EXPECT_EQ(e.kind, RelayEvent::Kind::block);
+            told |= e.reasons;
+        });
+        EXPECT_EQ(told, kFromLost | kToLost);
+        std::int64_t k = 400; // both come back, behind a long gap
+        for (; k < 479; ++k) {
+            EXPECT_EQ(sut.step(through(k)).blocked, kFilling) << k;
+        }
+        EXPECT_EQ(sut.step(through(k)).blocked, 0U);
+    }
+}
+
+TEST(LineRelay, GoesOnAfterASilenceInWhichNothingWasLost) {
+    LineRelay sut{params()};
+    run_healthy(sut, 0, 100);
+    sut.lost(kFromLost | kToLost);
+    EXPECT_EQ(sut.step(through(100)).blocked, 0U) << "late, and all there";
+}
+
+TEST(LineRelay, DropsThePickupWhenNothingComesAnyMoreAndKeepsTheSeal) {
+    for (bool const seal_in : {false, true}) {
+        RelayParams p = params();
+        p.seal_in = seal_in;
+        LineRelay sut{p};
+        run_healthy(sut, 0, 80);
+        for (std::int64_t k = 80; k < 200; ++k) {
+            sut.step(internal_fault(k));
+        }
+        ASSERT_TRUE(sut.output().trip);
+        RelayOutput const& out = sut.lost(kFromLost | kToLost);
+        EXPECT_FALSE(out.pickup || out.evaluated);
+        EXPECT_EQ(out.trip, seal_in);
+    }
+}
+
 TEST(LineRelay, ABridgedGapHoldsTheTripAndALongerOneDropsIt) {
     for (int lost = 1; lost <= 4; ++lost) {
         RelayParams p = params();
