@@ -449,7 +449,8 @@ class RelayAgent {
             auto const& c = inputs_->end(i).subscriber.counters();
             double* out = row.data() + columns * i;
             out[0] = static_cast<double>(c.samples);
-            out[1] = static_cast<double>(c.lost);
+            // What is overtaken may still come: at the end it is lost.
+            out[1] = static_cast<double>(final ? c.lost : inputs_->end(i).subscriber.lost_for_good());
             out[2] = static_cast<double>(c.of(SvEvent::duplicate));
             out[3] = static_cast<double>(c.of(SvEvent::late));
             out[4] = static_cast<double>(c.of(SvEvent::identity_mismatch) + c.of(SvEvent::conf_rev_mismatch) + c.of(SvEvent::size_mismatch) +

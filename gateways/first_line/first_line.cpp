@@ -85,6 +85,7 @@ SvFirstLine::Verdict SvFirstLine::judge(iec61850::FrameHeader const& header, iec
     facts.smp_cnt = asdu.smp_cnt;
     facts.smp_synch = asdu.smp_synch;
     facts.simulated = header.simulated();
+    facts.behind_another = place > 0;
     // The samples of one frame come together and were taken one after the other.
     facts.arrival_ns = arrival_ns + std::llround(static_cast<double>(place) * 1e9 / rate_hz_);
     ids::SvRules::Verdict const verdict = rules_.judge(facts);

@@ -3,6 +3,7 @@
 #include "gateways/iec61850/sv_subscriber.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace gridspace::iec61850 {
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::uint32_t kWholeCounter = 65536;
 constexpr std::uint32_t kFewLost = 3;
+constexpr std::int64_t kRemembered = 64;  ///< samples of which is known whether they came
 constexpr std::int64_t kNear = 16;        ///< steps of the counter that need no explanation
 constexpr std::uint32_t kRunToLearn = 16; ///< a peer that restarts at 0 in every frame must not teach us a wrap
 constexpr std::uint64_t kArrivalsForRate = 16;
@@ -231,10 +233,8 @@ SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noex
         std::int64_t const step = index - index_;
         if (step == 1) {
             arrival = {SvEvent::in_order, true, 0, index};
-        } else if (step == 0) {
-            return count({SvEvent::duplicate, false, 0, index});
-        } else if (step < 0 && -step <= std::int64_t{subscription_.late_window}) {
-            return count({SvEvent::late, false, 0, index});
+        } else if (step <= 0 && -step <= std::int64_t{subscription_.late_window}) {
+            return count(behind(index));
         } else if (is_loss(step, now_ns)) {
             arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - (confirmed ? 2 : 1)), index};
         } else { // indices never go back
@@ -248,6 +248,7 @@ SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noex
     }
     silent_ = false;
     jumped_to_.reset();
+    move_on(arrival, confirmed);
     index_ = arrival.index;
     last_cnt_ = smp_cnt;
     last_ns_ = now_ns;
@@ -256,6 +257,42 @@ SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noex
     arrivals_.add(index_, now_ns);
     arrival.accepted = true;
     return count(arrival);
+}
+
+/// Remembers which samples came, before the newest one becomes `arrival`.
+void SvSubscriber::move_on(SvArrival const& arrival, bool one_was_refused) noexcept {
+    std::int64_t const step = arrival.index - index_;
+    if (arrival.event == SvEvent::first || arrival.event == SvEvent::restart || step >= kRemembered) {
+        seen_ = missing_ = 0;
+    } else {
+        seen_ <<= step;
+        missing_ <<= step;
+    }
+    if (arrival.event == SvEvent::lost && !one_was_refused) {
+        std::int64_t const window = std::min(std::int64_t{subscription_.late_window}, kRemembered - 1);
+        std::int64_t const still = std::min(step - 1, window); // bits 1 to `still`
+        missing_ |= ((std::uint64_t{1} << still) - 1) << 1U;
+    }
+    seen_ |= 1;
+}
+
+/// A sample that is not newer than the newest one, and not far behind it.
+SvArrival SvSubscriber::behind(std::int64_t index) noexcept {
+    std::int64_t const back = index_ - index;
+    std::uint64_t const bit = back < kRemembered ? std::uint64_t{1} << back : 0;
+    if ((seen_ & bit) != 0) {
+        return {SvEvent::duplicate, false, 0, index};
+    }
+    counters_.lost -= (missing_ & bit) != 0 ? 1U : 0U;
+    missing_ &= ~bit;
+    seen_ |= bit;
+    return {SvEvent::late, false, 0, index};
+}
+
+std::uint64_t SvSubscriber::lost_for_good() const noexcept {
+    std::uint32_t const window = std::min<std::uint32_t>(subscription_.late_window, kRemembered - 1);
+    std::uint64_t const within = (std::uint64_t{2} << window) - 1; // all of them for 63
+    return counters_.lost - static_cast<std::uint64_t>(std::popcount(missing_ & within));
 }
 
 std::optional<std::int64_t> SvSubscriber::deadline() const noexcept {

@@ -20,7 +20,7 @@ struct SvSubscription {
     bool simulation{false};        ///< LPHD.Sim: prefer simulated frames; real ones count until the first of those
     double rate_hz{4800};          ///< for silence, and for gaps longer than half of a wrap
     std::uint32_t wrap{4800};      ///< 0: not known, learned as the rate is when smpCnt comes back to 0 or out of a gap
-    std::uint32_t late_window{16}; ///< a counter at most so far behind is a late sample, farther: a restart
+    std::uint32_t late_window{16}; ///< a counter at most so far behind is a late sample or a copy, farther: a restart; at most 63
     /// More samples than this missing: a restart of the stream, not a loss. Of a stream with an unknown wrap, time says
     /// which of the two it is as soon as its rate was seen.
     std::uint32_t max_gap{4800};
@@ -32,8 +32,8 @@ enum class SvEvent : std::uint8_t {
     in_order,
     lost,    ///< taken; `lost` samples are missing before it
     restart, ///< taken; the counter jumped
-    duplicate,
-    late,        ///< not taken
+    duplicate,   ///< not taken: it was there already
+    late,        ///< not taken: newer ones were there first, and this one not yet; it no longer counts as lost
     unconfirmed, ///< not taken: the counter jumped, and the next sample has to say so too
     identity_mismatch,
     conf_rev_mismatch,
@@ -60,7 +60,7 @@ class SvSubscriber {
   public:
     struct Counters {
         std::array<std::uint64_t, kSvEvents> events{};
-        std::uint64_t samples{0}, lost{0}, silences{0};
+        std::uint64_t samples{0}, lost{0}, silences{0}; ///< lost: missing now; it sinks when a late one comes
         [[nodiscard]] std::uint64_t of(SvEvent event) const noexcept { return events[static_cast<std::size_t>(event)]; }
     };
 
@@ -79,6 +79,9 @@ class SvSubscriber {
     /// Call it when the deadline has come: true when the stream fell silent just now.
     bool expire(std::int64_t now_ns) noexcept;
     [[nodiscard]] bool alive() const noexcept { return started_ && !silent_; }
+
+    /// What is missing and can no longer come late. Never sinks.
+    [[nodiscard]] std::uint64_t lost_for_good() const noexcept;
 
     [[nodiscard]] std::uint32_t wrap() const noexcept { return wrap_; } ///< 65536 until it is known
     [[nodiscard]] bool wrap_known() const noexcept { return wrap_known_; }
@@ -100,6 +103,8 @@ class SvSubscriber {
     [[nodiscard]] bool is_loss(std::int64_t step, std::int64_t now_ns) const noexcept;
     [[nodiscard]] bool goes_on_from_jump(std::uint16_t smp_cnt) const noexcept;
     SvArrival count(SvArrival arrival) noexcept;
+    void move_on(SvArrival const& arrival, bool one_was_refused) noexcept;
+    SvArrival behind(std::int64_t index) noexcept;
 
     SvSubscription subscription_;
     std::uint32_t wrap_;
@@ -110,6 +115,7 @@ class SvSubscriber {
     std::optional<std::uint16_t> jumped_to_; ///< of a sample that waits for the next one
     std::uint8_t smp_synch_{0};
     std::int64_t index_{0}, last_ns_{0};
+    std::uint64_t seen_{0}, missing_{0}; ///< bit k: sample index_ - k came; counts as lost and may still come
     Counters counters_;
     ArrivalStatistics arrivals_;
 };

@@ -57,7 +57,7 @@ void report_received(StreamStatistics& out, iec61850::SvSubscriber const& subscr
     auto const& counters = subscriber.counters();
     out.state(subscriber.alive() ? STREAM_ALIVE : counters.samples > 0 ? STREAM_LOST : STREAM_WAITING);
     out.frames(counters.samples);
-    out.lost(counters.lost);
+    out.lost(subscriber.lost_for_good());
     out.duplicate(counters.of(SvEvent::duplicate));
     out.late(counters.of(SvEvent::late));
     out.restarts(counters.of(SvEvent::restart));

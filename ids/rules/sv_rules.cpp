@@ -20,6 +20,10 @@ std::string sv_finding_names(std::uint32_t findings) {
     return out;
 }
 
+namespace {
+constexpr std::uint32_t kRemembered = 64; ///< samples of which is known whether they came
+} // namespace
+
 SvRules::Verdict SvRules::judge(SvFacts const& f) {
     Verdict out;
     std::uint32_t const rate = params_.rate_hz;
@@ -45,10 +49,14 @@ SvRules::Verdict SvRules::judge(SvFacts const& f) {
         if (running_) {
             std::uint32_t const ahead = (f.smp_cnt + rate - last_) % rate;
             // Half a second ahead cannot be told from half a second behind; frames of the last half second are old.
-            if (ahead == 0) {
+            bool const old = ahead == 0 || ahead > rate / 2;
+            std::uint32_t const behind = ahead == 0 ? 0 : rate - ahead;
+            std::uint64_t const bit = old && behind < kRemembered ? std::uint64_t{1} << behind : 0;
+            if ((seen_ & bit) != 0) {
                 out.findings |= kDuplicate;
-            } else if (ahead > rate / 2) {
+            } else if (old) {
                 out.findings |= kOutOfOrder;
+                seen_ |= bit;
             } else if (ahead > 1) {
                 out.findings |= kGap;
                 out.missing = ahead - 1;
@@ -56,7 +64,8 @@ SvRules::Verdict SvRules::judge(SvFacts const& f) {
         }
         bool const rejected = (out.findings & (kDuplicate | kOutOfOrder)) != 0;
         if (rejected) {
-            other_run_ = f.smp_cnt == other_next_ ? other_run_ + 1 : 1;
+            int const frames = f.behind_another ? 0 : 1; // a frame of many samples that comes twice is one
+            other_run_ = f.smp_cnt == other_next_ ? other_run_ + frames : 1;
             other_next_ = static_cast<std::uint16_t>((f.smp_cnt + 1U) % rate);
             // The publisher was restarted when its frames go on from there and nothing else comes.
             if (other_run_ >= params_.resynchronise_after) {
@@ -69,6 +78,9 @@ SvRules::Verdict SvRules::judge(SvFacts const& f) {
                 late_or_early(f.arrival_ns - last_arrival_ns_)) {
                 out.findings |= kBadArrival;
             }
+            std::uint32_t const step = (f.smp_cnt + rate - last_) % rate;
+            bool const known = running_ && !out.resynchronised && step < kRemembered;
+            seen_ = (known ? seen_ << step : 0U) | 1U;
             running_ = true;
             last_ = f.smp_cnt;
             last_arrival_ns_ = f.arrival_ns;

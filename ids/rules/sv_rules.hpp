@@ -17,6 +17,7 @@ struct SvFacts {
     std::uint16_t smp_cnt{0};
     std::uint8_t smp_synch{2};
     bool simulated{false};
+    bool behind_another{false}; ///< not the first sample of its frame
     std::int64_t arrival_ns{0};
 };
 
@@ -24,8 +25,8 @@ struct SvFacts {
 enum SvFinding : std::uint32_t {
     kWrongSource = 1U << 0U,   ///< another source address than the bound one
     kWrongIdentity = 1U << 1U, ///< APPID, VLAN, svID or confRev
-    kDuplicate = 1U << 2U,     ///< a sample counter that was just used
-    kOutOfOrder = 1U << 3U,    ///< older than the last one
+    kDuplicate = 1U << 2U,     ///< a sample that was there already
+    kOutOfOrder = 1U << 3U,    ///< older than the last one, and not there yet
     kGap = 1U << 4U,           ///< samples are missing before it; the frame itself is good
     kSimulatedFrame = 1U << 5U,
     kUnsynchronised = 1U << 6U, ///< smpSynch fell
@@ -70,7 +71,8 @@ class SvRules {
     SvFacts identity_;
     std::uint16_t last_{0};
     std::uint16_t other_next_{0}; ///< a sequence beside the accepted one
-    int other_run_{0};
+    int other_run_{0};          ///< frames of it
+    std::uint64_t seen_{0};     ///< bit k: sample last_ - k came
     std::int64_t last_arrival_ns_{0};
     std::array<std::int64_t, 64> intervals_{};
     std::size_t interval_count_{0};

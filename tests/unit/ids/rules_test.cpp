@@ -51,6 +51,38 @@ TEST(SvRules, CountWhatIsMissingAndRefuseWhatIsOld) {
     EXPECT_TRUE(sut.judge(frame(105)).accept);
 }
 
+TEST(SvRules, TellACopyFromASampleThatWasOvertaken) {
+    SvRules sut{{}};
+    auto const judge = [&](std::int64_t first) { // a frame of four samples
+        std::uint32_t findings = 0;
+        for (std::int64_t k = 0; k < 4; ++k) {
+            SvFacts f = frame(first + k);
+            f.behind_another = k > 0;
+            auto const v = sut.judge(f);
+            EXPECT_FALSE(v.resynchronised) << first + k;
+            findings |= v.findings & ~static_cast<std::uint32_t>(kBadArrival);
+        }
+        return findings;
+    };
+    for (std::int64_t first = 4760; first < 4840; first += 4) {
+        EXPECT_EQ(judge(first), 0U);
+        EXPECT_EQ(judge(first), static_cast<std::uint32_t>(kDuplicate));
+    }
+    EXPECT_EQ(judge(4844), static_cast<std::uint32_t>(kGap));
+    EXPECT_EQ(judge(4840), static_cast<std::uint32_t>(kOutOfOrder));
+    EXPECT_EQ(judge(4840), static_cast<std::uint32_t>(kDuplicate));
+    EXPECT_EQ(judge(4848), 0U);
+}
+
+TEST(SvRules, FollowASlowStreamOverItsSecond) {
+    SvRules sut{{.rate_hz = 10, .check_arrival = false}};
+    for (std::int64_t n = 0; n < 100; ++n) {
+        SvFacts f = frame(n);
+        f.smp_cnt = static_cast<std::uint16_t>(n % 10);
+        EXPECT_EQ(sut.judge(f).findings, 0U) << n;
+    }
+}
+
 TEST(SvRules, FollowARestartedPublisherAfterThreeFrames) {
     SvRules sut{{}};
     for (std::int64_t n = 1000; n < 1100; ++n) {

@@ -102,8 +102,64 @@ TEST(SvSubscriber, TellsLossFromDuplicateFromLateFromRestart) {
     EXPECT_EQ(back.event, SvEvent::restart);
     EXPECT_EQ(back.index % 4800, 1);
     EXPECT_GT(back.index, restart.index) << "indices never go back";
-    EXPECT_EQ(sut.counters().lost, 3U);
+    EXPECT_EQ(sut.counters().lost, 2U) << "1001 and 1003; 1002 came late";
     EXPECT_EQ(sut.counters().of(SvEvent::duplicate), 1U);
+}
+
+TEST(SvSubscriber, TakesFramesThatComeTwiceForCopiesHoweverManySamplesTheyHold) {
+    for (int const samples : {1, 2, 4, 8, 16}) {
+        SvSubscription s = subscription();
+        s.late_window = 31;
+        SvSubscriber sut{s};
+        for (int first = 0; first < 9600; first += samples) {
+            for (int copy = 0; copy < (first % 5 == 0 ? 2 : 1); ++copy) {
+                for (int k = 0; k < samples; ++k) {
+                    SvArrival const arrival = sut.receive(static_cast<std::uint16_t>((first + k) % 4800), (first + samples) * kPeriod);
+                    ASSERT_EQ(arrival.accepted, copy == 0);
+                    ASSERT_EQ(arrival.event == SvEvent::duplicate, copy == 1) << first + k;
+                }
+            }
+        }
+        EXPECT_EQ(sut.counters().samples, 9600U);
+        EXPECT_EQ(sut.counters().lost, 0U);
+        EXPECT_EQ(sut.counters().of(SvEvent::late), 0U);
+    }
+}
+
+TEST(SvSubscriber, TakesWhatIsOvertakenForLateAndNotForLost) {
+    SvSubscriber sut{subscription()};
+    auto const receive = [&](int first) {
+        SvEvent out{};
+        for (int k = 0; k < 4; ++k) {
+            out = sut.receive(static_cast<std::uint16_t>(first + k), (first + 4) * kPeriod).event;
+        }
+        return out;
+    };
+    receive(0);
+    receive(8);
+    EXPECT_EQ(sut.counters().lost, 4U);
+    EXPECT_EQ(sut.lost_for_good(), 0U) << "it may still come";
+    EXPECT_EQ(receive(4), SvEvent::late);
+    EXPECT_EQ(sut.counters().lost, 0U);
+    EXPECT_EQ(receive(4), SvEvent::duplicate) << "a copy of what came late";
+    EXPECT_EQ(receive(8), SvEvent::duplicate);
+    receive(16);
+    for (int first = 20; first < 40; first += 4) {
+        EXPECT_EQ(sut.lost_for_good(), first < 32 ? 0U : first < 36 ? 3U : 4U) << first; // 15 is 16 behind 31
+        receive(first);
+    }
+    EXPECT_EQ(sut.counters().lost, 4U);
+    EXPECT_EQ(sut.counters().of(SvEvent::late), 4U);
+    EXPECT_EQ(sut.counters().of(SvEvent::duplicate), 8U);
+}
+
+TEST(SvSubscriber, FindsNothingLostInWhatCameBeforeTheFirstSample) {
+    SvSubscriber sut{subscription()};
+    sut.receive(100, 0);
+    EXPECT_EQ(sut.receive(98, kPeriod).event, SvEvent::late);
+    EXPECT_EQ(sut.receive(98, kPeriod).event, SvEvent::duplicate);
+    EXPECT_EQ(sut.counters().lost, 0U);
+    EXPECT_EQ(sut.lost_for_good(), 0U);
 }
 
 TEST(SvSubscriber, LosesNoSecondInALongGap) {

@@ -125,6 +125,23 @@ TEST_F(CaptureStatisticsOf, FramesThatCameBeforeMakeNoIntervals) {
     EXPECT_NEAR(got.streams[1].interval_ms.max, 16, 1e-6);
 }
 
+TEST_F(CaptureStatisticsOf, FramesOfManySamplesThatComeTwiceAreDuplicatesAndOvertakenOnesOutOfOrder) {
+    auto const frame = [](int first) { return sv({{"MU", first}, {"MU", first + 1}, {"MU", first + 2}, {"MU", first + 3}}); };
+    for (int n = 0; n < 800; n += 4) {
+        put(n * kPeriod, frame(n % 80 == 40 ? n + 4 : n % 80 == 44 ? n - 4 : n));
+        if (n % 80 == 0) {
+            put(n * kPeriod + 100'000, frame(n));
+        }
+    }
+    auto const got = read();
+    ASSERT_EQ(got.streams.size(), 1U);
+    ObservedStream const& stream = got.streams[0].stream;
+    EXPECT_EQ(stream.frames, 210U);
+    EXPECT_EQ(stream.lost, 0U);
+    EXPECT_EQ(stream.duplicates, 40U) << "samples";
+    EXPECT_EQ(stream.out_of_order, 40U);
+}
+
 TEST_F(CaptureStatisticsOf, FramesWhoseStreamsAlternateAreCountedOnce) {
     for (int n = 0; n < 800; n += 2) {
         put(n * kPeriod, sv({{"A", n}, {"B", n}, {"A", n + 1}, {"B", n + 1}}));
