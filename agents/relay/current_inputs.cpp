@@ -51,7 +51,10 @@ Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams
     }
     // Who refuses looks for a second claim to a sample, which comes at most a sample later.
     bool const refuses = params.first_line.on_finding == gateways::FirstLineConfig::OnFinding::refuse;
-    CurrentInputs out{std::move(ends), params.partner_timeout_ns, static_cast<std::uint32_t>(from.rate_hz.num()), refuses ? 1 : 0};
+    // What one frame overtook comes right behind it; what another one did, a frame later.
+    double const frame_ns = 1e9 * static_cast<double>(std::max(from.samples_per_frame, to.samples_per_frame)) / from.rate_hz.to_double();
+    CurrentInputs out{std::move(ends), params.partner_timeout_ns, static_cast<std::uint32_t>(from.rate_hz.num()), refuses ? 1 : 0,
+                      {static_cast<std::int64_t>(2 * frame_ns), params.max_interpolated}};
     out.same_sv_id_ = from.sv_id == to.sv_id;
     return out;
 }
@@ -111,7 +114,7 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPa
                 continue;
             }
             iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, arrival_ns);
-            if (arrival.accepted) {
+            if (arrival.accepted || arrival.event == iec61850::SvEvent::late) {
                 bool const restarted = arrival.event == iec61850::SvEvent::first || arrival.event == iec61850::SvEvent::restart;
                 EndSample sample = read(end, decoded_, asdu);
                 if (std::exchange(end.contest_next, false)) {

@@ -24,6 +24,7 @@ class CurrentInputs {
     struct Params {
         std::array<std::string, 3> channels;
         std::int64_t partner_timeout_ns{20'000'000};
+        int max_interpolated{3}; ///< what the relay bridges: for more in a row that may be late only, it waits two frames
         gateways::FirstLineConfig first_line;
         bool accept_test{false};   ///< simulated frames are taken, and nothing suspicious
         bool judge_arrival{false}; ///< real time: when a frame came says something
@@ -56,8 +57,9 @@ class CurrentInputs {
     [[nodiscard]] iec61850::DecodeCounters const& damaged() const { return damaged_; }
 
   private:
-    CurrentInputs(std::vector<End> ends, std::int64_t timeout_ns, std::uint32_t wrap, std::int64_t held_back)
-        : ends_{std::move(ends)}, alignment_{timeout_ns, wrap, held_back} {}
+    CurrentInputs(std::vector<End> ends, std::int64_t timeout_ns, std::uint32_t wrap, std::int64_t held_back,
+                  iec61850::StreamAlignment<EndSample>::Overtaking overtaking)
+        : ends_{std::move(ends)}, alignment_{timeout_ns, wrap, held_back, overtaking} {}
     [[nodiscard]] bool pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place, std::int64_t arrival_ns);
     [[nodiscard]] static EndSample read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu);
     void give_out(std::int64_t now_ns, OnPair const& on_pair);

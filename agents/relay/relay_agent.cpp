@@ -99,7 +99,8 @@ class RelayAgent {
         }
         bool const accept_test = config.logic.test_mode;
         auto inputs = CurrentInputs::create(*from, *to,
-                                            {config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6), config.first_line,
+                                            {config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6),
+                                             static_cast<int>(config.logic.max_interpolated), config.first_line,
                                              accept_test, !node_.lockstep()});
         if (!inputs) {
             return std::unexpected{inputs.error()};

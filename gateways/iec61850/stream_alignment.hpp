@@ -31,8 +31,9 @@ struct AlignedPair {
 
 /// Puts the samples of two streams side by side by their counters, never by their arrival. A pair comes out when both
 /// are there; or one alone when its partner's stream is already past it, or `timeout_ns` after it came. Pairs come out
-/// in order, each index once. Samples that come later than that are counted and dropped. Allocates nothing after
-/// construction.
+/// in order, each index once. Samples that come later than that are counted and dropped. A stream may be past a sample
+/// that was only overtaken: where more holes follow each other than their reader bridges, they wait for it a little.
+/// Allocates nothing after construction.
 template <class T>
 class StreamAlignment {
   public:
@@ -40,11 +41,18 @@ class StreamAlignment {
         std::uint64_t pairs{0}, first_missing{0}, second_missing{0}, too_late{0}, restarts{0};
     };
 
+    /// How long holes stay open, in a run of more than `bridged`, behind the arrival of what went past them.
+    struct Overtaking {
+        std::int64_t wait_ns{0};
+        std::int64_t bridged{0};
+    };
+
     /// `held_back`: a pair waits until both streams are so many samples past it (or for the timeout), so that what is
     /// said about it meanwhile, waiting(), still counts. `wrap` is also the samples of a second, where counters count
     /// those: room is made for all that comes of one stream within the timeout, and some more.
-    StreamAlignment(std::int64_t timeout_ns, std::uint32_t wrap, std::int64_t held_back = 0)
-        : timeout_ns_{timeout_ns}, wrap_{wrap}, held_back_{held_back}, slots_(capacity_for(timeout_ns, wrap)) {}
+    StreamAlignment(std::int64_t timeout_ns, std::uint32_t wrap, std::int64_t held_back = 0, Overtaking overtaking = {})
+        : timeout_ns_{timeout_ns}, wrap_{wrap}, held_back_{held_back}, overtaking_{overtaking},
+          slots_(capacity_for(timeout_ns, wrap)) {}
 
     /// So many samples of one stream can wait for the other.
     [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size(); }
@@ -71,7 +79,9 @@ class StreamAlignment {
         if (!next_) {
             next_ = index;
         }
-        end.synch = synch;
+        if (restarted || !end.started || index >= end.newest) {
+            end.synch = synch;
+        }
         if (restarted && end.started) {
             ++counters_.restarts;
         }
@@ -96,6 +106,7 @@ class StreamAlignment {
             slot.index = index;
             slot.arrived_ns = now_ns;
         }
+        slot.came_ns[stream] = now_ns;
         slot.values[stream] = value;
         slot.synch[stream] = synch;
         end.newest = end.started ? std::max(end.newest, index) : index;
@@ -111,7 +122,7 @@ class StreamAlignment {
         bool const here = slot.index == *next_;
         bool const both = here && slot.values[0] && slot.values[1] &&
                           std::min(ends_[0].newest, ends_[1].newest) - *next_ >= held_back_;
-        if (!both && !past(here ? &slot : nullptr, now_ns)) {
+        if (!both && !past(now_ns)) {
             return std::nullopt;
         }
         AlignedPair<T> pair{*next_, {}, {}, ends_[0].synch, ends_[1].synch};
@@ -125,6 +136,7 @@ class StreamAlignment {
         counters_.first_missing += pair.first ? 0 : 1;
         counters_.second_missing += pair.second ? 0 : 1;
         ++counters_.pairs;
+        holes_ = pair.first && pair.second ? 0 : holes_ + 1;
         ++*next_;
         emitted_ = true;
         return pair;
@@ -138,7 +150,8 @@ class StreamAlignment {
         for (std::int64_t i = *next_; i <= std::max(ends_[0].newest, ends_[1].newest); ++i) {
             Slot const& slot = slot_of(i);
             if (slot.index == i) {
-                return slot.arrived_ns + timeout_ns_;
+                auto const open = stays_open();
+                return open ? std::min(open->until_ns, slot.arrived_ns + timeout_ns_) : slot.arrived_ns + timeout_ns_;
             }
         }
         return std::nullopt;
@@ -150,7 +163,8 @@ class StreamAlignment {
     static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::min();
     struct Slot {
         std::int64_t index{kNone};
-        std::int64_t arrived_ns{0};
+        std::int64_t arrived_ns{0}; ///< the first of the two
+        std::array<std::int64_t, 2> came_ns{};
         std::array<std::optional<T>, 2> values;
         std::array<std::uint8_t, 2> synch{};
     };
@@ -181,28 +195,83 @@ class StreamAlignment {
 
     /// Nothing more will come for the next index: both streams are past it, or what is behind it has waited long
     /// enough.
-    [[nodiscard]] bool past(Slot const* slot, std::int64_t now_ns) const noexcept {
-        bool const first_done = (slot != nullptr && slot->values[0]) || (ends_[0].started && ends_[0].newest > *next_);
-        bool const second_done = (slot != nullptr && slot->values[1]) || (ends_[1].started && ends_[1].newest > *next_);
-        if (first_done && second_done && std::min(ends_[0].newest, ends_[1].newest) - *next_ >= held_back_) {
-            return true;
+    [[nodiscard]] bool past(std::int64_t now_ns) noexcept {
+        if (both_went_on()) {
+            auto const open = stays_open();
+            if (!open) {
+                return true;
+            }
+            kept_open_ = open->behind; // all of it, also when it fills one by one
+            if (now_ns >= open->until_ns) {
+                given_up_ = open->behind;
+                return true;
+            }
         }
         auto const at = deadline();
         return at && now_ns >= *at;
+    }
+
+    [[nodiscard]] bool has(std::size_t stream, std::int64_t index) const noexcept {
+        Slot const& slot = slot_of(index);
+        return slot.index == index && slot.values[stream].has_value();
+    }
+    /// Of each stream the next sample is there, or a later one.
+    [[nodiscard]] bool both_went_on() const noexcept {
+        auto const went_on = [this](std::size_t s) {
+            return has(s, *next_) || (ends_[s].started && ends_[s].newest > *next_);
+        };
+        return went_on(0) && went_on(1) && std::min(ends_[0].newest, ends_[1].newest) - *next_ >= held_back_;
+    }
+    /// A stream is past this index, and its sample is not there.
+    [[nodiscard]] bool is_hole(std::int64_t index) const noexcept {
+        return (!has(0, index) && ends_[0].started && ends_[0].newest > index) ||
+               (!has(1, index) && ends_[1].started && ends_[1].newest > index);
+    }
+
+    struct Open {
+        std::int64_t until_ns;
+        std::int64_t behind; ///< the first index that came behind the hole
+    };
+    /// Whether the next index is a hole that a late sample may still fill, and until when.
+    [[nodiscard]] std::optional<Open> stays_open() const noexcept {
+        if (overtaking_.wait_ns == 0 || !both_went_on() || !is_hole(*next_) || *next_ < given_up_) {
+            return std::nullopt;
+        }
+        std::int64_t run = holes_;
+        for (std::int64_t i = *next_; *next_ >= kept_open_ && run <= overtaking_.bridged; ++i, ++run) {
+            if (!is_hole(i)) {
+                return std::nullopt;
+            }
+        }
+        std::optional<Open> out;
+        for (std::size_t stream = 0; stream < 2; ++stream) {
+            for (std::int64_t i = *next_; !has(stream, *next_) && i <= ends_[stream].newest; ++i) {
+                if (has(stream, i)) {
+                    std::int64_t const until = slot_of(i).came_ns[stream] + overtaking_.wait_ns;
+                    out = Open{out ? std::max(out->until_ns, until) : until, out ? std::min(out->behind, i) : i};
+                    break;
+                }
+            }
+        }
+        return out;
     }
 
     void clear() noexcept {
         for (Slot& slot : slots_) {
             slot.index = kNone;
         }
+        holes_ = 0;
     }
 
     std::int64_t timeout_ns_;
     std::uint32_t wrap_;
     std::int64_t held_back_;
+    Overtaking overtaking_;
     std::vector<Slot> slots_; ///< a power of two
     std::array<End, 2> ends_{};
     std::optional<std::int64_t> next_;
+    std::int64_t holes_{0};        ///< given out one behind the other
+    std::int64_t kept_open_{kNone}, given_up_{kNone}; ///< holes before this index wait; have waited
     bool emitted_{false};
     Counters counters_;
 };

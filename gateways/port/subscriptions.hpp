@@ -8,6 +8,8 @@
 #include "gateways/iec61850/sv_subscriber.hpp"
 #include "gateways/streams/stream.hpp"
 
+#include <algorithm>
+
 namespace gridspace::gateways {
 
 /// What a declared stream says, as the state machines want it.
@@ -50,6 +52,10 @@ namespace gridspace::gateways {
     out.sample_octets = iec61850::SvLayout{s.data_set}.sample_octets();
     out.rate_hz = s.rate_hz.to_double();
     out.wrap = static_cast<std::uint32_t>(s.rate_hz.num());
+    // Whole frames are late, and come at their own pace.
+    auto const samples = static_cast<std::uint32_t>(s.samples_per_frame);
+    out.late_window = std::clamp<std::uint32_t>(4 * samples, out.late_window, 63);
+    out.silence_periods = std::max(out.silence_periods, 2.0 * samples);
     return out;
 }
 

@@ -186,6 +186,9 @@ class RelaySettings final : public ProcessSettings {
                               fmt::format("streams '{}' and '{}' have different rates", from->name.name, to->name.name),
                               "a differential relay compares samples of one instant");
         }
+        for (auto const& [stream, ref] : {std::pair{from, &config_.from_stream}, std::pair{to, &config_.to_stream}}) {
+            warn_of_long_frames(stream, *ref, diagnostics);
+        }
         if (s.network && process.node.find("frequency_hz") == nullptr) {
             config_.frequency_hz = s.network->frequency_hz;
         }
@@ -271,6 +274,18 @@ class RelaySettings final : public ProcessSettings {
   private:
     [[nodiscard]] Rational frequency() const {
         return Rational::parse(shortest(config_.frequency_hz)).value_or(Rational{60});
+    }
+
+    void warn_of_long_frames(Stream const* stream, Ref const& ref, Diagnostics& diagnostics) const {
+        std::int64_t const bridged = config_.logic.max_interpolated;
+        if (stream != nullptr && stream->samples_per_frame > bridged) {
+            diagnostics.warning(ref.where,
+                                fmt::format("one lost frame of stream '{}' blocks the relay for a whole window: {} samples, and `max_interpolated` is {}",
+                                            ref.name, stream->samples_per_frame, bridged),
+                                stream->samples_per_frame <= 8 ? fmt::format("`blocking: {{max_interpolated: {}}}` bridges it", stream->samples_per_frame)
+                                                               : "send fewer samples in a frame (`samples_per_frame`)",
+                                static_cast<int>(ref.name.size()));
+        }
     }
 
     /// The model must be there, undamaged, and made for the streams.

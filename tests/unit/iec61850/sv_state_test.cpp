@@ -482,6 +482,80 @@ TEST(StreamAlignment, GivesOutWhatIsAloneHoweverManySamplesPassWithinTheTimeout)
     }
 }
 
+/// Two frames of four samples of stream 0 as far as 8, of stream 1 without those from 4 on.
+Alignment one_frame_missing(std::int64_t bridged) {
+    Alignment sut{kTimeout, 4800, 0, {2 * 4 * kPeriod, bridged}};
+    for (int first = 0; first < 12; first += 4) {
+        for (int i = first; i < first + 4; ++i) {
+            sut.push(0, static_cast<std::uint16_t>(i), 2, i, (first + 4) * kPeriod);
+            if (first != 4) {
+                sut.push(1, static_cast<std::uint16_t>(i), 2, 100 + i, (first + 4) * kPeriod);
+            }
+        }
+    }
+    return sut;
+}
+
+TEST(StreamAlignment, WaitsForAFrameThatWasOvertaken) {
+    Alignment sut = one_frame_missing(3);
+    EXPECT_EQ(drain(sut, 12 * kPeriod).size(), 4U);
+    EXPECT_EQ(sut.deadline(), 12 * kPeriod + 8 * kPeriod);
+    for (int i = 4; i < 8; ++i) {
+        sut.push(1, static_cast<std::uint16_t>(i), 2, 100 + i, 12 * kPeriod + 1);
+        EXPECT_THAT(drain(sut, 12 * kPeriod + 1), testing::Contains(entry(i, i, 100 + i)));
+    }
+    EXPECT_EQ(sut.counters().pairs, 12U) << "what came behind it waited no longer";
+    EXPECT_EQ(sut.counters().second_missing + sut.counters().too_late, 0U);
+}
+
+TEST(StreamAlignment, GivesAFrameUpThatDoesNotComeLateEither) {
+    Alignment sut = one_frame_missing(3);
+    EXPECT_EQ(drain(sut, 20 * kPeriod - 1).size(), 4U);
+    auto const out = drain(sut, 20 * kPeriod);
+    ASSERT_EQ(out.size(), 8U);
+    EXPECT_EQ(out[3], entry(7, 7, -1));
+    EXPECT_EQ(out[4], entry(8, 8, 108));
+}
+
+TEST(StreamAlignment, DoesNotWaitForWhatIsBridged) {
+    Alignment sut = one_frame_missing(4);
+    EXPECT_EQ(drain(sut, 12 * kPeriod).size(), 12U);
+}
+
+TEST(StreamAlignment, DoesNotGiveAHoleUpBeforeTheOtherStreamIsThere) {
+    Alignment sut{kTimeout, 4800, 0, {2 * kPeriod, 3}};
+    for (int i = 0; i < 10; ++i) {
+        if (i < 4 || i == 9) {
+            sut.push(0, static_cast<std::uint16_t>(i), 2, i, i * kPeriod);
+        }
+    }
+    std::int64_t const late = 13 * kPeriod; // stream 1 is on a slower way
+    EXPECT_TRUE(drain(sut, late).empty());
+    for (int i = 0; i < 10; ++i) {
+        sut.push(1, static_cast<std::uint16_t>(i), 2, 100 + i, late);
+    }
+    auto const out = drain(sut, late);
+    ASSERT_EQ(out.size(), 10U);
+    EXPECT_EQ(out[4], entry(4, -1, 104));
+    EXPECT_EQ(sut.counters().too_late, 0U);
+}
+
+TEST(StreamAlignment, CountsHolesOfBothStreamsThatFollowEachOther) {
+    Alignment sut{kTimeout, 4800, 0, {8 * kPeriod, 3}};
+    for (int i = 0; i < 8; ++i) { // 1 and 2 of one stream, 3 and 4 of the other one: four in a row
+        for (std::size_t stream = 0; stream < 2; ++stream) {
+            if (i == 0 || i > 4 || (i < 3) != (stream == 0)) {
+                sut.push(stream, static_cast<std::uint16_t>(i), 2, i, i * kPeriod);
+            }
+        }
+        drain(sut, i * kPeriod);
+    }
+    EXPECT_GT(sut.counters().pairs, 1U) << "the first holes are bridged as far as anybody knows";
+    EXPECT_LT(sut.counters().pairs, 8U) << "the fourth one is not";
+    drain(sut, 5 * kPeriod + 8 * kPeriod);
+    EXPECT_EQ(sut.counters().pairs, 8U);
+}
+
 TEST(StreamAlignment, JoinsStreamsOnBothSidesOfTheWrap) {
     Alignment sut{kTimeout, 4800};
     sut.push(0, 0, 2, 1, 0); // already in the new second

@@ -33,7 +33,7 @@ class Bench {
           bool accept_test = false)
         : streams_{std::move(streams)},
           sut{*CurrentInputs::create(streams_[0], streams_[1],
-                                     {{"Ia", "Ib", "Ic"}, 20'000'000, {on_finding, false}, accept_test})} {
+                                     {{"Ia", "Ib", "Ic"}, 20'000'000, 3, {on_finding, false}, accept_test})} {
         sut.on_silence([this](std::size_t end) { silent.push_back(end); });
         sut.on_finding([this](std::size_t end, std::uint32_t found, iec61850::Mac const&) { findings[end] |= found; });
     }
@@ -44,6 +44,15 @@ class Bench {
         frame.set_smp_cnt(0, n);
         frame.set_simulated(simulated);
         iec61850::store_float(frame.sample(0), 0, value);
+        sut.frame(frame.frame(), now_, [this](LineSample const& s) { out.push_back(s); });
+    }
+    /// A frame of samples `first`, ...; `value`, and one more for each.
+    void send_frame(std::size_t end, std::uint16_t first, float value) {
+        auto frame = *streams_[end].sv_template(iec61850::Mac{{2, 0, 0, 0, 0, 1}});
+        for (std::size_t i = 0; i < frame.asdus(); ++i) {
+            frame.set_smp_cnt(i, static_cast<std::uint16_t>(first + i));
+            iec61850::store_float(frame.sample(i), 0, value + static_cast<float>(i));
+        }
         sut.frame(frame.frame(), now_, [this](LineSample const& s) { out.push_back(s); });
     }
     void next() { now_ += kPeriod; }
@@ -107,6 +116,53 @@ TEST(CurrentInputs, GiveOutWhatWaitsBeforeTheyTellOfTheSilence) {
     b.send(0, 1, 1);
     b.sut.on_silence([&](std::size_t) { EXPECT_EQ(b.out.size(), 2U); });
     b.elapse(20'000'000);
+}
+
+std::array<streams::Stream, 2> of_four_samples() {
+    std::array<streams::Stream, 2> out{stream("A"), stream("B")};
+    for (streams::Stream& s : out) {
+        s.samples_per_frame = 4;
+    }
+    return out;
+}
+
+TEST(CurrentInputs, UseAFrameThatWasOvertaken) {
+    Bench b{kReport, of_four_samples()};
+    for (std::uint16_t first = 0; first < 400; first += 4) {
+        b.send_frame(0, first, 1);
+        bool const overtaken = first % 20 == 8, overtakes = first % 20 == 12;
+        if (!overtaken) {
+            b.send_frame(1, first, first);
+        }
+        if (overtakes) {
+            b.send_frame(1, first - 4, static_cast<float>(first - 4));
+        }
+        b.elapse(b.now() + 4 * kPeriod);
+    }
+    ASSERT_EQ(b.out.size(), 400U);
+    for (std::size_t i = 0; i < b.out.size(); ++i) {
+        EXPECT_EQ(b.out[i].index, static_cast<std::int64_t>(i));
+        ASSERT_TRUE(b.out[i].from.present && b.out[i].to.present) << i;
+        EXPECT_EQ(b.out[i].to.i_a[0], static_cast<double>(i));
+    }
+    auto const& counters = b.sut.end(1).subscriber.counters();
+    EXPECT_EQ(counters.lost, 0U);
+    EXPECT_EQ(counters.of(iec61850::SvEvent::late), 80U);
+}
+
+TEST(CurrentInputs, DoNotWaitLongForAFrameThatIsLost) {
+    Bench b{kReport, of_four_samples()};
+    for (std::uint16_t first = 0; first < 40; first += 4) {
+        b.send_frame(0, first, 1);
+        if (first != 8) {
+            b.send_frame(1, first, 1);
+        }
+        b.elapse(b.now() + 4 * kPeriod);
+        // Frame 12 shows that 8 is missing; two frames later it is given up.
+        EXPECT_EQ(b.out.size(), first < 8 ? first + 4U : first < 20 ? 8U : first + 4U) << first;
+    }
+    EXPECT_FALSE(b.out[11].to.present);
+    EXPECT_TRUE(b.out[12].to.present);
 }
 
 TEST(CurrentInputs, CallQuestionableWhatTwoFramesOfOneAddressClaim) {
