@@ -115,10 +115,12 @@ int bundle(BundleArguments const& a) {
                             fmt::format("scenario '{}' has no process '{}'", scenario->name, a.process),
                             fmt::format("there are: {}", join(names, ", "))});
     }
-    if (it->program == "exec" || it->is_simulator || it->program == "gridspace-monitor") {
+    bool const recorder = it->program == "gridspace-recorder";
+    if (it->program == "exec" || it->is_simulator || recorder || it->program == "gridspace-monitor") {
         return print_error({ExitCode::usage,
-                            fmt::format("process '{}' ({}) is nothing for a board", it->name, it->program),
-                            "agents, gateways, recorder and link process are"});
+                            fmt::format("process '{}' ({}) is nothing for a board{}", it->name, it->program,
+                                        recorder ? ": its recording belongs into the run's folder" : ""),
+                            "agents, gateways and link process are"});
     }
     fs::path const program = a.arch == "arm64" ? arm64_files().programs / it->program : program_file(it->program);
     std::string const machine = machine_of(program), wanted = a.arch == "arm64" ? "ARM64" : "x86-64";
