@@ -380,7 +380,10 @@ int far_end(std::string const& bundle) {
         ::waitpid(pid, &status, 0);
         code = WIFEXITED(status) ? WEXITSTATUS(status) : static_cast<int>(ExitCode::child_died);
     }
-    ::rmdir(folder.data());
+    ::umount2(folder.data(), MNT_DETACH); // a mount point, of these namespaces, is busy
+    if (::rmdir(folder.data()) != 0) {
+        std::fprintf(stderr, "the folder %s stays on the board: %s\n", folder.data(), error_text().c_str());
+    }
     return code;
 }
 

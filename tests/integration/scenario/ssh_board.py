@@ -41,6 +41,8 @@ class Board:
         self.on_machine(f"ip link set lo up; ip addr add {MACHINE}/24 dev wire; ip link set wire up")
         self.on_board(f"ip link set lo up; ip addr add {BOARD}/24 dev eth0; ip link set eth0 up")
         self.on_board("mount -t tmpfs none /root; mount -t tmpfs none /run; mkdir /run/sshd")
+        home = self.folder.parent  # of the test, which may be in /tmp
+        self.on_board(f"mount --bind {home} /mnt; mount -t tmpfs none /tmp; mkdir -p {home}; mount --move /mnt {home}")
         for key in ("host_key", "key", "stranger"):
             subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", self.folder / key], check=True)
         shutil.copy(self.folder / "key.pub", self.folder / "authorized_keys")
@@ -108,6 +110,10 @@ class Board:
             if "/.cache/gridspace/" in program:
                 out.append((entry.name, program))
         return out
+
+    def folders_left(self):
+        """What our programs have made in the board's /tmp."""
+        return self.on_board("ls -d /tmp/gridspace-?????? 2>/dev/null || true").split()
 
     def wait_until_idle(self, within_s):
         deadline = time.monotonic() + within_s
