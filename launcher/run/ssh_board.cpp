@@ -70,6 +70,25 @@ Error ssh_error(std::string const& said) {
             "is it on, and is this its address? `ssh` by hand tells more"};
 }
 
+/// tar names every file that a full disk has not taken: it is the disk that matters, and how much it has to take.
+Error with_space_needed(Error error, fs::path const& tree) {
+    for (std::string_view const full : {"No space left on device", "Disk quota exceeded"}) {
+        if (error.message.find(full) == std::string::npos) {
+            continue;
+        }
+        std::uintmax_t octets = 0;
+        for (fs::directory_entry const& entry : fs::recursive_directory_iterator{tree}) {
+            octets += entry.is_regular_file() ? entry.file_size() : 0;
+        }
+        std::size_t const said = error.message.find("tar:");
+        error.message = error.message.substr(0, said == std::string::npos ? error.message.find(full) : said);
+        error.message += full;
+        error.remedy = fmt::format("it needs {:.1f} MB in ~/{} there, where copies of older builds may be deleted",
+                                   static_cast<double>(octets) / 1e6, kBundles);
+    }
+    return error;
+}
+
 /// The board of one process, being prepared.
 class Board {
   public:
@@ -188,12 +207,16 @@ class Board {
         note_(fmt::format("{}: copying {} and its libraries ({:.1f} MB)", on_.place(), process_.program.name,
                           static_cast<double>(fs::file_size(archive)) / 1e6));
         // Complete or not there at all, also when two runs copy at once.
-        auto const copied = remote("copy",
-                                   fmt::format("umask 077 && mkdir -p {0}.$$ && tar -C {0}.$$ -xzf - && "
-                                               "{{ mv -T {0}.$$ {0} 2>/dev/null || rm -rf {0}.$$; }} && test -d {0}",
-                                               name),
-                                   kCopy, archive);
-        return copied ? Result<std::string>{name} : std::unexpected{copied.error()};
+        auto copied = remote("copy",
+                             fmt::format("umask 077 && {{ mkdir -p {0}.$$ && tar -C {0}.$$ -xzf -; }} || "
+                                         "{{ rm -rf {0}.$$; exit 1; }}; "
+                                         "{{ mv -T {0}.$$ {0} 2>/dev/null || rm -rf {0}.$$; }} && test -d {0}",
+                                         name),
+                             kCopy, archive);
+        if (!copied) {
+            return std::unexpected{with_space_needed(copied.error(), tree)};
+        }
+        return name;
     }
 
     /// The program can be started there, and may do there what it has to.

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`run_on: ssh:HOST`: a process on a board that is reached over ssh. The board is a namespace with an sshd; needs root."""
 import os
-import pathlib
 import signal
 import subprocess
 import unittest
@@ -40,7 +39,7 @@ class SshBoard(ScenarioTest):
         log = (first.folder / "logs/relay2.log").read_text()
         self.assertIn("trip", log)
         self.assertEqual(self.board.wait_until_idle(10), [])
-        self.assertEqual(list(pathlib.Path("/tmp").glob("gridspace-??????/config.yaml")), [])
+        self.assertEqual(self.board.folders_left(), [])
         second = self.run_to_end("second", self.on("ssh:board"), SHORT, prefix=self.board.prefix())
         self.assert_identical(native, second)
         self.assertNotIn("copying", second.stderr(), "it is there already")
@@ -100,6 +99,14 @@ class SshBoard(ScenarioTest):
         self.assertIn(f"root@{BOARD} (check)", said)
         self.assertIn("libyaml-cpp.so.0.7", said)
 
+    def test_a_copy_that_does_not_fit_leaves_nothing_and_says_how_much_space_it_needs(self):
+        self.board.on_board("mkdir /root/.cache; mount -t tmpfs -o size=2m none /root/.cache")
+        said = self.refused(*self.on())
+        self.assertRegex(said, rf"root@{BOARD} \(copy\): .*No space left on device\n  it needs \d+\.\d MB in ~/\.cache/gridspace there")
+        self.assertEqual(self.board.on_board("ls -A /root/.cache/gridspace"), "")
+        self.board.on_board("umount /root/.cache")
+        self.run_to_end("with_space", self.on(), SHORT, prefix=self.board.prefix())
+
     def test_a_missing_capability_is_named(self):
         self.board.start_weak_sshd()
         said = self.refused(*self.on(f"ssh:root@{BOARD}:{WEAK_PORT}"))
@@ -134,6 +141,7 @@ class SshBoard(ScenarioTest):
         os.kill(run.pid_of("launcher"), signal.SIGKILL)
         run.finish()
         self.assertEqual(self.board.wait_until_idle(30), [])
+        self.assertEqual(self.board.folders_left(), [])
 
     def test_only_agents_and_gateways_go_to_a_board_and_each_has_a_host_of_its_own(self):
         for setting, what in (("processes.sim.run_on=ssh:root@board", "stays on the machine"),
