@@ -96,7 +96,7 @@ class Namespaces(ScenarioTest):
             "router": "bridge",
             "ends": {"here": {"domain": 0, "addresses": ["127.0.0.1"]},
                      "there": {"domain": 0, "addresses": ["127.0.0.1"], "network_namespace": f"/proc/{there}/ns/net"}},
-            "topics": {"chatter": {"topic": "rt/robot/chatter", "from": ["here"]}, "answer": {"topic": "rt/answer"}}})
+            "topics": {"chatter": {"topic": "rt/robot/chatter", "from": ["here"], "depth": 1000}, "answer": {"topic": "rt/answer", "depth": 1000}}})
         listener = self.launch(*inside, programs / "ros_style", "listen", 0, "rt/robot/chatter", "rt/secret")
         back = self.launch(programs / "ros_style", "listen", 0, "rt/answer")
         self.launch(programs / "ros_style", "talk", 0, "rt/robot/chatter", "rt/secret")

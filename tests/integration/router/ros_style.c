@@ -33,9 +33,9 @@ int main(int argc, char** argv) {
     const int talks = strcmp(argv[1], "talk") == 0, topics = argc - 3;
     const dds_domainid_t domain = (dds_domainid_t)atoi(argv[2]);
     made(dds_create_domain(domain, kLoopback), "domain");
-    dds_qos_t* qos = dds_create_qos(); /* what ROS 2 uses by default */
+    dds_qos_t* qos = dds_create_qos(); /* ROS 2's default, but for its history of 10: here who is late misses nothing */
     dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
+    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1000);
     dds_qset_userdata(qos, "enclave=/;", 10);
     const dds_entity_t participant = made(dds_create_participant(domain, qos, NULL), "participant");
     dds_entity_t ends[MOST];
