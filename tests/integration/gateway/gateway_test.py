@@ -24,7 +24,7 @@ from foreign_frames import TRUE, goose, integer, tlv  # noqa: E402
 
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin")).resolve()
 SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[3]))
-HANG_S = 60
+HANG_S = 240  # nothing that works takes that long
 
 GOOSE_IN = {"kind": "goose", "mac": "01:0C:CD:01:00:07", "app_id": 7, "control_block": "INLD0/LLN0$GO$a", "data_set_name": "INLD0/LLN0$a",
             "data_set": {"n": "int32", "pos": "position", "ok": "boolean"}, "min_time_ms": 2, "max_time_ms": 20}
@@ -86,10 +86,10 @@ class Gateway(unittest.TestCase):
             self.assertLess(time.monotonic(), deadline, f"the last was {line}")
         self.fail(f"the subscriber ended: {process.stderr.read()}")
 
-    def stop(self, process):
+    def stop(self, process, in_its_start=False):
         process.send_signal(signal.SIGTERM)
         out, err = process.communicate(timeout=HANG_S)
-        self.assertIn(process.returncode, (0, 130), err)
+        self.assertIn(process.returncode, (0, 130, *([-signal.SIGTERM] if in_its_start else [])), err)
         return out
 
     def test_goose_becomes_a_topic_and_goose_again_and_its_loss_too(self):
@@ -111,10 +111,10 @@ class Gateway(unittest.TestCase):
             while not arrived.is_set():
                 number += 1
                 if publishers:
-                    self.stop(publishers.pop())
+                    self.stop(publishers.pop(), in_its_start=True)  # or already at work, if the machine gave it the time
                 publishers.append(self.start(self.wire("goose-pub", "in0", "--value", f"n={number}", "--value", "ok=true", "--value", "pos=open",
                                                        *keys_of(GOOSE_IN))))
-                arrived.wait(1)
+                arrived.wait(number - 20)  # each time longer: on a busy machine it takes a while to start
 
         publishing = threading.Thread(target=publish)
         publishing.start()
@@ -123,7 +123,7 @@ class Gateway(unittest.TestCase):
         finally:
             arrived.set()
             publishing.join()
-        self.stop(publishers.pop())
+        self.stop(publishers.pop(), in_its_start=True)
         ever = range(21 * 500, 1000 * 500, 500)
         self.assertIn(first["values"], [f"{millivolts}, closed, true" for millivolts in ever])
         lost = self.first_line(subscriber, lambda m: m.get("values", "").endswith("false"))
