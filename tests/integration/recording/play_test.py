@@ -127,9 +127,11 @@ class Play(ScenarioTest):
 
     def test_a_run_that_was_killed_is_shown_and_played_as_far_as_it_goes(self):
         run = self.start("run", [*PACED, "--set", "expect=~", "--set", "clock.mode=realtime", "--set", "processes.recorder.compress=false"])
-        run.wait_for_time(3600 * 2.5)  # real time flushes every second
-        for name in ("recorder", "supervisor", "launcher"):
-            os.kill(run.pid_of(name), signal.SIGKILL)
+        run.wait_for_time(3600 * 4)  # real time flushes every second
+        victims = [run.pid_of(name) for name in ("supervisor", "launcher", "recorder")]
+        for how in (signal.SIGSTOP, signal.SIGKILL):  # stopped first: none of them sees another one die
+            for victim in victims:
+                os.kill(victim, how)
         run.finish()
         info = json.loads(gridspace("info", run.folder, "--json")[1])
         self.assertFalse(info["recording"]["complete"])
