@@ -17,21 +17,21 @@ import mcap_file  # noqa: E402
 from harness import OK, SOURCE, ScenarioTest  # noqa: E402
 
 CASE_2 = SOURCE / "configs/scenarios/protection.yaml"
-UNTIL_S, MESSAGES_HZ = 3, 1200
-SETTINGS = ["--until", f"{UNTIL_S}s", "--set", "expect=~", "--set", "processes.monitor=~",
+MESSAGES_HZ = 1200
+SETTINGS = ["--set", "expect=~", "--set", "processes.monitor=~",
             "--set", "record={samples: all, frames: none}", "--set", "processes.recorder.compress=false"]
 MISSING = re.compile(r"(\d+) of (\d+) samples of '(\w+)' from sim")
 
 
 class LostSamples(ScenarioTest):
-    def check_accounts(self, run):
+    def check_accounts(self, run, until_s):
         """Every waveform sample is in the recording or said to be missing. The number that is missing."""
         self.assertEqual(run.finish(), OK, run.stderr())
         events = [json.loads(line) for line in (run.folder / "events.ndjson").read_text().splitlines()]
         said = {topic: (int(missing), int(sent)) for event in events if event["event"] == "samples_dropped"
                 for missing, sent, topic in MISSING.findall(event["text"])}
         recorded = mcap_file.by_topic(run.folder / "data.mcap")
-        sent = UNTIL_S * MESSAGES_HZ + 1
+        sent = until_s * MESSAGES_HZ + 1
         waveforms = [f"TL_{line}{end}" for line in (1, 2, 3) for end in (1, 2)]
         for topic in waveforms:
             missing = said.get(topic, (0, sent))
@@ -40,7 +40,7 @@ class LostSamples(ScenarioTest):
         return sum(said[topic][0] for topic in waveforms if topic in said)
 
     def test_every_sample_is_in_the_recording_or_said_to_be_missing(self):
-        self.check_accounts(self.start("all", SETTINGS, CASE_2))
+        self.check_accounts(self.start("all", [*SETTINGS, "--until", "3s"], CASE_2), 3)
 
     def test_a_recorder_that_was_not_scheduled_says_what_it_missed(self):
         qos = self.folder / "qos"
@@ -49,13 +49,14 @@ class LostSamples(ScenarioTest):
         text = file.read_text()
         self.assertIn(">4096<", text)
         file.write_text(text.replace(">4096<", ">2<"))  # nothing is kept for who is late
-        run = self.start("paused", SETTINGS, CASE_2, prefix=("env", f"GRIDSPACE_QOS_DIR={qos}"))
+        until_s = 8  # so that it is still under way when this test is not scheduled for some seconds either
+        run = self.start("paused", [*SETTINGS, "--until", f"{until_s}s"], CASE_2, prefix=("env", f"GRIDSPACE_QOS_DIR={qos}"))
         run.wait_for_time(0.5)
         recorder = run.pid_of("recorder")
         os.kill(recorder, signal.SIGSTOP)
         run.wait_for_time(2)
         os.kill(recorder, signal.SIGCONT)
-        self.assertGreater(self.check_accounts(run), 0)
+        self.assertGreater(self.check_accounts(run, until_s), 0)
 
 
 if __name__ == "__main__":
