@@ -6,7 +6,7 @@ import signal
 import subprocess
 import unittest
 
-from harness import BASE, CHILD_DIED, PACED, SOURCE, ScenarioTest, processes_of_session
+from harness import BASE, CHILD_DIED, SOURCE, ScenarioTest, processes_of_session
 
 EXAMPLE = SOURCE / "examples/agents/c_ev_agent"
 # What the grid and the controller do must not depend on who wrote the agent; its own signals are gridspace-ev's alone.
@@ -40,9 +40,9 @@ class ForeignAgent(ScenarioTest):
 
     def test_one_that_ends_by_itself_is_named_and_not_only_waited_for(self):
         command = f"{self.build()[1].split('[')[1].split(',')[0]} EV4 24 5; exit 0"
-        run = self.start("run", [*SHORT, *PACED, "--set", "clock.member_timeout_s=1.5", "--set", f"processes.ev4.command=[/bin/sh, -c, '{command}']"],
+        run = self.start("run", [*SHORT, "--speed", "300", "--set", "clock.member_timeout_s=6", "--set", f"processes.ev4.command=[/bin/sh, -c, '{command}']"],
                          EXAMPLE / "ev_charging_c.yaml")
-        run.wait_for_time(1000)
+        run.wait_for_time(600)
         os.kill(next(pid for pid, name in processes_of_session(run.pid).items() if name == "c_ev_agent"), signal.SIGKILL)
         self.assertEqual(run.finish(), CHILD_DIED, run.stderr())
         self.assertEqual(run.summary()["cause"], "process 'ev4' ended before the run did, with exit code 0")
