@@ -166,12 +166,12 @@ class OwnBoard(ScenarioTest):
 
     def test_a_board_that_dies_in_lockstep_is_named(self):
         self.install(self.scenario)
-        run = self.run_with_board("board", self.scenario, ["--set", "clock.member_timeout_s=2", "--set", "simulation.duration_s=100"])
+        run = self.run_with_board("board", self.scenario, ["--set", "clock.member_timeout_s=6", "--set", "simulation.duration_s=100"])
         relay = self.switch_on()
         run.wait_for_time(0.02)
         relay.kill()
         self.assertEqual(run.finish(), STALL, run.stderr())
-        self.assertRegex(run.stderr(), r"waited 2 s for relay2")
+        self.assertRegex(run.stderr(), r"waited 6 s for relay2")
 
     def test_in_real_time_it_comes_late_is_started_again_and_still_trips(self):
         self.install(self.real_time)
