@@ -139,8 +139,8 @@ class Run:
         return code
 
     def left_over(self):
-        """What is alive a moment after the end; the kernel takes a moment to bury what it has killed."""
-        deadline = time.monotonic() + 5
+        """What stays alive after the end; the kernel takes a moment to bury what it has killed, and on a busy machine longer."""
+        deadline = time.monotonic() + 30
         while (alive := processes_of_session(self.pid)) and time.monotonic() < deadline:
             time.sleep(0.02)
         return alive
