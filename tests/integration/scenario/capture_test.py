@@ -27,7 +27,7 @@ ON_REAL_INTERFACES = f"""---
 gridspace: 1
 extends: {SOURCE}/configs/scenarios/protection.yaml
 name: real_interfaces
-simulation: {{duration_s: 5}}
+simulation: {{duration_s: 4}}
 hosts: {{guest: {{links: [process_bus], plugs: {{process_bus: {{interface: plugged}}}}}}}}
 processes: {{monitor: ~, relay2: ~, breaker2: ~, mu21: {{interface: outside}}, recorder: {{capture: ~}}}}
 events: ~

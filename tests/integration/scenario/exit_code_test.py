@@ -84,7 +84,7 @@ class ExitCodes(ScenarioTest):
 
     def test_3_when_the_report_cannot_be_written_and_the_results_are_printed_all_the_same(self):
         junit = self.folder / "junit.xml"
-        run = self.run_to_end("run", [*BASE, "--until", "1200s", "--speed", "200", "--set", "expect=~", "--set", "expect={fine: {max_of: bus.*.v_pu, below: 2}}", "--junit", junit,
+        run = self.run_to_end("run", [*BASE, "--until", "1200s", "--speed", "300", "--set", "expect=~", "--set", "expect={fine: {max_of: bus.*.v_pu, below: 2}}", "--junit", junit,
                                       "--set", "processes.own={program: exec, host: board1, "
                                                "command: [/bin/sh, -c, 'rm -r ../report && touch ../report; exec sleep 1000']}"], code=ENVIRONMENT)
         self.assertRegex(run.stderr(), "cannot write '.*summary.json': Not a directory")
