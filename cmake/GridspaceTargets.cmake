@@ -44,7 +44,7 @@ function(gridspace_test name)
     set(arg_LABELS unit)
   endif()
   if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 60)
+    set(arg_TIMEOUT 300) # a busy machine is slow, and not wrong
   endif()
   if(CMAKE_CROSSCOMPILING) # in emulation
     math(EXPR arg_TIMEOUT "10 * ${arg_TIMEOUT}")
@@ -64,6 +64,6 @@ function(gridspace_test name)
                                              GRIDSPACE_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/tests")
   gridspace_sanitizer_options(${name})
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}."
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 TEST_PREFIX "${name}."
                        PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
 endfunction()
