@@ -93,7 +93,7 @@ class Contract(harness.ScenarioTest):
                 self.assertEqual((head.status, head.body), (200, b""), path)
 
     def test_a_live_run_keeps_it(self):
-        run = self.start("run", ["--speed", "600", "--allow-control"])
+        run = self.start("run", ["--speed", "60", "--allow-control"])
         monitor = client.monitor_of(run)
         monitor.until("/api/v1/run", lambda r: r["state"] == "running" and r["time_s"] > 0, "the run to run")
         signals = monitor.until("/api/v1/signals", lambda s: any("value" in e and e["name"].startswith("bus.") for e in s["signals"]), "signals of the buses")["signals"]

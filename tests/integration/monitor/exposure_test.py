@@ -69,7 +69,7 @@ class Exposure(harness.ScenarioTest):
             self.assertIn(said, err)
 
     def test_nothing_is_told_without_the_token_and_everything_with_it(self):
-        run = self.start("run", ["--speed", "600", "--allow-control",
+        run = self.start("run", ["--speed", "60", "--allow-control",
                                  *self.settings(listen="0.0.0.0:0", token_file=self.token_file, tls_cert=self.cert, tls_key=self.key)])
         noted = client.monitor_of(run)
         self.assertTrue(noted.secure)

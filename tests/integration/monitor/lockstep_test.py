@@ -14,7 +14,7 @@ SHORT = ["--set", "simulation.duration_s=0.4", "--set", "events.fault.at_s=0.2",
 class Lockstep(harness.ScenarioTest):
     def test_ten_slow_clients_change_nothing(self):
         alone = self.run_to_end("alone", [*SHORT, "--set", "processes.monitor=~"], scenario=CASE_2)
-        watched = self.start("watched", [*SHORT, "--speed", "0.04"], scenario=CASE_2)  # slow enough for all of them to come, and to lose something
+        watched = self.start("watched", [*SHORT, "--speed", "0.02"], scenario=CASE_2)  # slow enough for all of them to come, and to lose something
         address = client.monitor_of(watched)
         slow = slow_clients_of(address)
         while dropped_for_slow_clients(address) == 0:  # they are slow indeed
