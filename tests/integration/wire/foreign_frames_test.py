@@ -2,6 +2,8 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """Frames of an independent encoder (foreign_frames.py), good ones, odd ones and damaged ones, against the tools of `gridspace wire`."""
+import contextlib
+import functools
 import json
 import os
 import random
@@ -11,6 +13,7 @@ import subprocess
 import time
 import unittest
 
+import foreign_frames
 import own_namespace
 from foreign_frames import FALSE, GOOSE, SV, TRUE, asdu, floats, goose, integer, le92, sv, tlv
 
@@ -190,6 +193,7 @@ class ForeignFrames(unittest.TestCase):
 
     def test_a_subscriber_follows_restarts_and_refuses_replays_when_asked_to(self):
         keys = ["control_block=IED/LLN0$GO$g"]
+        goose = functools.partial(foreign_frames.goose, live=60_000)  # none expires meanwhile
         story = [goose([FALSE], st=5, sq=9), goose([FALSE], st=5, sq=9), goose([TRUE], st=6, sq=0), goose([TRUE], st=6, sq=3), goose([FALSE], st=5, sq=10),
                  goose([TRUE], st=6, sq=4), goose([FALSE], st=1, sq=0), goose([FALSE], st=1, sq=1), goose([TRUE, TRUE], st=2, sq=0),
                  goose([TRUE], st=2, sq=0, conf_rev=2), goose([TRUE], st=2, sq=0, nds_com=True), goose([TRUE], st=2, sq=0, live=0),
@@ -204,6 +208,7 @@ class ForeignFrames(unittest.TestCase):
     def test_a_counter_that_turns_over_loses_nothing(self):
         top = 0xFFFFFFFF
         # An INTEGER that is unsigned needs five octets up there.
+        goose = functools.partial(foreign_frames.goose, live=60_000)
         story = [goose([TRUE], st=top, sq=top - 1, octets=5), goose([TRUE], st=top, sq=top, octets=5), goose([TRUE], st=top, sq=1, octets=5),
                  goose([FALSE], st=1, sq=0, octets=5)]
         lines = self.messages(story, "control_block=IED/LLN0$GO$g")
@@ -211,11 +216,15 @@ class ForeignFrames(unittest.TestCase):
         self.assertEqual([line["lost"] for line in lines], [0, 0, 0, 0])
 
     def test_the_table_survives_a_storm_of_made_up_names(self):
-        process = self.subscriber("list", "right", "--json", "--duration", "2")
+        process = self.subscriber("list", "right", "--json", "--duration", str(HANG_S))
         for i in range(3000):
             self.port.send(sv([asdu(f"made up {i}", i, ONE)]))
         for i in range(100):
             self.port.send(goose([TRUE], gocb=f"made up {i}"))
+        for line in process.stdout:
+            if json.loads(line)["frames"] >= 3100:
+                break
+        process.terminate()
         out, err = process.communicate(timeout=HANG_S)
         self.assertEqual(process.returncode, 0, err)
         table = json.loads(out.splitlines()[-1])
@@ -226,15 +235,24 @@ class ForeignFrames(unittest.TestCase):
     def test_publishers_of_other_rates_are_followed(self):
         """80 and 256 samples per cycle of 50 and 60 Hz, one and eight in a frame: none lost, whatever the wrap."""
         for rate, asdus in ((4000, 1), (4800, 2), (12800, 8), (15360, 8), (14400, 6)):
-            process = self.subscriber("sv-sub", "right", "--count", str(rate // asdus * 3 // 2), "--duration", str(HANG_S))
-            publisher = subprocess.Popen([GRIDSPACE, "wire", "sv-pub", "left", f"rate_hz={rate}", f"samples_per_frame={asdus}", "sv_id=MU"],
-                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            out, err = process.communicate(timeout=2 * HANG_S)
-            publisher.terminate()
-            publisher.communicate(timeout=HANG_S)
-            self.assertEqual(process.returncode, 0, err)
-            stream, = json.loads(out.splitlines()[-1])["streams"]
-            self.assertEqual((stream["lost"], stream["duplicates"], stream["late"], stream["restarts"]), (0, 0, 0, 0), rate)
+            for _ in range(60):
+                process = self.subscriber("sv-sub", "right", "--count", str(rate // asdus * 3 // 2), "--duration", str(HANG_S))
+                publisher = subprocess.Popen([GRIDSPACE, "wire", "sv-pub", "left", f"rate_hz={rate}", f"samples_per_frame={asdus}", "sv_id=MU"],
+                                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                with contextlib.suppress(OSError):  # where it may, it sends in time whatever else the machine does
+                    os.sched_setscheduler(publisher.pid, os.SCHED_RR, os.sched_param(1))
+                out, err = process.communicate(timeout=2 * HANG_S)
+                publisher.terminate()
+                sent = json.loads(publisher.communicate(timeout=HANG_S)[0])
+                self.assertEqual(process.returncode, 0, err)
+                last = json.loads(out.splitlines()[-1])
+                stream, = last["streams"]
+                counted = (stream["lost"], stream["duplicates"], stream["late"], stream["restarts"])
+                # Of a subscriber whom the kernel had to drop frames for, and of a publisher that sent in heaps, it says nothing.
+                disturbed = last["dropped"] > 0 or sent["worst_late_us"] > 16e6 / rate
+                if counted == (0, 0, 0, 0) or not disturbed:
+                    break
+            self.assertEqual(counted, (0, 0, 0, 0), (rate, last, sent))
 
 
 if __name__ == "__main__":
