@@ -21,11 +21,28 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
+def call(command, timeout_s, environment=None):
+    """(exit code or "none", what it said) of a command that is ended when it takes too long, as Ctrl-C would."""
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        said = process.communicate(timeout=timeout_s)[0]
+        return process.returncode, said
+    except subprocess.TimeoutExpired:
+        pass
+    process.terminate()
+    try:
+        said = process.communicate(timeout=60)[0]
+    except subprocess.TimeoutExpired:
+        process.kill()
+        said = process.communicate()[0]
+    return "none", f"{said}\nnot done after {timeout_s} s"
+
+
 def run(gridspace, scenario, out, environment, settings=()):
     began = time.monotonic()
     options = [word for setting in settings for word in ("--set", setting)]
-    done = subprocess.run([gridspace, "run", scenario, "--out", out, "--quiet", *options], env=environment, capture_output=True, text=True, timeout=600)
-    return done.returncode, time.monotonic() - began, done.stdout + done.stderr
+    code, text = call([gridspace, "run", scenario, "--out", out, "--quiet", *options], 600, environment)
+    return code, time.monotonic() - began, text
 
 
 def main():
@@ -85,10 +102,10 @@ def main():
             if not good:
                 failures.append(f"{file.stem}: exit {code}, expected {plan['exit']}; run folder {out}\n{text}")
         if len(outs) == 2:
-            done = subprocess.run([arguments.gridspace, "compare", outs[0], outs[1]], capture_output=True, text=True, timeout=300)
-            print(f"{'':32} {done.stdout.strip()}")
-            if done.returncode != 0:
-                failures.append(f"{file.stem}: two runs differ\n{done.stdout}{done.stderr}")
+            code, text = call([arguments.gridspace, "compare", outs[0], outs[1]], 300)
+            print(f"{'':32} {text.strip()}")
+            if code != 0:
+                failures.append(f"{file.stem}: two runs differ\n{text}")
     for failure in failures:
         print("FAILED " + failure)
     if not failures and not arguments.keep:
