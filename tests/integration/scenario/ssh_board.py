@@ -100,14 +100,15 @@ class Board:
         self.on_board(f"mount --bind {file} {program}")
 
     def devices_alive(self):
-        """Our programs that run on the board, or in namespaces that were made there."""
+        """Our programs that run on the board, or in namespaces that were made there: from its home directory, and no other board's."""
+        home = os.stat(f"/proc/{self.board}/root/root").st_dev
         out = []
         for entry in pathlib.Path("/proc").iterdir():
             try:
-                program = os.readlink(entry / "exe")
+                program, device = os.readlink(entry / "exe"), os.stat(entry / "exe").st_dev
             except OSError:
                 continue
-            if "/.cache/gridspace/" in program:
+            if "/.cache/gridspace/" in program and device == home:
                 out.append((entry.name, program))
         return out
 
