@@ -449,6 +449,12 @@ SimTime Node::latest_time() const {
     return core_->time_now();
 }
 
+bool Node::clock_runs() const {
+    std::lock_guard const lock{core_->mutex};
+    auto const& pace = core_->pace;
+    return !core_->has_clock() || (core_->clock_seen && (core_->lockstep() || pace.last_arrived != pace.first_arrived));
+}
+
 std::int64_t Node::start_unix_ns() const {
     std::lock_guard const lock{core_->mutex};
     return core_->clock_seen ? core_->clock.start_unix_ns() : core_->has_clock() ? 0 : core_->epoch_ns;

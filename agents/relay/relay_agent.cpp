@@ -62,6 +62,7 @@ class RelayAgent {
             if (node_.lockstep()) {
                 lockstep_tick((*tick)->time);
             } else {
+                follow_clock();
                 realtime_round();
             }
             report((*tick)->time, (*tick)->final);
@@ -304,6 +305,18 @@ class RelayAgent {
         elapse(clock_.of(end));
     }
 
+    /// It protects by frames alone, with or without a simulation clock; what it publishes needs simulated times. A relay
+    /// that is there before the run, or comes back in it, has none at first.
+    void follow_clock() {
+        if (!known_since_ns_ && node_.clock_runs()) {
+            known_since_ns_ = clock_.now();
+            came_ns_ = 0; // what came before was put at no time
+            publish_state();
+        }
+    }
+
+    [[nodiscard]] bool time_is_known() const { return node_.lockstep() || known_since_ns_; }
+
     void realtime_round() {
         take_frames();
         std::int64_t const now_ns = clock_.now();
@@ -355,6 +368,9 @@ class RelayAgent {
     }
 
     void publish_age(bus::SignalPublisher& ages, std::int64_t index, std::int64_t unix_ns) {
+        if (!known_since_ns_ || came_ns_ < *known_since_ns_) {
+            return; // which second a counter belongs to was not known when the sample came
+        }
         double const time_s = instant_of(index);
         double const age_ms = clock_.age_ms(unix_ns, time_s, settings_.wire.speed);
         ages.row(node_.time_base().from_nanoseconds(std::llround(time_s * 1e9)), {&age_ms, 1});
@@ -401,6 +417,9 @@ class RelayAgent {
     [[nodiscard]] SimTime now() const { return node_.lockstep() ? clock_.at_or_after(now_ns_) : node_.latest_time(); }
 
     void publish_state() {
+        if (!time_is_known()) {
+            return;
+        }
         std::array<double, 4> const row{pickup_ ? 1.0 : 0.0, tripped_ ? 1.0 : 0.0, blocked_ ? 1.0 : 0.0, instant_of(relay_->relay().output().index)};
         state_signals_->row(now(), row);
     }
@@ -420,14 +439,16 @@ class RelayAgent {
                 event_report_->event(fmt::format("{:.6f} s  {}: {}", instant_of(event.index), name_of(event.kind), text));
             }
             log::info("{}: {}", name_of(event.kind), text);
-            run_.status.event(node_.time_base().seconds(now()), node_.config().process, name_of(event.kind), text);
+            if (time_is_known()) { // what was before is in the log; it is no event of the run
+                run_.status.event(node_.time_base().seconds(now()), node_.config().process, name_of(event.kind), text);
+            }
         });
     }
 
     /// Counters once per simulated second.
     void report(SimTime time, bool final) {
         auto const second = static_cast<std::int64_t>(node_.time_base().seconds(time));
-        if (second == reported_ && !final) {
+        if ((second == reported_ && !final) || !time_is_known()) {
             return;
         }
         reported_ = second;
@@ -502,6 +523,7 @@ class RelayAgent {
     std::int64_t now_ns_{0};
     std::int64_t came_ns_{0}; ///< real time: when the newest frame came, and at which simulated time
     double came_s_{0};
+    std::optional<std::int64_t> known_since_ns_; ///< real time: since when simulated time is known
     std::int64_t reported_{-1}, reported_wall_ns_{0};
     std::array<std::uint64_t, 2> reported_samples_{};
     bool started_{false}, pickup_{false}, tripped_{false}, blocked_{false};
