@@ -109,19 +109,29 @@ TEST(SvForger, ManInTheMiddleAltersTheAttackedPhaseOfTheAttackedSamplesOnly) {
     EXPECT_EQ(sut->forged(), 480U);
 }
 
-/// In real time frames pass on one thread, and another says how many were forged: for the thread sanitizer.
+/// In real time frames pass on one thread, and another says how many were forged: for the thread sanitizer. Relaxed, so that
+/// nothing here puts the two in an order.
 template <class Sut, class Forge>
 void count_from_another_thread(Sut const& sut, Forge const& forge) {
     std::atomic<bool> done{false};
+    std::atomic<int> looks{0};
     std::thread watching{[&] {
-        for (std::uint64_t last = 0; !done;) {
+        for (std::uint64_t last = 0; !done.load(std::memory_order_relaxed);) {
             std::uint64_t const now = sut.forged();
             EXPECT_GE(now, last);
             last = now;
+            looks.fetch_add(1, std::memory_order_relaxed);
         }
     }};
+    auto const wait_for_looks = [&](int more) {
+        for (int const until = looks.load(std::memory_order_relaxed) + more; looks.load(std::memory_order_relaxed) < until;) {
+            std::this_thread::yield();
+        }
+    };
+    wait_for_looks(2);
     forge();
-    done = true;
+    wait_for_looks(2);
+    done.store(true, std::memory_order_relaxed);
     watching.join();
 }
 
