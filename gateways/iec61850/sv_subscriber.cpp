@@ -207,17 +207,25 @@ bool SvSubscriber::goes_on_from_jump(std::uint16_t smp_cnt) const noexcept {
     if (!jumped_to_) {
         return false;
     }
+    // Not here: that it is another frame. The samples of one do not speak for each other.
     bool const inside = wrap_known_ && smp_cnt < wrap_ && *jumped_to_ < wrap_;
     std::uint32_t const wrap = inside ? wrap_ : kWholeCounter;
     std::uint32_t const step = (smp_cnt + wrap - *jumped_to_) % wrap;
     return step >= 1 && step <= kFewLost;
 }
 
+/// Of the `step` - 1 samples before this one, those that came and were refused because the counter jumped there.
+std::uint32_t SvSubscriber::refused_before(bool confirmed, std::int64_t step) const noexcept {
+    return confirmed ? static_cast<std::uint32_t>(std::min<std::int64_t>(jump_refused_, step - 1)) : 0;
+}
+
 SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noexcept {
     learn_wrap(smp_cnt, now_ns);
-    bool const confirmed = goes_on_from_jump(smp_cnt);
+    bool const goes_on = goes_on_from_jump(smp_cnt), confirmed = goes_on && now_ns != jumped_at_ns_;
     if (started_ && !confirmed && is_jump(smp_cnt, now_ns)) {
+        jump_refused_ = goes_on ? jump_refused_ + 1 : 1;
         jumped_to_ = smp_cnt;
+        jumped_at_ns_ = now_ns;
         return count({SvEvent::unconfirmed, false, 0, index_});
     }
     SvArrival arrival;
@@ -236,7 +244,7 @@ SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noex
         } else if (step <= 0 && -step <= std::int64_t{subscription_.late_window}) {
             return count(behind(index));
         } else if (is_loss(step, now_ns)) {
-            arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - (confirmed ? 2 : 1)), index};
+            arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - 1) - refused_before(confirmed, step), index};
         } else { // indices never go back
             arrival = {SvEvent::restart, true, 0,
                        step > 0 ? index : index + std::int64_t{wrap_} * ((-step) / wrap_ + 1)};

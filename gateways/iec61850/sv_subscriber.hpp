@@ -53,9 +53,9 @@ struct SvArrival {
 
 /// Supervision of one SV stream by its counter and its arrival times (nanoseconds on any one axis). Allocates nothing.
 ///
-/// A counter that jumps, farther than time explains, is believed when the next sample goes on from there. So a frame
-/// that somebody forged or that was damaged moves nothing, and a publisher that begins anew is followed one sample
-/// later.
+/// A counter that jumps, farther than time explains, is believed when the next frame goes on from there. So a frame
+/// that somebody forged or that was damaged moves nothing, of however many samples it is, and a publisher that begins
+/// anew is followed one frame later.
 class SvSubscriber {
   public:
     struct Counters {
@@ -102,6 +102,7 @@ class SvSubscriber {
     [[nodiscard]] bool is_jump(std::uint16_t smp_cnt, std::int64_t now_ns) const noexcept;
     [[nodiscard]] bool is_loss(std::int64_t step, std::int64_t now_ns) const noexcept;
     [[nodiscard]] bool goes_on_from_jump(std::uint16_t smp_cnt) const noexcept;
+    [[nodiscard]] std::uint32_t refused_before(bool confirmed, std::int64_t step) const noexcept;
     SvArrival count(SvArrival arrival) noexcept;
     void move_on(SvArrival const& arrival, bool one_was_refused) noexcept;
     SvArrival behind(std::int64_t index) noexcept;
@@ -112,7 +113,9 @@ class SvSubscriber {
     bool started_{false}, silent_{false}, seen_simulated_{false};
     std::uint32_t run_{0}; ///< consecutive samples in order
     std::uint16_t last_cnt_{0};
-    std::optional<std::uint16_t> jumped_to_; ///< of a sample that waits for the next one
+    std::optional<std::uint16_t> jumped_to_; ///< of a sample that waits for the next frame
+    std::int64_t jumped_at_ns_{0};           ///< arrival of its frame
+    std::uint32_t jump_refused_{0};          ///< samples that wait so, one after the other
     std::uint8_t smp_synch_{0};
     std::int64_t index_{0}, last_ns_{0};
     std::uint64_t seen_{0}, missing_{0}; ///< bit k: sample index_ - k came; counts as lost and may still come

@@ -106,6 +106,31 @@ TEST(SvSubscriber, TellsLossFromDuplicateFromLateFromRestart) {
     EXPECT_EQ(sut.counters().of(SvEvent::duplicate), 1U);
 }
 
+TEST(SvSubscriber, ASingleForgedFrameMovesNothingHoweverManySamplesItHolds) {
+    for (int const samples : {1, 2, 8}) {
+        SvSubscriber sut{subscription()};
+        std::int64_t time = 0;
+        auto const frame = [&](int first) {
+            time += samples * kPeriod / 2;
+            SvEvent last{};
+            for (int k = 0; k < samples; ++k) {
+                last = sut.receive(static_cast<std::uint16_t>((first + k) % 4800), time).event;
+            }
+            time += samples * kPeriod - samples * kPeriod / 2;
+            return last;
+        };
+        for (int first = 0; first < 960; first += samples) {
+            EXPECT_NE(frame(first), SvEvent::unconfirmed);
+        }
+        time -= samples * kPeriod; // between two frames
+        EXPECT_EQ(frame(3000), SvEvent::unconfirmed) << samples;
+        EXPECT_EQ(frame(960), SvEvent::in_order);
+        EXPECT_EQ(sut.counters().of(SvEvent::restart) + sut.counters().lost, 0U);
+        EXPECT_EQ(frame(3000), SvEvent::unconfirmed);
+        EXPECT_NE(frame(3000 + samples), SvEvent::unconfirmed) << "a second frame says so too";
+    }
+}
+
 TEST(SvSubscriber, TakesFramesThatComeTwiceForCopiesHoweverManySamplesTheyHold) {
     for (int const samples : {1, 2, 4, 8, 16}) {
         SvSubscription s = subscription();
