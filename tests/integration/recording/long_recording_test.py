@@ -34,7 +34,7 @@ def watch(pid, memory):
 class LongRecording(ScenarioTest):
     def test_memory_of_the_recorder_does_not_grow_with_the_recording(self):
         end_s = HOURS * 3600
-        run = self.start("long", [*BASE, "--set", f"simulation.duration_h={HOURS:g}", "--set", "expect=~"])
+        run = self.start("long", [*BASE, "--speed", "720", "--set", f"simulation.duration_h={HOURS:g}", "--set", "expect=~"])
         run.wait_for(lambda line: line.get("note", "").startswith("all "), "everybody to be ready")
         memory = []
         watcher = threading.Thread(target=watch, args=(run.pid_of("recorder"), memory))
