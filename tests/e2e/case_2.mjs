@@ -6,7 +6,7 @@ import { check, check_graph, look, open, shot, start, until, until_drawn } from 
 
 export async function case_2() {
   // Slow enough that a page sees the breakers open while the run is under way.
-  const run = await start("configs/scenarios/protection_lockstep.yaml", "--set", "events.fault.at_s=0.5", "--set", "simulation.duration_s=1", "--set", "clock.speed=0.05");
+  const run = await start("configs/scenarios/protection_lockstep.yaml", "--set", "events.fault.at_s=0.5", "--set", "simulation.duration_s=1", "--set", "clock.speed=0.02");
   const live = await open(run.url, "light");
   await check_graph(live, ["sim", "mu21", "mu22", "relay2", "breaker2"], ["TL_21", "TL_22", "TL2_Trip"], ["SMV21", "SMV22", "TRIP2"]);
   await until(live, () => document.querySelectorAll(".breaker.closed").length === 6);

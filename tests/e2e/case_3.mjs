@@ -24,7 +24,7 @@ async function check_verdicts(page, when) {
 }
 
 export async function case_3() {
-  const run = await start("configs/scenarios/fdi_ids_short.yaml", "--set", "clock.speed=0.1");
+  const run = await start("configs/scenarios/fdi_ids_short.yaml", "--set", "clock.speed=0.04");
   const live = await open(run.url, "light");
   await check_graph(live, ["sim", "mu21", "mu22", "relay2", "breaker2", "attacker"], ["ids_verdicts", "attack_labels"], ["SMV21", "SMV22", "TRIP2"]);
   await check_verdicts(live, "live");

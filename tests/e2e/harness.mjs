@@ -69,12 +69,14 @@ export function pid_of(folder, name) {
   throw new Error(`process ${name} is not there`);
 }
 
+const patience_ms = 120_000; // nothing that works takes that long
 const browserPath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
 if (!browserPath) throw new Error("chromium is not installed (apt install chromium)");
-const browser = await chromium.launch({ executablePath: browserPath, args: ["--no-sandbox"] });
+const browser = await chromium.launch({ executablePath: browserPath, args: ["--no-sandbox"], timeout: patience_ms });
 
 export async function open(url, theme, viewport = { width: 1440, height: 900 }) {
   const page = await browser.newPage({ viewport, colorScheme: theme });
+  page.setDefaultTimeout(patience_ms);
   page.on("pageerror", e => errors.push(e.stack ?? e.message));
   page.on("console", m => { if (m.type() === "error") errors.push(m.text()); });
   await page.goto(url);
@@ -83,8 +85,8 @@ export async function open(url, theme, viewport = { width: 1440, height: 900 }) 
 
 /** Asks the page until the answer is yes; the page's own rules forbid the evaluation of text, which waitForFunction needs. */
 export async function until(page, question, argument) {
-  for (const end = Date.now() + 30_000; !(await page.evaluate(question, argument)); ) {
-    if (Date.now() > end) throw new Error(`waited 30 s for: ${question}`);
+  for (const end = Date.now() + patience_ms; !(await page.evaluate(question, argument)); ) {
+    if (Date.now() > end) throw new Error(`waited ${patience_ms / 1000} s for: ${question}`);
     await new Promise(done => setTimeout(done, 100));
   }
 }
