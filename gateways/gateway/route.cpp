@@ -3,6 +3,7 @@
 #include "gateways/gateway/route.hpp"
 
 #include "common/text.hpp"
+#include "gateways/iec61850/quality.hpp"
 #include "gateways/mapping/constant.hpp"
 #include "gateways/port/wire_config.hpp"
 
@@ -122,6 +123,11 @@ class RouteMaker {
                 return false;
             }
             fields = mapping::fields_of(stream->data_set);
+            for (Field& field : fields) {
+                if (field.type == BasicType::quality && stream->kind == streams::Kind::goose) {
+                    field.length = iec61850::quality::kBits;
+                }
+            }
             if (source) {
                 route_.stream_fields = fields.size();
                 auto const own = stream_fields(stream->kind);

@@ -3,6 +3,7 @@
 #include "gateways/iec61850/goose_template.hpp"
 
 #include "gateways/iec61850/encode_error.hpp"
+#include "gateways/iec61850/quality.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -163,18 +164,21 @@ GooseTemplate::Stored GooseTemplate::set(std::size_t leaf, Value const& value) n
             return Stored::refused;
         }
     }
+    constexpr std::uint64_t kQuality = (1U << quality::kBits) - 1;
+    std::uint64_t const bits = value.type == BasicType::quality ? value.bits & ~std::uint64_t{quality::kDerived}
+                                                                : value.bits; // of sampled values only
     std::uint64_t const mask = value.type == BasicType::boolean      ? 1
                                : value.type == BasicType::position   ? 3
-                               : value.type == BasicType::quality    ? 0x1FFF
+                               : value.type == BasicType::quality    ? kQuality
                                : value.type == BasicType::bit_string ? ~std::uint64_t{0} >> (64 - slot.bit_count)
                                                                      : ~std::uint64_t{0};
-    if ((value.bits & ~mask) != 0) {
+    if ((bits & ~mask) != 0) {
         return Stored::refused;
     }
-    if (slot.bits == value.bits) {
+    if (slot.bits == bits) {
         return Stored::same;
     }
-    slot.bits = value.bits;
+    slot.bits = bits;
     slot.dirty = true;
     return Stored::changed;
 }

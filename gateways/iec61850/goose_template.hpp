@@ -40,7 +40,7 @@ class GooseTemplate {
     [[nodiscard]] Value get(std::size_t leaf) const noexcept;
 
     /// Stores a value for the next frame. `refused`: another type than the leaf's, a number out of its range, a string
-    /// too long.
+    /// too long. Of a quality the bit "derived", which only sampled values have, is left out.
     enum class Stored : std::uint8_t { refused, same, changed };
     Stored set(std::size_t leaf, Value const& value) noexcept;
 

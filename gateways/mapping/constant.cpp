@@ -17,13 +17,22 @@ namespace {
 using iec61850::Position;
 namespace quality = iec61850::quality;
 
-constexpr std::array<std::pair<std::string_view, std::uint32_t>, 6> kQualities{
+constexpr std::array<std::pair<std::string_view, std::uint32_t>, 14> kQualities{
     {{"good", quality::kGood},
      {"invalid", quality::kInvalid},
      {"questionable", quality::kQuestionable},
+     {"overflow", quality::kOverflow},
+     {"out_of_range", quality::kOutOfRange},
+     {"bad_reference", quality::kBadReference},
+     {"oscillatory", quality::kOscillatory},
+     {"failure", quality::kFailure},
      {"old_data", quality::kOldData},
+     {"inconsistent", quality::kInconsistent},
+     {"inaccurate", quality::kInaccurate},
+     {"substituted", quality::kSubstituted},
      {"test", quality::kTest},
-     {"failure", quality::kFailure}}};
+     {"operator_blocked", quality::kOperatorBlocked}}};
+constexpr std::string_view kDerived = "derived"; ///< of sampled values only
 constexpr std::array<std::string_view, 4> kPositions{"intermediate", "open", "closed", "bad"};
 
 /// A whole number, decimal or 0x..., as sign and magnitude.
@@ -58,9 +67,13 @@ std::optional<Value> parse_integer(std::string_view text, BasicType type) {
     return Value{type, 0, whole->negative ? ~whole->magnitude + 1 : whole->magnitude, {}};
 }
 
-std::optional<Value> parse_quality(std::string_view text) {
+std::uint32_t highest_quality(Field const& field) {
+    return (1U << quality_bits(field)) - 1;
+}
+
+std::optional<Value> parse_quality(std::string_view text, std::uint32_t highest) {
     if (auto const whole = parse_whole(text)) {
-        return !whole->negative && whole->magnitude <= 0x3FFF
+        return !whole->negative && whole->magnitude <= highest
                    ? std::optional{Value::quality(static_cast<std::uint32_t>(whole->magnitude))}
                    : std::nullopt;
     }
@@ -72,10 +85,11 @@ std::optional<Value> parse_quality(std::string_view text) {
         word = word.substr(0, word.find_last_not_of(' ') + 1);
         auto const known =
             std::find_if(kQualities.begin(), kQualities.end(), [&](auto const& q) { return q.first == word; });
-        if (known == kQualities.end()) {
+        bool const derived = word == kDerived && (highest & quality::kDerived) != 0;
+        if (known == kQualities.end() && !derived) {
             return std::nullopt;
         }
-        bits |= known->second;
+        bits |= derived ? quality::kDerived : known->second;
         if (bar == text.size()) {
             return Value::quality(bits);
         }
@@ -99,7 +113,7 @@ std::optional<Value> parse_constant(std::string_view text, Field const& field, E
         }
         return std::nullopt;
     case BasicType::quality:
-        return parse_quality(text);
+        return parse_quality(text, highest_quality(field));
     case BasicType::enumerated:
         for (auto const& [name, number] : enumerators) {
             if (text == name) {
@@ -127,9 +141,18 @@ std::string expected_constant(Field const& field, Enumerators enumerators) {
         return "expected true or false";
     case BasicType::position:
         return "expected open, closed, intermediate or bad";
-    case BasicType::quality:
-        return "expected good, invalid, questionable, old_data, test or failure, joined by '|', or a number up to "
-               "0x3fff";
+    case BasicType::quality: {
+        std::vector<std::string> words;
+        for (auto const& [word, bits] : kQualities) {
+            words.emplace_back(word);
+        }
+        bool const sampled = (highest_quality(field) & quality::kDerived) != 0;
+        if (sampled) {
+            words.emplace_back(kDerived);
+        }
+        return fmt::format("expected {}, joined by '|', or a number up to 0x{:x}{}", join(words, ", "),
+                           highest_quality(field), sampled ? "" : ": GOOSE has no bit for 'derived'");
+    }
     case BasicType::visible_string:
         return fmt::format("expected a text of at most {} characters", field.length);
     case BasicType::enumerated: {

@@ -3,6 +3,7 @@
 #include "gateways/mapping/mapping.hpp"
 
 #include "common/text.hpp"
+#include "gateways/iec61850/quality.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,22 +32,28 @@ bool arithmetic(BasicType type) {
     return is_number(type);
 }
 
-bool same_bits(BasicType a, BasicType b) {
-    auto const bits = [](BasicType t) {
-        return t == BasicType::quality || t == BasicType::bit_string || is_unsigned(t);
-    };
-    return a == b || (a == BasicType::quality && bits(b)) || (b == BasicType::quality && bits(a));
+/// How many bits a field holds, where it holds bits and not a quantity; 0 where it does not.
+unsigned bits_of(Field const& field) {
+    switch (field.type) {
+    case BasicType::quality:
+        return quality_bits(field);
+    case BasicType::bit_string:
+        return field.length == 0 ? 64 : std::min<unsigned>(field.length, 64);
+    default:
+        return is_unsigned(field.type) ? static_cast<unsigned>(8 * integer_octets(field.type)) : 0;
+    }
 }
 
 /// The largest value of an integer type, as bits; signed ones reach from -high - 1.
 std::uint64_t highest(BasicType type) noexcept {
-    if (type == BasicType::quality) {
-        return 0x1FFF;
-    }
     return ~std::uint64_t{0} >> (64 - 8 * integer_octets(type) + (is_signed(type) ? 1 : 0));
 }
 
 } // namespace
+
+unsigned quality_bits(Field const& field) noexcept {
+    return field.length == 0 ? quality::kSampledBits : field.length;
+}
 
 std::vector<Field> fields_of(DataSet const& data_set) {
     std::vector<Field> out;
@@ -111,7 +118,7 @@ std::optional<Mapping::Step> Mapping::step_of(Rule const& rule, Field const& fro
     } else if (from.type == BasicType::position && to.type == BasicType::boolean) {
         step.kind = Kind::position_to_boolean;
         step.invert = rule.invert != !rule.true_is_open;
-    } else if (from.type == BasicType::enumerated && to.type == BasicType::position) {
+    } else if (is_integer(from.type) && to.type == BasicType::position) {
         step.kind = Kind::code_to_position;
     } else if (from.type == BasicType::position && is_integer(to.type)) {
         step.kind = Kind::integer;
@@ -122,12 +129,25 @@ std::optional<Mapping::Step> Mapping::step_of(Rule const& rule, Field const& fro
         if (from.length > to.length) {
             return refuse(fmt::format("{} characters do not fit into {}", from.length, to.length));
         }
-    } else if (same_bits(from.type, to.type)) {
-        step.kind = from.type == to.type ? Kind::copy : Kind::integer;
+    } else if (from.type == BasicType::quality || to.type == BasicType::quality) {
+        unsigned const bits = bits_of(to);
+        bool const room = to.type == BasicType::quality || bits >= std::min(quality_bits(from), quality::kBits);
+        if (bits_of(from) == 0 || !room) {
+            return refuse(is_number(from.type) || is_number(to.type)
+                              ? "a quality is a set of bits: its number is uint16, uint32 or uint64"
+                              : "");
+        }
+        step.kind = Kind::bits;
+        step.mask = ~std::uint64_t{0} >> (64 - bits);
+    } else if (from.type == to.type) {
+        step.kind = Kind::copy;
     } else if (arithmetic(from.type) && to.type == BasicType::boolean) {
         return refuse("what is true is a decision: make it where the number is made");
     } else {
-        return refuse("");
+        bool const position = is_number(from.type) && to.type == BasicType::position;
+        return refuse(position ? "a position is a boolean, an enumeration or a whole number: 0 intermediate, 1 open, "
+                                 "2 closed, 3 bad"
+                               : "");
     }
     if (scaled) {
         mistake.message = fmt::format("'{}' is {}: it has no scale, offset or unit", from.name, type_name(from.type));
@@ -222,6 +242,14 @@ Value Mapping::to_integer(Step const& step, Value const& in) noexcept {
     return out;
 }
 
+/// A bit that the target does not have is left out: the others say what they said. Of a number more than a quality has
+/// is a mistake of its writer.
+Value Mapping::to_bits(Step const& step, Value const& in) noexcept {
+    constexpr std::uint64_t kKnown = (1U << quality::kSampledBits) - 1;
+    counters_.saturated += step.to_type == BasicType::quality && is_unsigned(in.type) && in.bits > kKnown ? 1 : 0;
+    return {step.to_type, 0, in.bits & step.mask, {}};
+}
+
 Value Mapping::convert(Step const& step, Value const& in) noexcept {
     constexpr std::uint64_t kOpen = 1, kClosed = 2;
     switch (step.kind) {
@@ -235,6 +263,8 @@ Value Mapping::convert(Step const& step, Value const& in) noexcept {
         return to_number(step, in);
     case Kind::integer:
         return to_integer(step, in);
+    case Kind::bits:
+        return to_bits(step, in);
     case Kind::boolean_to_position:
         return {BasicType::position, 0, in.boolean() != step.invert ? kOpen : kClosed, {}};
     case Kind::position_to_boolean: // neither open nor closed is not "open"

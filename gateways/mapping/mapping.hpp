@@ -19,10 +19,12 @@ using iec61850::Value;
 struct Field {
     std::string name{}; ///< "Ia", "pos.q", "samples.ia"
     BasicType type{BasicType::boolean};
-    std::uint16_t length{0}; ///< of strings: the most octets
+    std::uint16_t length{0}; ///< of strings the most octets, of bit strings and qualities the bits
     std::string unit{};      ///< "A", "mA", "kV"; empty: not known
 };
 [[nodiscard]] std::vector<Field> fields_of(iec61850::DataSet const& data_set);
+/// 14 in sampled values, with "derived" of 9-2LE; 13 where the length says so.
+[[nodiscard]] unsigned quality_bits(Field const& field) noexcept;
 
 /// `to` becomes from * scale + offset, after the units of both have been converted.
 struct Rule {
@@ -43,7 +45,7 @@ struct Mistake {
 
 struct Counters {
     std::uint64_t applied{0};
-    std::uint64_t saturated{0};  ///< values beyond the range of the type that they became
+    std::uint64_t saturated{0};  ///< values beyond the range of the type that they became; numbers that are no quality
     std::uint64_t not_finite{0}; ///< NaN or infinity that became an integer
 };
 
@@ -67,9 +69,10 @@ class Mapping {
         copy,    ///< same kind of value, no arithmetic
         number,  ///< scale and offset through double
         integer, ///< integer to integer without arithmetic: exact in 64 bits
+        bits,    ///< a quality and what holds its bits: never a quantity
         boolean_to_position,
         position_to_boolean,
-        code_to_position, ///< Dbpos by its number, as in an IDL enumeration
+        code_to_position, ///< Dbpos by its number, as in an IDL enumeration or an integer
         time_to_nanoseconds,
         nanoseconds_to_time,
         constant,
@@ -79,12 +82,14 @@ class Mapping {
         std::size_t from{0}, to{0};
         BasicType to_type{BasicType::boolean};
         double scale{1}, offset{0};
+        std::uint64_t mask{0}; ///< of Kind::bits: those that the target has
         bool invert{false};
         Value constant;
     };
     static std::optional<Step> step_of(Rule const& rule, Field const& from, Field const& to, Mistake& mistake);
     [[nodiscard]] Value convert(Step const& step, Value const& in) noexcept;
     [[nodiscard]] Value to_integer(Step const& step, Value const& in) noexcept;
+    [[nodiscard]] Value to_bits(Step const& step, Value const& in) noexcept;
     [[nodiscard]] Value to_number(Step const& step, Value const& in) noexcept;
 
     std::vector<Step> steps_;

@@ -21,6 +21,7 @@ streams:
   SV: {kind: smv, mac: "01:0C:CD:04:00:03", app_id: 0x4003, sv_id: MU03, data_set: {Ia: int32, q: quality, P: float32}}
   LE: {kind: smv, mac: "01:0C:CD:04:00:04", app_id: 0x4004, sv_id: MU04, data_set: 9-2LE}
   GO: {kind: goose, mac: "01:0C:CD:01:00:03", app_id: 3, control_block: LD/LLN0$GO$a, data_set: {st: boolean, pos: position, id: {type: visible_string, length: 8}}}
+  GQ: {kind: goose, mac: "01:0C:CD:01:00:04", app_id: 4, control_block: LD/LLN0$GO$q, data_set: {q: quality}}
 )";
 
 struct Made {
@@ -90,9 +91,9 @@ TEST(Route, TakesUnitsFromTheNamesOfTopicFields) {
 
 TEST(Route, SaysEverythingThatIsWrongAtItsPlace) {
     auto const sut = make(mapping_of(kBus, "{stream: SV}", "{Ia: v_puu, q: {value: goood}, X: v_pu, P: {from: p_kw, to_unit: V}}"));
-    EXPECT_THAT(sut->said, AllOf(HasSubstr("gw.yaml:10:18: error: there is no field 'v_puu'"), HasSubstr("did you mean 'v_pu'?"),
-                                 HasSubstr("gw.yaml:10:36: error: 'goood' is no value of 'q', which is quality"), HasSubstr("expected good, invalid"),
-                                 HasSubstr("gw.yaml:10:44: error: there is no field 'X'"), HasSubstr("there are: Ia, q, P"),
+    EXPECT_THAT(sut->said, AllOf(HasSubstr("gw.yaml:11:18: error: there is no field 'v_puu'"), HasSubstr("did you mean 'v_pu'?"),
+                                 HasSubstr("gw.yaml:11:36: error: 'goood' is no value of 'q', which is quality"), HasSubstr("expected good, invalid"),
+                                 HasSubstr("gw.yaml:11:44: error: there is no field 'X'"), HasSubstr("there are: Ia, q, P"),
                                  HasSubstr("'p_kw' is in kW, 'P' in V: they measure different things"), HasSubstr("4 errors")))
         << sut->said;
 }
@@ -118,6 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"UnknownType", mapping_of("{topic: x, type: Foo}", "{stream: SV}", "{Ia: x}"), "no IDL file of this build defines the type 'Foo'"},
         Mistake{"UnknownStream", mapping_of(kBus, "{stream: SW}", "{Ia: v_pu}"), "there is no stream 'SW'"},
         Mistake{"NumberToBoolean", mapping_of(kBus, "{stream: GO}", "{st: v_pu}"), "what is true is a decision"},
+        Mistake{"DerivedInGoose", mapping_of(kBus, "{stream: GQ}", "{q: {value: 0x2003}}"), "a number up to 0x1fff: GOOSE has no bit for 'derived'"},
         Mistake{"LongTextToAShortOne", mapping_of(kBus, "{stream: GO}", "{id: bus}"), "32 characters do not fit into 8"},
         Mistake{"TimeIsTheGateways", mapping_of("{stream: GO}", kFeeder, "{time_ns: $t}"), "'time_ns' is written by the gateway itself"},
         Mistake{"SamplesWithoutIndex", mapping_of("{topic: TL_21, type: LineCurrents}", "{stream: SV}", "{P: samples.ia}", "    each: samples\n"),
@@ -155,6 +157,18 @@ TEST(Route, CallsTheChannelsInvalidThatNobodyWrites) {
     EXPECT_THAT(invalid("{Ia: v_pu, Ib: v_pu, Ic: {value: 0}, In_q: {value: good}, Va: v_pu, Vb: v_pu, Vc: v_pu}"), testing::ElementsAre("Vn_q"));
     auto const held = make(mapping_of("{stream: GO}", kFeeder, "{energised: st}"));
     EXPECT_TRUE(held->routes.front().invalid.empty()) << "a topic says what it says";
+}
+
+TEST(Route, KeepsTheQualitiesThatAStreamCanCarry) {
+    auto const constant = [](std::string const& stream, std::string const& value) {
+        auto const sut = make(mapping_of(kBus, "{stream: " + stream + "}", "{q: {value: \"" + value + "\"}}"));
+        EXPECT_EQ(sut->said, "");
+        std::vector<Value> in(sut->routes.front().from.size()), out(sut->routes.front().to.size());
+        sut->routes.front().rules.apply(in, out);
+        return out[sut->routes.front().written.front()].bits;
+    };
+    EXPECT_EQ(constant("SV", "questionable | derived"), 0x2003U);
+    EXPECT_EQ(constant("GQ", "questionable | out_of_range"), 0xBU);
 }
 
 TEST(Route, KeepsItsConstantsWhenItMoves) {

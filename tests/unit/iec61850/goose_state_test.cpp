@@ -105,6 +105,15 @@ TEST(GoosePublisher, BeginsANewStateForAValueAndForAQualityButNotForATime) {
     EXPECT_EQ(sut.state().st_num, 3U);
 }
 
+TEST(GoosePublisher, LeavesOutTheBitOfAQualityThatOnlySampledValuesHave) {
+    auto sut = publisher();
+    EXPECT_EQ(sut.set(1, Value::quality(quality::kQuestionable | quality::kDerived)), GooseTemplate::Stored::changed);
+    EXPECT_EQ(sut.frame().get(1).bits, quality::kQuestionable);
+    EXPECT_EQ(sut.set(1, Value::quality(quality::kQuestionable)), GooseTemplate::Stored::same);
+    EXPECT_EQ(sut.set(1, Value::quality(0x4000)), GooseTemplate::Stored::refused);
+    EXPECT_EQ(sut.counters().refused, 1U);
+}
+
 TEST(GoosePublisher, RestartsTheBurstWhenAnotherChangeComesDuringIt) {
     auto sut = publisher();
     sut.start(0, kUtc);

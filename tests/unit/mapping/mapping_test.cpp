@@ -111,6 +111,36 @@ TEST(Mapping, ConvertsTimesQualitiesTextsAndConstants) {
     EXPECT_TRUE(constant(Value::of(false)).boolean());
 }
 
+TEST(Mapping, TreatsAQualityAsBitsAndNeverAsAQuantity) {
+    Field const sampled{"b", BasicType::quality}, goose{"b", BasicType::quality, 13};
+    for (std::uint64_t const bits : {0x2000U, 0x2003U, 0x2800U, 0x1FFFU}) {
+        One to_sampled{{"a", BasicType::uint16}, sampled}, to_goose{{"a", BasicType::uint16}, goose},
+            from_sampled{{"a", BasicType::quality}, goose}, to_number{{"a", BasicType::quality}, {"b", BasicType::uint16}};
+        EXPECT_EQ(to_sampled({BasicType::uint16, 0, bits, {}}).bits, bits) << "with 'derived'";
+        EXPECT_EQ(to_goose({BasicType::uint16, 0, bits, {}}).bits, bits & 0x1FFF) << "validity and test are kept";
+        EXPECT_EQ(from_sampled({BasicType::quality, 0, bits, {}}).bits, bits & 0x1FFF);
+        EXPECT_EQ(to_number({BasicType::quality, 0, bits, {}}).bits, bits);
+        EXPECT_EQ(to_sampled.mapping.counters().saturated + to_goose.mapping.counters().saturated, 0U);
+    }
+    One no_quality{{"a", BasicType::uint32}, sampled};
+    EXPECT_EQ(no_quality({BasicType::uint32, 0, 0x1'0802, {}}).bits, 0x802U);
+    EXPECT_EQ(no_quality.mapping.counters().saturated, 1U);
+}
+
+TEST(Mapping, TakesAPositionFromTheNumberThatItBecomes) {
+    for (BasicType const type : {BasicType::uint8, BasicType::int8, BasicType::int32}) {
+        One sut{{"a", type}, {"b", BasicType::position}}, back{{"a", BasicType::position}, {"b", type}};
+        ASSERT_TRUE(sut.mistakes.empty()) << type_name(type);
+        for (std::uint64_t code = 0; code < 4; ++code) {
+            EXPECT_EQ(sut(back({BasicType::position, 0, code, {}})).bits, code);
+        }
+        EXPECT_EQ(sut(Value::integer(type, 4)).bits, 3U) << "no position has this code: bad";
+        EXPECT_EQ(sut.mapping.counters().saturated, 1U);
+    }
+    One sut{{"a", BasicType::int8}, {"b", BasicType::position}};
+    EXPECT_EQ(sut(Value::integer(BasicType::int8, -1)).bits, 3U);
+}
+
 TEST(Mapping, RefusesWhatDoesNotConvert) {
     auto const refused = [](Field from, Field to, Rule r = rule("a", "b")) {
         One const sut{from, to, r};
@@ -119,6 +149,14 @@ TEST(Mapping, RefusesWhatDoesNotConvert) {
     EXPECT_THAT(refused({"a", BasicType::visible_string, 5}, {"b", BasicType::int32}),
                 HasSubstr("one does not become the other"));
     EXPECT_THAT(refused({"a", BasicType::float32}, {"b", BasicType::boolean}), HasSubstr("what is true is a decision"));
+    for (auto const& [from, to] : {std::pair{BasicType::int16, BasicType::quality},
+                                   {BasicType::quality, BasicType::int32},
+                                   {BasicType::quality, BasicType::uint8}}) { // the test bit would be lost
+        EXPECT_THAT(refused({"a", from}, {"b", to}), HasSubstr("its number is uint16, uint32 or uint64"))
+            << type_name(from) << " to " << type_name(to);
+    }
+    EXPECT_THAT(refused({"a", BasicType::float32}, {"b", BasicType::position}),
+                HasSubstr("a position is a boolean, an enumeration or a whole number"));
     EXPECT_THAT(refused({"a", BasicType::float32, 0, "A"}, {"b", BasicType::float32, 0, "V"}),
                 HasSubstr("they measure different things"));
     EXPECT_THAT(refused({"a", BasicType::float32, 0, "furlong"}, {"b", BasicType::float32}),

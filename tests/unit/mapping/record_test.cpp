@@ -212,6 +212,18 @@ TEST(Constant, IsReadInTheTypeOfItsField) {
     EXPECT_FALSE(parse_constant("-1", {"a", BasicType::uint64, 0, {}}).has_value());
     EXPECT_EQ(parse_constant("invalid | test", {"q", BasicType::quality, 0, {}})->bits, 0x802U);
     EXPECT_FALSE(parse_constant("bad", {"q", BasicType::quality, 0, {}}).has_value());
+    EXPECT_EQ(parse_constant("questionable | derived", {"q", BasicType::quality, 0, {}})->bits, 0x2003U);
+    EXPECT_EQ(parse_constant("overflow|out_of_range|bad_reference|oscillatory|failure|old_data|inconsistent|inaccurate|"
+                             "substituted|test|operator_blocked",
+                             {"q", BasicType::quality, 13, {}})
+                  ->bits,
+              0x1FFCU);
+    EXPECT_EQ(parse_constant("0x3fff", {"q", BasicType::quality, 0, {}})->bits, 0x3FFFU);
+    for (char const* text : {"derived", "0x2003", "0x2000"}) {
+        EXPECT_FALSE(parse_constant(text, {"q", BasicType::quality, 13, {}}).has_value()) << text << " in GOOSE";
+    }
+    EXPECT_THAT(expected_constant({"q", BasicType::quality, 13, {}}),
+                testing::AllOf(testing::HasSubstr("up to 0x1fff"), testing::HasSubstr("no bit for 'derived'")));
     EXPECT_EQ(parse_constant("closed", {"p", BasicType::position, 0, {}})->bits, 2U);
     EXPECT_EQ(parse_constant("1e3", {"f", BasicType::float32, 0, {}})->as_float(), 1000.0F);
     EXPECT_FALSE(parse_constant("nan", {"f", BasicType::float32, 0, {}}).has_value());
