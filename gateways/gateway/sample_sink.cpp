@@ -42,7 +42,9 @@ iec61850::Octets SampleSink::fill(std::int64_t index, std::span<std::uint8_t con
             iec61850::UtcTime::from_nanoseconds(
                 std::max<std::int64_t>(0, taken_unix_ns(index) + grid_.nanoseconds(shift_samples_)), quality));
     }
-    return publisher_.commit();
+    auto const frame = publisher_.commit();
+    incomplete_.store(publisher_.incomplete(), std::memory_order_relaxed);
+    return frame;
 }
 
 std::int64_t SampleSink::taken_unix_ns(std::int64_t index) {
@@ -93,6 +95,7 @@ SimTime SampleSink::instant(std::int64_t index) const {
 void SampleSink::report(StreamStatistics& out) {
     out.state(sent() > 0 ? STREAM_ALIVE : STREAM_WAITING);
     out.frames(sent());
+    out.lost(incomplete_.load(std::memory_order_relaxed));
     out.late(late());
     out.underruns(underruns());
 }

@@ -33,7 +33,7 @@ class SampleSink : public Sink {
 
     /// The mapped values, in the form of the wire.
     void encode(std::span<std::uint8_t> sample) const;
-    /// Puts sample `index` into its frame; the frame when it was the last one of it.
+    /// Puts sample `index` into its frame; the frame when that is complete.
     [[nodiscard]] iec61850::Octets fill(std::int64_t index, std::span<std::uint8_t const> sample);
     /// When a sample was taken: simulated UTC; in real time the clock of the machine.
     [[nodiscard]] virtual std::int64_t taken_unix_ns(std::int64_t index);
@@ -55,7 +55,7 @@ class SampleSink : public Sink {
     std::int64_t shift_samples_{0};
     std::uint8_t synch_;
     std::optional<std::int64_t> zero_unix_ns_; ///< real time: at simulated time 0; on the thread that sends
-    std::atomic<std::uint64_t> sent_{0};
+    std::atomic<std::uint64_t> sent_{0}, incomplete_{0};
     SpscRing<Departure> departures_{8192};
 };
 

@@ -29,23 +29,35 @@ class SampleGrid {
 
 /// Publisher of one SV stream: fills the ASDUs of a frame with consecutive samples and gives the frame out with the
 /// last of them, which is when a merging unit sends it. smpCnt is the sample's index modulo `wrap`, so sample 0 is on
-/// the second.
+/// the second. A frame that lacks a sample is never sent: its other ASDUs would be older ones.
 class SvPublisher {
   public:
     /// `wrap`: samples after which smpCnt is 0 again (the rate, when a second holds a whole number of them). All ASDUs
     /// of `frame` belong to this stream.
-    SvPublisher(SvTemplate frame, std::uint32_t wrap) : frame_{std::move(frame)}, wrap_{wrap} {}
+    SvPublisher(SvTemplate frame, std::uint32_t wrap)
+        : frame_{std::move(frame)}, wrap_{wrap}, all_{(std::uint64_t{1} << frame_.asdus()) - 1} {}
 
-    /// Where the data set of sample `index` is written; commit() must follow. `index` starts at any number >= 0 that is
-    /// a multiple of samples_per_frame() and rises by one.
+    /// Where the data set of sample `index` >= 0 is written; commit() must follow. A frame begins at a multiple of
+    /// samples_per_frame().
     [[nodiscard]] std::span<std::uint8_t> sample(std::int64_t index) noexcept {
-        slot_ = static_cast<std::size_t>(index % static_cast<std::int64_t>(frame_.asdus()));
-        frame_.set_smp_cnt(slot_, static_cast<std::uint16_t>(index % wrap_));
-        return frame_.sample(slot_);
+        auto const slot = static_cast<std::size_t>(index % static_cast<std::int64_t>(frame_.asdus()));
+        std::int64_t const first = index - static_cast<std::int64_t>(slot);
+        if (first != first_) {
+            // Whoever begins in the middle of a frame has left nothing out.
+            incomplete_ += filled_ != 0 && filled_ != all_ && begun_ ? 1 : 0;
+            begun_ = begun_ || first_ >= 0;
+            first_ = first;
+            filled_ = 0;
+        }
+        fresh_ = (filled_ >> slot & 1U) == 0;
+        filled_ |= std::uint64_t{1} << slot;
+        frame_.set_smp_cnt(slot, static_cast<std::uint16_t>(index % wrap_));
+        return frame_.sample(slot);
     }
-    /// The frame, when the sample was its last; otherwise nothing. Valid until the next call.
+    /// The frame, when the sample completed it; otherwise nothing: also when it was sent already. Valid until the next
+    /// call.
     [[nodiscard]] Octets commit() noexcept {
-        if (slot_ + 1 != frame_.asdus()) {
+        if (filled_ != all_ || !fresh_) {
             return {};
         }
         ++sent_;
@@ -58,13 +70,19 @@ class SvPublisher {
     }
     [[nodiscard]] std::size_t samples_per_frame() const noexcept { return frame_.asdus(); }
     [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
+    /// Frames that were begun and not sent, because a sample of them did not come.
+    [[nodiscard]] std::uint64_t incomplete() const noexcept { return incomplete_; }
     [[nodiscard]] SvTemplate& frame() noexcept { return frame_; }
 
   private:
     SvTemplate frame_;
     std::int64_t wrap_;
-    std::size_t slot_{0};
-    std::uint64_t sent_{0};
+    std::uint64_t all_;         ///< a bit per ASDU
+    std::uint64_t filled_{0};   ///< those that hold a sample of this frame
+    std::int64_t first_{-1};    ///< index of this frame's first sample
+    bool fresh_{false};         ///< the sample has not been in this frame before
+    bool begun_{false};         ///< this is not the first frame
+    std::uint64_t sent_{0}, incomplete_{0};
 };
 
 /// When a publisher wakes and what it then owes: absolute deadlines, every sample sent exactly once however late.

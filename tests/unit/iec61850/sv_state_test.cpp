@@ -48,6 +48,33 @@ TEST(SvPublisher, GivesAFrameOutWithItsLastSampleAndWrapsOnTheSecond) {
     EXPECT_EQ(sut.sent(), 2U);
 }
 
+TEST(SvPublisher, SendsOnlyFramesOfConsecutiveSamples) {
+    SvPublisher sut{*SvTemplate::create(sv_address(), std::vector(2, asdu("MU", 4))), 4800};
+    std::vector<std::pair<int, int>> frames;
+    // From the middle of a frame; 7 to 9 are missing, then 16; 18 and 19 come twice; back to 4 of an earlier second.
+    for (std::int64_t const index : {3, 4, 5, 6, 10, 11, 12, 13, 14, 15, 17, 18, 19, 18, 19, 20, 21, 4, 5}) {
+        (void)sut.sample(index);
+        SvFrame frame;
+        if (auto const octets = sut.commit(); !octets.empty()) {
+            ASSERT_TRUE(decode_sv(octets, frame));
+            frames.emplace_back(frame.asdus[0].smp_cnt, frame.asdus[1].smp_cnt);
+        }
+    }
+    EXPECT_THAT(frames, ElementsAre(std::pair{4, 5}, std::pair{10, 11}, std::pair{12, 13}, std::pair{14, 15},
+                                    std::pair{18, 19}, std::pair{20, 21}, std::pair{4, 5}));
+    EXPECT_EQ(sut.sent(), 7U);
+}
+
+TEST(SvPublisher, CountsTheFramesThatLackedASample) {
+    SvPublisher sut{*SvTemplate::create(sv_address(), std::vector(4, asdu("MU", 4))), 4800};
+    for (std::int64_t const index : {2, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14, 15, 18}) {
+        (void)sut.sample(index);
+        (void)sut.commit();
+    }
+    EXPECT_EQ(sut.sent(), 2U);
+    EXPECT_EQ(sut.incomplete(), 1U) << "8 to 11: it began at 2, and 16 to 19 may still come";
+}
+
 TEST(SendSchedule, OwesEverySampleOnceHoweverLateItWakes) {
     SendSchedule sut{Rational{4800}, 1, 1'000'000};
     EXPECT_EQ(sut.owed(999'999, 16), 0U);
