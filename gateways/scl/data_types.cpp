@@ -122,6 +122,11 @@ Result<DataNode> in_array(Element const& definition, std::string name, Result<Da
     return DataNode{std::move(name), DataNode::Kind::array, {}, 0, std::vector<DataNode>(*size, *element)};
 }
 
+std::unexpected<Error> needs_index(Element const& array) {
+    return fail(ExitCode::usage, fmt::format("'{}' is an array", attribute(array, "name")),
+                "a member behind it needs an index (ix)");
+}
+
 std::unexpected<Error> too_deep(char const* kind, Element const& type) {
     return fail(
         ExitCode::usage,
@@ -136,8 +141,7 @@ Result<DataNode> DataTypes::attribute_of(Element const& definition, Path path, s
         return element_of(definition, path, std::move(name), depth);
     }
     if (!path.last()) {
-        return fail(ExitCode::usage, fmt::format("'{}' is an array", attribute(definition, "name")),
-                    "a member behind it needs an index (ix)");
+        return needs_index(definition);
     }
     return in_array(definition, name, element_of(definition, path, name, depth));
 }
@@ -216,10 +220,11 @@ Result<DataNode> DataTypes::object_node(Element const& type, std::string const& 
     return structure;
 }
 
-/// The DOType of the object that `reference` ends in. Data objects at the start of the attribute's path, as some tools
+/// The object that `reference` ends in. Data objects at the start of the attribute's path, as some tools
 /// write them ("phsA.cVal.mag.f" of "A"), are gone through too and taken off it.
-Result<Element const*> DataTypes::object_type(Reference& reference) const {
+Result<DataTypes::Object> DataTypes::object_of(Reference& reference) const {
     Element const* type = find("LNodeType", reference.ln_type);
+    Element const* array = nullptr; // that was named last
     if (type == nullptr) {
         return fail(ExitCode::usage, fmt::format("there is no LNodeType '{}'", reference.ln_type));
     }
@@ -232,15 +237,15 @@ Result<Element const*> DataTypes::object_type(Reference& reference) const {
         return nullptr;
     };
     auto const enter = [&](Element const* part) -> Result<void> {
+        if (array != nullptr) {
+            return needs_index(*array);
+        }
         type = part == nullptr ? nullptr : find("DOType", attribute(*part, "type"));
         if (type == nullptr) {
             return fail(ExitCode::usage,
                         fmt::format("type '{}' has no data object '{}'", reference.ln_type, reference.object));
         }
-        if (array_size(*part) != std::size_t{0} && !reference.indexed) {
-            return fail(ExitCode::usage, fmt::format("'{}' is an array", attribute(*part, "name")),
-                        "a member behind it needs an index (ix)");
-        }
+        array = array_size(*part) != std::size_t{0} && !reference.indexed ? part : nullptr;
         return {};
     };
     char const* kind = "DO";
@@ -261,25 +266,28 @@ Result<Element const*> DataTypes::object_type(Reference& reference) const {
         }
         reference.attribute.erase(0, name.size() + 1);
     }
-    return type;
+    if (array != nullptr && !reference.attribute.empty()) {
+        return needs_index(*array);
+    }
+    return Object{type, array};
 }
 
 Result<DataNode> DataTypes::resolve(Reference const& reference, std::string name) const {
     Reference r = reference;
-    auto const type = object_type(r);
-    if (!type) {
-        return std::unexpected{type.error()};
+    auto const object = object_of(r);
+    if (!object) {
+        return std::unexpected{object.error()};
     }
     if (r.attribute.empty()) {
-        auto node = object_node(**type, r.constraint, std::move(name), 0);
+        auto node = object_node(*object->type, r.constraint, name, 0);
         if (node && node->members.empty()) {
             return fail(ExitCode::usage,
                         fmt::format("'{}' has nothing with the constraint {}", r.object, r.constraint));
         }
-        return node;
+        return object->array == nullptr ? node : in_array(*object->array, std::move(name), std::move(node));
     }
     std::vector<std::string> const path = split(r.attribute, '.');
-    for (Element const* e : children(**type, "DA")) {
+    for (Element const* e : children(*object->type, "DA")) {
         if (attribute(*e, "name") == path[0]) {
             return attribute_of(*e, {path, 0, r.indexed}, std::move(name), 0);
         }

@@ -38,7 +38,11 @@ class DataTypes {
     [[nodiscard]] Result<Node> element_of(Element const& definition, Path path, std::string name, int depth) const;
     [[nodiscard]] Result<Node> object_node(Element const& type, std::string const& constraint, std::string name,
                                            int depth) const;
-    [[nodiscard]] Result<Element const*> object_type(Reference& reference) const;
+    struct Object {
+        Element const* type;  ///< its DOType
+        Element const* array; ///< where it is defined, when all elements of an array are meant; otherwise null
+    };
+    [[nodiscard]] Result<Object> object_of(Reference& reference) const;
     [[nodiscard]] Element const* find(char const* kind, std::string const& id) const;
 
     std::map<std::pair<std::string, std::string>, Element const*> by_id_;

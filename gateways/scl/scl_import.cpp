@@ -48,6 +48,10 @@ bool is_true(std::string const& text) {
     return text == "true" || text == "1";
 }
 
+bool is_vlan_priority(std::string const& text) {
+    return text.size() == 1 && text[0] >= '0' && text[0] <= '7';
+}
+
 /// What one LN0 needs to know of its surroundings.
 class Importer {
   public:
@@ -149,8 +153,12 @@ class Importer {
             note(*address, fmt::format("control block '{}' has the VLAN-ID '{}', which is none; it was left away",
                                        attribute(control, "name"), p["VLAN-ID"]));
         }
-        if (!p["VLAN-PRIORITY"].empty()) {
-            stream.set("vlan_priority", Node::scalar(p["VLAN-PRIORITY"]));
+        if (std::string const& priority = p["VLAN-PRIORITY"]; is_vlan_priority(priority)) {
+            stream.set("vlan_priority", Node::scalar(priority));
+        } else if (!priority.empty()) {
+            note(*address, fmt::format("control block '{}' has the VLAN-PRIORITY '{}', which is none (0 to 7); the "
+                                       "default is used",
+                                       attribute(control, "name"), priority));
         }
         return true;
     }
@@ -320,7 +328,23 @@ class Importer {
             return;
         }
         if (read_data_set(device, ln0, control, stream) && is_usable(control, stream)) {
+            note_of_likeness(control, ied + ' ' + block, stream);
             add(ied + "_" + block, std::move(stream));
+        }
+    }
+
+    /// Two streams that a receiver cannot tell apart by what is in their frames.
+    void note_of_likeness(Element const& control, std::string const& name, Node const& stream) {
+        std::string identity;
+        for (char const* key : {"mac", "app_id", "sv_id", "control_block"}) {
+            if (Node const* const part = stream.find(key)) {
+                identity += part->text + ' ';
+            }
+        }
+        if (auto const [like, added] = by_identity_.try_emplace(identity, name); !added) {
+            note(control, fmt::format("control block '{}' has the MAC address, the APPID and the {} of '{}': a "
+                                      "receiver cannot tell them apart",
+                                      name, stream.find("sv_id") != nullptr ? "svID" : "gocbRef", like->second));
         }
     }
 
@@ -402,6 +426,7 @@ class Importer {
     Element const& root_;
     ImportOptions options_;
     DataTypes types_;
+    std::map<std::string, std::string> by_identity_; ///< the control block that was first
     Import out_;
 };
 

@@ -319,6 +319,67 @@ TEST(Scl, FollowsNestedDataObjectsAndArrays) {
     EXPECT_EQ(members[4].type, iec61850::BasicType::float32);
 }
 
+TEST(Scl, AMemberMayBeAWholeArrayOfDataObjects) {
+    std::string const sets = "<DataSet name=\"d\">" + fcda(R"(doName="HA.phsAHar")") +
+                             fcda(R"(doName="HA" daName="phsAHar")") + fcda(R"(doName="HA.phsAHar" ix="1")") + kBlock;
+    auto const imported = import_streams(file_with(sets, kMeter, kMeterTypes), "f.scd", {});
+    ASSERT_TRUE(imported) << describe(imported.error());
+    EXPECT_THAT(imported->notes, IsEmpty());
+    auto const streams = read(imported->streams);
+    ASSERT_EQ(streams.size(), 1U);
+    auto const& members = streams[0].data_set.members;
+    ASSERT_EQ(members.size(), 3U);
+    for (std::size_t i : {0U, 1U}) {
+        EXPECT_EQ(members[i].kind, iec61850::DataNode::Kind::array);
+        ASSERT_EQ(members[i].members.size(), 3U);
+        EXPECT_EQ(members[i].members[2].kind, iec61850::DataNode::Kind::structure);
+        EXPECT_EQ(members[i].members[2].members.size(), 2U) << "cVal and q";
+    }
+    EXPECT_EQ(members[2].kind, iec61850::DataNode::Kind::structure) << "one element of it";
+    EXPECT_EQ(leaves_of(streams[0].data_set)[0].name, "MMXU1_HA_phsAHar.0.cVal.mag.f");
+}
+
+TEST(Scl, NotesControlBlocksThatAReceiverCannotTellApart) {
+    constexpr char kTwo[] = R"(<ConnectedAP iedName="F1" apName="S1">
+      <SMV ldInst="L" cbName="s"><Address><P type="MAC-Address">01-0C-CD-04-00-01</P><P type="APPID">4001</P></Address></SMV>
+      <SMV ldInst="L" cbName="t"><Address><P type="MAC-Address">01-0C-CD-04-00-01</P><P type="APPID">4001</P></Address></SMV></ConnectedAP>)";
+    auto const notes = [&](std::string const& second) {
+        std::string const sv = R"(" datSet="d" smpRate="4000" smpMod="SmpPerSec" nofASDU="1" confRev="1" smvID=")";
+        auto const imported =
+            import_streams(file_with("<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="q")") +
+                                         "</DataSet><SampledValueControl name=\"s" + sv + "MU\"/>" +
+                                         "<SampledValueControl name=\"t" + sv + second + "\"/>",
+                                     kMeter, kMeterTypes, kTwo),
+                           "f.scd", {});
+        EXPECT_EQ(imported->streams.entries.size(), 2U);
+        return imported->notes;
+    };
+    EXPECT_THAT(notes("MU"), ElementsAre(HasSubstr("'F1 t' has the MAC address, the APPID and the svID of 'F1 s'")));
+    EXPECT_THAT(notes("MU2"), IsEmpty());
+}
+
+TEST(Scl, AVlanPriorityThatIsNoneLosesNoStream) {
+    auto const imported_with = [](std::string const& priority) {
+        std::string const addresses = R"(<ConnectedAP iedName="F1" apName="S1"><GSE ldInst="L" cbName="g"><Address>
+      <P type="MAC-Address">01-0C-CD-01-00-01</P><P type="APPID">0001</P><P type="VLAN-ID">00A</P><P type="VLAN-PRIORITY">)" +
+                                      priority + "</P></Address></GSE></ConnectedAP>";
+        return *import_streams(file_with("<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="q")") + kBlock,
+                                         kMeter, kMeterTypes, addresses),
+                               "f.scd", {});
+    };
+    for (char const* none : {"9", "8", "-1", "high"}) {
+        Import const sut = imported_with(none);
+        EXPECT_THAT(sut.notes, ElementsAre(HasSubstr("VLAN-PRIORITY '" + std::string{none} + "', which is none")));
+        auto const streams = read(sut.streams);
+        ASSERT_EQ(streams.size(), 1U) << none;
+        EXPECT_EQ(streams[0].address.vlan->id, 10);
+        EXPECT_EQ(streams[0].address.vlan->priority, 4);
+    }
+    Import const seven = imported_with("7");
+    EXPECT_THAT(seven.notes, IsEmpty());
+    EXPECT_EQ(read(seven.streams)[0].address.vlan->priority, 7);
+}
+
 TEST(Scl, SaysWhyAMemberCannotBeResolved) {
     auto const note_of = [](std::string const& member) {
         auto const imported =
