@@ -137,6 +137,10 @@ Result<std::unique_ptr<IndexedSink>> IndexedSink::create(GatewayContext const& c
 }
 
 void IndexedSink::put(Moment, std::int64_t index) {
+    if (index < 0) {
+        ++missed_; // no sample is before the first
+        return;
+    }
     encode(sample_);
     if (sender_ != nullptr) {
         sender_->push(index, sample_);

@@ -65,13 +65,15 @@ class IndexedSink final : public SampleSink {
     [[nodiscard]] static Result<std::unique_ptr<IndexedSink>> create(GatewayContext const& context, Route& route);
     void put(Moment at, std::int64_t index) override;
     [[nodiscard]] std::uint64_t late() const override { return sender_ ? sender_->counters().late : 0; }
-    [[nodiscard]] std::uint64_t underruns() const override { return sender_ ? sender_->counters().underruns : missed_; }
+    [[nodiscard]] std::uint64_t underruns() const override {
+        return missed_ + (sender_ ? sender_->counters().underruns : 0);
+    }
 
   private:
     using SampleSink::SampleSink;
     [[nodiscard]] std::int64_t taken_unix_ns(std::int64_t index) override;
     std::vector<std::uint8_t> sample_;
-    std::uint64_t missed_{0};                 ///< lockstep: of ticks in which this process was paused
+    std::uint64_t missed_{0};                 ///< of an index below 0; lockstep: of ticks in which this process was paused
     std::unique_ptr<ethernet::Port> port_;    ///< of the sender's thread
     std::unique_ptr<ScheduledSender> sender_; ///< real time, scheduled; last: its thread uses what stands above
 };

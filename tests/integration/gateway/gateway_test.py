@@ -20,7 +20,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "wire"))
 import own_namespace  # noqa: E402
-from foreign_frames import TRUE, goose, integer, tlv  # noqa: E402
+from foreign_frames import TRUE, asdu, floats, goose, integer, sv, tlv  # noqa: E402
 
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", "build/release/bin")).resolve()
 SOURCE = pathlib.Path(os.environ.get("GRIDSPACE_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[3]))
@@ -171,6 +171,37 @@ class Gateway(unittest.TestCase):
         while wanted:
             sample = self.first_line(original, lambda m: m["smp_cnt"] in wanted)
             self.assertEqual(sample["values"], wanted.pop(sample["smp_cnt"]))
+
+    def test_a_frame_of_two_samples_holds_consecutive_ones_whatever_is_missing(self):
+        self.gateway("inward", "in1", {"IN": SV_IN}, {"m": {
+            "from": {"stream": "IN"}, "to": {"topic": "lines", "type": "LineCurrents"}, "each": "samples", "index": "first_index", "per_message": 4,
+            "fields": {"samples.ia": "Ia", "samples.ib": "Ib", "samples.ic": "Ic"}}})
+        out = dict(SV_IN, mac="01:0C:CD:04:00:09", app_id=0x4009, sv_id="AGAIN", samples_per_frame=2)
+        self.gateway("outward", "out0", {"OUT": out}, {"m": {
+            "from": {"topic": "lines", "type": "LineCurrents"}, "to": {"stream": "OUT"}, "each": "samples", "index": "first_index",
+            "buffer_ms": 40, "fields": {"Ia": "samples.ia", "Ib": "samples.ib", "Ic": "samples.ic"}}})
+        again = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(out)))
+        port, enough = self.raw_port("in0"), threading.Event()
+
+        def send():  # at the stream's rate; of every twenty samples three are missing, so that frames begin at odd ones too
+            for number in range(HANG_S * 400):
+                if number % 20 >= 3:
+                    port.send(sv([asdu(SV_IN["sv_id"], number % 400, floats(number, 0, 0))], app_id=SV_IN["app_id"], destination=SV_IN["mac"]))
+                if enough.wait(1 / 400):
+                    return
+
+        sending = threading.Thread(target=send)
+        sending.start()
+        try:
+            samples = [self.first_line(again, lambda m: True) for _ in range(200)]
+        finally:
+            enough.set()
+            sending.join()
+        for a, b in zip(samples[::2], samples[1::2]):
+            self.assertEqual(a["time_ns"], b["time_ns"], "of one frame")
+            self.assertEqual((a["smp_cnt"] % 2, b["smp_cnt"]), (0, a["smp_cnt"] + 1))
+            self.assertEqual(b["values"]["Ia"], a["values"]["Ia"] + 1, "none is an old one")
+        self.assertEqual(len({s["values"]["Ia"] for s in samples}), len(samples), "each once")
 
     def test_two_streams_of_one_sv_id_are_told_apart_by_their_addresses(self):
         other = dict(SV_IN, mac="01:0C:CD:04:00:0A", app_id=0x400A)
