@@ -173,6 +173,24 @@ std::optional<double> statistic(Expectation const& e, Timeline const& timeline) 
     }
 }
 
+/// Where a delay in the window is below zero, and what that says: nothing arrives before it was sent. Empty: nowhere.
+std::string clocks_apart(SignalStore const& signals, Expression const& expression, Timeline const& timeline) {
+    constexpr double kNanosecondMs = 1e-6; // what the arithmetic of doubles may lose
+    for (auto const& [name, series] : signals) {
+        bool const used = is_wall_clock_signal(name) && name.ends_with("_ms") &&
+                          std::any_of(expression.signals().begin(), expression.signals().end(),
+                                      [&](std::string const& pattern) { return matches_glob(pattern, name); });
+        for (std::size_t i = 0; used && i < series.values.size(); ++i) {
+            bool const within = series.times_ns[i] >= timeline.from() && series.times_ns[i] <= timeline.until();
+            if (within && series.values[i] < -kNanosecondMs) {
+                return fmt::format("not measurable: {} is below 0 ({} ms) at {} s, so the clocks of its two ends are not one",
+                                   name, shortest(series.values[i]), seconds_text(series.times_ns[i]));
+            }
+        }
+    }
+    return {};
+}
+
 bool is_true(double value) { return value != 0 && !std::isnan(value); }
 
 /// How often the expression becomes true and false, and at how many samples it is true.
@@ -389,6 +407,10 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     }
     if (out.unit.empty() && e.expression->is_plain_signal() && !timeline.series().empty()) {
         out.unit = timeline.series().front()->unit;
+    }
+    bool const asks_when = is_time || e.verb == Verb::count_of || e.verb == Verb::eventually;
+    if (std::string why = clocks_apart(signals, *e.expression, timeline); !asks_when && !before_too && !why.empty()) {
+        return missed(std::move(why));
     }
     switch (e.verb) {
     case Verb::always:

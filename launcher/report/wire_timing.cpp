@@ -240,6 +240,10 @@ Spread spread_of(std::vector<double> values) {
         auto const n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size()) - 1e-9));
         return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
     };
+    constexpr double kNanosecondMs = 1e-6; // what the arithmetic of doubles may lose
+    out.below_zero = static_cast<std::size_t>(
+        std::count_if(values.begin(), values.end(), [](double v) { return v < -kNanosecondMs; }));
+    out.min = values.front();
     out.p50 = rank(0.5);
     out.p99 = rank(0.99);
     out.p999 = rank(0.999);

@@ -24,9 +24,11 @@ std::string verdict(bool within) {
     return within ? "<span class=\"ok\">✓</span>" : "<span class=\"bad\">✗</span>";
 }
 
-/// Without what belongs to the class, "–".
-std::string against(Spread const& spread, double limit) {
-    return spread.count == 0 ? "–" : verdict(spread.p99 <= limit) + fmt::format(" {:.4g} ms", limit);
+constexpr char const* kNotMeasurable = "not measurable";
+
+/// A delay below zero has no verdict.
+std::string against(double delay_ms, bool measurable, double limit) {
+    return measurable ? verdict(delay_ms <= limit) + fmt::format(" {:.4g} ms", limit) : kNotMeasurable;
 }
 
 ReportTable streams_table(WireTiming const& t, Published const& published) {
@@ -67,10 +69,19 @@ void delay_row(ReportTable& table, std::string const& what, std::string const& w
     if (s.count == 0) {
         return;
     }
+    auto const within = [&](double limit) { return of_class ? against(s.p99, s.measurable(), limit) : std::string{}; };
+    if (!s.measurable()) {
+        table.rows.push_back({what, which, std::to_string(s.count),
+                              fmt::format("{}: {} of {} below 0, the lowest {}", kNotMeasurable, s.below_zero, s.count,
+                                          ms(s.min)),
+                              "", "", "", "", "", within(kTransferClassMs),
+                              all.delay_limit_ms ? within(*all.delay_limit_ms) : ""});
+        return;
+    }
     table.rows.push_back({what, which, std::to_string(s.count), ms(s.mean),
                           published ? fmt::format("<i>{}</i>", ms(*published)) : "", ms(s.p50), ms(s.p99), ms(s.p999),
-                          ms(s.max), of_class ? against(s, kTransferClassMs) : "",
-                          of_class && all.delay_limit_ms ? against(s, *all.delay_limit_ms) : ""});
+                          ms(s.max), within(kTransferClassMs),
+                          all.delay_limit_ms ? within(*all.delay_limit_ms) : ""});
 }
 
 ReportTable delays_table(WireTiming const& t, Published const& published) {
@@ -100,7 +111,8 @@ ReportTable delays_table(WireTiming const& t, Published const& published) {
                "plus simulated time) to the call that hands the frame to the kernel; it holds the wait "
                "for the DDS message to fill and the merging unit's buffer. wire_delay: from that call to the receiving "
                "kernel's stamp. transfer: from the instant of the sample to the relay's decision about it. "
-               "All stamps are of one machine's clock; percentiles by nearest rank. The class is TT6 of IEC 61850-5 (3 "
+               "All stamps are of one machine's clock; a delay below 0 shows that they are not, and is no delay: not "
+               "measurable. Percentiles by nearest rank. The class is TT6 of IEC 61850-5 (3 "
                "ms). The publication gives means only and no method.";
     return out;
 }
@@ -114,8 +126,7 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
     }
     for (ChainStep const& step : r.chain) {
         auto const within = [&](double limit) {
-            return step.communication ? verdict(step.since_before_ms <= limit) + fmt::format(" {:.4g} ms", limit)
-                                      : std::string{};
+            return step.communication ? against(step.since_before_ms, step.since_before_ms >= 0, limit) : std::string{};
         };
         out.rows.push_back({step.what, ms(step.after_ms), ms(step.since_before_ms), within(kTransferClassMs),
                             published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
@@ -254,8 +265,14 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
     delays.title = captioned("One-way delays over time", published.delay_table);
     delays.y_label = "wire_delay, ms";
     delays.to_s = end_s;
+    std::vector<std::string> not_measurable;
     for (auto const& [name, series] : r.signals) {
-        if (matches_glob("stream.*.wire_delay_ms", name) && !series.values.empty()) {
+        if (!matches_glob("stream.*.wire_delay_ms", name) || series.values.empty()) {
+            continue;
+        }
+        if (!spread_of(series.values).measurable()) {
+            not_measurable.push_back(split(name, '.')[1]);
+        } else {
             Figure::Series s{split(name, '.')[1], series.times_ns, series.values};
             delays.series.push_back(std::move(s));
         }
@@ -269,6 +286,9 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
         }
         delays.note = "From handing the frame to the kernel to the receiving kernel's stamp. Logarithmic; of many "
                       "values the extremes are drawn.";
+        if (!not_measurable.empty()) {
+            delays.note += fmt::format(" Not measurable, and not drawn: {} (delays below 0).", join(not_measurable, ", "));
+        }
         out.push_back(std::move(delays));
     }
     return out;
@@ -279,6 +299,11 @@ std::string wire_timing_json(WireTiming const& t) {
     auto const spread = [](Spread const& s) {
         return s.count == 0 ? Json(nullptr) : Json{{"n", s.count}, {"mean", s.mean},  {"p50", s.p50},
                                                    {"p99", s.p99}, {"p99_9", s.p999}, {"max", s.max}};
+    };
+    auto const delay = [&](Spread const& s) {
+        return s.measurable()
+                   ? spread(s)
+                   : Json{{"n", s.count}, {"not_measurable", {{"below_zero", s.below_zero}, {"min", s.min}}}};
     };
     Json out{{"clock", t.lockstep ? "lockstep" : "realtime"},
              {"class_ms", kTransferClassMs},
@@ -292,8 +317,8 @@ std::string wire_timing_json(WireTiming const& t) {
                                 {"late", s.late},
                                 {"rate_hz", s.mean_hz > 0 ? Json(s.mean_hz) : Json(nullptr)},
                                 {"interval_ms", spread(s.interval)},
-                                {"publish_age_ms", spread(s.publish_age)},
-                                {"wire_delay_ms", spread(s.wire_delay)}};
+                                {"publish_age_ms", delay(s.publish_age)},
+                                {"wire_delay_ms", delay(s.wire_delay)}};
     }
     for (GooseTiming const& g : t.goose) {
         Json burst = Json::array();
@@ -304,7 +329,7 @@ std::string wire_timing_json(WireTiming const& t) {
         out["goose"][g.stream] = {{"messages", g.messages},
                                   {"steady_interval_ms", g.steady_ms ? Json(*g.steady_ms) : Json(nullptr)},
                                   {"burst_ms", burst},
-                                  {"wire_delay_ms", spread(g.wire_delay)}};
+                                  {"wire_delay_ms", delay(g.wire_delay)}};
     }
     for (RelayTiming const& r : t.relays) {
         Json chain = Json::array();
@@ -314,12 +339,13 @@ std::string wire_timing_json(WireTiming const& t) {
                      {"since_before_ms", step.since_before_ms},
                      {"method", step.method}};
             if (step.communication) {
-                one["within_class"] = step.since_before_ms <= kTransferClassMs;
+                one["within_class"] =
+                    step.since_before_ms < 0 ? Json(nullptr) : Json(step.since_before_ms <= kTransferClassMs);
             }
             chain.push_back(std::move(one));
         }
         out["relays"][r.relay] = {{"event", r.event.empty() ? Json(nullptr) : Json(r.event)},
-                                  {"transfer_ms", spread(r.transfer)},
+                                  {"transfer_ms", delay(r.transfer)},
                                   {"chain", chain}};
     }
     return out.dump();

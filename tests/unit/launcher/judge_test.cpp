@@ -47,6 +47,28 @@ TEST(Judge, AlwaysAndNeverAndEventuallyLookAtEveryChange) {
     EXPECT_EQ(judged("{always: ramp.R.value + ramp.Q.value == 10}").status, Status::passed);
 }
 
+TEST(Judge, ADelayBelowZeroIsNotMeasurableAndMeetsNothing) {
+    SignalStore store;
+    store["relay.r.sample_to_decision_ms"] = {"ms", {0, kSecond, 2 * kSecond}, {2, -199.8, -196.9}};
+    store["stream.S.wire_delay_ms"] = {"ms", {0}, {0.2}};
+    store["stream.Q.wire_delay_ms"] = {"ms", {0}, {-0.2}};
+
+    for (char const* settings :
+         {"{p99_of: relay.r.sample_to_decision_ms, below: 3}", "{mean_of: relay.r.sample_to_decision_ms, below: 3}",
+          "{always: relay.r.sample_to_decision_ms <= 3}", "{max_of: stream.*.wire_delay_ms, below: 3}"}) {
+        ExpectationResult const sut = judged(settings, store);
+        EXPECT_EQ(sut.status, Status::failed) << settings;
+        EXPECT_EQ(sut.value, std::nullopt) << settings;
+        EXPECT_THAT(sut.detail, HasSubstr("not measurable: ")) << settings;
+    }
+    EXPECT_THAT(judged("{p99_of: relay.r.sample_to_decision_ms, below: 3}", store).detail,
+                HasSubstr("relay.r.sample_to_decision_ms is below 0 (-199.8 ms) at 1 s"));
+    EXPECT_EQ(judged("{p99_of: stream.S.wire_delay_ms, below: 3}", store).status, Status::passed);
+    EXPECT_EQ(judged("{max_of: relay.r.sample_to_decision_ms, below: 3, until: fault - 3.5 s}", store).status, Status::passed);
+    EXPECT_EQ(judged("{min_of: relay.r.sample_to_decision_ms, between: [-200, 3]}", store).value, -199.8)
+        << "asked for";
+}
+
 TEST(Judge, WindowsBeginAndEndAtEvents) {
     EXPECT_EQ(judged("{always: ramp.R.value >= 4, from: fault}").status, Status::passed);
     EXPECT_EQ(judged("{always: ramp.R.value >= 5, from: fault}").status, Status::failed);

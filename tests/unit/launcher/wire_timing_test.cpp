@@ -4,6 +4,7 @@
 #include "launcher/report/wire_timing.hpp"
 #include "launcher/report/wire_timing_page.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -169,6 +170,55 @@ TEST(WireTiming, TheSteadyIntervalIsThatOfMessagesWhoseIntervalNoLongerGrows) {
     EXPECT_EQ(measure_wire_timing(r, scenario()).goose[0].steady_ms, std::nullopt);
     EXPECT_NE(wire_timing_json(measure_wire_timing(r, scenario())).find("\"steady_interval_ms\":null"),
               std::string::npos);
+}
+
+std::string cells(std::vector<ReportTable> const& tables, std::string const& title) {
+    std::string out;
+    for (ReportTable const& table : tables) {
+        for (auto const& row : table.rows) {
+            EXPECT_EQ(row.size(), table.header.size()) << table.title;
+            for (std::string const& cell : row) {
+                out += table.title.starts_with(title) ? cell + "|" : "";
+            }
+        }
+    }
+    return out;
+}
+
+TEST(WireTiming, ADelayBelowZeroIsNotMeasurableAndGetsNoVerdict) {
+    Results r = run();
+    r.signals["relay.relay2.sample_to_decision_ms"] = {"ms", {ns(1.000), ns(1.001)}, {-199.858, 2}};
+    r.signals["stream.TRIP2.wire_delay_ms"] = {"ms", {ns(1.004)}, {-0.5}};
+    r.signals["stream.SMV21.wire_delay_ms"] = {"ms", {ns(1.004)}, {0.25}};
+    Published published;
+    published.delay_limit_ms = 4;
+
+    WireTiming const timing = measure_wire_timing(r, scenario());
+    auto const sut = cells(wire_timing_tables(timing, published), "One-way delays");
+
+    EXPECT_NE(sut.find("transfer|relay2|2|not measurable: 1 of 2 below 0, the lowest -199.858||||||not measurable|not measurable|"),
+              std::string::npos) << sut;
+    EXPECT_NE(sut.find("wire_delay|TRIP2|1|not measurable: 1 of 1 below 0, the lowest -0.500|"), std::string::npos) << sut;
+    EXPECT_NE(sut.find("wire_delay|SMV21|1|0.250|"), std::string::npos) << sut;
+    std::string const json = wire_timing_json(timing);
+    EXPECT_NE(json.find(R"("transfer_ms":{"n":2,"not_measurable":{"below_zero":1,"min":-199.858}})"), std::string::npos) << json;
+    auto const figures = wire_timing_figures(timing, r, {});
+    auto const delays = std::find_if(figures.begin(), figures.end(), [](Figure const& f) { return f.id == "delays"; });
+    ASSERT_NE(delays, figures.end());
+    ASSERT_EQ(delays->series.size(), 1U);
+    EXPECT_EQ(delays->series[0].name, "SMV21");
+    EXPECT_NE(delays->note.find("Not measurable, and not drawn: TRIP2"), std::string::npos) << delays->note;
+}
+
+TEST(WireTiming, AStepBeforeTheOneBeforeItGetsNoVerdict) {
+    Results r = run();
+    r.signals["relay.relay2.sample_to_decision_ms"] = {"ms", {ns(1.000), ns(1.001)}, {2.75, -199}};
+
+    WireTiming const timing = measure_wire_timing(r, scenario());
+    auto const sut = cells(wire_timing_tables(timing, {}), "From fault");
+
+    EXPECT_NE(sut.find("relay decides to trip|-98.000|-199.000|not measurable|"), std::string::npos) << sut;
+    EXPECT_NE(wire_timing_json(timing).find(R"("within_class":null)"), std::string::npos);
 }
 
 TEST(WireTiming, TablesShowPublishedValuesBesideTheMeasuredOnesAndSayHow) {
