@@ -3,11 +3,14 @@
 #include "launcher/report/wire_timing.hpp"
 
 #include "common/config/fields.hpp"
+#include "common/config/merge.hpp"
+#include "common/config/yaml.hpp"
 #include "launcher/wire/steady_interval.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <set>
 
 namespace gridspace::launcher {
 namespace {
@@ -29,14 +32,15 @@ std::size_t last_count(SignalStore const& signals, std::string const& name) {
     return series == nullptr ? 0 : static_cast<std::size_t>(series->values.back());
 }
 
-/// Index of the row in which a signal leaves zero for the first time.
-std::optional<std::size_t> rise(SignalSeries const* series) {
+/// Indices of the rows in which a signal leaves zero.
+std::vector<std::size_t> rises(SignalSeries const* series) {
+    std::vector<std::size_t> out;
     for (std::size_t i = 1; series != nullptr && i < series->values.size(); ++i) {
         if (series->values[i] != 0 && series->values[i - 1] == 0) {
-            return i;
+            out.push_back(i);
         }
     }
-    return std::nullopt;
+    return out;
 }
 
 /// A number of a stream's entry in `streams:`; nothing where it has none.
@@ -119,6 +123,54 @@ std::optional<std::pair<std::string, double>> cause_before(Node const& scenario,
     return out;
 }
 
+/// The lines at whose ends a relay's current transformers are, by the run's copy of the network file.
+std::set<std::string> own_lines(Results const& r, Node const& scenario, ProtectionChain const& chain) {
+    std::set<std::string> out;
+    config::Diagnostics ignored; // the run was started with it
+    auto network = config::load_yaml(r.folder / "network.yaml", ignored);
+    if (!network || !network->is_map()) {
+        return out;
+    }
+    Node const* simulation = scenario.find("simulation");
+    if (Node const* changes = simulation == nullptr ? nullptr : simulation->find("network_changes");
+        changes != nullptr && changes->is_map()) {
+        config::merge(*network, *changes);
+    }
+    Node const* transformers = network->find("cts");
+    for (ProtectionChain::End const& end : chain.ends) {
+        Node const* ct = transformers == nullptr ? nullptr : transformers->find(end.transformer);
+        if (Node const* line = ct == nullptr ? nullptr : ct->find("line"); line != nullptr && line->is_scalar()) {
+            out.insert(line->text);
+        }
+    }
+    return out;
+}
+
+/// The newest fault on one of the lines at `until_s`. One that cleared itself long before is no cause of a trip.
+std::optional<std::pair<std::string, double>> fault_on(Node const& scenario, std::set<std::string> const& lines,
+                                                       double until_s) {
+    constexpr double kLongS = 0.1;
+    std::optional<std::pair<std::string, double>> out;
+    Node const* events = scenario.find("events");
+    for (Node::Entry const& event : events == nullptr ? std::vector<Node::Entry>{} : events->entries) {
+        auto const number = [&](char const* key) {
+            Node const* node = event.value.find(key);
+            return node == nullptr ? std::nullopt : config::number_of(*node);
+        };
+        Node const* fault = event.value.find("apply_fault");
+        Node const* line = fault == nullptr ? nullptr : fault->find("line");
+        auto const at = number("at_s");
+        if (line == nullptr || !lines.contains(line->text) || !at || *at > until_s || (out && *at < out->second)) {
+            continue;
+        }
+        auto const stands_ms = number("clear_after_ms");
+        if (!stands_ms || *at + *stands_ms / 1e3 + kLongS >= until_s) {
+            out = {event.key, *at};
+        }
+    }
+    return out;
+}
+
 /// What a series holds at a time, or nothing where it has no row within a microsecond.
 std::optional<double> at_instant(SignalSeries const* series, double time_s) {
     if (series == nullptr) {
@@ -140,12 +192,21 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
     SignalSeries const* decisions = find(signals, prefix + "sample_to_decision_ms");
     out.transfer = spread_of(decisions == nullptr ? std::vector<double>{} : decisions->values);
     SignalSeries const* samples = find(signals, prefix + "sample_s");
-    auto const tripped = rise(find(signals, prefix + "trip"));
-    if (!tripped || samples == nullptr || *tripped >= samples->values.size()) {
+    for (std::size_t const i : rises(find(signals, prefix + "trip"))) {
+        if (samples != nullptr && i < samples->values.size()) {
+            out.trips_s.push_back(samples->values[i]);
+        }
+    }
+    if (out.trips_s.empty()) {
         return out;
     }
-    double const sample_s = samples->values[*tripped];
-    auto const cause = cause_before(scenario, sample_s);
+    std::size_t const tripped = rises(find(signals, prefix + "trip")).front();
+    double const sample_s = out.trips_s.front();
+    auto cause = fault_on(scenario, own_lines(r, scenario, chain), sample_s);
+    out.own_line = cause.has_value();
+    if (!cause) {
+        cause = cause_before(scenario, sample_s);
+    }
     if (!cause) {
         return out;
     }
@@ -154,13 +215,15 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
     auto const add = [&](std::string what, double at_ms, bool communication, std::string method) {
         out.chain.push_back({std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, 0});
     };
-    auto const picked = rise(find(signals, prefix + "pickup"));
-    double const pickup_s = picked && *picked < samples->values.size() ? samples->values[*picked] : sample_s;
+    double pickup_s = sample_s;
+    for (std::size_t const i : rises(find(signals, prefix + "pickup"))) {
+        pickup_s = i <= tripped && i < samples->values.size() ? samples->values[i] : pickup_s;
+    }
     add("sample that picks up", pickup_s * 1e3, false,
         "simulated instant of the sample with which the element reached its pickup");
     std::string const clock = lockstep ? "simulated time" : "wall clock since the start of the run";
     auto const decided_ms =
-        lockstep ? std::optional{static_cast<double>(samples->times_ns[*tripped]) / 1e6}
+        lockstep ? std::optional{static_cast<double>(samples->times_ns[tripped]) / 1e6}
                  : at_instant(decisions, sample_s).transform([&](double age) { return sample_s * 1e3 + age; });
     if (decided_ms) {
         add("relay decides to trip", *decided_ms, true, clock + ": the decision about that sample");
@@ -190,10 +253,15 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
     }
     for (ProtectionChain::BreakerIed const& ied : chain.ieds) {
         std::string const ied_prefix = "breaker_ied." + ied.process + ".";
-        auto const commanded = rise(find(signals, ied_prefix + "command"));
         SignalSeries const *at = find(signals, ied_prefix + "commanded_after_ms"),
                            *effect = find(signals, ied_prefix + "effect_ms");
-        if (commanded && at != nullptr && effect != nullptr) {
+        std::optional<std::size_t> commanded;
+        for (std::size_t const i : rises(find(signals, ied_prefix + "command"))) {
+            if (!commanded && at != nullptr && i < at->values.size() && at->values[i] >= out.event_s * 1e3) {
+                commanded = i;
+            }
+        }
+        if (commanded && effect != nullptr && *commanded < effect->values.size()) {
             add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], true,
                 clock + ": written to " + ied.topic);
             add("command takes effect", effect->values[*commanded], false,

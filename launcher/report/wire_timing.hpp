@@ -6,6 +6,7 @@
 #include "launcher/report/results.hpp"
 #include "launcher/scenario/protection_chain.hpp"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,7 +57,9 @@ struct RelayTiming {
     std::string relay;
     Spread transfer;   ///< sample instant to decision
     std::string event; ///< what the chain begins with; empty: no trip
+    bool own_line{false}; ///< the event is a fault on a line whose current the relay gets
     double event_s{0};
+    std::vector<double> trips_s; ///< instants of the samples that made it trip; the chain is the first one's
     std::vector<ChainStep> chain;
 };
 

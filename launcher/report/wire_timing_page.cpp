@@ -132,6 +132,16 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
                             published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
                             "<span class=\"dim\">" + step.method + "</span>"});
     }
+    out.note = r.own_line ? "Counted from the newest fault on the line of the relay's own current transformers."
+                          : "Counted from the newest fault of the timeline before the trip, or its newest event where "
+                            "there was none: no fault is known on the line of the relay's own current transformers.";
+    if (r.trips_s.size() > 1) {
+        out.note += fmt::format(" The first of {} trips; not shown: that of the sample at", r.trips_s.size());
+        for (std::size_t i = 1; i < r.trips_s.size(); ++i) {
+            out.note += fmt::format("{} {} s", i == 1 ? "" : ",", shortest(r.trips_s[i]));
+        }
+        out.note += '.';
+    }
     return out;
 }
 
@@ -345,6 +355,7 @@ std::string wire_timing_json(WireTiming const& t) {
             chain.push_back(std::move(one));
         }
         out["relays"][r.relay] = {{"event", r.event.empty() ? Json(nullptr) : Json(r.event)},
+                                  {"trips_s", r.trips_s},
                                   {"transfer_ms", delay(r.transfer)},
                                   {"chain", chain}};
     }

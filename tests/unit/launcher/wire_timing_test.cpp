@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
 
 namespace gridspace::launcher {
@@ -107,6 +109,65 @@ TEST(WireTiming, TheChainIsCountedFromTheFaultAndNotFromWhatElseHappened) {
             << relay.chain[i].what;
         EXPECT_FALSE(relay.chain[i].method.empty());
     }
+}
+
+TEST(WireTiming, ThePickupOfTheChainIsTheLastOneBeforeTheTrip) {
+    Results r = run();
+    r.signals["relay.relay2.pickup"] = {"", {0, ns(0.8), ns(0.81), ns(1.003), ns(1.2)}, {0, 1, 0, 1, 0}};
+    r.signals["relay.relay2.trip"] = {"", {0, ns(0.8), ns(0.81), ns(1.003), ns(1.2)}, {0, 0, 0, 1, 1}};
+    r.signals["relay.relay2.sample_s"] = {"s", {0, ns(0.8), ns(0.81), ns(1.003), ns(1.2)}, {0, 0.8, 0.81, 1.001, 1.2}};
+
+    WireTiming const sut = measure_wire_timing(r, scenario());
+
+    ASSERT_FALSE(sut.relays[0].chain.empty());
+    EXPECT_EQ(sut.relays[0].chain[0].what, "sample that picks up");
+    EXPECT_NEAR(sut.relays[0].chain[0].after_ms, 101, 1e-6);
+}
+
+TEST(WireTiming, TheChainIsCountedFromTheFaultOnTheRelaysOwnLine) {
+    Results r = run();
+    r.folder = std::filesystem::path{testing::TempDir()} / "wire_timing_own_line";
+    std::filesystem::create_directories(r.folder);
+    std::ofstream{r.folder / "network.yaml"} << "cts:\n  CT21: {line: TL2, end: from}\n  CT31: {line: TL3, end: to}\n";
+    config::Node settings = scenario();
+    auto const event = [&](char const* name, char const* text) {
+        config::Diagnostics none;
+        settings.find("events")->set(name, *config::parse_yaml(text, config::make_source("event", text), none));
+    };
+    event("elsewhere", "{at_s: 0.95, apply_fault: {line: TL3}}");
+    EXPECT_EQ(measure_wire_timing(r, settings).relays[0].event, "fault") << "the other is newer, and not its own";
+
+    event("newer", "{at_s: 0.97, apply_fault: {line: TL2}, clear_after_ms: 5}");
+    EXPECT_EQ(measure_wire_timing(r, settings).relays[0].event, "newer");
+
+    event("fault", "{at_s: 0.2, apply_fault: {line: TL2}, clear_after_ms: 50}");
+    settings.find("events")->erase("newer");
+    EXPECT_EQ(measure_wire_timing(r, settings).relays[0].event, "elsewhere") << "its own had long been cleared";
+}
+
+TEST(WireTiming, TripsAfterTheFirstAreNotKeptQuiet) {
+    Results r = run();
+    r.signals["relay.relay2.pickup"] = {"", {0, ns(1.003), ns(1.2), ns(1.6)}, {0, 1, 0, 1}};
+    r.signals["relay.relay2.trip"] = {"", {0, ns(1.003), ns(1.2), ns(1.6)}, {0, 1, 0, 1}};
+    r.signals["relay.relay2.sample_s"] = {"s", {0, ns(1.003), ns(1.2), ns(1.6)}, {0, 1.001, 1.2, 1.598}};
+
+    WireTiming const timing = measure_wire_timing(r, scenario());
+    std::vector<ReportTable> const sut = wire_timing_tables(timing, {});
+
+    EXPECT_NE(sut[0].note.find("first of 2 trips; not shown: that of the sample at 1.598 s"), std::string::npos) << sut[0].note;
+    EXPECT_NE(wire_timing_json(timing).find(R"("trips_s":[1.001,1.598])"), std::string::npos);
+}
+
+TEST(WireTiming, ACommandBeforeTheFaultIsNotOfTheChain) {
+    Results r = run();
+    r.signals["breaker_ied.breaker2.command"] = {"", {0, ns(0.3), ns(0.4), ns(1.0045)}, {0, 1, 0, 1}};
+    r.signals["breaker_ied.breaker2.commanded_after_ms"] = {"ms", {0, ns(0.3), ns(0.4), ns(1.0045)}, {0, 300, 400, 1004.5}};
+    r.signals["breaker_ied.breaker2.effect_ms"] = {"ms", {0, ns(0.3), ns(0.4), ns(1.0045)}, {0, 301, 401, 1005.5}};
+
+    auto const chain = measure_wire_timing(r, scenario()).relays[0].chain;
+    auto const step = std::find_if(chain.begin(), chain.end(), [](auto const& s) { return s.what.starts_with("command of"); });
+    ASSERT_NE(step, chain.end());
+    EXPECT_NEAR(step->after_ms, 104.5, 1e-6);
 }
 
 TEST(WireTiming, ARunWithoutATripHasNoChain) {
