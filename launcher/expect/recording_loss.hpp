@@ -25,6 +25,9 @@ class RecordingLoss {
     /// sim". Empty: nothing.
     [[nodiscard]] std::string of(std::vector<std::string> const& patterns) const;
 
+    /// The signals of each process.
+    [[nodiscard]] std::map<std::string, std::set<std::string>> const& published() const { return signals_; }
+
   private:
     [[nodiscard]] bool concerns(std::string const& topic, std::optional<std::string> const& process,
                                 std::vector<std::string> const& patterns) const;

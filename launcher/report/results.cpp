@@ -176,6 +176,7 @@ void judge_all(fs::path const& folder, Results& out, RecordingLoss loss) {
     config::Node const* expect = scenario->find("expect");
     for (Expectation const& e : read_expectations(expect == nullptr ? config::Node{} : *expect, diagnostics)) {
         out.expectations.push_back(judge(e, out.signals, moments, out.outcome.simulated_s, out.mode == "lockstep"));
+        mind_gaps(e, out.counter_gaps, out.expectations.back());
         name_loss(e, loss, out.expectations.back());
     }
 }
@@ -247,6 +248,7 @@ Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
     if (auto ok = read_recording(folder, out, loss); !ok) {
         return std::unexpected{ok.error()};
     }
+    out.counter_gaps = continue_counters(out.signals, loss.published(), out.events);
     if (auto ok = add_intrusion(folder, out); !ok) {
         return std::unexpected{ok.error()};
     }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "launcher/expect/counters.hpp"
 #include "launcher/expect/expectation.hpp"
 #include "launcher/report/intrusion_score.hpp"
 #include "launcher/run/event_log.hpp"
@@ -37,6 +38,7 @@ struct Results {
     std::vector<ProcessRow> processes;
     std::string recording_note; ///< when the recording is not complete
     SignalStore signals;        ///< all that were recorded, and what follows from them
+    CounterGaps counter_gaps;   ///< what counters of processes that were killed or started again do not hold
     IntrusionScore intrusion;   ///< of detectors and attacks, where there were some
     std::string scheduling;     ///< of the processes, in real time
     std::vector<std::string> comtrade; ///< disturbance records in RUN/comtrade

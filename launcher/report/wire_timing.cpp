@@ -81,6 +81,16 @@ SmvTiming smv_timing(SignalStore const& signals, Node const& scenario, std::stri
     return out;
 }
 
+std::string gaps_of(CounterGaps const& gaps, std::string const& stream) {
+    std::string out;
+    if (auto const it = gaps.find("stream." + stream + ".lost"); it != gaps.end()) {
+        for (CounterGap const& gap : it->second) {
+            out += (out.empty() ? "" : ", ") + gap.to_string();
+        }
+    }
+    return out;
+}
+
 GooseTiming goose_timing(SignalStore const& signals, std::string const& stream) {
     std::string const prefix = "stream." + stream + ".";
     GooseTiming out;
@@ -326,6 +336,7 @@ WireTiming measure_wire_timing(Results const& r, Node const& scenario) {
         for (ProtectionChain::End const& end : chain.ends) {
             if (find(r.signals, "stream." + end.stream + ".received") != nullptr) {
                 out.smv.push_back(smv_timing(r.signals, scenario, end.stream));
+                out.smv.back().not_counted = gaps_of(r.counter_gaps, end.stream);
             }
         }
         if (auto goose = goose_timing(r.signals, chain.trip_stream); goose.messages > 0) {

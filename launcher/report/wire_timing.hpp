@@ -29,6 +29,7 @@ struct SmvTiming {
     std::string stream;
     std::optional<double> nominal_hz;
     std::size_t received{0}, lost{0}, duplicate{0}, late{0};
+    std::string not_counted; ///< "what relay1 counted from 0 s to 0.4 s": the counters are no less than that much
     std::size_t samples_per_frame{1};
     double mean_hz{0};                   ///< samples over the time between the first and the last frame; 0 in lockstep
     std::vector<std::int64_t> sample_ns; ///< simulated instants of the last samples of the frames, in order

@@ -38,10 +38,11 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
                     {}};
     for (SmvTiming const& s : t.smv) {
         bool const measured = s.mean_hz > 0;
+        auto const count = [&](std::size_t n) { return (s.not_counted.empty() ? "" : "at least ") + std::to_string(n); };
+        bool const bad = s.lost > 0 || !s.not_counted.empty();
         out.rows.push_back(
-            {s.stream, std::to_string(s.received),
-             s.lost > 0 ? fmt::format("<span class=\"bad\">{}</span>", s.lost) : "0", std::to_string(s.duplicate),
-             std::to_string(s.late), measured ? fmt::format("{:.2f}", s.mean_hz) : "exact",
+            {s.stream, count(s.received), bad ? fmt::format("<span class=\"bad\">{}</span>", count(s.lost)) : "0",
+             count(s.duplicate), count(s.late), measured ? fmt::format("{:.2f}", s.mean_hz) : "exact",
              measured && s.nominal_hz ? fmt::format("{:+.0f} ppm", (s.mean_hz / *s.nominal_hz - 1) * 1e6) : "–",
              measured ? fmt::format("{} / {} / {} / {}", ms(s.interval.p50), ms(s.interval.p99), ms(s.interval.p999),
                                     ms(s.interval.max))
@@ -61,6 +62,11 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
                    : "Counted by smpCnt at the relay. Rate: samples over the time between the first and the last "
                      "arrival. Intervals: between the receiving kernel's stamps "
                      "(CLOCK_REALTIME) of consecutive frames, at the relay's end of its cable.";
+    for (SmvTiming const& s : t.smv) {
+        if (!s.not_counted.empty()) {
+            out.note += fmt::format(" {}: {} is not known, it ended before it told.", s.stream, s.not_counted);
+        }
+    }
     return out;
 }
 
@@ -325,6 +331,7 @@ std::string wire_timing_json(WireTiming const& t) {
                                 {"lost", s.lost},
                                 {"duplicate", s.duplicate},
                                 {"late", s.late},
+                                {"not_counted", s.not_counted.empty() ? Json(nullptr) : Json(s.not_counted)},
                                 {"rate_hz", s.mean_hz > 0 ? Json(s.mean_hz) : Json(nullptr)},
                                 {"interval_ms", spread(s.interval)},
                                 {"publish_age_ms", delay(s.publish_age)},

@@ -74,6 +74,19 @@ Results run() {
     return r;
 }
 
+std::string cells(std::vector<ReportTable> const& tables, std::string const& title) {
+    std::string out;
+    for (ReportTable const& table : tables) {
+        for (auto const& row : table.rows) {
+            EXPECT_EQ(row.size(), table.header.size()) << table.title;
+            for (std::string const& cell : row) {
+                out += table.title.starts_with(title) ? cell + "|" : "";
+            }
+        }
+    }
+    return out;
+}
+
 TEST(WireTiming, PercentilesAreOfTheNearestRank) {
     std::vector<double> values;
     for (int n = 1000; n >= 1; --n) {
@@ -190,6 +203,17 @@ TEST(WireTiming, IntervalsAndRateComeFromArrivals) {
     EXPECT_EQ(sut.goose[0].steady_ms, std::nullopt) << "one interval alone does not say whether it still grows";
 }
 
+TEST(WireTiming, CountersOfARelayThatWasStartedAgainSayThatTheyAreNoLess) {
+    Results r = run();
+    r.counter_gaps["stream.SMV21.lost"].push_back({"relay2", 0, 0.4});
+
+    WireTiming const timing = measure_wire_timing(r, scenario());
+    std::string const sut = cells(wire_timing_tables(timing, {}), "Sampled values");
+
+    EXPECT_NE(sut.find("SMV21|at least 2000|<span class=\"bad\">at least 3</span>|at least 0|at least 0|"), std::string::npos) << sut;
+    EXPECT_NE(wire_timing_json(timing).find("\"not_counted\":\"what relay2 counted from 0 s to 0.4 s\""), std::string::npos);
+}
+
 TEST(WireTiming, FramesOfSeveralSamplesCountAsSoManySamples) {
     config::Node settings = scenario();
     settings.find("streams")->find("SMV21")->set("samples_per_frame", config::Node::scalar("2"));
@@ -231,19 +255,6 @@ TEST(WireTiming, TheSteadyIntervalIsThatOfMessagesWhoseIntervalNoLongerGrows) {
     EXPECT_EQ(measure_wire_timing(r, scenario()).goose[0].steady_ms, std::nullopt);
     EXPECT_NE(wire_timing_json(measure_wire_timing(r, scenario())).find("\"steady_interval_ms\":null"),
               std::string::npos);
-}
-
-std::string cells(std::vector<ReportTable> const& tables, std::string const& title) {
-    std::string out;
-    for (ReportTable const& table : tables) {
-        for (auto const& row : table.rows) {
-            EXPECT_EQ(row.size(), table.header.size()) << table.title;
-            for (std::string const& cell : row) {
-                out += table.title.starts_with(title) ? cell + "|" : "";
-            }
-        }
-    }
-    return out;
 }
 
 TEST(WireTiming, ADelayBelowZeroIsNotMeasurableAndGetsNoVerdict) {
