@@ -153,6 +153,21 @@ Result<void> add_intrusion(fs::path const& folder, Results& out) {
     return {};
 }
 
+/// The capture of a run, where streams were heard by nobody who counts: a relay that is not ours, a process that ended.
+void read_capture(fs::path const& folder, Results& out) {
+    config::Diagnostics unread;
+    auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", unread);
+    if (!scenario || !fs::exists(folder / "bus.pcapng") || uncounted_streams(out, *scenario).empty()) {
+        return;
+    }
+    auto capture = wire::capture_statistics(folder / "bus.pcapng");
+    if (capture) {
+        out.capture = std::move(*capture);
+    } else {
+        out.notes.push_back(fmt::format("bus.pcapng cannot be read: {}", capture.error().message));
+    }
+}
+
 void judge_all(fs::path const& folder, Results& out, RecordingLoss loss) {
     config::Diagnostics diagnostics;
     auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", diagnostics);
@@ -252,6 +267,7 @@ Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
     if (auto ok = add_intrusion(folder, out); !ok) {
         return std::unexpected{ok.error()};
     }
+    read_capture(folder, out);
     add_wall_clock_values(folder, out.outcome.simulated_s, out.signals);
     judge_all(folder, out, std::move(loss));
     std::error_code none;

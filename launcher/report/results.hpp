@@ -7,9 +7,11 @@
 #include "launcher/report/intrusion_score.hpp"
 #include "launcher/run/event_log.hpp"
 #include "launcher/run/run_folder.hpp"
+#include "launcher/wire/capture_statistics.hpp"
 #include "recorder/signals/signal_store.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,8 @@ struct Results {
     std::string recording_note; ///< when the recording is not complete
     SignalStore signals;        ///< all that were recorded, and what follows from them
     CounterGaps counter_gaps;   ///< what counters of processes that were killed or started again do not hold
+    /// What bus.pcapng says, read where a declared stream has no counters of its own or these have a gap.
+    std::optional<wire::CaptureStatistics> capture;
     IntrusionScore intrusion;   ///< of detectors and attacks, where there were some
     std::string scheduling;     ///< of the processes, in real time
     std::vector<std::string> comtrade; ///< disturbance records in RUN/comtrade

@@ -116,6 +116,76 @@ GooseTiming goose_timing(SignalStore const& signals, std::string const& stream) 
     return out;
 }
 
+std::string declared_text(Node const& entry, char const* key) {
+    Node const* value = entry.find(key);
+    return value == nullptr || !value->is_scalar() ? std::string{} : value->text;
+}
+
+/// The captured streams of a declared one's name and APPID, that with most frames first. There may be an attacker's.
+std::vector<wire::StreamStatistics const*> captured(Results const& r, Node const& entry) {
+    std::vector<wire::StreamStatistics const*> out;
+    bool const goose = declared_text(entry, "kind") == "goose";
+    std::string const id = wire::visible(declared_text(entry, goose ? "control_block" : "sv_id"));
+    std::string const app_id = declared_text(entry, "app_id");
+    if (!r.capture) {
+        return out;
+    }
+    for (wire::StreamStatistics const& s : r.capture->streams) {
+        bool const same_app = app_id.empty() || std::stoul(app_id, nullptr, 0) == s.stream.app_id;
+        if (s.stream.goose == goose && s.stream.id == id && same_app) {
+            out.push_back(&s);
+        }
+    }
+    std::stable_sort(out.begin(), out.end(), [](auto a, auto b) { return a->stream.frames > b->stream.frames; });
+    return out;
+}
+
+Spread as_spread(wire::Percentiles const& p) {
+    Spread out;
+    out.count = p.count;
+    out.min = p.min;
+    out.mean = p.mean;
+    out.p50 = p.p50;
+    out.p99 = p.p99;
+    out.p999 = p.p999;
+    out.max = p.max;
+    return out;
+}
+
+/// Counts and intervals of the capture; the sender's own publish_age where it is ours.
+SmvTiming captured_smv(Results const& r, Node const& scenario, std::string const& name,
+                       std::vector<wire::StreamStatistics const*> const& seen) {
+    SmvTiming out = smv_timing(r.signals, scenario, name);
+    wire::ObservedStream const& c = seen.front()->stream;
+    out.captured = true;
+    out.other_senders = seen.size() - 1;
+    out.received = c.counter->counters().samples;
+    out.lost = c.lost;
+    out.duplicate = c.duplicates;
+    out.late = c.out_of_order;
+    if (r.mode != "lockstep") {
+        out.interval = as_spread(seen.front()->interval_ms);
+        out.mean_hz = seen.front()->stream.rate_hz();
+    }
+    return out;
+}
+
+GooseTiming captured_goose(std::string const& name, wire::StreamStatistics const& seen) {
+    GooseTiming out;
+    out.stream = name;
+    out.captured = true;
+    out.messages = seen.stream.frames;
+    out.steady_ms = seen.steady_ms;
+    out.interval_ms.push_back(0); // the first has none before it
+    for (wire::MessageInterval const& interval : seen.stream.intervals) {
+        if (!interval.same_state && !out.event) {
+            out.event = out.interval_ms.size();
+        }
+        out.interval_ms.push_back(interval.ms);
+    }
+    return out;
+}
+
 /// The last event of the timeline before `until_s`; a fault rather than anything else.
 std::optional<std::pair<std::string, double>> cause_before(Node const& scenario, double until_s) {
     std::optional<std::pair<std::string, double>> out;
@@ -193,6 +263,91 @@ std::optional<double> at_instant(SignalSeries const* series, double time_s) {
                : std::optional{series->values[static_cast<std::size_t>(it - series->times_ns.begin())]};
 }
 
+/// From the trip's arrival at the breaker IED to open poles. `state`: the stNum of the trip.
+void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::string const& clock,
+                 std::optional<double> state, RelayTiming& out) {
+    auto const add = [&](std::string what, double at_ms, bool communication, std::string method) {
+        out.chain.push_back({std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, 0});
+    };
+    SignalSeries const *heard = find(signals, "stream." + chain.trip_stream + ".heard_st_num"),
+                       *heard_at = find(signals, "stream." + chain.trip_stream + ".heard_after_ms");
+    for (std::size_t i = 0; state && heard != nullptr && heard_at != nullptr &&
+                            i < std::min(heard->values.size(), heard_at->values.size());
+         ++i) {
+        if (heard->values[i] == *state) {
+            add("trip GOOSE received", heard_at->values[i], !out.chain.empty(), // or nobody knows when it was sent
+                clock + ": the receiving kernel's stamp at the breaker IED");
+            break;
+        }
+    }
+    for (ProtectionChain::BreakerIed const& ied : chain.ieds) {
+        std::string const ied_prefix = "breaker_ied." + ied.process + ".";
+        SignalSeries const *at = find(signals, ied_prefix + "commanded_after_ms"),
+                           *effect = find(signals, ied_prefix + "effect_ms");
+        std::optional<std::size_t> commanded;
+        for (std::size_t const i : rises(find(signals, ied_prefix + "command"))) {
+            if (!commanded && at != nullptr && i < at->values.size() && at->values[i] >= out.event_s * 1e3) {
+                commanded = i;
+            }
+        }
+        if (commanded && effect != nullptr && *commanded < effect->values.size()) {
+            add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], true,
+                clock + ": written to " + ied.topic);
+            add("command takes effect", effect->values[*commanded], false,
+                "simulated time stated in the command: its message plus the declared latency of the breaker IED");
+        }
+        for (std::string const& breaker : ied.breakers) {
+            std::optional<double> last;
+            for (char const phase : {'a', 'b', 'c'}) {
+                SignalSeries const* pole = find(signals, fmt::format("breaker.{}.pole.{}", breaker, phase));
+                for (std::size_t i = 0; pole != nullptr && i < pole->values.size(); ++i) {
+                    constexpr double kOpen = 1;
+                    if (pole->values[i] == kOpen && static_cast<double>(pole->times_ns[i]) / 1e9 >= out.event_s) {
+                        last = std::max(last.value_or(0), static_cast<double>(pole->times_ns[i]) / 1e6);
+                        break;
+                    }
+                }
+            }
+            if (last) {
+                add(breaker + ": last pole open", *last, false,
+                    "simulated time: each pole opens at its own current zero");
+            }
+        }
+    }
+    for (std::size_t i = 0; i < out.chain.size(); ++i) {
+        out.chain[i].since_before_ms = out.chain[i].after_ms - (i == 0 ? 0 : out.chain[i - 1].after_ms);
+    }
+}
+
+/// The chain behind a relay that is not ours: what its message did. Its inside is not measurable.
+RelayTiming foreign_timing(Results const& r, Node const& scenario, ProtectionChain const& chain) {
+    RelayTiming out;
+    out.relay = chain.relay;
+    out.foreign = true;
+    std::optional<double> commanded_ms;
+    for (ProtectionChain::BreakerIed const& ied : chain.ieds) {
+        SignalSeries const* at = find(r.signals, "breaker_ied." + ied.process + ".commanded_after_ms");
+        auto const up = rises(find(r.signals, "breaker_ied." + ied.process + ".command"));
+        if (!up.empty() && at != nullptr && up.front() < at->values.size()) {
+            commanded_ms = std::min(commanded_ms.value_or(at->values[up.front()]), at->values[up.front()]);
+        }
+    }
+    auto const cause = commanded_ms ? cause_before(scenario, *commanded_ms / 1e3) : std::nullopt;
+    if (!cause) {
+        return out;
+    }
+    out.event = cause->first;
+    out.event_s = cause->second;
+    SignalSeries const *heard = find(r.signals, "stream." + chain.trip_stream + ".heard_st_num"),
+                       *heard_at = find(r.signals, "stream." + chain.trip_stream + ".heard_after_ms");
+    std::optional<double> state; // the newest that had come when the command was given
+    for (std::size_t i = 0; heard != nullptr && heard_at != nullptr && i < std::min(heard->values.size(), heard_at->values.size()); ++i) {
+        state = heard_at->values[i] <= *commanded_ms ? std::optional{heard->values[i]} : state;
+    }
+    add_effects(r.signals, chain, r.mode == "lockstep" ? "simulated time" : "wall clock since the start of the run", state, out);
+    return out;
+}
+
 RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain const& chain) {
     SignalStore const& signals = r.signals;
     bool const lockstep = r.mode == "lockstep";
@@ -250,54 +405,7 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
                 clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");
         }
     }
-    SignalSeries const *heard = find(signals, "stream." + chain.trip_stream + ".heard_st_num"),
-                       *heard_at = find(signals, "stream." + chain.trip_stream + ".heard_after_ms");
-    for (std::size_t i = 0; state && heard != nullptr && heard_at != nullptr &&
-                            i < std::min(heard->values.size(), heard_at->values.size());
-         ++i) {
-        if (heard->values[i] == *state) {
-            add("trip GOOSE received", heard_at->values[i], true,
-                clock + ": the receiving kernel's stamp at the breaker IED");
-            break;
-        }
-    }
-    for (ProtectionChain::BreakerIed const& ied : chain.ieds) {
-        std::string const ied_prefix = "breaker_ied." + ied.process + ".";
-        SignalSeries const *at = find(signals, ied_prefix + "commanded_after_ms"),
-                           *effect = find(signals, ied_prefix + "effect_ms");
-        std::optional<std::size_t> commanded;
-        for (std::size_t const i : rises(find(signals, ied_prefix + "command"))) {
-            if (!commanded && at != nullptr && i < at->values.size() && at->values[i] >= out.event_s * 1e3) {
-                commanded = i;
-            }
-        }
-        if (commanded && effect != nullptr && *commanded < effect->values.size()) {
-            add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], true,
-                clock + ": written to " + ied.topic);
-            add("command takes effect", effect->values[*commanded], false,
-                "simulated time stated in the command: its message plus the declared latency of the breaker IED");
-        }
-        for (std::string const& breaker : ied.breakers) {
-            std::optional<double> last;
-            for (char const phase : {'a', 'b', 'c'}) {
-                SignalSeries const* pole = find(signals, fmt::format("breaker.{}.pole.{}", breaker, phase));
-                for (std::size_t i = 0; pole != nullptr && i < pole->values.size(); ++i) {
-                    constexpr double kOpen = 1;
-                    if (pole->values[i] == kOpen && static_cast<double>(pole->times_ns[i]) / 1e9 >= out.event_s) {
-                        last = std::max(last.value_or(0), static_cast<double>(pole->times_ns[i]) / 1e6);
-                        break;
-                    }
-                }
-            }
-            if (last) {
-                add(breaker + ": last pole open", *last, false,
-                    "simulated time: each pole opens at its own current zero");
-            }
-        }
-    }
-    for (std::size_t i = 0; i < out.chain.size(); ++i) {
-        out.chain[i].since_before_ms = out.chain[i].after_ms - (i == 0 ? 0 : out.chain[i - 1].after_ms);
-    }
+    add_effects(signals, chain, clock, state, out);
     return out;
 }
 
@@ -343,6 +451,35 @@ WireTiming measure_wire_timing(Results const& r, Node const& scenario) {
             out.goose.push_back(std::move(goose));
         }
         out.relays.push_back(relay_timing(r, scenario, chain));
+    }
+    for (ProtectionChain const& chain : foreign_chains(scenario)) {
+        out.relays.push_back(foreign_timing(r, scenario, chain));
+    }
+    for (std::string const& name : uncounted_streams(r, scenario)) {
+        Node const& entry = *scenario.find("streams")->find(name);
+        auto const seen = captured(r, entry);
+        bool const goose = declared_text(entry, "kind") == "goose";
+        if (seen.empty()) {
+            out.not_seen.push_back(name);
+        } else if (goose) {
+            out.goose.push_back(captured_goose(name, *seen.front()));
+        } else {
+            out.smv.push_back(captured_smv(r, scenario, name, seen));
+        }
+    }
+    return out;
+}
+
+std::vector<std::string> uncounted_streams(Results const& r, Node const& scenario) {
+    std::vector<std::string> out;
+    Node const* streams = scenario.find("streams");
+    for (Node::Entry const& entry : streams == nullptr ? std::vector<Node::Entry>{} : streams->entries) {
+        std::string const kind = declared_text(entry.value, "kind"), prefix = "stream." + entry.key + ".";
+        bool const counted = find(r.signals, prefix + (kind == "goose" ? "interval_ms" : "received")) != nullptr &&
+                             gaps_of(r.counter_gaps, entry.key).empty();
+        if ((kind == "smv" || kind == "goose") && !counted) {
+            out.push_back(entry.key);
+        }
     }
     return out;
 }

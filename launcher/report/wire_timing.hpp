@@ -6,6 +6,7 @@
 #include "launcher/report/results.hpp"
 #include "launcher/scenario/protection_chain.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,6 +28,8 @@ struct Spread {
 
 struct SmvTiming {
     std::string stream;
+    bool captured{false};      ///< counted in bus.pcapng, not by a relay of ours
+    std::size_t other_senders{0}; ///< that use the same name and APPID: the counts are of the one with most frames
     std::optional<double> nominal_hz;
     std::size_t received{0}, lost{0}, duplicate{0}, late{0};
     std::string not_counted; ///< "what relay1 counted from 0 s to 0.4 s": the counters are no less than that much
@@ -40,6 +43,7 @@ struct SmvTiming {
 
 struct GooseTiming {
     std::string stream;
+    bool captured{false}; ///< intervals are those of the capture, not the sender's own
     std::size_t messages{0};
     std::optional<double> steady_ms;  ///< median interval where it no longer grows; nothing when it nowhere does
     std::optional<std::size_t> event; ///< index of the first message of the new state
@@ -56,6 +60,7 @@ struct ChainStep {
 
 struct RelayTiming {
     std::string relay;
+    bool foreign{false}; ///< not a program of ours: `relay` is the stream of its trip
     Spread transfer;   ///< sample instant to decision
     std::string event; ///< what the chain begins with; empty: no trip
     bool own_line{false}; ///< the event is a fault on a line whose current the relay gets
@@ -69,10 +74,19 @@ struct WireTiming {
     std::vector<SmvTiming> smv;
     std::vector<GooseTiming> goose;
     std::vector<RelayTiming> relays;
-    [[nodiscard]] bool empty() const { return smv.empty() && goose.empty(); }
+    std::vector<std::string> not_seen; ///< declared streams that neither a signal nor the capture tells of
+    [[nodiscard]] bool empty() const { return smv.empty() && goose.empty() && relays_without_trip(); }
+
+  private:
+    [[nodiscard]] bool relays_without_trip() const {
+        return std::all_of(relays.begin(), relays.end(), [](RelayTiming const& r) { return r.chain.empty(); });
+    }
 };
 
-/// What the recorded signals say about the wires of a scenario with relays. Empty without one.
+/// Declared streams for whose receiver no complete counters (sampled values) or whose sender no rows (GOOSE) were recorded.
+[[nodiscard]] std::vector<std::string> uncounted_streams(Results const& results, config::Node const& scenario);
+
+/// What the recorded signals say about the wires of a scenario, and the capture where no signal does.
 [[nodiscard]] WireTiming measure_wire_timing(Results const& results, config::Node const& scenario);
 
 } // namespace gridspace::launcher

@@ -41,7 +41,7 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
         auto const count = [&](std::size_t n) { return (s.not_counted.empty() ? "" : "at least ") + std::to_string(n); };
         bool const bad = s.lost > 0 || !s.not_counted.empty();
         out.rows.push_back(
-            {s.stream, count(s.received), bad ? fmt::format("<span class=\"bad\">{}</span>", count(s.lost)) : "0",
+            {s.captured ? s.stream + ", in the capture" : s.stream, count(s.received), bad ? fmt::format("<span class=\"bad\">{}</span>", count(s.lost)) : "0",
              count(s.duplicate), count(s.late), measured ? fmt::format("{:.2f}", s.mean_hz) : "exact",
              measured && s.nominal_hz ? fmt::format("{:+.0f} ppm", (s.mean_hz / *s.nominal_hz - 1) * 1e6) : "–",
              measured ? fmt::format("{} / {} / {} / {}", ms(s.interval.p50), ms(s.interval.p99), ms(s.interval.p999),
@@ -62,7 +62,18 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
                    : "Counted by smpCnt at the relay. Rate: samples over the time between the first and the last "
                      "arrival. Intervals: between the receiving kernel's stamps "
                      "(CLOCK_REALTIME) of consecutive frames, at the relay's end of its cable.";
+    if (std::any_of(t.smv.begin(), t.smv.end(), [](SmvTiming const& s) { return s.captured; })) {
+        out.note += " In the capture: counted by smpCnt in bus.pcapng, because no process of ours heard that stream (or "
+                    "not all of it); what its receiver got is not known, nor the delay to it.";
+    }
+    if (!t.not_seen.empty()) {
+        out.note += fmt::format(" Neither counted nor captured: {}.", join(t.not_seen, ", "));
+    }
     for (SmvTiming const& s : t.smv) {
+        if (s.other_senders > 0) {
+            out.note += fmt::format(" {}: {} more sender{} of this name; the counts are of the one with most frames.",
+                                    s.stream, s.other_senders, s.other_senders == 1 ? "" : "s");
+        }
         if (!s.not_counted.empty()) {
             out.note += fmt::format(" {}: {} is not known, it ended before it told.", s.stream, s.not_counted);
         }
@@ -138,6 +149,11 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
                             published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
                             "<span class=\"dim\">" + step.method + "</span>"});
     }
+    if (r.foreign) {
+        out.note = "The sender of this trip is not a relay of ours: when it picked up, decided and sent is not measurable. "
+                   "Counted from the newest fault of the timeline before the first command, or its newest event.";
+        return out;
+    }
     out.note = r.own_line ? "Counted from the newest fault on the line of the relay's own current transformers."
                           : "Counted from the newest fault of the timeline before the trip, or its newest event where "
                             "there was none: no fault is known on the line of the relay's own current transformers.";
@@ -207,7 +223,7 @@ Figure goose_figure(GooseTiming const& g, Published const& published) {
         f.lines.push_back(
             {fmt::format("published, steady: {:.4g} ms", *published.goose_interval_ms), *published.goose_interval_ms});
     }
-    f.note = "Sender's own times between two messages. At the event a new state goes out at once and is repeated after "
+    f.note = g.captured ? "Times of the capture between two messages: the sender is not ours. At the event a new state goes out." : "Sender's own times between two messages. At the event a new state goes out at once and is repeated after "
              "min_time, then ever later up to max_time.";
     return f;
 }
@@ -327,10 +343,11 @@ std::string wire_timing_json(WireTiming const& t) {
              {"goose", Json::object()},
              {"relays", Json::object()}};
     for (SmvTiming const& s : t.smv) {
-        out["smv"][s.stream] = {{"received", s.received},
+        out["smv"][s.captured && out["smv"].contains(s.stream) ? s.stream + " (capture)" : s.stream] = {{"received", s.received},
                                 {"lost", s.lost},
                                 {"duplicate", s.duplicate},
                                 {"late", s.late},
+                                {"from_capture", s.captured},
                                 {"not_counted", s.not_counted.empty() ? Json(nullptr) : Json(s.not_counted)},
                                 {"rate_hz", s.mean_hz > 0 ? Json(s.mean_hz) : Json(nullptr)},
                                 {"interval_ms", spread(s.interval)},
@@ -343,7 +360,8 @@ std::string wire_timing_json(WireTiming const& t) {
              ++i) {
             burst.push_back(g.interval_ms[i]);
         }
-        out["goose"][g.stream] = {{"messages", g.messages},
+        out["goose"][g.stream] = {{"from_capture", g.captured},
+                                  {"messages", g.messages},
                                   {"steady_interval_ms", g.steady_ms ? Json(*g.steady_ms) : Json(nullptr)},
                                   {"burst_ms", burst},
                                   {"wire_delay_ms", delay(g.wire_delay)}};

@@ -3,6 +3,7 @@
 #include "launcher/scenario/protection_chain.hpp"
 
 #include <initializer_list>
+#include <set>
 
 namespace gridspace::launcher {
 namespace {
@@ -100,6 +101,25 @@ std::vector<ProtectionChain> protection_chains(Node const& scenario) {
         }
         chain.ieds = follow_on(scenario, chain.trip_stream);
         out.push_back(std::move(chain));
+    }
+    return out;
+}
+
+std::vector<ProtectionChain> foreign_chains(Node const& scenario) {
+    std::set<std::string> known;
+    for (ProtectionChain const& chain : protection_chains(scenario)) {
+        known.insert(chain.trip_stream);
+    }
+    std::vector<ProtectionChain> out;
+    for (Node::Entry const& process : entries(scenario.find("processes"))) {
+        std::string const from = text_of(&process.value, {"from"});
+        std::string const stream = from.substr(0, from.find('.'));
+        if (text_of(&process.value, {"program"}) == "gridspace-breaker" && !stream.empty() && known.insert(stream).second) {
+            ProtectionChain chain;
+            chain.relay = chain.trip_stream = stream;
+            chain.ieds = follow_on(scenario, stream);
+            out.push_back(std::move(chain));
+        }
     }
     return out;
 }

@@ -31,4 +31,7 @@ struct ProtectionChain {
 /// One for each gridspace-relay of a resolved scenario, in its order.
 [[nodiscard]] std::vector<ProtectionChain> protection_chains(config::Node const& scenario);
 
+/// One for each stream that trips our breaker IEDs and is sent by no gridspace-relay: `relay` is the stream's name.
+[[nodiscard]] std::vector<ProtectionChain> foreign_chains(config::Node const& scenario);
+
 } // namespace gridspace::launcher

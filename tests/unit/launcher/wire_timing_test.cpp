@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace gridspace::launcher {
 namespace {
@@ -212,6 +212,55 @@ TEST(WireTiming, CountersOfARelayThatWasStartedAgainSayThatTheyAreNoLess) {
 
     EXPECT_NE(sut.find("SMV21|at least 2000|<span class=\"bad\">at least 3</span>|at least 0|at least 0|"), std::string::npos) << sut;
     EXPECT_NE(wire_timing_json(timing).find("\"not_counted\":\"what relay2 counted from 0 s to 0.4 s\""), std::string::npos);
+}
+
+TEST(WireTiming, WithSomebodyElsesRelayTheCaptureAndTheBreakerIedTell) {
+    config::Node settings = scenario();
+    settings.find("processes")->erase("relay2");
+    config::Diagnostics none;
+    constexpr char const* kStreams = "SMV21: {kind: smv, sv_id: MU1, app_id: 0x4021}\nTRIP2: {kind: goose, control_block: R1}\nGONE: {kind: smv, sv_id: X}";
+    settings.set("streams", *config::parse_yaml(kStreams, config::make_source("streams", kStreams), none));
+    Results r = run();
+    for (char const* gone : {"stream.SMV21.received", "stream.SMV21.arrival_age_ms", "stream.TRIP2.st_num", "stream.TRIP2.interval_ms",
+                             "stream.TRIP2.sent_after_ms", "relay.relay2.trip", "relay.relay2.pickup", "relay.relay2.sample_s",
+                             "relay.relay2.sample_to_decision_ms"}) {
+        r.signals.erase(gone);
+    }
+    wire::StreamStatistics smv, fake, goose;
+    smv.stream.id = fake.stream.id = "MU1";
+    smv.stream.app_id = fake.stream.app_id = 0x4021;
+    smv.stream.frames = 1000;
+    smv.stream.lost = 60;
+    smv.stream.counter = fake.stream.counter = std::make_shared<iec61850::SvSubscriber>(iec61850::SvSubscription{});
+    fake.stream.frames = 3;
+    goose.stream.goose = true;
+    goose.stream.id = "R1";
+    goose.stream.frames = 4;
+    goose.stream.intervals = {{10, true}, {7, false}, {1, true}};
+    r.capture.emplace();
+    r.capture->streams = {fake, smv, goose};
+
+    WireTiming const timing = measure_wire_timing(r, settings);
+
+    ASSERT_EQ(timing.smv.size(), 1U);
+    EXPECT_TRUE(timing.smv[0].captured);
+    EXPECT_EQ(timing.smv[0].lost, 60U);
+    EXPECT_EQ(timing.smv[0].other_senders, 1U);
+    ASSERT_EQ(timing.goose.size(), 1U);
+    EXPECT_EQ(timing.goose[0].event, std::optional<std::size_t>{2});
+    EXPECT_THAT(timing.goose[0].interval_ms, testing::ElementsAre(0, 10, 7, 1));
+    EXPECT_THAT(timing.not_seen, testing::ElementsAre("GONE"));
+    ASSERT_EQ(timing.relays.size(), 1U);
+    std::vector<std::string> steps;
+    for (ChainStep const& step : timing.relays[0].chain) {
+        steps.push_back(step.what);
+    }
+    EXPECT_THAT(steps, testing::ElementsAre("trip GOOSE received", "command of breaker2 in DDS", "command takes effect", "CB3: last pole open"));
+    auto const tables = wire_timing_tables(timing, {});
+    EXPECT_FALSE(timing.relays[0].chain[0].communication) << "nobody knows when it was sent";
+    EXPECT_NE(cells(tables, "Sampled values").find("SMV21, in the capture|"), std::string::npos);
+    EXPECT_NE(tables[0].note.find("not measurable"), std::string::npos);
+    EXPECT_NE(tables[1].note.find("Neither counted nor captured: GONE."), std::string::npos);
 }
 
 TEST(WireTiming, FramesOfSeveralSamplesCountAsSoManySamples) {
