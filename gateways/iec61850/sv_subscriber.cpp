@@ -53,6 +53,15 @@ std::uint32_t wrap_between(std::uint32_t last, std::uint32_t next, double arriva
     return arrivals_say_so ? wrap : 0;
 }
 
+/// The same where the publisher sends in heaps, and paused just between its highest counter and 0; 0 also when samples
+/// may be missing there.
+std::uint32_t wrap_behind_a_pause(std::uint32_t last, std::uint32_t next, double arrivals_hz,
+                                  std::uint32_t run) noexcept {
+    std::uint32_t const wrap = last + 1;
+    bool const whole = wrap % 50 == 0 || wrap % 60 == 0;
+    return next == 0 && whole && run >= kRunToLearn && std::abs(arrivals_hz - wrap) < 0.05 * wrap ? wrap : 0;
+}
+
 /// The samples in a second at about `hz`: whole periods of 50 or 60 Hz, or of 10 Hz where few are seen. 0: near none.
 std::uint32_t samples_in_a_second(double hz) noexcept {
     double best = 0;
@@ -141,7 +150,9 @@ void SvSubscriber::learn_wrap(std::uint16_t smp_cnt, std::int64_t now_ns) noexce
         return;
     }
     bool const gap = rate_seen() && periods_until(now_ns) > 2 * kNear; // then the last counter was not the highest
-    std::uint32_t wrap = smp_cnt < last_cnt_ && !gap ? wrap_between(last_cnt_, smp_cnt, arrivals_.rate_hz(), run_) : 0;
+    std::uint32_t wrap = smp_cnt >= last_cnt_ ? 0
+                         : gap                ? wrap_behind_a_pause(last_cnt_, smp_cnt, arrivals_.rate_hz(), run_)
+                                              : wrap_between(last_cnt_, smp_cnt, arrivals_.rate_hz(), run_);
     wrap = wrap == 0 ? wrap_over_gap(smp_cnt, now_ns) : wrap;
     if (wrap == 0) {
         return;
@@ -164,6 +175,9 @@ std::uint32_t SvSubscriber::wrap_over_gap(std::uint16_t smp_cnt, std::int64_t no
     std::int64_t const whole = index_of(smp_cnt, now_ns) - index_;
     if (whole > 0 && std::abs(until - static_cast<double>(whole)) <= static_cast<double>(kNear + whole / 64)) {
         return 0;
+    }
+    if (whole > 0 && whole <= kNear && until < arrivals_.rate_hz() / 2) {
+        return 0; // it goes on: its publisher paused, or sends in heaps
     }
     std::uint32_t const wrap = samples_in_a_second(arrivals_.rate_hz());
     if (wrap == 0 || last_cnt_ >= wrap || smp_cnt >= wrap) {
