@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/ethernet/interface.hpp"
 
+#include "common/log.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
 
@@ -14,6 +15,7 @@
 #include <sstream>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <thread>
 
 namespace gridspace::ethernet {
 namespace {
@@ -46,6 +48,31 @@ LinkState link_state(std::string const& interface, unsigned index) {
     }
     char name[IFNAMSIZ];
     return index != 0 && ::if_indextoname(index, name) != nullptr ? LinkState::renamed : LinkState::missing;
+}
+
+void wait_for_interface(std::string const& interface, std::chrono::milliseconds patience) {
+    constexpr auto kPeriod = std::chrono::milliseconds{50}, kUnsaid = std::chrono::milliseconds{500};
+    auto const began = std::chrono::steady_clock::now();
+    auto present = began; // since when
+    bool said = false;
+    while (true) {
+        LinkState const state = link_state(interface);
+        auto const now = std::chrono::steady_clock::now();
+        if (state == LinkState::up || now - began >= patience) {
+            return;
+        }
+        if (state == LinkState::missing) {
+            present = now;
+            if (!said && now - began >= kUnsaid) {
+                said = true;
+                log::info("waits for the interface '{}'", interface);
+            }
+        } else if (now - present >= kUnsaid) {
+            log::warning("the interface '{}' is down or has no carrier: nothing is sent or received until that changes", interface);
+            return;
+        }
+        std::this_thread::sleep_for(kPeriod);
+    }
 }
 
 Result<unsigned> interface_index(std::string const& interface) {

@@ -29,7 +29,7 @@ Error no_capability() {
     auto const program = std::filesystem::read_symlink("/proc/self/exe", ec);
     return {ExitCode::environment,
             "raw Ethernet frames need the capability CAP_NET_RAW, which this process does not have",
-            fmt::format("`sudo setcap cap_net_raw+ep {}`, or run it inside `gridspace run`",
+            fmt::format("`sudo setcap cap_net_raw+ep {}`, or run it inside `gridspace run`; on a board as its service or as root",
                         ec ? "PROGRAM" : program.string())};
 }
 

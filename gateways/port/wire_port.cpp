@@ -3,7 +3,9 @@
 #include "gateways/port/wire_port.hpp"
 
 #include "common/log.hpp"
+#include "gateways/ethernet/interface.hpp"
 
+#include <chrono>
 #include <fmt/format.h>
 
 namespace gridspace::gateways {
@@ -14,6 +16,8 @@ constexpr std::size_t kMostWaiting = 32U << 20U; ///< octets of one ethertype: f
 } // namespace
 
 Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig const& config, Ethertypes const& ethertypes) {
+    constexpr std::chrono::seconds kPatience{30}; // as for the addresses of the networks
+    ethernet::wait_for_interface(config.interface, kPatience);
     ethernet::PortOptions options;
     options.interface = config.interface;
     options.receive = false;

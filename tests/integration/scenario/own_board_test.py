@@ -200,6 +200,25 @@ class OwnBoard(ScenarioTest):
         self.assertEqual(relay.wait(120), STALL, self.log())
         self.assertIn("the simulator 'sim' is silent", self.log())
 
+    def wait_for_log(self, text, relay):
+        deadline = time.monotonic() + HANG_S
+        while text not in self.log():
+            self.assertIsNone(relay.poll(), self.log())
+            self.assertLess(time.monotonic(), deadline, self.log())
+            time.sleep(0.05)
+
+    def test_its_interface_may_come_late_and_one_that_is_down_is_named(self):
+        self.install(self.scenario)
+        self.within(self.board, "ip link set process_bus down; ip link set process_bus name late0")
+        relay = self.switch_on()
+        self.wait_for_log("waits for the interface 'process_bus'", relay)
+        self.within(self.board, "ip link set late0 name process_bus")
+        self.wait_for_log("the interface 'process_bus' is down or has no carrier", relay)
+        self.within(self.board, "ip link set process_bus up")
+        run = self.run_with_board("board", self.scenario)
+        self.assertEqual(run.finish(), OK, run.stderr() + self.log())
+        self.assertEqual(relay.wait(60), OK, self.log())
+
     def test_what_makes_no_sense_is_refused(self):
         for setting, what in (("processes.relay2.run_on=native", "on which 'relay2' is to be started"),
                               ("hosts.ied2.plugs.process_buss.interface=eth9", "host 'ied2' is not on a link 'process_buss'"),

@@ -331,7 +331,8 @@ TEST_F(PortErrors, NamesTheCapabilityAndTheCommandThatGrantsIt) {
     [[maybe_unused]] auto const size = ::read(result[0], text, sizeof text - 1);
     ::waitpid(pid, nullptr, 0);
     ::close(result[0]);
-    EXPECT_THAT(text, testing::AllOf(testing::HasSubstr("CAP_NET_RAW"), testing::HasSubstr("setcap cap_net_raw+ep /")));
+    EXPECT_THAT(text, testing::AllOf(testing::HasSubstr("CAP_NET_RAW"), testing::HasSubstr("setcap cap_net_raw+ep /"),
+                                     testing::HasSubstr("on a board as its service or as root")));
 }
 
 TEST_F(PortErrors, DecidesTheSameInUserSpaceAsInTheKernel) {
