@@ -15,6 +15,11 @@ std::uint32_t successor(std::uint32_t counter) noexcept {
     return counter == kLargest ? 1 : counter + 1;
 }
 
+/// A new one alone makes no new state: a device stamps with every scan.
+bool is_stamp(BasicType type) noexcept {
+    return type == BasicType::timestamp || type == BasicType::entry_time;
+}
+
 } // namespace
 
 GoosePublisher::GoosePublisher(GooseTemplate frame, std::uint32_t conf_rev, GoosePublisherParams const& params)
@@ -25,11 +30,33 @@ GoosePublisher::GoosePublisher(GooseTemplate frame, std::uint32_t conf_rev, Goos
     state_.st_num = std::max(params.first_st_num, 1U);
     state_.simulation = params.simulation;
     state_.nds_com = conf_rev == 0; // the control block needs commissioning
+    kept_.resize(frame_.leaves().size());
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+        kept_[i].text.reserve(is_string(frame_.leaves()[i].type) ? frame_.leaves()[i].length : 0);
+    }
 }
 
 void GoosePublisher::start(std::int64_t now_ns, std::int64_t utc_ns) {
+    keep_values();
     begin_state(now_ns, utc_ns);
     state_.sq_num = params_.first_sq_num;
+}
+
+bool GoosePublisher::keep_values() noexcept {
+    bool differs = false;
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+        Value const value = frame_.get(i);
+        if (is_stamp(value.type)) {
+            continue;
+        }
+        std::string_view const text{reinterpret_cast<char const*>(value.text.data()), value.text.size()};
+        if (kept_[i].bits != value.bits || kept_[i].text != text) {
+            kept_[i].bits = value.bits;
+            kept_[i].text.assign(text); // of its own memory: reserved for the longest
+            differs = true;
+        }
+    }
+    return differs;
 }
 
 void GoosePublisher::begin_state(std::int64_t now_ns, std::int64_t utc_ns) noexcept {
@@ -46,8 +73,7 @@ GooseTemplate::Stored GoosePublisher::set(std::size_t leaf, Value const& value) 
     auto const stored = frame_.set(leaf, value);
     if (stored == GooseTemplate::Stored::refused) {
         ++counters_.refused;
-    } else if (stored == GooseTemplate::Stored::changed && value.type != BasicType::timestamp &&
-               value.type != BasicType::entry_time) {
+    } else if (stored == GooseTemplate::Stored::changed && !is_stamp(value.type)) {
         staged_ = true;
     }
     return stored;
@@ -55,6 +81,10 @@ GooseTemplate::Stored GoosePublisher::set(std::size_t leaf, Value const& value) 
 
 bool GoosePublisher::commit(std::int64_t now_ns, std::int64_t utc_ns) noexcept {
     if (!staged_ || !due_ns_) {
+        return false;
+    }
+    if (!keep_values()) {
+        staged_ = false;
         return false;
     }
     state_.st_num = successor(state_.st_num);

@@ -40,7 +40,8 @@ class GoosePublisher {
     /// Initial values are those set() before. The first message is due at once.
     void start(std::int64_t now_ns, std::int64_t utc_ns);
 
-    /// Stages a value; commit() makes one new state of all that was staged. Timestamps alone make none (they are sent
+    /// Stages a value; commit() makes one new state of all that was staged and now differs from the state before: what
+    /// has come back to its old value in between was no change. Timestamps alone make none (they are sent
     /// with the next state or repetition), because a device stamps with every scan.
     GooseTemplate::Stored set(std::size_t leaf, Value const& value) noexcept;
     /// True when a new state began: its first message is due at `now_ns`, whatever was scheduled.
@@ -62,10 +63,19 @@ class GoosePublisher {
   private:
     [[nodiscard]] Octets emit() noexcept;
     [[nodiscard]] std::uint32_t live_ms() const noexcept;
+    /// The values become those of the state; true when one differs.
+    bool keep_values() noexcept;
     void begin_state(std::int64_t now_ns, std::int64_t utc_ns) noexcept;
+
+    /// A value of the state; of a string its octets.
+    struct Kept {
+        std::uint64_t bits{0};
+        std::string text{};
+    };
 
     GooseTemplate frame_;
     GoosePublisherParams params_;
+    std::vector<Kept> kept_; ///< by leaf; timestamps are not in it
     GooseState state_;
     std::optional<std::int64_t> due_ns_;
     std::int64_t interval_ns_{0};

@@ -114,6 +114,28 @@ TEST(GoosePublisher, LeavesOutTheBitOfAQualityThatOnlySampledValuesHave) {
     EXPECT_EQ(sut.counters().refused, 1U);
 }
 
+TEST(GoosePublisher, BeginsNoStateForAValueThatCameBack) {
+    GooseDescription description = one_boolean();
+    description.data_set = {{DataNode::leaf("trip", BasicType::boolean),
+                             DataNode::leaf("name", BasicType::visible_string, 8)}};
+    GoosePublisher sut{*GooseTemplate::create(sv_address(), description), 1, {}};
+    sut.set(1, Value::visible("a"));
+    sut.start(0, kUtc);
+    sut.set(0, Value::of(true));
+    sut.set(0, Value::of(false));
+    sut.set(1, Value::visible("b"));
+    sut.set(1, Value::visible("a"));
+    EXPECT_FALSE(sut.commit(1 * kMs, kUtc)) << "nobody has seen another value";
+    EXPECT_EQ(sut.state().st_num, 1U);
+    sut.set(0, Value::of(true));
+    EXPECT_TRUE(sut.commit(2 * kMs, kUtc));
+    sut.set(0, Value::of(false));
+    EXPECT_TRUE(sut.commit(3 * kMs, kUtc)) << "a pulse of two states";
+    sut.set(1, Value::visible("ab"));
+    EXPECT_TRUE(sut.commit(4 * kMs, kUtc));
+    EXPECT_EQ(sut.state().st_num, 4U);
+}
+
 TEST(GoosePublisher, RestartsTheBurstWhenAnotherChangeComesDuringIt) {
     auto sut = publisher();
     sut.start(0, kUtc);
