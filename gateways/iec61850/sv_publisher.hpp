@@ -77,11 +77,11 @@ class SvPublisher {
   private:
     SvTemplate frame_;
     std::int64_t wrap_;
-    std::uint64_t all_;         ///< a bit per ASDU
-    std::uint64_t filled_{0};   ///< those that hold a sample of this frame
-    std::int64_t first_{-1};    ///< index of this frame's first sample
-    bool fresh_{false};         ///< the sample has not been in this frame before
-    bool begun_{false};         ///< this is not the first frame
+    std::uint64_t all_;       ///< a bit per ASDU
+    std::uint64_t filled_{0}; ///< those that hold a sample of this frame
+    std::int64_t first_{-1};  ///< index of this frame's first sample
+    bool fresh_{false};       ///< the sample has not been in this frame before
+    bool begun_{false};       ///< this is not the first frame
     std::uint64_t sent_{0}, incomplete_{0};
 };
 
@@ -90,8 +90,8 @@ class SendSchedule {
   public:
     /// Frame k is due at start_ns + (k + 1) * samples_per_frame - 1 periods.
     SendSchedule(Rational rate_hz, std::size_t samples_per_frame, std::int64_t start_ns, std::int64_t first_frame = 0)
-        : grid_{rate_hz}, per_frame_{static_cast<std::int64_t>(samples_per_frame)}, start_ns_{start_ns},
-          next_{first_frame} {}
+        : grid_{rate_hz},
+          per_frame_{static_cast<std::int64_t>(samples_per_frame)}, start_ns_{start_ns}, next_{first_frame} {}
 
     [[nodiscard]] std::int64_t due_ns() const noexcept { return due_ns(next_); }
     [[nodiscard]] std::int64_t next_frame() const noexcept { return next_; }

@@ -43,14 +43,11 @@ Result<void> assign(GoosePublisher& publisher, std::string const& assignment) {
     return {};
 }
 
-void toggle_first_boolean(GoosePublisher& publisher) {
+std::optional<std::size_t> first_boolean(GoosePublisher& publisher) {
     auto const& leaves = publisher.frame().leaves();
     auto const found =
         std::find_if(leaves.begin(), leaves.end(), [](Leaf const& l) { return l.type == BasicType::boolean; });
-    if (found != leaves.end()) {
-        auto const leaf = static_cast<std::size_t>(found - leaves.begin());
-        publisher.set(leaf, Value::of(!publisher.frame().get(leaf).boolean()));
-    }
+    return found == leaves.end() ? std::nullopt : std::optional{static_cast<std::size_t>(found - leaves.begin())};
 }
 
 /// Lines of stdin that are complete; never waits.
@@ -80,6 +77,7 @@ Json message_json(GooseFrame const& m, std::int64_t stamp_ns) {
              {"st_num", m.st_num},
              {"sq_num", m.sq_num},
              {"t_ns", m.t.nanoseconds()},
+             {"t_quality", time_quality_text(m.t)},
              {"time_allowed_to_live_ms", m.live_ms},
              {"conf_rev", m.conf_rev},
              {"simulation", m.simulation},
@@ -125,6 +123,15 @@ Result<void> goose_publish(GoosePublishOptions const& o) {
             return ok;
         }
     }
+    auto const toggled = first_boolean(publisher);
+    if (o.toggle_s > 0 && !toggled) {
+        return fail(ExitCode::usage, "the data set has no Boolean to toggle", "--interactive changes any member");
+    }
+    auto const send_due = [&] {
+        if (Octets const message = publisher.take(monotonic_ns()); !message.empty()) {
+            port->send(message);
+        }
+    };
     catch_signals();
     Duration const duration{o.duration_s};
     publisher.start(monotonic_ns(), utc_ns());
@@ -133,22 +140,23 @@ Result<void> goose_publish(GoosePublishOptions const& o) {
     std::string rest;
     bool open = o.interactive;
     while (!duration.over()) {
-        if (Octets const message = publisher.take(monotonic_ns()); !message.empty()) {
-            port->send(message);
-        }
+        send_due();
         std::int64_t wake = std::min({*publisher.due(), next_toggle, duration.end_ns()});
         sleep_until(open ? std::min(wake, monotonic_ns() + 1'000'000) : wake);
         std::int64_t const now = monotonic_ns();
         if (now >= next_toggle) {
             next_toggle += toggle_ns;
-            toggle_first_boolean(publisher);
+            publisher.set(*toggled, Value::of(!publisher.frame().get(*toggled).boolean()));
+            publisher.commit(now, utc_ns());
         }
         for (std::string const& line : stdin_lines(rest, open)) {
             if (auto ok = line.empty() ? Result<void>{} : assign(publisher, line); !ok) {
                 fmt::print(stderr, "error: {}\n", describe(ok.error()));
             }
+            if (publisher.commit(monotonic_ns(), utc_ns())) {
+                send_due(); // each line is a state of its own: a pulse is two of them
+            }
         }
-        publisher.commit(now, utc_ns());
     }
     if (Octets const message = publisher.last(monotonic_ns()); !message.empty()) {
         port->send(message);
@@ -161,8 +169,7 @@ Result<void> goose_publish(GoosePublishOptions const& o) {
                             {"st_num", publisher.state().st_num},
                             {"sq_num", publisher.state().sq_num}}
                            .dump());
-    say_not_sent(*port);
-    return {};
+    return check_sent(*port);
 }
 
 Result<void> goose_subscribe(GooseSubscribeOptions const& o) {

@@ -42,7 +42,7 @@ void sleep_until(std::int64_t at_ns) {
 }
 
 void catch_signals() {
-    struct sigaction action{};
+    struct sigaction action {};
     action.sa_handler = [](int) { g_stop.store(true); };
     ::sigaction(SIGINT, &action, nullptr); // no SA_RESTART: a wait shall end
     ::sigaction(SIGTERM, &action, nullptr);
@@ -69,6 +69,25 @@ void say_not_sent(ethernet::Port& port) {
         fmt::print(stderr, "note: {} frame{} not sent on '{}'; the first: {}\n", port.counters().send_failed,
                    port.counters().send_failed == 1 ? " was" : "s were", port.interface(), why);
     }
+}
+
+Result<void> check_sent(ethernet::Port& port) {
+    if (port.counters().sent == 0 && port.counters().send_failed > 0) {
+        return fail(ExitCode::environment, fmt::format("no frame was sent on '{}'", port.interface()),
+                    why_not_sent(port));
+    }
+    say_not_sent(port);
+    return {};
+}
+
+std::string time_quality_text(iec61850::UtcTime const& time) {
+    using iec61850::UtcTime;
+    unsigned const accuracy = time.quality & UtcTime::kAccuracyUnspecified;
+    return fmt::format("{}{}{}{}", (time.quality & UtcTime::kLeapSecondsKnown) != 0 ? "leap seconds known, " : "",
+                       (time.quality & UtcTime::kClockFailure) != 0 ? "clock failure, " : "",
+                       (time.quality & UtcTime::kNotSynchronised) != 0 ? "not synchronised, " : "synchronised, ",
+                       accuracy == UtcTime::kAccuracyUnspecified ? "accuracy unspecified"
+                                                                 : fmt::format("{} bits", accuracy));
 }
 
 } // namespace gridspace::wire

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/result.hpp"
+#include "gateways/iec61850/utc_time.hpp"
+
 #include <cstdint>
 #include <string>
 
@@ -26,6 +29,11 @@ void catch_signals();
 [[nodiscard]] std::string why_not_sent(ethernet::Port& port);
 /// The same as a note to stderr.
 void say_not_sent(ethernet::Port& port);
+/// That note; a failure when none was sent at all.
+[[nodiscard]] Result<void> check_sent(ethernet::Port& port);
+
+/// TimeQuality in words: "synchronised, 10 bits", "clock failure, not synchronised, accuracy unspecified".
+[[nodiscard]] std::string time_quality_text(iec61850::UtcTime const& time);
 
 /// The end of a tool that runs for `duration_s` (0: until Ctrl-C).
 class Duration {

@@ -55,8 +55,9 @@ bool ObservedStream::alive(std::int64_t now_ns) const {
     if (goose) {
         return now_ns - last_ns <= std::int64_t{live_ms} * 1'000'000;
     }
-    double const period_ns = rate_hz() > 0 ? 1e9 * asdus / rate_hz() : 1e9;
-    return static_cast<double>(now_ns - last_ns) < std::max(10 * period_ns, 100e6);
+    constexpr double kUnknownRateNs = 2e9; // of a single frame: twice the longest period
+    double const limit_ns = rate_hz() > 0 ? std::max(10e9 * asdus / rate_hz(), 100e6) : kUnknownRateNs;
+    return static_cast<double>(now_ns - last_ns) < limit_ns;
 }
 
 ObservedStream* Observer::stream_of(bool goose, std::string_view id, FrameHeader const& header, std::int64_t time_ns) {

@@ -61,6 +61,38 @@ std::optional<Node> base_of(StreamArgument const& argument, streams::Kind kind, 
     return std::nullopt;
 }
 
+std::optional<std::string> octets_of_hexadecimal(std::string const& text) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); i += 2) {
+        unsigned octet = 0;
+        char const* const from = text.data() + i;
+        if (i + 1 == text.size() || std::from_chars(from, from + 2, octet, 16).ptr != from + 2) {
+            return std::nullopt;
+        }
+        out.push_back(static_cast<char>(octet));
+    }
+    return out;
+}
+
+/// Seconds with a fraction of up to nine digits, as a time is printed.
+std::optional<iec61850::UtcTime> time_of(std::string const& text) {
+    std::size_t const point = text.find('.');
+    std::string fraction = text.substr(point + 1);
+    std::uint32_t seconds = 0;
+    std::int64_t nanoseconds = 0;
+    fraction.resize(std::max<std::size_t>(fraction.size(), 9), '0');
+    auto const whole = [](std::string_view digits, auto& number) {
+        auto const [end, ec] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+        return ec == std::errc{} && end == digits.data() + digits.size();
+    };
+    bool const good = whole(std::string_view{text}.substr(0, point), seconds) && fraction.size() == 9 &&
+                      fraction.front() != '-' && whole(fraction, nanoseconds);
+    constexpr std::uint8_t kAccuracyBits = 0x0A;
+    return good ? std::optional{iec61850::UtcTime::from_nanoseconds(seconds * std::int64_t{1'000'000'000} + nanoseconds,
+                                                                    kAccuracyBits)}
+                : std::nullopt;
+}
+
 } // namespace
 
 std::optional<streams::Stream> read_stream(StreamArgument const& argument, streams::Kind kind) {
@@ -119,6 +151,28 @@ Result<iec61850::Value> parse_value(iec61850::Leaf const& leaf, std::string cons
             }
         }
         return refuse(join(words, ", "));
+    }
+    if (leaf.type == BasicType::octet_string) {
+        auto const octets = octets_of_hexadecimal(text);
+        if (!octets || octets->size() > leaf.length) {
+            return refuse(fmt::format("two hexadecimal digits for each of at most {} octets", leaf.length));
+        }
+        storage = *octets;
+        out.text = octets_of(storage);
+        return out;
+    }
+    if (leaf.type == BasicType::timestamp && text.find('.') != std::string::npos) {
+        auto const time = time_of(text);
+        return time ? Result<Value>{Value::of(*time)}
+                    : refuse("seconds since 1970, as 1575158400.25, or 0x and its bits");
+    }
+    bool const binary = text.size() == leaf.length && text.find_first_not_of("01") == std::string::npos;
+    if (leaf.type == BasicType::bit_string && binary) { // bit 0 first, as it is printed
+        for (std::size_t i = 0; i < text.size(); ++i) {
+            out.bits |= text[i] == '1' ? std::uint64_t{1} << i : 0;
+        }
+        out.bit_count = static_cast<std::uint8_t>(leaf.length);
+        return out;
     }
     if (is_string(leaf.type)) {
         if (text.size() > leaf.length) {

@@ -46,6 +46,7 @@ void print_frame(SvFrame const& frame, std::int64_t stamp_ns, streams::Stream co
         }
         if (asdu.has(Asdu::refr_tm_field)) {
             out["refr_tm_ns"] = asdu.refr_tm.nanoseconds();
+            out["refr_tm_quality"] = time_quality_text(asdu.refr_tm);
         }
         if (asdu.has(Asdu::smp_rate_field)) {
             out["smp_rate"] = asdu.smp_rate;
@@ -161,6 +162,10 @@ Result<void> sv_publish(SvPublishOptions const& o) {
     SendSchedule schedule{described->rate_hz, static_cast<std::size_t>(per_frame), zero, passed};
     SampleGrid const grid{described->rate_hz};
     TestPattern const pattern{layout, o.amplitude, o.frequency_hz, rate};
+    constexpr std::uint8_t kAccuracyBits = 0x0A; // about a millisecond
+    bool const synchronised = described->smp_synch != kNotSynchronised;
+    auto const time_quality =
+        static_cast<std::uint8_t>(kAccuracyBits | (synchronised ? 0U : unsigned{UtcTime::kNotSynchronised}));
     Duration const duration{o.duration_s};
     std::vector<Octets> batch;
     while (!duration.over()) {
@@ -175,7 +180,7 @@ Result<void> sv_publish(SvPublishOptions const& o) {
                     if (described->send_refr_tm) { // the time of the sample, not of this wake-up
                         publisher.frame().set_refr_tm(
                             static_cast<std::size_t>(s),
-                            UtcTime::from_nanoseconds(zero_utc + grid.nanoseconds(number), 0x0A));
+                            UtcTime::from_nanoseconds(zero_utc + grid.nanoseconds(number), time_quality));
                     }
                     if (Octets const frame = publisher.commit(); !frame.empty()) {
                         batch.push_back(frame);
@@ -192,8 +197,7 @@ Result<void> sv_publish(SvPublishOptions const& o) {
                    {"late_wakeups", schedule.late_wakeups()},
                    {"worst_late_us", static_cast<double>(schedule.worst_late_ns()) / 1e3}};
     fmt::print("{}\n", out.dump());
-    say_not_sent(*port);
-    return {};
+    return check_sent(*port);
 }
 
 Result<void> sv_subscribe(SvSubscribeOptions const& o) {

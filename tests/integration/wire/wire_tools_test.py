@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """`gridspace wire ...` over a virtual cable, in a namespace of its own."""
+import contextlib
 import json
 import os
 import pathlib
@@ -177,6 +178,48 @@ class WireTools(unittest.TestCase):
         self.assertEqual(events[0]["values"], "false, {closed, 0x0800}")
         self.assertEqual(events[-2]["values"], f"{'true' if changes % 2 else 'false'}, {{closed, 0x0800}}")
 
+    def test_every_line_of_input_is_a_state_of_its_own(self):
+        keys = ["control_block=IED/LLN0$GO$g", "data_set={b: boolean}"]
+        subscriber = start("goose-sub", "right", "--duration", "20", "--count", "4", *keys)
+        # What was sent before the subscriber was there is not seen: the pulse is repeated until it is.
+        publisher = subprocess.Popen([GRIDSPACE, "wire", "goose-pub", "left", *keys, "min_time_ms=10000", "max_time_ms=10000", "--interactive"],
+                                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        pulses = 0
+        while subscriber.poll() is None:
+            publisher.stdin.write("b=true\nb=true\nb=false\n")
+            publisher.stdin.flush()
+            pulses += 1
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                subscriber.wait(timeout=0.2)
+        publisher.terminate()
+        summary = json.loads(publisher.communicate(timeout=20)[0])
+        messages = lines(subscriber.communicate(timeout=20)[0])
+        self.assertEqual(summary["st_num"], 1 + 2 * pulses, "the second b=true changes nothing")
+        for m in messages:  # odd states are those after a pulse
+            self.assertEqual((m["values"], m["sq_num"]), ("false" if m["st_num"] % 2 == 1 else "true", 0))
+            self.assertEqual(m["t_quality"], "synchronised, 10 bits")
+        self.assertEqual([m["st_num"] - messages[0]["st_num"] for m in messages], [0, 1, 2, 3])
+
+    def test_what_a_subscriber_prints_can_be_published(self):
+        keys = ["control_block=IED/LLN0$GO$g", "data_set={os: {type: octet_string, length: 5}, t: timestamp, bs: {type: bit_string, length: 4}}"]
+        values = ["0102ff0405", "1575158400.250000000", "0011"]
+        said = [argument for name, value in zip(("os", "t", "bs"), values) for argument in ("--value", f"{name}={value}")]
+        done = self.while_publishing(["goose-pub", "left", "max_time_ms=20", *said, *keys], "goose-sub", "right", "--count", "1", *keys)
+        self.assertEqual(lines(done.stdout)[0]["values"], ", ".join(values))
+
+    def test_a_clock_that_is_not_synchronised_is_so_in_the_times_too(self):
+        for synch, quality in (("none", "not synchronised, 10 bits"), ("global", "synchronised, 10 bits")):
+            done = self.while_publishing(["sv-pub", "left", f"synch={synch}", "send_refr_tm=true"], "sv-sub", "right", "--frames", "--count", "1")
+            self.assertEqual(lines(done.stdout)[0]["refr_tm_quality"], quality)
+
+    def test_who_could_send_nothing_says_so_at_the_end(self):
+        subprocess.run(["ip", "link", "set", "left", "down"], check=True)
+        for tool in ("sv-pub", "goose-pub"):
+            done = wire(tool, "left", "--duration", "0.2")
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertEqual(json.loads(done.stdout)["sent"], 0)
+            self.assertIn("no frame was sent on 'left'", done.stderr)
+
     def test_a_subscriber_with_a_file_checks_the_data_set_too(self):
         file = self.folder / "streams.yaml"
         file.write_text('streams:\n  G: {kind: goose, mac: "01:0C:CD:01:00:01", control_block: IED/LLN0$GO$g, data_set_name: IED/LLN0$Own,\n'
@@ -307,6 +350,8 @@ class WireTools(unittest.TestCase):
             (["sv-pub", "left", "data_set={a: flaot32}"], 2, "float32"),
             (["goose-pub", "left", "--value", "statu=true"], 2, "assigns nothing"),
             (["goose-pub", "left", "--value", "status=7"], 2, "true or false"),
+            (["goose-pub", "left", "data_set={n: int32}", "--toggle", "1", "--duration", "1"], 2, "no Boolean to toggle"),
+            (["goose-pub", "left", "data_set={os: {type: octet_string, length: 2}}", "--value", "os=abc"], 2, "two hexadecimal digits"),
             (["stats", "/nonexistent"], 2, "cannot read"),
             (["replay", "/etc/hostname", "left"], 2, "is not a capture"),
             (["sv-pub", "left", "--source", "x", "--duration", "1"], 2, "is not an Ethernet address"),

@@ -182,6 +182,13 @@ TEST_F(CaptureStatisticsOf, AnOutageIsLostAndNotARestart) {
     EXPECT_NEAR(got.streams[0].stream.rate_hz(), 4800, 0.1);
 }
 
+TEST(Observer, CallsAStreamOfASingleFrameSilentSoon) {
+    Observer sut;
+    sut.add(sv({{"A", 0}}), 0);
+    EXPECT_TRUE(sut.streams()[0]->alive(1'500'000'000));
+    EXPECT_FALSE(sut.streams()[0]->alive(3'000'000'000)) << "nobody sends less than a sample a second";
+}
+
 TEST(Observer, KeepsTheOneStreamThatIsWantedAndCountsTheFramesOfOthers) {
     Observer sut{"B"};
     EXPECT_EQ(sut.add(sv({{"A", 0}, {"B", 0}}), 0).size(), 1U);
