@@ -191,6 +191,40 @@ void check_programs(Scenario const& s, Diagnostics& diagnostics) {
     }
 }
 
+/// A stream that two processes publish, or that somebody waits for and nobody publishes, is rarely meant.
+void check_publishers(Scenario const& s, Diagnostics& diagnostics) {
+    std::map<std::string, Process const*> publishers;
+    std::map<std::string, Process const*> subscribers;
+    bool strangers = false; // who may publish what no process declares
+    for (Process const& process : s.processes) {
+        strangers = strangers || process.program.name == "exec" || !process.interface.empty();
+        if (!process.settings || process.program.name == "gridspace-attacker") {
+            continue;
+        }
+        for (WireUse const& use : process.settings->sends(s, process)) {
+            auto const [first, alone] = publishers.try_emplace(use.stream, &process);
+            if (!use.stream.empty() && !alone && first->second != &process) {
+                diagnostics.warning(process.name.where,
+                                    fmt::format("'{}' publishes the stream '{}', as '{}' does", process.name.name,
+                                                use.stream, first->second->name.name),
+                                    "who receives it cannot tell them apart; an attack that is meant stands in `attacks`",
+                                    static_cast<int>(process.name.name.size()));
+            }
+        }
+        for (WireUse const& use : process.settings->receives(s, process)) {
+            subscribers.try_emplace(use.stream, &process);
+        }
+    }
+    for (auto const& [stream, process] : subscribers) {
+        if (!stream.empty() && !strangers && !publishers.contains(stream)) {
+            diagnostics.warning(process->name.where,
+                                fmt::format("'{}' waits for the stream '{}', and nobody publishes it",
+                                            process->name.name, stream),
+                                "", static_cast<int>(process->name.name.size()));
+        }
+    }
+}
+
 /// Real interfaces instead of the scenario's links.
 void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
     std::map<std::string, Process const*> users;
@@ -272,6 +306,9 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
         check_dataflow(s, diagnostics);
         check_expectations(s, diagnostics);
         check_comtrade(s, diagnostics);
+    }
+    if (readable && diagnostics.ok()) {
+        check_publishers(s, diagnostics);
     }
 }
 

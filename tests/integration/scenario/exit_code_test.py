@@ -8,13 +8,22 @@ import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from harness import (BASE, BIN, CASE_1, CHILD_DIED, ENVIRONMENT, EXPECTATION, OK, SOURCE, STALL, USAGE, ScenarioTest,
+from harness import (BASE, BIN, CASE_1, CHILD_DIED, ENVIRONMENT, EXPECTATION, OK, SHORT_CASE_2, SOURCE, STALL, USAGE, ScenarioTest,
                      gridspace)
 
 SHORT = [*BASE, "--until", "600s", "--set", "expect=~"]
 
 
 class ExitCodes(ScenarioTest):
+    def test_a_stream_that_two_publish_and_one_that_nobody_does_are_told(self):
+        scenario = self.write("wrong.yaml", SHORT_CASE_2)
+        code, out, err = gridspace("validate", scenario)
+        self.assertEqual((code, "warning" in out + err), (OK, False), out + err)  # the control
+        code, out, err = gridspace("validate", scenario, "--set", "processes.mu22.to=SMV21")
+        self.assertEqual(code, OK, out + err)
+        self.assertIn("'mu22' publishes the stream 'SMV21', as 'mu21' does", out + err)
+        self.assertIn("'relay2' waits for the stream 'SMV22', and nobody publishes it", out + err)
+
     def test_0_when_everything_holds(self):
         run = self.run_to_end("run", SHORT)
         self.assertEqual(run.manifest()["exit"], OK)
