@@ -62,6 +62,7 @@ SmvTiming smv_timing(SignalStore const& signals, Node const& scenario, std::stri
     out.lost = last_count(signals, prefix + "lost");
     out.duplicate = last_count(signals, prefix + "duplicate");
     out.late = last_count(signals, prefix + "late");
+    out.refused = last_count(signals, prefix + "invalid");
     out.publish_age = spread_of(values_of(signals, prefix + "publish_age_ms"));
     out.wire_delay = spread_of(values_of(signals, prefix + "wire_delay_ms"));
     if (SignalSeries const* ages = find(signals, prefix + "arrival_age_ms")) {
@@ -267,7 +268,9 @@ std::optional<double> at_instant(SignalSeries const* series, double time_s) {
 void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::string const& clock,
                  std::optional<double> state, RelayTiming& out) {
     auto const add = [&](std::string what, double at_ms, bool communication, std::string method) {
-        out.chain.push_back({std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, 0});
+        bool const simulated = !method.starts_with("wall clock");
+        out.chain.push_back(
+            {std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, {}, simulated});
     };
     SignalSeries const *heard = find(signals, "stream." + chain.trip_stream + ".heard_st_num"),
                        *heard_at = find(signals, "stream." + chain.trip_stream + ".heard_after_ms");
@@ -315,7 +318,11 @@ void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::
         }
     }
     for (std::size_t i = 0; i < out.chain.size(); ++i) {
-        out.chain[i].since_before_ms = out.chain[i].after_ms - (i == 0 ? 0 : out.chain[i - 1].after_ms);
+        // A decision is about a sample: its age is counted from the sample's instant. Otherwise the clocks do not mix.
+        bool const about_sample = i == 1 && !out.foreign;
+        if (i == 0 || about_sample || out.chain[i].simulated == out.chain[i - 1].simulated) {
+            out.chain[i].since_before_ms = out.chain[i].after_ms - (i == 0 ? 0 : out.chain[i - 1].after_ms);
+        }
     }
 }
 
@@ -378,7 +385,9 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
     out.event = cause->first;
     out.event_s = cause->second;
     auto const add = [&](std::string what, double at_ms, bool communication, std::string method) {
-        out.chain.push_back({std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, 0});
+        bool const simulated = !method.starts_with("wall clock");
+        out.chain.push_back(
+            {std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, {}, simulated});
     };
     double pickup_s = sample_s;
     for (std::size_t const i : rises(find(signals, prefix + "pickup"))) {

@@ -32,6 +32,7 @@ struct SmvTiming {
     std::size_t other_senders{0}; ///< that use the same name and APPID: the counts are of the one with most frames
     std::optional<double> nominal_hz;
     std::size_t received{0}, lost{0}, duplicate{0}, late{0};
+    std::size_t refused{0}; ///< simulated, damaged, or of another identity, revision or size; they are among the lost
     std::string not_counted; ///< "what relay1 counted from 0 s to 0.4 s": the counters are no less than that much
     std::size_t samples_per_frame{1};
     double mean_hz{0};                   ///< samples over the time between the first and the last frame; 0 in lockstep
@@ -55,7 +56,8 @@ struct ChainStep {
     std::string what, method;
     double after_ms{0};        ///< since the fault
     bool communication{false}; ///< a transfer that the class is about
-    double since_before_ms{0};
+    std::optional<double> since_before_ms; ///< nothing: the two are of different clocks
+    bool simulated{false};                 ///< an instant of simulated time
 };
 
 struct RelayTiming {

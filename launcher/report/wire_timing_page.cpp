@@ -13,7 +13,8 @@ namespace gridspace::launcher {
 namespace {
 
 std::string ms(double value) {
-    return fmt::format("{:.3f}", value);
+    std::string const text = fmt::format("{:.3f}", value);
+    return text == "-0.000" ? "0.000" : text;
 }
 
 std::string captioned(std::string title, std::string const& published_as) {
@@ -26,6 +27,11 @@ std::string verdict(bool within) {
 
 constexpr char const* kNotMeasurable = "not measurable";
 
+/// Below what the arithmetic of doubles may lose it came before what caused it.
+bool measurable(ChainStep const& step) {
+    return step.since_before_ms && *step.since_before_ms >= -1e-6;
+}
+
 /// A delay below zero has no verdict.
 std::string against(double delay_ms, bool measurable, double limit) {
     return measurable ? verdict(delay_ms <= limit) + fmt::format(" {:.4g} ms", limit) : kNotMeasurable;
@@ -33,7 +39,7 @@ std::string against(double delay_ms, bool measurable, double limit) {
 
 ReportTable streams_table(WireTiming const& t, Published const& published) {
     ReportTable out{captioned("Sampled values", published.smv_figure),
-                    {"stream", "received", "lost", "duplicate", "late", "rate, Hz", "off nominal",
+                    {"stream", "received", "lost", "refused", "duplicate", "late", "rate, Hz", "off nominal",
                      "interval p50 / p99 / p99.9 / max, ms"},
                     {}};
     for (SmvTiming const& s : t.smv) {
@@ -42,6 +48,9 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
         bool const bad = s.lost > 0 || !s.not_counted.empty();
         out.rows.push_back(
             {s.captured ? s.stream + ", in the capture" : s.stream, count(s.received), bad ? fmt::format("<span class=\"bad\">{}</span>", count(s.lost)) : "0",
+             s.captured    ? "–"
+             : s.refused > 0 ? fmt::format("<span class=\"bad\">{}</span>", count(s.refused))
+                             : count(s.refused),
              count(s.duplicate), count(s.late), measured ? fmt::format("{:.2f}", s.mean_hz) : "exact",
              measured && s.nominal_hz ? fmt::format("{:+.0f} ppm", (s.mean_hz / *s.nominal_hz - 1) * 1e6) : "–",
              measured ? fmt::format("{} / {} / {} / {}", ms(s.interval.p50), ms(s.interval.p99), ms(s.interval.p999),
@@ -50,7 +59,7 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
     }
     if (published.smv_rate_hz) {
         out.rows.push_back(
-            {"<i>published</i>", "", "", "", "", fmt::format("<i>{:.2f}</i>", *published.smv_rate_hz),
+            {"<i>published</i>", "", "", "", "", "", fmt::format("<i>{:.2f}</i>", *published.smv_rate_hz),
              t.smv.empty() || !t.smv[0].nominal_hz
                  ? ""
                  : fmt::format("<i>{:+.0f} ppm</i>", (*published.smv_rate_hz / *t.smv[0].nominal_hz - 1) * 1e6),
@@ -62,6 +71,8 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
                    : "Counted by smpCnt at the relay. Rate: samples over the time between the first and the last "
                      "arrival. Intervals: between the receiving kernel's stamps "
                      "(CLOCK_REALTIME) of consecutive frames, at the relay's end of its cable.";
+    out.note += " Refused: simulated (S bit), damaged, or of another identity, revision or size; a frame refused is one that "
+                "the relay misses, so its samples are among the lost too.";
     if (std::any_of(t.smv.begin(), t.smv.end(), [](SmvTiming const& s) { return s.captured; })) {
         out.note += " In the capture: counted by smpCnt in bus.pcapng, because no process of ours heard that stream (or "
                     "not all of it); what its receiver got is not known, nor the delay to it.";
@@ -143,9 +154,10 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
     }
     for (ChainStep const& step : r.chain) {
         auto const within = [&](double limit) {
-            return step.communication ? against(step.since_before_ms, step.since_before_ms >= 0, limit) : std::string{};
+            return step.communication ? against(step.since_before_ms.value_or(0), measurable(step), limit) : std::string{};
         };
-        out.rows.push_back({step.what, ms(step.after_ms), ms(step.since_before_ms), within(kTransferClassMs),
+        out.rows.push_back({step.what, ms(step.after_ms),
+                            step.since_before_ms ? ms(*step.since_before_ms) : "– (another clock)", within(kTransferClassMs),
                             published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
                             "<span class=\"dim\">" + step.method + "</span>"});
     }
@@ -345,6 +357,7 @@ std::string wire_timing_json(WireTiming const& t) {
     for (SmvTiming const& s : t.smv) {
         out["smv"][s.captured && out["smv"].contains(s.stream) ? s.stream + " (capture)" : s.stream] = {{"received", s.received},
                                 {"lost", s.lost},
+                                {"refused", s.captured ? Json(nullptr) : Json(s.refused)},
                                 {"duplicate", s.duplicate},
                                 {"late", s.late},
                                 {"from_capture", s.captured},
@@ -371,11 +384,11 @@ std::string wire_timing_json(WireTiming const& t) {
         for (ChainStep const& step : r.chain) {
             Json one{{"step", step.what},
                      {"after_event_ms", step.after_ms},
-                     {"since_before_ms", step.since_before_ms},
+                     {"since_before_ms", step.since_before_ms ? Json(*step.since_before_ms) : Json(nullptr)},
                      {"method", step.method}};
             if (step.communication) {
                 one["within_class"] =
-                    step.since_before_ms < 0 ? Json(nullptr) : Json(step.since_before_ms <= kTransferClassMs);
+                    measurable(step) ? Json(*step.since_before_ms <= kTransferClassMs) : Json(nullptr);
             }
             chain.push_back(std::move(one));
         }

@@ -118,8 +118,12 @@ TEST(WireTiming, TheChainIsCountedFromTheFaultAndNotFromWhatElseHappened) {
     for (std::size_t i = 0; i < expected.size(); ++i) {
         EXPECT_EQ(relay.chain[i].what, expected[i].first);
         EXPECT_NEAR(relay.chain[i].after_ms, expected[i].second, 1e-6) << relay.chain[i].what;
-        EXPECT_NEAR(relay.chain[i].since_before_ms, expected[i].second - (i == 0 ? 0 : expected[i - 1].second), 1e-6)
-            << relay.chain[i].what;
+        if (relay.chain[i].what == "command takes effect") { // simulated time behind the wall clock
+            EXPECT_EQ(relay.chain[i].since_before_ms, std::nullopt);
+        } else {
+            EXPECT_NEAR(relay.chain[i].since_before_ms.value_or(-1), expected[i].second - (i == 0 ? 0 : expected[i - 1].second), 1e-6)
+                << relay.chain[i].what;
+        }
         EXPECT_FALSE(relay.chain[i].method.empty());
     }
 }
@@ -183,6 +187,29 @@ TEST(WireTiming, ACommandBeforeTheFaultIsNotOfTheChain) {
     EXPECT_NEAR(step->after_ms, 104.5, 1e-6);
 }
 
+TEST(WireTiming, ClocksAreNotMixedAndThereIsNoNegativeZero) {
+    Results r = run();
+    r.signals["breaker_ied.breaker2.effect_ms"].values.back() = 1004.17; // the simulation lags behind the wall clock
+    r.signals["stream.TRIP2.heard_after_ms"].values.back() = 1004 - 1e-9;
+
+    auto const sut = cells(wire_timing_tables(measure_wire_timing(r, scenario()), {}), "From fault");
+
+    EXPECT_NE(sut.find("command takes effect|104.170|– (another clock)|"), std::string::npos) << sut;
+    EXPECT_EQ(sut.find("-0.000"), std::string::npos) << sut;
+    r.mode = "lockstep";
+    EXPECT_NEAR(measure_wire_timing(r, scenario()).relays[0].chain[5].since_before_ms.value_or(-1), -0.33, 1e-6) << "one clock";
+}
+
+TEST(WireTiming, RefusedFramesHaveAColumnOfTheirOwn) {
+    Results r = run();
+    r.signals["stream.SMV21.invalid"] = {"", {ns(2)}, {2000}};
+
+    WireTiming const timing = measure_wire_timing(r, scenario());
+
+    EXPECT_NE(cells(wire_timing_tables(timing, {}), "Sampled values").find("|2000|<span class=\"bad\">3</span>|<span class=\"bad\">2000</span>|0|0|"), std::string::npos);
+    EXPECT_NE(wire_timing_json(timing).find("\"refused\":2000"), std::string::npos);
+}
+
 TEST(WireTiming, ARunWithoutATripHasNoChain) {
     Results r = run();
     r.signals["relay.relay2.trip"].values = {0, 0};
@@ -210,7 +237,7 @@ TEST(WireTiming, CountersOfARelayThatWasStartedAgainSayThatTheyAreNoLess) {
     WireTiming const timing = measure_wire_timing(r, scenario());
     std::string const sut = cells(wire_timing_tables(timing, {}), "Sampled values");
 
-    EXPECT_NE(sut.find("SMV21|at least 2000|<span class=\"bad\">at least 3</span>|at least 0|at least 0|"), std::string::npos) << sut;
+    EXPECT_NE(sut.find("SMV21|at least 2000|<span class=\"bad\">at least 3</span>|at least 0|at least 0|at least 0|"), std::string::npos) << sut;
     EXPECT_NE(wire_timing_json(timing).find("\"not_counted\":\"what relay2 counted from 0 s to 0.4 s\""), std::string::npos);
 }
 
@@ -280,7 +307,7 @@ TEST(WireTiming, FramesOfSeveralSamplesCountAsSoManySamples) {
     std::string table;
     for (ReportTable const& t : wire_timing_tables(sut, {})) {
         for (auto const& row : t.rows) {
-            table += row[0] == "SMV21" && row.size() == 8 ? row[6] : "";
+            table += row[0] == "SMV21" && row.size() == 9 ? row[7] : "";
         }
     }
     EXPECT_EQ(table, "+0 ppm");
