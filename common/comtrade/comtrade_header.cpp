@@ -21,7 +21,8 @@ std::string field(std::string text) {
 
 /// dd/mm/yyyy,hh:mm:ss.ssssss
 std::string stamp(std::int64_t unix_ns) {
-    std::int64_t const us = unix_ns / 1000 - (unix_ns % 1000 < 0 ? 1 : 0);
+    std::int64_t const half_up = unix_ns + 500; // the format has microseconds
+    std::int64_t const us = half_up / 1000 - (half_up % 1000 < 0 ? 1 : 0);
     std::int64_t const seconds = us / 1'000'000 - (us % 1'000'000 < 0 ? 1 : 0);
     std::string const utc = format_utc(seconds); // yyyy-mm-ddThh:mm:ssZ
     return fmt::format("{}/{}/{},{}.{:06}", utc.substr(8, 2), utc.substr(5, 2), utc.substr(0, 4), utc.substr(11, 8),

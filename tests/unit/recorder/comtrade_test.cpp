@@ -53,7 +53,7 @@ TEST_F(Comtrade, TheConfigurationSaysWhatTheStandardAsksFor) {
         std::string::npos)
         << cfg;
     EXPECT_TRUE(cfg.ends_with("\r\n60\r\n1\r\n4800,2\r\n01/12/2019,00:00:59.999999\r\n01/12/"
-                              "2019,00:01:00.000207\r\nBINARY\r\n1\r\n0,0\r\n0,0\r\n"))
+                              "2019,00:01:00.000208\r\nBINARY\r\n1\r\n0,0\r\n0,0\r\n"))
         << cfg;
 }
 
