@@ -193,7 +193,9 @@ class RelaySettings final : public ProcessSettings {
             config_.frequency_hz = s.network->frequency_hz;
         }
         std::optional<relay::ElementParams> element;
-        if (from != nullptr) {
+        // A network that cannot be read has been complained about; its frequency is not known.
+        bool const frequency_known = s.network || s.simulation.network.empty() || process.node.find("frequency_hz") != nullptr;
+        if (from != nullptr && frequency_known) {
             if (auto const params = relay::make_params(config_.logic, from->rate_hz, frequency())) {
                 element = params->element;
             } else {
