@@ -26,7 +26,7 @@ void IntrusionView::Track::tell(std::int64_t time_ns) {
     stream::IntrusionTally::Counts const& c = tally.counts();
     std::array<double, kFigures.size()> const row{static_cast<double>(c.judged),
                                                   static_cast<double>(c.flagged),
-                                                  static_cast<double>(c.flagged - c.forged_flagged),
+                                                  static_cast<double>(c.false_positives()),
                                                   c.false_positive_percent(),
                                                   c.open_loop_false_positive_percent(),
                                                   static_cast<double>(c.fakes),
@@ -68,8 +68,7 @@ bool IntrusionView::on_verdict(std::span<std::byte const> cdr, Signals& signals)
     std::uint64_t index = sample.first_index();
     for (SampleVerdict const& s : sample.samples()) {
         std::array<double, 3 * kOfPhase.size()> row{};
-        std::uint8_t flagged = 0;
-        bool judged = false, open_flagged = false;
+        stream::IntrusionTally::Phases said;
         for (std::size_t p = 0; p < 3; ++p) {
             PhaseVerdict const& v = p == 0 ? s.a() : p == 1 ? s.b() : s.c();
             bool const known = (v.flags() & VERDICT_JUDGED) != 0, bad = (v.flags() & VERDICT_FLAGGED) != 0;
@@ -79,12 +78,13 @@ bool IntrusionView::on_verdict(std::span<std::byte const> cdr, Signals& signals)
             for (std::size_t i = 0; i < values.size(); ++i) {
                 row[3 * i + p] = values[i];
             }
-            judged = judged || known;
-            open_flagged = open_flagged || (v.flags() & VERDICT_OPEN_FLAGGED) != 0;
-            flagged = static_cast<std::uint8_t>(flagged | (bad ? 1U << p : 0U));
+            auto const bit = static_cast<std::uint8_t>(1U << p);
+            said.judged |= known ? bit : 0;
+            said.flagged |= bad ? bit : 0;
+            said.open_flagged |= (v.flags() & VERDICT_OPEN_FLAGGED) != 0 ? bit : 0;
         }
         track.samples->append(std::llround(static_cast<double>(index) * period_ns), row);
-        track.tally.verdict(index, judged, flagged, open_flagged);
+        track.tally.verdict(index, said);
         ++index;
     }
     track.tell(sample.time_ns());

@@ -14,10 +14,14 @@ double percent(std::uint64_t part, std::uint64_t whole) {
                       : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
+std::uint64_t ones(unsigned bits) {
+    return static_cast<std::uint64_t>(std::popcount(bits));
+}
+
 } // namespace
 
 double IntrusionTally::Counts::false_positive_percent() const {
-    return percent(flagged - forged_flagged, judged - forged_judged);
+    return percent(false_positives(), judged - forged_judged);
 }
 
 double IntrusionTally::Counts::open_loop_false_positive_percent() const {
@@ -25,10 +29,10 @@ double IntrusionTally::Counts::open_loop_false_positive_percent() const {
 }
 
 double IntrusionTally::Counts::detected_percent() const {
-    return percent(detected, fakes - unscored);
+    return percent(detected, forged_judged);
 }
 
-void IntrusionTally::verdict(std::uint64_t index, bool judged, std::uint8_t flagged, bool open_flagged) {
+void IntrusionTally::verdict(std::uint64_t index, Phases said) {
     if (judged_.empty()) {
         judged_.resize(kSamples);
     }
@@ -36,46 +40,36 @@ void IntrusionTally::verdict(std::uint64_t index, bool judged, std::uint8_t flag
     if (place.index == index) {
         return; // it came twice
     }
-    place = {index, judged, open_flagged, flagged};
-    if (!judged) {
-        return;
-    }
-    ++counts_.judged;
-    counts_.flagged += flagged != 0 ? 1 : 0;
-    counts_.open_flagged += open_flagged ? 1 : 0;
+    said.flagged &= said.judged;
+    said.open_flagged &= said.judged;
+    place = {index, said};
+    counts_.judged += ones(said.judged);
+    counts_.flagged += ones(said.flagged);
+    counts_.open_flagged += ones(said.open_flagged);
     if (auto const it = forged_.find(index); it != forged_.end()) {
-        ++counts_.forged_judged;
-        counts_.forged_flagged += flagged != 0 ? 1 : 0;
-        counts_.forged_open_flagged += open_flagged ? 1 : 0;
-        auto const phases = static_cast<std::uint64_t>(std::popcount(it->second));
-        counts_.detected += static_cast<std::uint64_t>(std::popcount(static_cast<std::uint8_t>(it->second & flagged)));
-        counts_.unscored -= phases;
+        count_forged(it->second, said);
     }
 }
 
 void IntrusionTally::label(std::uint64_t index, std::uint8_t phase) {
     auto const bit = static_cast<std::uint8_t>(1U << (phase & 7U));
-    auto const [it, fresh] = forged_.size() < kLabels || forged_.contains(index)
-                                 ? forged_.try_emplace(index, std::uint8_t{0})
-                                 : std::pair{forged_.end(), false};
-    if (it != forged_.end() && (it->second & bit) != 0) {
-        return; // it came twice
-    }
-    if (it != forged_.end()) {
-        it->second = static_cast<std::uint8_t>(it->second | bit);
+    if (forged_.size() < kLabels || forged_.contains(index)) {
+        std::uint8_t& phases = forged_[index];
+        if ((phases & bit) != 0) {
+            return; // it came twice
+        }
+        phases |= bit;
     }
     ++counts_.fakes;
-    Judged const* const place = judged_.empty() ? nullptr : &judged_[index % kSamples];
-    if (place == nullptr || place->index != index || !place->judged) {
-        ++counts_.unscored;
-        return;
+    if (!judged_.empty() && judged_[index % kSamples].index == index) {
+        count_forged(bit, judged_[index % kSamples].said);
     }
-    if (fresh) {
-        ++counts_.forged_judged;
-        counts_.forged_flagged += place->flagged != 0 ? 1 : 0;
-        counts_.forged_open_flagged += place->open_flagged ? 1 : 0;
-    }
-    counts_.detected += (place->flagged & bit) != 0 ? 1 : 0;
+}
+
+void IntrusionTally::count_forged(std::uint8_t phases, Phases const& said) {
+    counts_.forged_judged += ones(phases & said.judged);
+    counts_.detected += ones(phases & said.flagged);
+    counts_.forged_open_flagged += ones(phases & said.open_flagged);
 }
 
 } // namespace gridspace::stream

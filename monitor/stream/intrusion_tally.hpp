@@ -15,24 +15,28 @@ namespace gridspace::stream {
 /// Pure.
 class IntrusionTally {
   public:
+    /// All in phase-samples: one value of one phase.
     struct Counts {
-        std::uint64_t judged{0};         ///< samples of which there was a forecast
-        std::uint64_t flagged{0};        ///< of these: in at least one phase
-        std::uint64_t forged_judged{0};  ///< samples of which at least one phase was forged
-        std::uint64_t forged_flagged{0}; ///< of these: flagged in at least one phase
-        std::uint64_t open_flagged{0};   ///< of the judged: flagged by the loop that is not fed its own replacements
-        std::uint64_t forged_open_flagged{0}; ///< of the forged: the same
-        std::uint64_t fakes{0};               ///< forged values: samples times phases
-        std::uint64_t detected{0};            ///< of these: flagged in that phase
-        std::uint64_t unscored{0};            ///< fakes that nobody has judged yet
-        /// Of the healthy samples, those that were flagged; NaN without any.
+        std::uint64_t judged{0};              ///< of which there was a forecast
+        std::uint64_t flagged{0};             ///< of these
+        std::uint64_t open_flagged{0};        ///< of the judged: by the loop that is not fed its own replacements
+        std::uint64_t fakes{0};               ///< forged, judged or not
+        std::uint64_t forged_judged{0};       ///< of the fakes
+        std::uint64_t detected{0};            ///< of these: flagged
+        std::uint64_t forged_open_flagged{0}; ///< of these: flagged by that other loop
+        [[nodiscard]] std::uint64_t false_positives() const { return flagged - detected; }
+        [[nodiscard]] std::uint64_t unscored() const { return fakes - forged_judged; } ///< nobody has judged them yet
+        /// Of the healthy ones that were judged, those that were flagged; NaN without any.
         [[nodiscard]] double false_positive_percent() const;
         [[nodiscard]] double open_loop_false_positive_percent() const;
         /// Of the fakes that were judged; NaN without any.
         [[nodiscard]] double detected_percent() const;
     };
-    /// `flagged`: bit p is phase p. `open_flagged`: any of them by the open loop.
-    void verdict(std::uint64_t index, bool judged, std::uint8_t flagged, bool open_flagged = false);
+    /// Of one sample: bit p is phase p.
+    struct Phases {
+        std::uint8_t judged{0}, flagged{0}, open_flagged{0};
+    };
+    void verdict(std::uint64_t index, Phases said);
     void label(std::uint64_t index, std::uint8_t phase);
     [[nodiscard]] Counts const& counts() const { return counts_; }
 
@@ -41,9 +45,9 @@ class IntrusionTally {
     static constexpr std::size_t kLabels = 1'000'000;
     struct Judged {
         std::uint64_t index{UINT64_MAX};
-        bool judged{false}, open_flagged{false};
-        std::uint8_t flagged{0};
+        Phases said;
     };
+    void count_forged(std::uint8_t phases, Phases const& said);
     std::vector<Judged> judged_;                             ///< the newest, by index modulo kSamples
     std::unordered_map<std::uint64_t, std::uint8_t> forged_; ///< phases by index; never iterated over
     Counts counts_;

@@ -45,8 +45,8 @@ function Verdicts({ relay, streams, shown }: { relay: string; streams: string[];
   return (
     <table class="plain">
       <thead><tr>
-        <th>stream</th><th class="number" title="samples of which there was a forecast">judged</th><th class="number" title="samples with a value too far from its forecast">flagged</th>
-        <th class="number" title="flagged, and the attacker had not touched them">false positives</th><th class="number" title="of the samples that nobody had touched">share</th>
+        <th>stream</th><th class="number" title="values of which there was a forecast">judged</th><th class="number" title="values too far from their forecast">flagged</th>
+        <th class="number" title="flagged, and the attacker had not touched them">false positives</th><th class="number" title="of the values that nobody had touched">share</th>
         <th class="number" title="the same for a forecaster that is not fed its own replacements: what the publication counts">open loop</th>
         <th class="number" title="values that the attacker has changed">fakes</th><th class="number">detected</th>
         <th class="number" title="values for which the forecast was taken">replaced</th><th class="number" title="missing samples that were filled">filled</th><th class="number">unusable</th>
