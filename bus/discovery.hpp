@@ -35,6 +35,7 @@ struct EndpointQos {
     bool ordered{false};             ///< presentation: in the order of all changes of the scope
     bool by_source_timestamp{false}; ///< destination order
     std::vector<Representation> representations{Representation::xcdr1}; ///< a writer uses the first; never empty
+    double latency_budget_s{0};
 };
 
 /// A reader or writer of somebody else's.

@@ -179,7 +179,12 @@ class FastDdsParticipant final : public Participant {
             return std::unexpected{qos.error()};
         }
         apply(like, *qos);
-        return make_reader(topic_name, codec, *qos, std::move(handler), true);
+        auto* const subscriber = subscriber_for(like.partitions);
+        if (subscriber == nullptr) {
+            return fail(ExitCode::environment, fmt::format("DDS refused a subscriber in the partitions [{}]",
+                                                           join(like.partitions, ", ")));
+        }
+        return make_reader(topic_name, codec, *qos, std::move(handler), true, subscriber);
     }
 
     [[nodiscard]] Peer peer(std::uint32_t index) const override { return directory_.peer(index); }
@@ -256,14 +261,16 @@ class FastDdsParticipant final : public Participant {
         return writer;
     }
     Result<std::unique_ptr<RawReader>> make_reader(std::string const& topic_name, Codec const& codec,
-                                                   dds::DataReaderQos& qos, SampleHandler handler, bool ignore_own) {
+                                                   dds::DataReaderQos& qos, SampleHandler handler, bool ignore_own,
+                                                   dds::Subscriber* subscriber = nullptr) {
         auto topic = find_topic(topic_name, codec);
         if (!topic) {
             return std::unexpected{topic.error()};
         }
         qos.endpoint().history_memory_policy =
             codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-        auto reader = std::make_unique<Reader>(directory_, subscriber_, std::move(handler));
+        auto reader = std::make_unique<Reader>(directory_, subscriber != nullptr ? subscriber : subscriber_,
+                                               std::move(handler));
         if (ignore_own) {
             reader->ignore(participant_->guid().guidPrefix);
         }
@@ -272,6 +279,22 @@ class FastDdsParticipant final : public Participant {
                         "its QoS profile is not consistent (depth against resource limits?)");
         }
         return reader;
+    }
+
+    /// Partitions are a matter of subscribers: there is one for each list of them.
+    dds::Subscriber* subscriber_for(std::vector<std::string> const& partitions) {
+        if (partitions.empty()) {
+            return subscriber_;
+        }
+        dds::Subscriber*& subscriber = partitioned_[partitions];
+        if (subscriber == nullptr) {
+            dds::SubscriberQos qos = dds::SUBSCRIBER_QOS_DEFAULT;
+            for (std::string const& name : partitions) {
+                qos.partition().push_back(name.c_str());
+            }
+            subscriber = participant_->create_subscriber(qos);
+        }
+        return subscriber;
     }
 
     /// The profile's transports, on the configured interfaces only, each with a cork.
@@ -317,6 +340,7 @@ class FastDdsParticipant final : public Participant {
     dds::DomainParticipant* participant_{nullptr};
     dds::Publisher* publisher_{nullptr};
     dds::Subscriber* subscriber_{nullptr};
+    std::map<std::vector<std::string>, dds::Subscriber*> partitioned_; // by their partitions
     std::set<std::string> types_;
     std::map<std::string, dds::Topic*> topics_;
 };

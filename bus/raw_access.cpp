@@ -155,6 +155,8 @@ Result<void> apply(TcpLink const& link, dds::DomainParticipantQos& qos) {
 
 void apply(EndpointQos const& like, dds::DataReaderQos& qos) {
     apply_common(like, qos);
+    qos.ownership().kind = like.exclusive ? dds::EXCLUSIVE_OWNERSHIP_QOS : dds::SHARED_OWNERSHIP_QOS;
+    qos.latency_budget().duration = eprosima::fastrtps::c_TimeInfinite; // whatever a writer allows itself
 }
 
 void apply(EndpointQos const& like, std::int32_t depth, dds::DataWriterQos& qos) {

@@ -30,8 +30,8 @@ struct TcpLink {
 [[nodiscard]] Result<std::unique_ptr<Participant>> join_over_tcp(ParticipantOptions options, TcpLink const& link,
                                                                  DiscoveryObserver* observer = nullptr);
 
-/// A reader with the QoS of `like` instead of a profile's; history and limits from the `default` profile. What its own
-/// participant writes is not handed to it.
+/// A reader with the QoS of `like` (reliability, durability, ownership, partitions) instead of a profile's; history and
+/// limits from the `default` profile. What its own participant writes is not handed to it.
 [[nodiscard]] Result<std::unique_ptr<RawReader>> create_reader_like(Participant& participant, std::string const& topic,
                                                                     Codec const& codec, EndpointQos const& like,
                                                                     SampleHandler handler);

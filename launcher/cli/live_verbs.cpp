@@ -50,6 +50,13 @@ std::string text_of(Json const& value) {
     return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
+/// Why there may be fewer samples than are written.
+void print_not_heard(Json const& topic, std::FILE* where) {
+    for (Json const& reason : topic.value("not_heard", Json::array())) {
+        fmt::print(where, "  the monitor hears nothing from {}\n", text_of(reason));
+    }
+}
+
 void print_graph(Json const& graph, bool framework) {
     std::map<std::string, bool> own;
     for (Json const& topic : graph.at("topics")) {
@@ -161,6 +168,7 @@ int topic_list(TopicArguments const& arguments) {
                        topic.value("type", ""), topic.value("network", ""), topic.value("writers", 0),
                        topic.value("readers", 0), topic.value("samples", std::uint64_t{0}),
                        topic.value("samples_per_second", 0.0));
+            print_not_heard(topic, stdout);
         }
     }
     return 0;
@@ -186,6 +194,7 @@ int topic_info(TopicArguments const& arguments) {
     }
     fmt::print("{}: {} on {}, {} samples\n", json->value("name", ""), json->value("type", ""),
                json->value("network", ""), json->value("samples", std::uint64_t{0}));
+    print_not_heard(*json, stdout);
     for (Json const& endpoint : endpoints) {
         Json const& qos = endpoint.at("qos");
         fmt::print("  {} {:<16} {}, {}\n", endpoint.value("writer", false) ? "->" : "<-", endpoint.value("process", ""),
@@ -213,8 +222,10 @@ int topic_echo(TopicArguments const& arguments) {
     if (json->at("last").empty()) {
         fmt::print(stderr, "no sample of '{}' has come yet\n", arguments.topic);
     }
+    print_not_heard(*json, stderr);
     for (Json const& sample : json->at("last")) {
-        fmt::print("# {} from {}\n", arguments.topic, sample.value("process", ""));
+        std::string const process = sample.value("process", "");
+        fmt::print("# {} from {}\n", arguments.topic, process.empty() ? "an unnamed process" : process);
         if (sample.contains("error")) {
             fmt::print("  {}\n", sample.value("error", ""));
         } else {

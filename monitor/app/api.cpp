@@ -125,6 +125,7 @@ std::string Api::topics() const {
         entry["samples"] = seen ? it->second.samples : 0;
         entry["octets"] = seen ? it->second.octets : 0;
         entry["samples_per_second"] = seen ? it->second.per_second : 0.0;
+        entry["not_heard"] = topic.not_heard;
         out.push_back(std::move(entry));
     }
     return text({{"topics", std::move(out)}});
@@ -153,6 +154,16 @@ std::optional<std::pair<TopicState, std::string>> Api::topic_state(std::string c
     return std::pair{std::move(state), std::move(text)};
 }
 
+std::vector<std::string> Api::not_heard(TopicState const& state) const {
+    std::lock_guard const lock{run_.mutex};
+    for (graph::Topic const& topic : run_.snapshot().topics) {
+        if (topic.name == state.topic && topic.network == state.network) {
+            return topic.not_heard;
+        }
+    }
+    return {};
+}
+
 web::Response Api::topic(std::string const& name) const {
     auto const found = topic_state(name);
     if (!found) {
@@ -165,6 +176,7 @@ web::Response Api::topic(std::string const& name) const {
                                {"samples", state.samples},
                                {"octets", state.octets},
                                {"samples_per_second", state.per_second},
+                               {"not_heard", not_heard(state)},
                                {"idl", idl}}));
 }
 
@@ -201,6 +213,7 @@ web::Response Api::last_samples(std::string const& name, bool cdr) const {
                                {"network", state.network},
                                {"type", state.type},
                                {"samples", state.samples},
+                               {"not_heard", not_heard(state)},
                                {"last", std::move(samples)}}));
 }
 

@@ -54,6 +54,7 @@ class Api {
     [[nodiscard]] web::Response metrics() const;
 
     /// State and IDL text of a topic; nothing when nobody writes or reads it.
+    [[nodiscard]] std::vector<std::string> not_heard(TopicState const& state) const;
     [[nodiscard]] std::optional<std::pair<TopicState, std::string>> topic_state(std::string const& name) const;
 
     LiveRun const& run_;

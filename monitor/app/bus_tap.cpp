@@ -20,6 +20,31 @@ namespace {
 constexpr std::array<std::string_view, 5> kProfiles{"simulation_clock", "member_status", "type_catalog",
                                                     "signal_catalog", "signals"};
 
+/// What the reader of a topic asks for. One that asks for more than a writer offers gets nothing from it: the weakest of
+/// the topic's writers decides, or what all of them have in common.
+struct Wanted {
+    bool reliable{true}, kept{true}, exclusive{true};
+    bool partitioned{false}; ///< any is in a partition: all of them are read
+
+    [[nodiscard]] Wanted with(bus::EndpointQos const& writer) const {
+        bool const named = std::any_of(writer.partitions.begin(), writer.partitions.end(),
+                                       [](std::string const& partition) { return !partition.empty(); });
+        return {reliable && writer.reliable, kept && writer.durability >= bus::Durability::transient_local,
+                exclusive && writer.exclusive, partitioned || named};
+    }
+    [[nodiscard]] bus::EndpointQos qos() const {
+        bus::EndpointQos out;
+        out.reliable = reliable;
+        out.durability = kept ? bus::Durability::transient_local : bus::Durability::volatile_;
+        out.exclusive = exclusive;
+        if (partitioned) {
+            out.partitions = {"", "*"};
+        }
+        return out;
+    }
+    bool operator==(Wanted const&) const = default;
+};
+
 } // namespace
 
 /// One domain: what is discovered goes into the graph, and topics that appear wait for a reader.
@@ -41,16 +66,16 @@ struct BusTap::Network final : bus::DiscoveryObserver {
             bus::DiscoveredParticipant us = self;
             us.id = endpoint.participant;
             run.graph.participant_found(name, us);
+            run.graph.look_through(us.id);
         }
         run.graph.endpoint_found(name, endpoint);
         if (!endpoint.writer) {
             return;
         }
-        // A reader that asks for more than a writer offers gets nothing from it: the weakest decides.
-        auto const [it, first] = followed.try_emplace(endpoint.topic, true);
-        bool const lowered = std::exchange(it->second, it->second && endpoint.qos.reliable) != it->second;
+        auto const [it, first] = followed.try_emplace(endpoint.topic, Wanted{});
+        Wanted const before = std::exchange(it->second, it->second.with(endpoint.qos));
         bool const own = std::find(kProfiles.begin(), kProfiles.end(), endpoint.topic) != kProfiles.end();
-        if (first || (lowered && !own)) {
+        if (first || (before != it->second && !own)) {
             waiting.push_back({endpoint.topic, endpoint.type, endpoint.keyed, own, it->second});
         }
     }
@@ -62,15 +87,15 @@ struct BusTap::Network final : bus::DiscoveryObserver {
     struct NewTopic {
         std::string topic, type;
         bool keyed{false};
-        bool own{false};     ///< has a profile of its own
-        bool reliable{true}; ///< its reader, otherwise
+        bool own{false}; ///< has a profile of its own
+        Wanted wanted;   ///< of its reader, otherwise
     };
 
     std::string const name;
     LiveRun& run;
     bus::DiscoveredParticipant self;
     std::set<std::string> known;          // participants; with the run's mutex
-    std::map<std::string, bool> followed; // by topic, all its writers have been reliable; with the run's mutex
+    std::map<std::string, Wanted> followed; // by topic; with the run's mutex
     std::vector<NewTopic> waiting;        // with the run's mutex
     std::deque<std::string> type_names;   // codecs refer to them
     std::unique_ptr<bus::Participant> participant;
@@ -141,11 +166,9 @@ void BusTap::follow() {
                                    header.source_ns);
             };
             network->readers.erase(found.topic); // one that asked for more than a writer gives
-            bus::EndpointQos like;               // volatile, which everybody offers
-            like.reliable = found.reliable;
             auto reader = found.own ? network->participant->create_reader(found.topic, codec, std::move(handler))
-                                    : bus::create_reader_like(*network->participant, found.topic, codec, like,
-                                                              std::move(handler));
+                                    : bus::create_reader_like(*network->participant, found.topic, codec,
+                                                              found.wanted.qos(), std::move(handler));
             if (reader) {
                 network->readers[found.topic] = std::move(*reader);
             } else {

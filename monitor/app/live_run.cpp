@@ -213,6 +213,22 @@ void LiveRun::add_event(RunEvent event) {
     }
 }
 
+void LiveRun::tell_not_heard() {
+    std::lock_guard const lock{mutex};
+    std::set<std::string> now;
+    for (graph::Topic const& topic : snapshot().topics) {
+        for (std::string const& reason : topic.not_heard) {
+            now.insert("the monitor hears nothing on '" + topic.name + "' from " + reason);
+        }
+    }
+    for (std::string const& text : now) { // a reader that is just being replaced misses nothing
+        if (unheard_.contains(text) && told_unheard_.size() < kGroups && told_unheard_.insert(text).second) {
+            add_event({0, clock.time_s, "monitor", "not_heard", text});
+        }
+    }
+    unheard_ = std::move(now);
+}
+
 std::pair<stream::SignalWindow const*, std::size_t> LiveRun::find_signal(std::string const& name) const {
     for (auto const& [key, window] : signals) {
         if (window != nullptr) {

@@ -225,6 +225,7 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         uses.follow(live, now);
         if (tap != nullptr && now - measured >= std::chrono::milliseconds{500}) {
             live.measure(now - measured);
+            live.tell_not_heard();
             kept = keep_graph(live, kept);
             measured = now;
         }

@@ -34,7 +34,8 @@ std::string to_json(Snapshot const& graph) {
                           {"type", t.type},
                           {"framework", t.framework},
                           {"writers", t.writers},
-                          {"readers", t.readers}});
+                          {"readers", t.readers},
+                          {"not_heard", t.not_heard}});
     }
     for (Edge const& e : graph.edges) {
         edges.push_back({{"process", e.process},
@@ -75,6 +76,7 @@ std::string to_json(Snapshot const& graph) {
                                {"partitions", q.partitions},
                                {"destination_order", q.by_source_timestamp ? "by source timestamp" : "by reception timestamp"},
                                {"presentation", {{"scope", name_of(q.scope)}, {"coherent", q.coherent}, {"ordered", q.ordered}}},
+                               {"latency_budget_s", duration(q.latency_budget_s)},
                                {"representations", representations}}}});
     }
     return Json{

@@ -83,6 +83,11 @@ void GraphModel::endpoint_gone(std::string const& id) {
     }
 }
 
+void GraphModel::look_through(std::string const& participant) {
+    own_.insert(participant);
+    ++revision_;
+}
+
 std::string GraphModel::process_of(std::string const& participant) const {
     auto const it = participants_.find(participant);
     if (it == participants_.end()) {
@@ -153,12 +158,20 @@ Snapshot GraphModel::snapshot() const {
             ++edge.endpoints;
         }
         for (Endpoint const& w : endpoints) {
+            bool heard = !w.endpoint.writer;
+            std::vector<std::string> unheard;
             for (Endpoint const& r : endpoints) {
                 if (!w.endpoint.writer || r.endpoint.writer) {
                     continue;
                 }
                 Edge &writing = edges[{w.process, true}], &reading = edges[{r.process, false}];
                 auto const reasons = mismatch(w.endpoint, r.endpoint);
+                if (own_.contains(r.endpoint.participant)) {
+                    heard = heard || reasons.empty();
+                    for (std::string const& reason : reasons) {
+                        add_once(unheard, w.process + ": " + reason);
+                    }
+                }
                 if (!reasons.empty() && processes[r.process].program == "gridspace-monitor") {
                     continue; // whoever looks on is no fault of what it looks at
                 }
@@ -168,6 +181,11 @@ Snapshot GraphModel::snapshot() const {
                 for (std::string const& reason : reasons) {
                     add_once(writing.problems, r.process + " does not get it: " + reason);
                     add_once(reading.problems, "gets nothing from " + w.process + ": " + reason);
+                }
+            }
+            for (std::string const& reason : unheard) {
+                if (!heard) {
+                    add_once(topic.not_heard, reason);
                 }
             }
         }

@@ -44,6 +44,9 @@ bus::EndpointQos qos_of(Json const& json) {
     if (!json.contains("presentation")) {
         return qos; // a recording of before these were kept
     }
+    if (json.contains("latency_budget_s")) {
+        qos.latency_budget_s = duration(json.at("latency_budget_s"));
+    }
     qos.by_source_timestamp = json.at("destination_order") == "by source timestamp";
     Json const& presentation = json.at("presentation");
     qos.scope = named(presentation.at("scope").get<std::string>(),
@@ -72,7 +75,8 @@ std::optional<Snapshot> from_json(std::string const& text) try {
     }
     for (Json const& t : json.at("topics")) {
         out.topics.push_back(
-            {t.at("name"), t.at("network"), t.at("type"), t.at("framework"), t.at("writers"), t.at("readers")});
+            {t.at("name"), t.at("network"), t.at("type"), t.at("framework"), t.at("writers"), t.at("readers"),
+             t.value("not_heard", std::vector<std::string>{})});
     }
     for (Json const& e : json.at("edges")) {
         out.edges.push_back({e.at("process"), e.at("topic"), e.at("network"), e.at("writes"), e.at("endpoints"),

@@ -108,6 +108,10 @@ std::vector<std::string> mismatch(bus::DiscoveredEndpoint const& writer, bus::Di
         reasons.push_back(fmt::format("deadline: offered is {}, requested is {}", duration(offered.deadline_s),
                                       duration(requested.deadline_s)));
     }
+    if (later(offered.latency_budget_s, requested.latency_budget_s)) {
+        reasons.push_back(fmt::format("latency budget: offered is {}, requested is {}",
+                                      duration(offered.latency_budget_s), duration(requested.latency_budget_s)));
+    }
     if (offered.liveliness < requested.liveliness) {
         reasons.push_back(fmt::format("liveliness: offered is {}, requested is {}", name_of(offered.liveliness),
                                       name_of(requested.liveliness)));

@@ -130,6 +130,7 @@ function Drawer() {
     <aside class="drawer" aria-label={`${p.kind} ${p.name}`}>
       <div class="tools"><h2>{p.kind} {p.name}</h2><button aria-label="close" onClick={() => { picked.value = null; }}>×</button></div>
       {process && p.kind === "process" && <p>{process.program} on {process.host}, <b>{standing(process.state).said}</b>, {process.addresses.join(", ")}</p>}
+      {p.kind === "topic" && g.topics.filter(t => t.name === p.name).flatMap(t => t.not_heard ?? []).map(x => <p class="bad" key={x}>✕ the monitor hears nothing from {x}</p>)}
       {problems.map(x => <p class="bad" key={x}>✕ {x}</p>)}
       {last && <h3>Last samples</h3>}
       {last?.last.map((s, i) => (

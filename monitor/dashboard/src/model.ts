@@ -7,7 +7,7 @@ export interface Run {
   processes: Process[];
 }
 export interface GraphProcess extends Process { addresses: string[]; networks: string[] }
-export interface GraphTopic { name: string; network: string; type: string; framework: boolean; writers: number; readers: number }
+export interface GraphTopic { name: string; network: string; type: string; framework: boolean; writers: number; readers: number; not_heard?: string[] }
 export interface Edge {
   process: string; topic: string; network: string; writes: boolean; endpoints: number; matched: boolean; problems: string[];
 }

@@ -30,7 +30,7 @@ class ForeignTypes(harness.ScenarioTest):
         self.idl = self.write("weather.idl", IDL)
 
     @contextlib.contextmanager
-    def monitor(self, **settings):
+    def monitor(self, topic="rt/weather", **settings):
         config = self.write("monitor.yaml", json.dumps({
             "process": "monitor", "program": "gridspace-monitor",
             "bus": {"qos": str(harness.SOURCE / "qos/monitor.xml"), "management": {"domain": DOMAIN, "addresses": ["127.0.0.1"]}},
@@ -45,7 +45,7 @@ class ForeignTypes(harness.ScenarioTest):
                     self.assertLess(time.monotonic(), deadline)
                     time.sleep(0.02)
                 monitor = client.Monitor(next(w for w in log.read_text().split() if w.startswith("http://")))
-                monitor.until("/api/v1/topics", lambda t: any(x["name"] == "rt/weather" and x["samples"] > 0 for x in t["topics"]), "a sample")
+                monitor.until("/api/v1/topics", lambda t: any(x["name"] == topic and x["samples"] > 0 for x in t["topics"]), "a sample")
                 yield monitor
             finally:
                 process.terminate()
@@ -106,18 +106,39 @@ class ForeignTypes(harness.ScenarioTest):
             self.assertEqual(code, harness.USAGE, out + err)
             self.assertIn(said, out + err)
 
-    def strict_reader(self):
+    def of_another_dds(self, name, **options):
         """Built of the IDL by the tools of another DDS."""
         self.write("weather.idl", IDL.replace("@key ", ""))  # the writer has no key
-        source = pathlib.Path(__file__).parent / "strict_reader.c"
+        source = pathlib.Path(__file__).parent / f"{name}.c"
         for command in (["idlc", "-l", "c", "-t", "-o", self.folder, self.folder / "weather.idl"],
-                        ["gcc", "-Wall", "-Wextra", "-I", self.folder, "-o", self.folder / "strict_reader", source, self.folder / "weather.c", "-lddsc"]):
+                        ["gcc", "-Wall", "-Wextra", "-I", self.folder, "-o", self.folder / name, source, self.folder / "weather.c", "-lddsc"]):
             done = subprocess.run(command, capture_output=True, text=True, timeout=client.PATIENCE_S)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return subprocess.Popen([self.folder / "strict_reader", str(DOMAIN)], stdin=subprocess.PIPE)
+        return subprocess.Popen([self.folder / name, str(DOMAIN)], stdin=subprocess.PIPE, **options)
+
+    def test_writers_that_others_overhear_are_heard_and_of_the_rest_it_is_said_why(self):
+        with self.of_another_dds("strange_writers", stdout=subprocess.PIPE, text=True) as writers:
+            self.assertEqual(writers.stdout.readline(), "written\n")
+            with self.monitor(topic="parted", idl=str(self.idl)) as monitor:
+                for topic in ("parted", "owned", "patient", "kept"):
+                    said = monitor.until(f"/api/v1/topics/{topic}/last", lambda t: t["last"], f"a sample of {topic}")
+                    self.assertEqual((said["last"][0]["fields"]["celsius"], said["not_heard"]), (21.5, []))
+                said = "stranger: data representation: written is XCDR2, read is XCDR1"
+                self.assertEqual(monitor.json("/api/v1/topics/xcdr2/last")["not_heard"], [said])
+                self.assertEqual(monitor.json("/api/v1/topics/xcdr2")["not_heard"], [said])
+                event = monitor.until("/api/v1/events", lambda e: e["events"], "an event")["events"]
+                self.assertEqual([(e["source"], e["event"], e["text"]) for e in event],
+                                 [("monitor", "not_heard", f"the monitor hears nothing on 'xcdr2' from {said}")])
+                for verb in (["echo", "xcdr2"], ["list"], ["info", "xcdr2"]):
+                    code, out, err = harness.gridspace("topic", *verb, "--run", f"http://{monitor.host}:{monitor.port}")
+                    self.assertEqual(code, harness.OK, err)
+                    self.assertIn(f"hears nothing from {said}", out + err)
+                _, out, err = harness.gridspace("topic", "echo", "kept", "--run", f"http://{monitor.host}:{monitor.port}")
+                self.assertIn("# kept from an unnamed process", out, err)
+            writers.stdin.close()
 
     def test_what_a_reader_of_another_dds_asks_for_in_vain_is_said(self):
-        with self.station(), self.monitor() as monitor, self.strict_reader() as reader:
+        with self.station(), self.monitor() as monitor, self.of_another_dds("strict_reader") as reader:
             graph = monitor.until("/api/v1/graph", lambda g: any(e["problems"] for e in g["edges"]), "a broken edge")
             reader.stdin.close()
         problems = " ".join(p for e in graph["edges"] for p in e["problems"])

@@ -104,6 +104,36 @@ TEST(Graph, SaysWhyAnEdgeIsBroken) {
     EXPECT_THAT(to_dot(pair().snapshot(), false), Not(HasSubstr("color=red")));
 }
 
+TEST(Match, AllowsAWriterALatencyThatTheReaderAllowsToo) {
+    auto writer = endpoint("w", "p", true), reader = endpoint("r", "q", false);
+    writer.qos.latency_budget_s = 5;
+    reader.qos.latency_budget_s = 0.001;
+    EXPECT_THAT(mismatch(writer, reader), ElementsAre("latency budget: offered is 5 s, requested is 0.001 s"));
+    reader.qos.latency_budget_s = 5;
+    EXPECT_THAT(mismatch(writer, reader), IsEmpty());
+    reader.qos.latency_budget_s = -1;
+    EXPECT_THAT(mismatch(writer, reader), IsEmpty());
+}
+
+TEST(Graph, SaysOfATopicWhichWriterWhoeverLooksOnDoesNotHear) {
+    GraphModel sut = pair();
+    sut.participant_found("data", {"p3", {"monitor", 0, "gridspace-monitor"}, {}});
+    sut.look_through("p3");
+    auto writer = endpoint("w2", "p2", true);
+    writer.qos.representations = {bus::Representation::xcdr2};
+    sut.endpoint_found("data", writer);
+    EXPECT_THAT(sut.snapshot().topics.at(0).not_heard, IsEmpty()); // it has no reader yet
+    sut.endpoint_found("data", endpoint("m", "p3", false));
+    Snapshot const graph = sut.snapshot();
+    EXPECT_THAT(graph.topics.at(0).not_heard,
+                ElementsAre("mcca: data representation: written is XCDR2, read is XCDR1"));
+    EXPECT_EQ(from_json(to_json(graph))->topics.at(0).not_heard, graph.topics.at(0).not_heard);
+    auto other = endpoint("m2", "p3", false); // a second reader that does hear it
+    other.qos.representations = {bus::Representation::xcdr2};
+    sut.endpoint_found("data", other);
+    EXPECT_THAT(sut.snapshot().topics.at(0).not_heard, IsEmpty());
+}
+
 TEST(Graph, DoesNotMatchAcrossNetworks) {
     GraphModel sut = pair();
     sut.endpoint_gone("r");
