@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "router/route_table.hpp"
 
+#include "common/text.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <tuple>
@@ -23,6 +25,26 @@ void weaken(bus::EndpointQos& qos, bus::EndpointQos const& other) {
 bool in_partition(bus::EndpointQos const& qos) {
     return std::any_of(qos.partitions.begin(), qos.partitions.end(),
                        [](std::string const& name) { return !name.empty(); });
+}
+
+/// Why the router's readers get nothing of a writer; empty: they do.
+std::string unheard(bus::EndpointQos const& qos) {
+    if (qos.exclusive) {
+        return "it has exclusive ownership";
+    }
+    if (in_partition(qos)) {
+        return fmt::format("it is in the partition{} {}", qos.partitions.size() == 1 ? "" : "s",
+                           join(qos.partitions, ", "));
+    }
+    switch (qos.representations.front()) { // a writer uses the first
+    case bus::Representation::xcdr1:
+        return "";
+    case bus::Representation::xcdr2:
+        return "it writes XCDR2";
+    case bus::Representation::xml:
+        return "it writes XML";
+    }
+    return "";
 }
 
 } // namespace
@@ -67,10 +89,9 @@ void RouteTable::endpoint_found(std::size_t end, bus::DiscoveredEndpoint const& 
     if (!contains(topic->from, end)) {
         return;
     }
-    if (in_partition(endpoint.qos) || endpoint.qos.exclusive) {
-        note(fmt::format("a writer of '{}' on {} is not heard: it {}", endpoint.topic, config_.ends[end].name.name,
-                         endpoint.qos.exclusive ? "has exclusive ownership"
-                                                : "is in the partition " + endpoint.qos.partitions.front()));
+    if (std::string const why = unheard(endpoint.qos); !why.empty()) {
+        writers_.erase(endpoint.id); // it may have changed its partition
+        note(fmt::format("a writer of '{}' on {} is not heard: {}", endpoint.topic, config_.ends[end].name.name, why));
         return;
     }
     auto const known = writers_.find(endpoint.id);

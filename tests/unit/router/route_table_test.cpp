@@ -148,6 +148,28 @@ TEST(RouteTable, WhatItCannotCarryIsSaid) {
     EXPECT_THAT(sut.take_notes(), ElementsAre(HasSubstr("exclusive"), HasSubstr("room")));
 }
 
+TEST(RouteTable, AWriterThatNoReaderOfTheRouterUnderstandsIsNotCarriedAndTheReasonIsSaid) {
+    RouterConfig const config = valid(kTwoDomainsAndALink);
+    RouteTable sut{config};
+    sut.participant_found(a, "p", "");
+    auto newer = writer("w1", "p", "x"), both = writer("w2", "p", "x"), hidden = writer("w3", "p", "x");
+    newer.qos.representations = {bus::Representation::xcdr2};
+    both.qos.representations = {bus::Representation::xcdr2, bus::Representation::xcdr1}; // it uses the first
+    hidden.qos.partitions = {"room", "hall"};
+    for (auto const& found : {newer, both, hidden}) {
+        sut.endpoint_found(a, found);
+    }
+    EXPECT_THAT(sut.routes(), IsEmpty());
+    EXPECT_THAT(sut.take_notes(), ElementsAre("a writer of 'x' on a is not heard: it writes XCDR2",
+                                              "a writer of 'x' on a is not heard: it is in the partitions room, hall"));
+    auto moving = writer("w4", "p", "x");
+    sut.endpoint_found(a, moving);
+    ASSERT_EQ(sut.routes().size(), 1U);
+    moving.qos.partitions = {"room"};
+    sut.endpoint_found(a, moving);
+    EXPECT_THAT(sut.routes(), IsEmpty());
+}
+
 struct Mistake {
     char const* name;
     char const* text;
