@@ -16,9 +16,16 @@ class ClockWatch {
     static constexpr std::int64_t kTolerableOffset = 200'000'000;
     static constexpr int kSamples = 20; ///< a late sample looks like an offset; not all of so many are late
 
-    /// By how much the wall clock has been set since the first call, if it was.
-    std::optional<std::int64_t> step(std::int64_t wall_ns, std::int64_t steady_ns) {
-        std::int64_t const difference = wall_ns - steady_ns;
+    static constexpr std::int64_t kLongestLook = 10'000'000; ///< who was not scheduled in between has seen no step
+
+    /// By how much the wall clock has been set since the first look, if it was. A look reads the steady clock, the wall
+    /// clock, and the steady clock again.
+    std::optional<std::int64_t> step(std::int64_t steady_before_ns, std::int64_t wall_ns,
+                                     std::int64_t steady_after_ns) {
+        if (steady_after_ns - steady_before_ns > kLongestLook) {
+            return std::nullopt;
+        }
+        std::int64_t const difference = wall_ns - steady_before_ns;
         if (!difference_) {
             difference_ = difference;
         }

@@ -19,6 +19,11 @@ std::int64_t wall_clock_ns() {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(utc).count();
 }
 
+std::int64_t steady_clock_ns() {
+    auto const since_start = std::chrono::steady_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(since_start).count();
+}
+
 } // namespace
 
 SimTime Node::Core::time_now() const {
@@ -40,10 +45,8 @@ SimTime Node::Core::time_now() const {
 }
 
 void Node::Core::watch_clock() {
-    std::int64_t const steady_ns =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-            .count();
-    if (auto const by = clock_watch.step(wall_clock_ns(), steady_ns)) {
+    std::int64_t const before_ns = steady_clock_ns(), wall_ns = wall_clock_ns();
+    if (auto const by = clock_watch.step(before_ns, wall_ns, steady_clock_ns())) {
         fail_locked({ExitCode::environment,
                      fmt::format("the clock of this machine was set {} by {:.3f} s", *by > 0 ? "forward" : "back",
                                  std::abs(static_cast<double>(*by)) / 1e9),

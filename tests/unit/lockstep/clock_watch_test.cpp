@@ -7,22 +7,32 @@
 namespace gridspace::bus {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000, kSecond = 1000 * kMs, kNow = 1'700'000'000 * kSecond;
+constexpr std::int64_t kUs = 1'000, kMs = 1000 * kUs, kSecond = 1000 * kMs, kNow = 1'700'000'000 * kSecond;
 
 TEST(ClockWatch, NoticesThatTheClockIsSetForwardOrBack) {
     for (std::int64_t const by : {3600 * kSecond, -3600 * kSecond, 101 * kMs, -101 * kMs}) {
         ClockWatch sut;
-        EXPECT_FALSE(sut.step(kNow, 5 * kSecond));
-        EXPECT_FALSE(sut.step(kNow + kSecond, 6 * kSecond));
-        EXPECT_EQ(sut.step(kNow + 2 * kSecond + by, 7 * kSecond), by);
+        EXPECT_FALSE(sut.step(5 * kSecond, kNow, 5 * kSecond + kUs));
+        EXPECT_FALSE(sut.step(6 * kSecond, kNow + kSecond, 6 * kSecond + kUs));
+        EXPECT_EQ(sut.step(7 * kSecond, kNow + 2 * kSecond + by, 7 * kSecond + kUs), by);
     }
 }
 
 TEST(ClockWatch, ToleratesAClockThatIsMadeToRunFaster) {
     ClockWatch sut;
     for (std::int64_t t = 0; t < 100; ++t) { // 500 ppm, the most that the kernel slews
-        EXPECT_FALSE(sut.step(kNow + t * kSecond + t * kMs / 2, t * kSecond));
+        EXPECT_FALSE(sut.step(t * kSecond, kNow + t * kSecond + t * kMs / 2, t * kSecond + kUs));
     }
+}
+
+TEST(ClockWatch, TakesItsOwnPreemptionBetweenTwoReadingsForNoStep) {
+    ClockWatch sut;
+    // Not scheduled for 300 ms behind the first reading: at once, and later.
+    EXPECT_FALSE(sut.step(4 * kSecond, kNow - kSecond + 300 * kMs, 4 * kSecond + 300 * kMs));
+    EXPECT_FALSE(sut.step(5 * kSecond, kNow, 5 * kSecond + kUs)) << "that look was no measure";
+    EXPECT_FALSE(sut.step(6 * kSecond, kNow + kSecond + 300 * kMs, 6 * kSecond + 300 * kMs));
+    EXPECT_FALSE(sut.step(7 * kSecond, kNow + 2 * kSecond, 7 * kSecond + 300 * kMs)) << "behind the second";
+    EXPECT_EQ(sut.step(8 * kSecond, kNow + 5 * kSecond, 8 * kSecond + kUs), 2 * kSecond) << "a real one is still seen";
 }
 
 TEST(ClockWatch, NoticesAnotherClockThanTheSimulators) {
