@@ -280,7 +280,13 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     }
     if (!core.lockstep()) {
         if (final) { // nobody waits in real time, but the end is for all: who has not heard it takes us for dead
-            (void)s.clock_writer->wait_acknowledged(std::chrono::seconds{2});
+            Deadline const patience{2};
+            (void)s.clock_writer->wait_acknowledged(patience.left());
+            for (Node::Core::WriterSlot const& writer : core.writers) { // what was said last goes with its writer
+                if (writer.raw != nullptr && !patience.passed()) {
+                    (void)writer.raw->wait_acknowledged(patience.left());
+                }
+            }
             return {};
         }
         cork(); // what the next tick publishes leaves with its clock, in few datagrams

@@ -87,6 +87,10 @@ class Node {
     /// Real time, after the final tick: what the simulator says to have sent and has not come, topic by topic
     /// ("3 of 9601 samples of 'TL_21' from sim"). Empty: nothing, or the end has not come.
     [[nodiscard]] std::string missing_of_simulator() const;
+    /// Those expected writers of what is read here that are matched, and leave by themselves after the end: the
+    /// simulator and its members.
+    [[nodiscard]] std::vector<std::string> writers_here() const;
+    [[nodiscard]] bool stop_is_requested() const;
 
     [[nodiscard]] NodeConfig const& config() const;
     [[nodiscard]] TimeBase const& time_base() const;

@@ -389,7 +389,7 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
     }
     if (!core.lockstep()) {
         // What was said last is still on its way, and goes with its writer: leaving waits until it has arrived.
-        Deadline const patience{tick.final ? 0.5 : 0};
+        Deadline const patience{tick.final ? 2.0 : 0};
         for (Core::WriterSlot const& writer : core.writers) {
             if (tick.final && writer.raw != nullptr && !patience.passed()) {
                 (void)writer.raw->wait_acknowledged(patience.left());
@@ -435,6 +435,32 @@ std::string Node::missing_of_simulator() const {
 }
 
 NodeConfig const& Node::config() const {
+bool Node::stop_is_requested() const {
+    std::lock_guard const lock{core_->mutex};
+    return core_->stop_requested;
+}
+
+std::vector<std::string> Node::writers_here() const {
+    Core const& core = *core_;
+    ClockConfig const& clock = core.config.clock;
+    std::set<std::string> here;
+    for (auto const& reader : core.readers) {
+        auto const expected = core.config.expected_writers.find(reader->topic);
+        if (expected == core.config.expected_writers.end()) {
+            continue;
+        }
+        for (Peer const& peer : reader->raw->matched()) {
+            bool const ends_with_the_clock =
+                peer.process == clock.simulator ||
+                std::find(clock.members.begin(), clock.members.end(), peer.process) != clock.members.end();
+            if (ends_with_the_clock && expected->second.contains(peer.process)) {
+                here.insert(peer.process);
+            }
+        }
+    }
+    return {here.begin(), here.end()};
+}
+
     return core_->config;
 }
 TimeBase const& Node::time_base() const {

@@ -8,6 +8,7 @@
 #include "bus/topics.hpp"
 #include "common/idl/cdr_visitor.hpp"
 #include "common/log.hpp"
+#include "common/text.hpp"
 #include "recorder/app/frame_capture.hpp"
 #include "recorder/app/recorder_config.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
@@ -122,16 +123,15 @@ class RecorderShell {
         }
     }
 
-    /// Real time: the others hear of the end when this process does, and say their last counters then.
+    /// Real time: the others hear of the end when this process does, say their last counters then, and leave. Whoever
+    /// is still there after five seconds is named.
     Result<void> take_last_words() {
-        constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20},
-                       kLongest = std::chrono::milliseconds{1500};
+        constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20};
+        constexpr auto kLongest = std::chrono::seconds{5};
         auto const begin = std::chrono::steady_clock::now();
+        auto gone = begin; // not before that
         while (true) {
-            auto const waited = std::chrono::steady_clock::now() - begin;
-            if (waited >= kLongest || (waited >= kTime && node_.missing_of_simulator().empty())) {
-                return {};
-            }
+            auto const remaining = node_.writers_here(); // before what they have sent is taken
             std::this_thread::sleep_for(kRound);
             if (auto ok = frames_->write_due(); !ok) {
                 return ok;
@@ -139,6 +139,27 @@ class RecorderShell {
             if (auto ok = write_due(true); !ok) {
                 return ok;
             }
+            auto const now = std::chrono::steady_clock::now();
+            gone = remaining.empty() ? gone : now;
+            // What is still missing of a simulator that has left is only what waits in this machine's sockets.
+            bool const all = remaining.empty() && (node_.missing_of_simulator().empty() || now - gone >= kTime);
+            if (node_.stop_is_requested() || (all && now - begin >= kTime)) {
+                return {};
+            }
+            if (now - begin >= kLongest) {
+                report_remaining(remaining);
+                return {};
+            }
+        }
+    }
+
+    void report_remaining(std::vector<std::string> const& processes) {
+        if (!processes.empty()) {
+            std::string const text = fmt::format(
+                "{} {} still there five seconds after the end: the last samples may not be in the recording",
+                join(processes, ", "), processes.size() == 1 ? "is" : "are");
+            log::warning("{}", text);
+            status_.event(last_s_, node_.config().process, "still_there", text);
         }
     }
 
