@@ -121,7 +121,8 @@ class Supervisor {
             return true;
         }
         auto const now = Clock::now();
-        if (suspect_ && !simulator_done_ && now > suspect_->first) {
+        auto const patience = end_patience();
+        if (suspect_ && !simulator_done_ && patience && now > suspect_->first + *patience) {
             fail_with(suspicion());
             return true;
         }
@@ -131,10 +132,13 @@ class Supervisor {
         }
         auto const is_awaited = [](Watched const& w) { return w.running && !w.plan.is_observer && !w.paused; };
         bool const members_done = std::none_of(watched_.begin(), watched_.end(), is_awaited);
-        if (!members_done && now > *simulator_done_ + seconds{10}) {
+        if (!members_done && patience && now > *simulator_done_ + *patience) {
             for (Watched const& w : watched_) {
                 if (is_awaited(w)) {
-                    fail_with({ExitCode::stall, fmt::format("process '{}' did not end after the last tick", w.plan.name), "see its log"});
+                    fail_with({ExitCode::stall,
+                               fmt::format("process '{}' did not end within {} s of the last tick", w.plan.name,
+                                           shortest(patience->count())),
+                               "see its log"});
                 }
             }
         }
@@ -145,6 +149,15 @@ class Supervisor {
     /// its leases, however long its step or its wait for the next tick is; a stopped or frozen one uses none.
     void watch_simulator(Clock::time_point now) {
         auto const sim =
+    /// How long the members may take to end after the simulator, or the simulator after the first of them. None without
+    /// deadlines.
+    [[nodiscard]] std::optional<std::chrono::duration<double>> end_patience() const {
+        if (plan_.member_timeout_s <= 0) {
+            return std::nullopt;
+        }
+        return std::chrono::duration<double>{std::max(10.0, 2 * plan_.member_timeout_s)};
+    }
+
             std::find_if(watched_.begin(), watched_.end(), [](Watched const& w) { return w.plan.is_simulator; });
         if (sim == watched_.end() || !sim->running || plan_.member_timeout_s <= 0) {
             return;
@@ -290,7 +303,7 @@ class Supervisor {
         }
         if (clean && !simulator_done_) {
             if (w.plan.is_member && !suspect_) { // it may just be quicker with the last tick than the simulator, who waits for the recorder
-                suspect_ = {Clock::now() + seconds{10}, w.plan.name};
+                suspect_ = {Clock::now(), w.plan.name};
             }
             return;
         }
@@ -401,7 +414,7 @@ class Supervisor {
         return true;
     }
 
-    /// Ends what still runs: a request, two seconds, then force.
+    /// Ends what still runs: a request, two seconds (ten for who has to finish a recording on a slow disk), then force.
     void end_all() {
         for (Watched& w : watched_) {
             if (w.running) {
@@ -410,14 +423,20 @@ class Supervisor {
                 ::kill(-w.child.pid, SIGTERM);
             }
         }
-        auto const deadline = Clock::now() + seconds{2};
-        auto const any = [&] { return std::any_of(watched_.begin(), watched_.end(), [](Watched const& w) { return w.running; }); };
-        while (any() && Clock::now() < deadline) {
-            step();
-        }
-        for (Watched& w : watched_) {
-            kill_and_reap(w);
-        }
+        auto const end_those = [&](auto deadline, auto const& concerns) {
+            auto const is_awaited = [&](Watched const& w) { return w.running && concerns(w); };
+            while (std::any_of(watched_.begin(), watched_.end(), is_awaited) && Clock::now() < deadline) {
+                step();
+            }
+            for (Watched& w : watched_) {
+                if (concerns(w)) {
+                    kill_and_reap(w);
+                }
+            }
+        };
+        auto const asked = Clock::now();
+        end_those(asked + seconds{2}, [](Watched const& w) { return w.plan.program != "gridspace-recorder"; });
+        end_those(asked + seconds{10}, [](Watched const&) { return true; });
     }
 
     [[nodiscard]] Error suspicion() const {
@@ -454,8 +473,8 @@ class Supervisor {
     std::optional<Error> failure_;
     std::optional<Clock::time_point> simulator_done_;
     std::chrono::nanoseconds simulator_cpu_{-1};
-    Clock::time_point simulator_alive_;
-    std::optional<std::pair<Clock::time_point, std::string>> suspect_;
+    WaitedTime simulator_still_;
+    std::optional<std::pair<Clock::time_point, std::string>> suspect_; ///< a member that has ended, and when
 };
 
 } // namespace

@@ -109,7 +109,7 @@ class RecorderShell {
                 if (auto ok = close_capture(); !ok) {
                     return ok;
                 }
-                if (auto ok = file_.close(); !ok) {
+                if (auto ok = file_.finish(); !ok) {
                     return ok;
                 }
                 log::info("{} samples, {} octets", file_.messages(), file_.octets());
@@ -117,8 +117,11 @@ class RecorderShell {
                 return ok;
             }
             // Samples are kept by the receiving threads; they are written and acknowledged in batches.
-            if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok || (*tick)->final) {
+            if (auto ok = node_.done(**tick, bus::TickGrid::kNever); !ok) {
                 return ok;
+            }
+            if ((*tick)->final) { // the simulator does not wait for the disk
+                return file_.close();
             }
         }
     }

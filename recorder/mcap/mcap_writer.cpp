@@ -264,8 +264,8 @@ Result<void> Writer::put_index() {
     return put(index_);
 }
 
-Result<void> Writer::close() {
-    if (!fd_) {
+Result<void> Writer::finish() {
+    if (!fd_ || std::exchange(finished_, true)) {
         return {};
     }
     if (auto ok = flush(); !ok) {
@@ -326,7 +326,14 @@ Result<void> Writer::close() {
     Encoder{footer}.number(summary_start).number(offsets_start).number(std::uint32_t{0});
     record(out, Op::footer, footer);
     out.insert(out.end(), kMagic.begin(), kMagic.end());
-    if (auto ok = put(out); !ok) {
+    return put(out);
+}
+
+Result<void> Writer::close() {
+    if (!fd_) {
+        return {};
+    }
+    if (auto ok = finish(); !ok || failed_) {
         return ok;
     }
     int const synced = ::fsync(fd_.get());

@@ -33,7 +33,10 @@ class Writer {
                                      std::span<std::byte const> data);
     /// Ends the open chunk, so that what was written so far is on disk.
     [[nodiscard]] Result<void> flush();
-    /// Writes the index. Without it the file is as after a crash. Later calls do nothing.
+    /// Writes the index: the file can be read as a whole. Without it, it is as after a crash. Nothing can be written
+    /// any more; later calls do nothing.
+    [[nodiscard]] Result<void> finish();
+    /// Finishes the file and waits for the disk, for as long as that takes. Later calls do nothing.
     [[nodiscard]] Result<void> close();
 
     [[nodiscard]] std::uint64_t messages() const { return message_count_; }
@@ -61,7 +64,7 @@ class Writer {
     std::map<std::uint16_t, std::uint64_t> channel_counts_;
     std::uint64_t message_count_{0};
     std::uint64_t first_time_{0}, last_time_{0};
-    bool failed_{false};
+    bool failed_{false}, finished_{false};
 };
 
 } // namespace gridspace::mcap
