@@ -6,6 +6,7 @@
 #include "bus/deadline.hpp"
 #include "bus/node_core.hpp"
 #include "common/text.hpp"
+#include "common/waited_time.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -293,10 +294,22 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
         return {};
     }
     std::unique_lock lock{core.mutex};
-    Deadline const deadline{core.config.clock.member_timeout_s};
-    bool const in_time = deadline.wait(core.changed, lock, [&] {
+    auto const may_go_on = [&] {
         return core.error || core.stop_requested || (s.barrier.complete() && s.inputs_complete());
-    });
+    };
+    double const patience_s = core.config.clock.member_timeout_s;
+    bool in_time = true;
+    std::chrono::duration<double> look = WaitedTime::kLook;
+    for (WaitedTime waited; in_time && !may_go_on();) {
+        if (patience_s > 0) {
+            look = std::min(look, std::chrono::duration<double>{patience_s} - waited.look());
+        }
+        core.changed.wait_for(lock, look);
+        in_time = patience_s <= 0 || waited.look().count() < patience_s;
+    }
+    if (!in_time) { // where everything was paused, this process may be the first that runs again
+        in_time = core.changed.wait_for(lock, std::chrono::milliseconds{200}, may_go_on);
+    }
     if (core.error) {
         return std::unexpected{*core.error};
     }

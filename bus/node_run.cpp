@@ -10,11 +10,13 @@
 #include "bus/topics.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
+#include "common/waited_time.hpp"
 
 #include <algorithm>
 #include <catalog.h>
 #include <fmt/format.h>
 #include <set>
+#include <utility>
 
 namespace gridspace::bus {
 namespace {
@@ -281,8 +283,10 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
         // what belongs to it must follow: twice the simulator's own patience, so that it can name the culprit first.
         double const patience_s = 2 * core.config.clock.member_timeout_s;
         bool said = false;
+        auto pending_since = core.pending_since;
+        WaitedTime waiting;
         while (!may_return()) {
-            core.changed.wait_for(lock, std::chrono::seconds{1});
+            core.changed.wait_for(lock, WaitedTime::kLook);
             if (core.matches_published != core.matches_generation) {
                 lock.unlock();
                 core.refresh_status(MEMBER_READY);
@@ -296,7 +300,10 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
                 (void)core.acknowledge(tick, 0, time);
                 lock.lock();
             }
-            std::chrono::duration<double> const waited = std::chrono::steady_clock::now() - core.pending_since;
+            if (std::exchange(pending_since, core.pending_since) != core.pending_since || !core.gate->has_pending()) {
+                waiting.restart();
+            }
+            auto const waited = waiting.look();
             if (patience_s > 0 && core.gate->has_pending() && waited.count() > patience_s / 4 && !said &&
                 !may_return()) {
                 said = true; // the simulator is to know why, when its own patience is over
@@ -428,13 +435,6 @@ std::optional<Error> Node::failure() const {
     return core_->error;
 }
 
-std::string Node::missing_of_simulator() const {
-    std::lock_guard const lock{core_->mutex};
-    std::size_t const simulator = core_->book->process_index(core_->config.clock.simulator);
-    return simulator == lockstep::LedgerBook::kUnknown ? "" : core_->book->missing(simulator);
-}
-
-NodeConfig const& Node::config() const {
 bool Node::stop_is_requested() const {
     std::lock_guard const lock{core_->mutex};
     return core_->stop_requested;
@@ -461,6 +461,13 @@ std::vector<std::string> Node::writers_here() const {
     return {here.begin(), here.end()};
 }
 
+std::string Node::missing_of_simulator() const {
+    std::lock_guard const lock{core_->mutex};
+    std::size_t const simulator = core_->book->process_index(core_->config.clock.simulator);
+    return simulator == lockstep::LedgerBook::kUnknown ? "" : core_->book->missing(simulator);
+}
+
+NodeConfig const& Node::config() const {
     return core_->config;
 }
 TimeBase const& Node::time_base() const {

@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 #include "launcher/run/child.hpp"
+#include "common/waited_time.hpp"
 #include "launcher/run/virtual_network.hpp"
 
 #include <algorithm>
@@ -170,10 +171,10 @@ class Supervisor {
         auto const total = seconds{used.tv_sec} + std::chrono::nanoseconds{used.tv_nsec};
         if (total != simulator_cpu_) {
             simulator_cpu_ = total;
-            simulator_alive_ = now;
+            simulator_still_.restart(now);
         }
         double const patience_s = std::max(2 * plan_.member_timeout_s, 3.0); // its leases are renewed every second
-        if (std::chrono::duration<double>(now - simulator_alive_).count() > patience_s) {
+        if (simulator_still_.look(now).count() > patience_s) {
             fail_with({ExitCode::stall,
                        fmt::format("the simulator '{}' stands still: it has used no processor time for {} s",
                                    sim->plan.name, shortest(patience_s)),
