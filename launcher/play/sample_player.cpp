@@ -17,7 +17,7 @@
 namespace gridspace::play {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{2000};
+constexpr std::chrono::milliseconds kPatience{2000}; ///< then it is said who is waited for
 constexpr std::int64_t kLate = 20'000'000; ///< what is later comes in a burst, faster than it was recorded
 constexpr std::uint32_t kWindow = 48; ///< samples of one writer on their way; the histories of qos/player.xml hold more
 
@@ -212,8 +212,29 @@ void SamplePlayer::write(Lane& lane, std::span<std::byte const> cdr, bool in_a_h
     if (++lane.on_their_way >= lane.window) { // a reader that lags shall not lose any
         lane.on_their_way = 0;
         if (in_a_hurry || lane.window == 1) {
-            totals_.behind += lane.writer->wait_acknowledged(kPatience) ? 0U : 1U;
+            wait_for_readers_of(lane);
         }
+    }
+}
+
+void SamplePlayer::wait_for_readers_of(Lane const& lane) {
+    constexpr std::chrono::milliseconds kRound{100}; // a signal ends the wait
+    std::int64_t const begin = wire::monotonic_ns();
+    bool said = false;
+    while (!lane.writer->wait_acknowledged(kRound) && !wire::stopped()) {
+        if (said || wire::monotonic_ns() - begin < std::chrono::nanoseconds{kPatience}.count()) {
+            continue;
+        }
+        said = true;
+        ++totals_.behind;
+        std::vector<std::string> readers;
+        for (bus::Peer const& peer : lane.writer->matched()) {
+            readers.push_back(peer.process.empty() ? "somebody" : peer.process);
+        }
+        std::sort(readers.begin(), readers.end());
+        readers.erase(std::unique(readers.begin(), readers.end()), readers.end());
+        log::warning("not every reader of {} takes what is played; it waits for them while they are there: {}",
+                     lane.channel.topic, gridspace::join(readers, ", "));
     }
 }
 
@@ -246,7 +267,7 @@ Result<void> SamplePlayer::play(Pace const& pace, std::int64_t from_ns, std::int
 void SamplePlayer::finish() {
     for (auto const& [id, lane] : lanes_) {
         if (!wire::stopped()) {
-            totals_.behind += lane->writer->wait_acknowledged(kPatience) ? 0U : 1U;
+            wait_for_readers_of(*lane);
         }
     }
 }

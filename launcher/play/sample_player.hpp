@@ -36,13 +36,13 @@ class SamplePlayer {
     void wait_until_quiet();
     /// Plays the samples of [from, to], by the pace. What must be known before (catalogues) is written at once.
     [[nodiscard]] Result<void> play(Pace const& pace, std::int64_t from_ns, std::int64_t to_ns);
-    /// Waits, for a moment, until readers have everything.
+    /// Waits until readers have everything, or are gone.
     void finish();
 
     struct Totals {
         std::uint64_t samples{0};
         std::uint64_t refused{0}; ///< by DDS
-        std::uint64_t behind{0};  ///< how often readers did not take samples within two seconds
+        std::uint64_t behind{0};  ///< how often readers were waited for for more than two seconds
         std::int64_t worst_late_ns{0};
         std::map<std::string, std::uint64_t> by_topic;
     };
@@ -55,6 +55,9 @@ class SamplePlayer {
     [[nodiscard]] Result<void> join(PlayOptions const& options);
     /// `in_a_hurry`: faster than it was recorded, so readers are waited for.
     void write(Lane& lane, std::span<std::byte const> cdr, bool in_a_hurry);
+
+    /// Until its reliable readers have taken everything. One that is dead is waited for until its lease runs out.
+    void wait_for_readers_of(Lane const& lane);
 
     std::filesystem::path recording_;
     std::int64_t first_ns_{0}, last_ns_{0};

@@ -52,12 +52,12 @@ class Play(ScenarioTest):
             recorder.communicate()
         super().tearDown()
 
-    def recorder(self, name, topics=TYPES):
+    def recorder(self, name, topics=TYPES, qos=SOURCE / "qos"):
         """A recorder that is no part of any run, and its file."""
         file = self.folder / f"{name}.mcap"
         config = self.write(f"{name}.yaml", json.dumps({
             "process": "again", "program": "gridspace-recorder",
-            "bus": {"qos": str(SOURCE / "qos/recorder.xml"), "management": {"domain": DOMAIN, "addresses": ["127.0.0.1"]},
+            "bus": {"qos": str(qos / "recorder.xml"), "management": {"domain": DOMAIN, "addresses": ["127.0.0.1"]},
                     "clock": {"mode": "realtime", "quantum_s": 1, "tick_s": 1, "epoch": "2019-12-01T09:00:00Z", "simulator": "sim", "members": PROCESSES,
                               "start_timeout_s": 0}},
             "settings": {"file": str(file), "compress": False, "topics": {t: {"type": TYPES[t]} for t in topics}}}))
@@ -97,6 +97,42 @@ class Play(ScenarioTest):
         self.assertEqual(got, whole[-len(got):])
         self.assertEqual(len(got), 4 * 1201)  # of four buses, from 600 s to 1800 s
         self.assertLess(part["samples"], totals["samples"])
+
+    def test_a_reader_that_stalls_is_waited_for_and_loses_nothing(self):
+        run = self.run_to_end("run", SHORT)
+        first = mcap_file.by_topic(run.folder / "data.mcap")
+        qos = self.folder / "qos"
+        qos.mkdir()
+        text = (SOURCE / "qos/recorder.xml").read_text()
+        self.assertIn("<leaseDuration><sec>10<", text)
+        (qos / "recorder.xml").write_text(text.replace("<leaseDuration><sec>10<", "<leaseDuration><sec>600<"))  # it is not given up
+        process, file = self.recorder("stalled", ["requests", "bus_measurements"], qos)
+        player = subprocess.Popen([BIN / "gridspace", "play", run.folder, "--domain", str(DOMAIN), "--address", "127.0.0.1", "--json", "--wait", "--rate", "0",
+                                   "--topics", "simulation_clock,requests,bus_measurements,decisions"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.recorders.append(player)
+        self.read_until(player.stderr, "waiting for readers of decisions\n")
+        process.send_signal(signal.SIGSTOP)
+        other, _ = self.recorder("other", ["decisions"])
+        self.read_until(player.stderr, "waits for them while they are there: ")
+        process.send_signal(signal.SIGCONT)
+        out, err = player.communicate(timeout=HANG_S)
+        self.assertEqual(player.returncode, OK, err)
+        self.assertGreater(json.loads(out)["behind"], 0)
+        for recorder in (process, other):
+            _, err = recorder.communicate(timeout=HANG_S)
+            self.assertEqual(recorder.returncode, OK, err)
+        again = mcap_file.by_topic(file)
+        for topic in ("requests", "bus_measurements"):
+            for key in (k for k in first if k[0] == topic):
+                self.assertEqual(again[key], first[key], key)
+
+    def read_until(self, stream, words):
+        """CTest ends it when that never comes."""
+        said = ""
+        while words not in said:
+            line = stream.readline()
+            self.assertTrue(line, f"no '{words}' in: {said}")
+            said += line
 
     def test_info_says_what_there_is(self):
         run = self.run_to_end("run", SHORT)
