@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include "common/result.hpp"
+
+#include <filesystem>
 
 namespace gridspace::launcher {
 
@@ -10,7 +12,8 @@ namespace gridspace::launcher {
 /// run gives them back. Domains above 101 would use ports that the kernel hands out to others.
 class DomainLock {
   public:
-    [[nodiscard]] static std::optional<DomainLock> take();
+    /// An error says which file cannot be had, or that all pairs are taken.
+    [[nodiscard]] static Result<DomainLock> take(std::filesystem::path const& folder = "/tmp/gridspace-domains");
     DomainLock(DomainLock&& other) noexcept;
     DomainLock& operator=(DomainLock&& other) noexcept;
     DomainLock(DomainLock const&) = delete;

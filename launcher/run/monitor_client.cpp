@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/monitor_client.hpp"
 
+#include "common/text.hpp"
 #include "common/unique_fd.hpp"
 #include "launcher/run/tls_client.hpp"
 
+#include <algorithm>
 #include <arpa/inet.h>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -13,6 +16,7 @@
 #include <fstream>
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -23,7 +27,7 @@ namespace {
 
 constexpr char const* kNote = "monitor.address";
 
-Result<UniqueFd> connect_to(std::string const& where) {
+Result<UniqueFd> connect_to(std::string const& where, std::chrono::milliseconds patience) {
     std::size_t const colon = where.rfind(':');
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -35,9 +39,9 @@ Result<UniqueFd> connect_to(std::string const& where) {
         return fail(ExitCode::usage, fmt::format("'{}' is not an address", where), "for example 127.0.0.1:8080");
     }
     UniqueFd fd{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-    timeval const patience{5, 0};
-    ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    ::setsockopt(fd.get(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    timeval const limit{patience.count() / 1000, patience.count() % 1000 * 1000};
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    ::setsockopt(fd.get(), SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
     if (::connect(fd.get(), reinterpret_cast<sockaddr const*>(&address), sizeof address) != 0) {
         return fail(ExitCode::environment, fmt::format("no monitor answers at {}: {}", where, std::strerror(errno)),
                     "the run is over, or runs without a monitor");
@@ -93,20 +97,31 @@ std::string first_line(std::filesystem::path const& file) {
     return line;
 }
 
-Result<std::string> exchange(int socket, std::string const& request) {
-    std::string answer;
+/// What has come when the other side ends it, or `silent` when it says nothing any more.
+Answer exchange(int socket, std::string const& request) {
+    Answer answer;
     char buffer[65536];
     ssize_t size = ::send(socket, request.data(), request.size(), MSG_NOSIGNAL);
     while (size > 0 && (size = ::recv(socket, buffer, sizeof buffer, 0)) > 0) {
-        answer.append(buffer, static_cast<std::size_t>(size));
+        answer.text.append(buffer, static_cast<std::size_t>(size));
     }
+    answer.silent = size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK);
     return answer;
+}
+
+/// The length that the head of an answer promises for its body.
+std::optional<std::size_t> content_length(std::string head) {
+    std::transform(head.begin(), head.end(), head.begin(), [](unsigned char c) { return std::tolower(c); });
+    constexpr std::string_view kKey = "\r\ncontent-length:";
+    std::size_t const at = head.find(kKey);
+    return at == std::string::npos ? std::nullopt
+                                   : std::optional<std::size_t>{std::strtoull(head.c_str() + at + kKey.size(), nullptr, 10)};
 }
 
 /// Sends a request and returns the body of its answer. `token` empty: the monitor's own, if it asks for one.
 Result<std::string> talk(MonitorAddress const& monitor, std::string_view method, std::string_view path,
-                         std::string token, std::string_view content) {
-    auto const fd = connect_to(monitor.address);
+                         std::string token, std::string_view content, std::chrono::milliseconds patience) {
+    auto const fd = connect_to(monitor.address, patience);
     if (!fd) {
         return std::unexpected{fd.error()};
     }
@@ -122,17 +137,35 @@ Result<std::string> talk(MonitorAddress const& monitor, std::string_view method,
     }
     request += "\r\n";
     request += content;
-    auto const answer = monitor.certificate.empty() ? exchange(fd->get(), request)
+    auto const answer = monitor.certificate.empty() ? Result<Answer>{exchange(fd->get(), request)}
                                                     : exchange_by_tls(fd->get(), monitor.certificate, request);
     if (!answer) {
-        return answer;
+        return std::unexpected{answer.error()};
     }
-    std::size_t const head = answer->find("\r\n\r\n");
-    if (!answer->starts_with("HTTP/1.1 ") || head == std::string::npos) {
+    std::string const& text = answer->text;
+    std::size_t const head = text.find("\r\n\r\n");
+    constexpr std::string_view kBegin = "HTTP/1.1 ";
+    if (!text.starts_with(kBegin) && !kBegin.starts_with(text)) {
         return fail(ExitCode::environment, fmt::format("what answers at {} is not a monitor", monitor.url()));
     }
-    std::string body = answer->substr(head + 4);
-    int const status = std::atoi(answer->c_str() + 9);
+    std::string body = head == std::string::npos ? "" : text.substr(head + 4);
+    auto const length = head == std::string::npos ? std::nullopt : content_length(text.substr(0, head));
+    bool const is_whole = head != std::string::npos && (length ? body.size() >= *length : !answer->silent);
+    if (!is_whole && answer->silent) {
+        return fail(ExitCode::environment,
+                    fmt::format("the monitor at {} has not answered within {} s{}", monitor.url(),
+                                shortest(std::chrono::duration<double>(patience).count()),
+                                text.empty() ? "" : fmt::format(": {} octets of its answer came", text.size())),
+                    "its machine is very busy, or it is stopped: try again");
+    }
+    if (!is_whole) {
+        return fail(ExitCode::environment,
+                    text.empty()
+                        ? fmt::format("the monitor at {} has ended the connection without an answer", monitor.url())
+                        : fmt::format("the answer of the monitor at {} was cut after {} octets", monitor.url(), text.size()),
+                    "the run may just have ended: try again");
+    }
+    int const status = std::atoi(text.c_str() + kBegin.size());
     if (status / 100 != 2) {
         auto const said = nlohmann::json::parse(body, nullptr, false);
         return said.is_object() && said.contains("error")
@@ -146,8 +179,9 @@ Result<std::string> talk(MonitorAddress const& monitor, std::string_view method,
 
 } // namespace
 
-Result<std::string> ask_monitor(MonitorAddress const& monitor, std::string const& path) {
-    return talk(monitor, "GET", path, {}, {});
+Result<std::string> ask_monitor(MonitorAddress const& monitor, std::string const& path,
+                                std::chrono::milliseconds patience) {
+    return talk(monitor, "GET", path, {}, {}, patience);
 }
 
 Result<void> write_control_token(std::filesystem::path const& folder) {
@@ -178,7 +212,8 @@ Result<void> control_run(std::filesystem::path const& folder, std::string const&
         return fail(ExitCode::usage, fmt::format("run '{}' may not be controlled", folder.string()),
                     "start it with `gridspace run --allow-control`");
     }
-    auto const answer = talk(*monitor, "POST", "/api/v1/control", token, fmt::format(R"({{"action":"{}"}})", action));
+    auto const answer = talk(*monitor, "POST", "/api/v1/control", token, fmt::format(R"({{"action":"{}"}})", action),
+                             kMonitorPatience);
     return answer ? Result<void>{} : std::unexpected{answer.error()};
 }
 

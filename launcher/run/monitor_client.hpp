@@ -4,6 +4,7 @@
 
 #include "common/result.hpp"
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -30,6 +31,9 @@ void note_monitor(std::filesystem::path const& folder, MonitorAddress const& mon
 [[nodiscard]] Result<void> control_run(std::filesystem::path const& folder, std::string const& action);
 
 /// The body of GET `path`. An error names the address when nobody answers, and what the monitor said when it refuses.
-[[nodiscard]] Result<std::string> ask_monitor(MonitorAddress const& monitor, std::string const& path);
+/// One that says nothing for so long is named too.
+constexpr std::chrono::milliseconds kMonitorPatience{30'000};
+[[nodiscard]] Result<std::string> ask_monitor(MonitorAddress const& monitor, std::string const& path,
+                                              std::chrono::milliseconds patience = kMonitorPatience);
 
 } // namespace gridspace::launcher

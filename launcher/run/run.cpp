@@ -302,10 +302,10 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         if (options.namespaces) {
             progress.note(fmt::format("note: {}; running on the loopback interface instead", describe(supervisor.error())));
         }
-        domains = DomainLock::take();
-        if (!domains) {
+        auto taken = DomainLock::take();
+        if (!taken) {
             closer();
-            return fail(ExitCode::environment, "no pair of DDS domains is free on this machine", "too many runs at once");
+            return std::unexpected{taken.error()};
         }
         plan_options.namespaces = false;
         plan_options.domain = domains->first();
@@ -313,6 +313,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         settle_scheduling(plan);
         if (auto ok = write_inputs(scenario, plan, root); !ok) {
             closer();
+        domains.emplace(std::move(*taken));
             return std::unexpected{ok.error()};
         }
         supervisor = start_without_namespaces(body);

@@ -19,7 +19,7 @@ std::string complaint() {
 
 } // namespace
 
-Result<std::string> exchange_by_tls(int socket, std::filesystem::path const& certificate, std::string const& request) {
+Result<Answer> exchange_by_tls(int socket, std::filesystem::path const& certificate, std::string const& request) {
     std::unique_ptr<SSL_CTX, decltype(&::SSL_CTX_free)> const context{::SSL_CTX_new(::TLS_client_method()), &::SSL_CTX_free};
     if (context == nullptr || ::SSL_CTX_load_verify_locations(context.get(), certificate.c_str(), nullptr) != 1) {
         return fail(ExitCode::environment, fmt::format("cannot read the certificate '{}': {}", certificate.string(), complaint()));
@@ -28,19 +28,29 @@ Result<std::string> exchange_by_tls(int socket, std::filesystem::path const& cer
     ::SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
     ::X509_VERIFY_PARAM_set_flags(::SSL_CTX_get0_param(context.get()), X509_V_FLAG_PARTIAL_CHAIN); // it is trusted itself
     std::unique_ptr<SSL, decltype(&::SSL_free)> const tls{::SSL_new(context.get()), &::SSL_free};
-    if (tls == nullptr || ::SSL_set_fd(tls.get(), socket) != 1 || ::SSL_connect(tls.get()) != 1) {
+    bool const can_try = tls != nullptr && ::SSL_set_fd(tls.get(), socket) == 1;
+    int const connected = can_try ? ::SSL_connect(tls.get()) : -1;
+    if (can_try && connected != 1 && ::SSL_get_error(tls.get(), connected) == SSL_ERROR_WANT_READ) {
+        return Answer{{}, true};
+    }
+    if (connected != 1) {
         return fail(ExitCode::environment, fmt::format("no TLS with the monitor: {}", complaint()),
                     fmt::format("does it show the certificate '{}'?", certificate.string()));
     }
     if (::SSL_write(tls.get(), request.data(), static_cast<int>(request.size())) <= 0) {
         return fail(ExitCode::environment, "the monitor does not listen: " + complaint());
     }
-    std::string answer;
+    Answer answer;
     char buffer[65536];
-    for (int size = 0; (size = ::SSL_read(tls.get(), buffer, sizeof buffer)) > 0;) {
-        answer.append(buffer, static_cast<std::size_t>(size));
+    int size = 0;
+    while ((size = ::SSL_read(tls.get(), buffer, sizeof buffer)) > 0) {
+        answer.text.append(buffer, static_cast<std::size_t>(size));
     }
-    ::SSL_shutdown(tls.get());
+    answer.silent = ::SSL_get_error(tls.get(), size) == SSL_ERROR_WANT_READ; // the socket's patience is over
+    ::ERR_clear_error();
+    if (!answer.silent) {
+        ::SSL_shutdown(tls.get());
+    }
     return answer;
 }
 
