@@ -155,13 +155,23 @@ bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, c
 
 } // namespace
 
-void StatusReporter::send(std::string const& line) {
-    if (fd_ < 0) {
-        return;
-    }
+StatusReporter::~StatusReporter() {
+    output_.drain(std::chrono::seconds{2}); // who started the process is about to end it
+}
+
+void StatusReporter::send(std::string line, bool only_the_newest) {
+    line += '\n';
     std::lock_guard const lock{mutex_};
-    std::string const text = line + "\n";
-    [[maybe_unused]] auto const written = ::write(fd_, text.data(), text.size());
+    if (only_the_newest) {
+        output_.put_latest(std::move(line));
+    } else {
+        output_.put(line);
+    }
+}
+
+void StatusReporter::go_on() {
+    std::lock_guard const lock{mutex_};
+    output_.flush();
 }
 
 // `at_ns`: the instant on the machine's steady clock. Who reads this may be late, and the speed of a run is computed of it.
@@ -183,7 +193,7 @@ void StatusReporter::progress(double time_s, double duration_s, std::uint64_t ov
         return;
     }
     last_progress_ = instant;
-    send(Json{{"status", "progress"}, {"time_s", time_s}, {"duration_s", duration_s}, {"overruns", overruns}, {"at_ns", instant.time_since_epoch().count()}}.dump());
+    send(Json{{"status", "progress"}, {"time_s", time_s}, {"duration_s", duration_s}, {"overruns", overruns}, {"at_ns", instant.time_since_epoch().count()}}.dump(), !now);
 }
 
 void StatusReporter::event(double time_s, std::string_view source, std::string_view kind, std::string_view text) {
@@ -198,6 +208,7 @@ Result<std::vector<std::string>> StatusReporter::hold(std::uint64_t index, bool 
     }
     send(Json{{"status", "hold"}, {"index", index}}.dump());
     while (wait && !input_ended_) {
+        go_on();
         auto line = read_line(std::chrono::seconds{1});
         if (!line) {
             continue;
@@ -257,6 +268,7 @@ std::chrono::steady_clock::duration StatusReporter::pause_if_asked(double time_s
     auto const begin = std::chrono::steady_clock::now();
     send(Json{{"status", "paused"}, {"time_s", time_s}}.dump());
     while (paused_ && !stop && !input_ended_) {
+        go_on();
         if (auto line = read_line(std::chrono::milliseconds{100})) {
             take_pause(*line);
         }

@@ -5,6 +5,7 @@
 #include "bus/node.hpp"
 #include "bus/node_config.hpp"
 #include "common/config/fields.hpp"
+#include "common/line_output.hpp"
 #include "common/result.hpp"
 
 #include <atomic>
@@ -17,10 +18,14 @@
 namespace gridspace {
 
 /// Tells whoever started the process what it is doing, as JSON lines on a file descriptor (the launcher's pipe).
-/// Without one it does nothing. Thread-safe.
+/// Without one it does nothing. It never waits for who reads them: what does not go at once goes with the next line, of
+/// progress only the newest. Thread-safe.
 class StatusReporter {
   public:
-    explicit StatusReporter(int fd = -1) : fd_{fd} {}
+    explicit StatusReporter(int fd = -1) : fd_{fd}, output_{fd} {}
+    ~StatusReporter();
+    StatusReporter(StatusReporter const&) = delete;
+    StatusReporter& operator=(StatusReporter const&) = delete;
     void ready();
     void failed(Error const& error);
     /// Progress of the simulator. Cheap; sends at most ten times a second unless `now` is set.
@@ -36,12 +41,14 @@ class StatusReporter {
     void control(std::string_view action);
 
   private:
-    void send(std::string const& line);
+    void send(std::string line, bool only_the_newest = false);
+    void go_on(); ///< with what could not be sent at once
     /// A line of standard input, or nothing within `patience`. `input_ended_` is set when there will be no more.
     [[nodiscard]] std::optional<std::string> read_line(std::chrono::milliseconds patience);
     void take_pause(std::string const& line);
     int fd_;
     std::mutex mutex_;
+    LineOutput output_; // under the mutex
     std::chrono::steady_clock::time_point last_progress_;
     std::string input_; // of standard input, beyond the lines that were taken
     bool input_ended_{false}, paused_{false};

@@ -63,9 +63,19 @@ bool lies_in(std::filesystem::path const& file, std::filesystem::path const& fol
 /// Judges the run, writes its report and prints the results. What cannot be written is said after what is known: a full
 /// disk keeps no result back.
 int conclude(FinishedRun const& finished, RunArguments const& arguments) {
-    print_cause(finished);
+    bool const is_read = finished.unread.empty();
+    if (is_read) {
+        print_cause(finished);
+    }
     auto results = read_results(finished.folder, &finished.outcome);
+    auto const print_late = [&] { // where nobody has read what was said so far, nothing more is said before the report is there
+        if (!is_read) {
+            say(stderr, "{}", finished.unread);
+            print_cause(finished);
+        }
+    };
     if (!results) {
+        print_late();
         int const code = print_error(results.error());
         return finished.outcome.exit_code != 0 ? finished.outcome.exit_code : code;
     }
@@ -93,6 +103,7 @@ int conclude(FinishedRun const& finished, RunArguments const& arguments) {
             unwritten.push_back(ok.error());
         }
     }
+    print_late();
     if (arguments.json) {
         say(stdout, "{}", summary_json(*results));
     } else if (!arguments.quiet) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/ioctl.h>
 #include <unistd.h>
+#include <utility>
 
 namespace gridspace::launcher {
 namespace {
@@ -44,9 +45,24 @@ std::string bar(double share, int cells) {
 Progress::Progress(Style style, std::string scenario, double duration_s)
     : style_{style}, scenario_{std::move(scenario)}, duration_s_{duration_s} {}
 
+Progress::~Progress() {
+    if (std::string const text = take_unread(); !text.empty()) {
+        say(stderr, "{}", text);
+    }
+}
+
+std::string Progress::take_unread() {
+    std::string text = output_.take();
+    if (output_.left_out() > 0 && !std::exchange(left_out_is_said_, true)) {
+        std::string const note = fmt::format("{} lines are left out here; events.ndjson has every event", output_.left_out());
+        text += style_ == Style::json ? Json{{"note", note}}.dump() + "\n" : note + "\n";
+    }
+    return text;
+}
+
 void Progress::clear() {
     if (style_ == Style::terminal && drawn_) {
-        std::fputs("\r\x1b[K", stderr);
+        print("\r\x1b[K");
         drawn_ = false;
     }
 }
@@ -57,9 +73,9 @@ void Progress::note(std::string_view text) {
     }
     clear();
     if (style_ == Style::json) {
-        say(stderr, "{}\n", Json{{"note", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+        print(Json{{"note", text}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     } else {
-        say(stderr, "{}\n", text);
+        print(fmt::format("{}\n", text));
     }
 }
 
@@ -70,9 +86,9 @@ void Progress::event(double time_s, std::string_view source, std::string_view ki
     clear();
     if (style_ == Style::json) {
         Json const line{{"time_s", time_s}, {"source", source}, {"event", kind}, {"text", text}};
-        say(stderr, "{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+        print(line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
     } else {
-        say(stderr, "  {:>12.4f} s  {:<12} {:<16} {}\n", time_s, source, kind, text);
+        print(fmt::format("  {:>12.4f} s  {:<12} {:<16} {}\n", time_s, source, kind, text));
     }
 }
 
@@ -100,20 +116,18 @@ void Progress::draw(bool last) {
     double const share = duration_s_ > 0 ? time_s_ / duration_s_ : 0;
     double const left = speed > 0 ? (duration_s_ - time_s_) / speed : 0;
     if (style_ == Style::json) {
-        say(stderr, "{}\n", Json{{"time_s", time_s_}, {"duration_s", duration_s_}, {"speed", speed}, {"overruns", overruns_}}.dump());
+        show(Json{{"time_s", time_s_}, {"duration_s", duration_s_}, {"speed", speed}, {"overruns", overruns_}}.dump() + "\n", last);
         return;
     }
     std::string const text = fmt::format("sim {} / {}  x{:.3g}  {}{}", human_duration(time_s_), human_duration(duration_s_), speed,
                                          last ? fmt::format("in {}", human_duration(wall)) : fmt::format("ETA {}", human_duration(left)),
                                          overruns_ > 0 ? fmt::format("  overruns {}", overruns_) : "");
     if (style_ == Style::plain) {
-        say(stderr, "{}: {}\n", scenario_, text);
+        show(fmt::format("{}: {}\n", scenario_, text), last);
         return;
     }
     int const cells = terminal_width() > scenario_.size() + text.size() + 26 ? 20 : 0;
-    std::fputs("\r\x1b[K", stderr);
-    say(stderr, "{} {}{}{}", scenario_, cells > 0 ? "▕" : "", cells > 0 ? bar(share, cells) + "▏ " : "", text);
-    std::fflush(stderr);
+    show(fmt::format("\r\x1b[K{} {}{}{}", scenario_, cells > 0 ? "▕" : "", cells > 0 ? bar(share, cells) + "▏ " : "", text), last);
     drawn_ = true;
 }
 
@@ -121,9 +135,18 @@ void Progress::finish() {
     if (started_) {
         draw(true);
         if (style_ == Style::terminal) {
-            std::fputs("\n", stderr);
+            print("\n");
             drawn_ = false;
         }
+    }
+    output_.drain(std::chrono::seconds{1});
+}
+
+void Progress::show(std::string text, bool last) {
+    if (last) {
+        print(text);
+    } else {
+        output_.put_latest(std::move(text));
     }
 }
 

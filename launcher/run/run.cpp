@@ -44,8 +44,9 @@ class Follower {
         int asked = 0;
         bool gone = false;
         while (!gone) {
-            pollfd fds[] = {{channel, POLLIN, 0}, {pidfd, POLLIN, 0}, {interrupts.fd(), POLLIN, 0}};
-            ::poll(fds, 3, 1000);
+            pollfd fds[] = {{channel, POLLIN, 0}, {pidfd, POLLIN, 0}, {interrupts.fd(), POLLIN, 0}, {progress_.waits_for(), POLLOUT, 0}};
+            ::poll(fds, 4, 1000);
+            progress_.flush();
             if (fds[0].revents != 0) {
                 read(channel);
             }
@@ -118,6 +119,11 @@ class Follower {
             outcome_.exit_code = line.value("code", 0);
             outcome_.cause = line.value("cause", "");
             outcome_.remedy = line.value("remedy", "");
+            if (auto const left_out = line.value("left_out", std::uint64_t{0}); left_out > 0) {
+                std::string const text = fmt::format("{} lines about the run are left out: this process did not take them", left_out);
+                events_.write(time_s_, "launcher", "left_out", text);
+                progress_.note(text);
+            }
         }
     }
 
@@ -307,13 +313,13 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
             closer();
             return std::unexpected{taken.error()};
         }
+        domains.emplace(std::move(*taken));
         plan_options.namespaces = false;
         plan_options.domain = domains->first();
         plan = make_plan(scenario, plan_options);
         settle_scheduling(plan);
         if (auto ok = write_inputs(scenario, plan, root); !ok) {
             closer();
-        domains.emplace(std::move(*taken));
             return std::unexpected{ok.error()};
         }
         supervisor = start_without_namespaces(body);
@@ -328,6 +334,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     finished.folder = *folder;
     finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel[0], interrupts);
     ::close(channel[0]);
+    finished.unread = progress.take_unread();
     finished.outcome.total_wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
     if (auto ok = write_outcome(*folder, finished.outcome); !ok) { // a full disk: how the run went is to be said all the same
         finished.unwritten = ok.error();

@@ -26,6 +26,7 @@ struct FinishedRun {
     std::filesystem::path folder;
     RunOutcome outcome;
     std::optional<Error> unwritten; ///< why the run folder does not know the outcome
+    std::string unread;             ///< what was said on standard error, and waits for somebody to read there
 };
 
 /// Runs a scenario from start to end: folder, sockets, namespaces, processes, progress. Fails when it cannot even start;

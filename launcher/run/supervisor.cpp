@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/supervisor.hpp"
 
+#include "common/line_output.hpp"
 #include "common/text.hpp"
-#include "launcher/run/child.hpp"
 #include "common/waited_time.hpp"
+#include "launcher/run/child.hpp"
 #include "launcher/run/virtual_network.hpp"
 
 #include <algorithm>
@@ -49,7 +50,7 @@ struct Watched {
 class Supervisor {
   public:
     Supervisor(RunPlan const& plan, int channel, std::map<std::string, int> const& listen_fds)
-        : plan_{plan}, channel_{channel}, listen_fds_{listen_fds} {
+        : plan_{plan}, channel_{channel}, output_{channel, kMostWaiting}, listen_fds_{listen_fds} {
         for (PlannedProcess const& process : plan.processes) {
             watched_.push_back({process, {}, false, false, false, 0, {}, std::nullopt});
         }
@@ -79,6 +80,8 @@ class Supervisor {
     }
 
   private:
+    static constexpr std::size_t kMostWaiting = std::size_t{16} << 20U; ///< some 100,000 lines
+
     static bool is_external(Watched const& w) { return w.plan.run_on.kind == RunOn::Kind::external; }
 
     /// Who looks into the networks of other hosts finds them by descriptors of this process, which is process 1.
@@ -146,10 +149,6 @@ class Supervisor {
         return members_done || failure_.has_value();
     }
 
-    /// The simulator names everybody who stalls but itself. A living one always uses some processor time, if only for
-    /// its leases, however long its step or its wait for the next tick is; a stopped or frozen one uses none.
-    void watch_simulator(Clock::time_point now) {
-        auto const sim =
     /// How long the members may take to end after the simulator, or the simulator after the first of them. None without
     /// deadlines.
     [[nodiscard]] std::optional<std::chrono::duration<double>> end_patience() const {
@@ -159,6 +158,10 @@ class Supervisor {
         return std::chrono::duration<double>{std::max(10.0, 2 * plan_.member_timeout_s)};
     }
 
+    /// The simulator names everybody who stalls but itself. A living one always uses some processor time, if only for
+    /// its leases, however long its step or its wait for the next tick is; a stopped or frozen one uses none.
+    void watch_simulator(Clock::time_point now) {
+        auto const sim =
             std::find_if(watched_.begin(), watched_.end(), [](Watched const& w) { return w.plan.is_simulator; });
         if (sim == watched_.end() || !sim->running || plan_.member_timeout_s <= 0) {
             return;
@@ -183,7 +186,7 @@ class Supervisor {
     }
 
     void step() {
-        std::vector<pollfd> fds{{channel_, POLLIN, 0}};
+        std::vector<pollfd> fds{{channel_, static_cast<short>(output_.waits() ? POLLIN | POLLOUT : POLLIN), 0}};
         std::vector<Watched*> owners{nullptr};
         for (Watched& w : watched_) {
             if (w.running) {
@@ -209,7 +212,8 @@ class Supervisor {
                 reap(*owners[i]);
             }
         }
-        if (fds[0].revents != 0) {
+        output_.flush();
+        if ((fds[0].revents & ~POLLOUT) != 0) {
             read_channel();
         }
         if (plan_.namespaces) { // process 1 reaps whatever its children left behind
@@ -267,9 +271,11 @@ class Supervisor {
         } else if (what == "control") {
             control(w, status.value("action", ""));
         }
+        bool const only_the_newest =
+            what == "progress" && status.value("time_s", 0.0) < status.value("duration_s", 0.0);
         status["kind"] = "status";
         status["process"] = w.plan.name;
-        tell(status);
+        tell(status, only_the_newest);
     }
 
     void reap(Watched& w) {
@@ -457,17 +463,24 @@ class Supervisor {
 
     int finish(std::optional<Error> const& error) {
         ExitCode const code = error ? error->code : ExitCode::ok;
-        tell(Json{{"kind", "over"}, {"code", static_cast<int>(code)}, {"cause", error ? error->message : ""}, {"remedy", error ? error->remedy : ""}});
+        tell(Json{{"kind", "over"}, {"code", static_cast<int>(code)}, {"cause", error ? error->message : ""}, {"remedy", error ? error->remedy : ""}, {"left_out", output_.left_out()}});
+        output_.drain(std::nullopt); // the launcher may be stopped (Ctrl-Z); when it dies, so does this process
         return static_cast<int>(code);
     }
 
-    void tell(Json const& json) {
-        std::string const line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-        [[maybe_unused]] auto const written = ::write(channel_, line.data(), line.size());
+    /// Never waits: whatever the launcher does, the processes are watched.
+    void tell(Json const& json, bool only_the_newest = false) {
+        std::string line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+        if (only_the_newest) {
+            output_.put_latest(std::move(line));
+        } else {
+            output_.put(line);
+        }
     }
 
     RunPlan const& plan_;
     int channel_;
+    LineOutput output_; ///< to the channel
     std::map<std::string, int> listen_fds_;
     VirtualNetwork network_;
     std::vector<Watched> watched_;
