@@ -117,8 +117,11 @@ class Walker {
             return give<std::int16_t, std::int64_t>(type);
         case Kind::uint16:
             return give<std::uint16_t, std::uint64_t>(type);
-        case Kind::int32:
         case Kind::enumeration:
+            return type.octets == 1   ? give<std::uint8_t, std::int64_t>(type)
+                   : type.octets == 2 ? give<std::uint16_t, std::int64_t>(type)
+                                      : give<std::int32_t, std::int64_t>(type);
+        case Kind::int32:
             return give<std::int32_t, std::int64_t>(type);
         case Kind::uint32:
             return give<std::uint32_t, std::uint64_t>(type);
@@ -185,6 +188,9 @@ double to_number(Value const& value) {
 }
 
 Result<void> visit(Model const& model, std::size_t type, std::span<std::byte const> cdr, Visitor& visitor) {
+    if (Type const& wanted = model.types[type]; !wanted.unsupported.empty()) {
+        return fail(ExitCode::usage, fmt::format("samples of {} cannot be decoded: IDL {}", wanted.name, wanted.unsupported));
+    }
     Walker walker{model, cdr, visitor};
     if (!walker.run(type)) {
         return fail(ExitCode::usage,

@@ -3,6 +3,7 @@
 #include "common/idl/idl_lexer.hpp"
 
 #include <cctype>
+#include <sstream>
 
 namespace gridspace::idl {
 namespace {
@@ -31,9 +32,26 @@ void Lexer::skip_blank() {
             for (; at_ < end + 2; ++at_) {
                 line_ += text_[at_] == '\n' ? 1 : 0;
             }
+        } else if (text_[at_] == '#' && skips_directives_) {
+            skip_directive();
         } else {
             return;
         }
+    }
+}
+
+void Lexer::skip_directive() {
+    std::size_t const start = at_;
+    while (at_ < text_.size() && (text_[at_] != '\n' || text_[at_ - 1] == '\\')) {
+        line_ += text_[at_] == '\n' ? 1 : 0;
+        ++at_;
+    }
+    std::istringstream words{std::string{text_.substr(start + 1, at_ - start - 1)}};
+    std::string directive, name, value;
+    words >> directive >> name >> value;
+    includes_ = includes_ || directive == "include";
+    if (directive == "define" && !value.empty()) {
+        defined_[name] = value;
     }
 }
 

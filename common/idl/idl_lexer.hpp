@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,17 +23,25 @@ struct Token {
 /// Splits IDL into names, numbers, quoted texts and signs ("::" is one sign); comments are skipped.
 class Lexer {
   public:
-    explicit Lexer(std::string_view text) : text_{text} { advance(); }
+    /// `skips_directives`: instead of refusing lines for the preprocessor.
+    Lexer(std::string_view text, bool skips_directives) : text_{text}, skips_directives_{skips_directives} {
+        advance();
+    }
     [[nodiscard]] Token const& peek() const { return token_; }
     Token take();
     bool accept(std::string_view sign); ///< takes the token when it is this sign or name
     void expect(std::string_view sign);
     std::string expect_name();
+    [[nodiscard]] std::map<std::string, std::string> const& defined() const { return defined_; } ///< by #define, so far
+    [[nodiscard]] bool includes() const { return includes_; }                                     ///< another file
 
   private:
     void advance();
     void skip_blank();
+    void skip_directive();
     std::string_view text_;
+    bool skips_directives_, includes_{false};
+    std::map<std::string, std::string> defined_;
     std::size_t at_{0};
     int line_{1};
     Token token_;

@@ -32,6 +32,7 @@ enum class Kind : std::uint8_t {
     array,
     structure,
     enumeration,
+    unsupported, ///< a union, a map, ...: nothing that has one can be decoded
 };
 
 /// A type. Composite types refer to others by index in Model::types.
@@ -47,17 +48,25 @@ struct Type {
     };
     std::vector<Member> members;      ///< of a struct, inherited ones first
     std::vector<std::pair<std::string, std::int32_t>> values; ///< of an enum
+    std::size_t octets{4};            ///< of an enum
+    std::string unsupported;          ///< why samples of it, or with it, cannot be decoded; empty: they can
 };
 
 struct Model {
     std::vector<Type> types;
-    [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const; ///< a struct or enum by its name
+    [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const; ///< a struct, enum or unsupported type by its name
     [[nodiscard]] bool is_keyed(std::size_t type) const;
 };
 
+/// What becomes of unions, maps, wide characters, bit masks and bit sets, and of preprocessor lines.
+enum class Unsupported : std::uint8_t {
+    refused, ///< with a line number
+    kept,    ///< as types that cannot be decoded; of preprocessor lines `#define NAME NUMBER` is taken, others are skipped
+};
+
 /// Reads IDL 4.2 as far as data types need it: modules, structs with inheritance and annotations, enums, constants,
-/// typedefs, arrays, bounded and unbounded strings and sequences, comments. Unions, maps, wide characters, bit sets and
-/// preprocessor lines are refused with a line number.
-[[nodiscard]] Result<Model> parse(std::string_view text);
+/// typedefs, arrays, bounded and unbounded strings and sequences, comments. A struct that is @mutable or has @optional
+/// members is read, but cannot be decoded.
+[[nodiscard]] Result<Model> parse(std::string_view text, Unsupported unsupported = Unsupported::refused);
 
 } // namespace gridspace::idl

@@ -15,7 +15,8 @@ constexpr int kDeepest = 64; ///< modules and sequences in each other; a file of
 
 class Parser {
   public:
-    explicit Parser(std::string_view text) : lexer_{text} {}
+    Parser(std::string_view text, Unsupported unsupported)
+        : lexer_{text, unsupported == Unsupported::kept}, keeps_{unsupported == Unsupported::kept} {}
 
     Model run() {
         while (lexer_.peek().kind != Token::Kind::end) {
@@ -25,16 +26,23 @@ class Parser {
     }
 
   private:
-    /// Annotations before a definition or a member; only @key matters to a decoder.
-    bool annotations() {
-        bool key = false;
+    /// What a decoder must know of the annotations before a definition or a member.
+    struct Annotations {
+        bool key{false};
+        std::uint32_t bit_bound{32};
+        std::string unsupported; ///< one that changes how samples are written
+    };
+    Annotations annotations() {
+        Annotations out;
         while (lexer_.accept("@")) {
+            int const line = lexer_.peek().line;
             std::string name = lexer_.expect_name();
             while (lexer_.accept("::")) {
                 name = lexer_.expect_name();
             }
-            key = key || name == "key";
+            Token value;
             if (lexer_.accept("(")) {
+                value = lexer_.peek();
                 for (int depth = 1; depth > 0;) {
                     Token const token = lexer_.take();
                     if (token.kind == Token::Kind::end) {
@@ -43,12 +51,61 @@ class Parser {
                     depth += token.text == "(" ? 1 : token.text == ")" ? -1 : 0;
                 }
             }
+            bool const off = value.text == "FALSE" || value.text == "false";
+            out.key = out.key || (name == "key" && !off);
+            if (name == "bit_bound" && value.kind == Token::Kind::number) {
+                out.bit_bound = to_number(value);
+            }
+            if ((name == "optional" && !off) || name == "mutable" ||
+                (name == "extensibility" && value.text == "MUTABLE")) {
+                out.unsupported = fmt::format("line {}: @{} is not supported", line, name == "optional" ? name : "mutable");
+            }
         }
-        return key;
+        return out;
+    }
+
+    /// A type that is known by name alone; refused where such types are.
+    std::size_t unsupported(int line, std::string const& what, std::string name = {}) {
+        if (!keeps_) {
+            throw SyntaxError{line, what};
+        }
+        Type type;
+        type.kind = Kind::unsupported;
+        type.name = std::move(name);
+        type.unsupported = fmt::format("line {}: {}", line, what);
+        return type.name.empty() ? add(std::move(type)) : define(std::move(type));
+    }
+
+    /// `<...>` or `{...}` with all that is between, if it is next.
+    void skip_balanced(std::string_view open, std::string_view close) {
+        int depth = 0;
+        do {
+            Token const token = lexer_.peek();
+            if (depth == 0 && token.text != open) {
+                return;
+            }
+            if (token.kind == Token::Kind::end) {
+                throw SyntaxError{token.line, fmt::format("a '{}' is not closed", open)};
+            }
+            depth += token.text == open ? 1 : token.text == close ? -1 : 0;
+            lexer_.take();
+        } while (depth > 0);
+    }
+
+    void unsupported_definition() {
+        Token const word = lexer_.take();
+        std::string const name = lexer_.expect_name();
+        while (lexer_.peek().text != "{" && lexer_.peek().text != ";" && lexer_.peek().kind != Token::Kind::end) {
+            lexer_.take(); // of a union what it switches on
+        }
+        if (lexer_.peek().text == "{") {
+            unsupported(word.line, fmt::format("'{}' is not supported", word.text), scoped(name));
+        }
+        skip_balanced("{", "}");
     }
 
     void definition() {
-        annotations();
+        Annotations const annotated = annotations();
         Token const word = lexer_.peek();
         if (lexer_.accept(";")) {
             return;
@@ -67,9 +124,9 @@ class Parser {
             }
             scope_.pop_back();
         } else if (lexer_.accept("struct")) {
-            structure();
+            structure(annotated);
         } else if (lexer_.accept("enum")) {
-            enumeration();
+            enumeration(annotated);
         } else if (lexer_.accept("const")) {
             constant();
         } else if (lexer_.accept("typedef")) {
@@ -78,15 +135,18 @@ class Parser {
                 std::string const name = lexer_.expect_name();
                 typedefs_[scoped(name)] = array_of(type);
             } while (lexer_.accept(","));
+        } else if (keeps_ && (word.text == "union" || word.text == "bitmask" || word.text == "bitset")) {
+            unsupported_definition();
         } else {
             throw SyntaxError{word.line, fmt::format("'{}' is not supported", word.text)};
         }
         lexer_.accept(";");
     }
 
-    void structure() {
+    void structure(Annotations const& annotated) {
         Type type;
         type.kind = Kind::structure;
+        type.unsupported = annotated.unsupported;
         std::string const name = lexer_.expect_name();
         type.name = scoped(name);
         if (lexer_.accept(";")) {
@@ -94,27 +154,36 @@ class Parser {
         }
         if (lexer_.accept(":")) {
             std::size_t const base = named_type();
-            if (model_.types[base].kind != Kind::structure) {
+            cannot_be_decoded(type, model_.types[base].unsupported);
+            if (model_.types[base].kind != Kind::structure && model_.types[base].kind != Kind::unsupported) {
                 throw SyntaxError{lexer_.peek().line, fmt::format("'{}' inherits from what is not a struct", name)};
             }
             type.members = model_.types[base].members;
         }
         lexer_.expect("{");
         while (!lexer_.accept("}")) {
-            bool const key = annotations();
+            Annotations const of_member = annotations();
+            cannot_be_decoded(type, of_member.unsupported);
             std::size_t const member_type = type_spec();
             do {
                 std::string const member = lexer_.expect_name();
-                type.members.push_back({member, array_of(member_type), key});
+                type.members.push_back({member, array_of(member_type), of_member.key});
+                cannot_be_decoded(type, model_.types[type.members.back().type].unsupported);
             } while (lexer_.accept(","));
             lexer_.expect(";");
         }
         define(std::move(type));
     }
 
-    void enumeration() {
+    /// The first reason is kept.
+    static void cannot_be_decoded(Type& type, std::string const& reason) {
+        type.unsupported = type.unsupported.empty() ? reason : type.unsupported;
+    }
+
+    void enumeration(Annotations const& annotated) {
         Type type;
         type.kind = Kind::enumeration;
+        type.octets = annotated.bit_bound <= 8 ? 1 : annotated.bit_bound <= 16 ? 2 : 4;
         type.name = scoped(lexer_.expect_name());
         lexer_.expect("{");
         std::int32_t next = 0;
@@ -155,8 +224,12 @@ class Parser {
         } else if (lexer_.accept("long")) {
             kind = lexer_.accept("long") ? Kind::int64 : Kind::int32;
             if (lexer_.accept("double")) {
-                throw SyntaxError{word.line, "long double is not supported"};
+                return unsupported(word.line, "long double is not supported");
             }
+        } else if (keeps_ && (lexer_.accept("wstring") || lexer_.accept("wchar") || lexer_.accept("map") ||
+                              lexer_.accept("fixed") || lexer_.accept("any"))) {
+            skip_balanced("<", ">");
+            return unsupported(word.line, fmt::format("'{}' is not supported", word.text));
         } else if (lexer_.accept("sequence")) {
             return sequence();
         } else if (lexer_.accept("string")) {
@@ -247,6 +320,9 @@ class Parser {
                 return *found;
             }
         }
+        if (lexer_.includes()) {
+            return unsupported(line, fmt::format("the type '{}' is not known, and #include is not followed", name));
+        }
         throw SyntaxError{line, fmt::format("the type '{}' is not known", name)};
     }
 
@@ -254,6 +330,9 @@ class Parser {
         Token const token = lexer_.take();
         if (token.kind == Token::Kind::number) {
             return to_number(token);
+        }
+        if (auto const it = lexer_.defined().find(token.text); it != lexer_.defined().end()) {
+            return to_number({Token::Kind::number, it->second, token.line});
         }
         for (std::size_t depth = scope_.size() + 1; depth-- > 0;) {
             std::string full;
@@ -291,17 +370,21 @@ class Parser {
     }
 
     std::size_t add(Type type) {
+        if (type.kind == Kind::sequence || type.kind == Kind::array) {
+            type.unsupported = model_.types[type.element].unsupported;
+        }
         model_.types.push_back(std::move(type));
         return model_.types.size() - 1;
     }
-    void define(Type type) {
+    std::size_t define(Type type) {
         if (model_.find(type.name)) {
             throw SyntaxError{lexer_.peek().line, fmt::format("'{}' is defined twice", type.name)};
         }
-        add(std::move(type));
+        return add(std::move(type));
     }
 
     Lexer lexer_;
+    bool keeps_; ///< what is not supported
     Model model_;
     std::vector<std::string> scope_;
     int nested_{0}; ///< sequences
@@ -313,7 +396,9 @@ class Parser {
 
 std::optional<std::size_t> Model::find(std::string_view name) const {
     for (std::size_t i = 0; i < types.size(); ++i) {
-        if ((types[i].kind == Kind::structure || types[i].kind == Kind::enumeration) && types[i].name == name) {
+        bool const named = types[i].kind == Kind::structure || types[i].kind == Kind::enumeration ||
+                           (types[i].kind == Kind::unsupported && !types[i].name.empty());
+        if (named && types[i].name == name) {
             return i;
         }
     }
@@ -324,9 +409,9 @@ bool Model::is_keyed(std::size_t type) const {
     return std::any_of(types[type].members.begin(), types[type].members.end(), [](auto const& m) { return m.key; });
 }
 
-Result<Model> parse(std::string_view text) {
+Result<Model> parse(std::string_view text, Unsupported unsupported) {
     try {
-        return Parser{text}.run();
+        return Parser{text, unsupported}.run();
     } catch (SyntaxError const& e) {
         return fail(ExitCode::usage, fmt::format("IDL line {}: {}", e.line, e.what()));
     }

@@ -34,21 +34,22 @@ void key_members(Model const& model, std::size_t index, std::string const& prefi
     }
 }
 
-std::size_t octets_of(Kind kind) {
-    switch (kind) {
+std::size_t octets_of(Type const& type) {
+    switch (type.kind) {
     case Kind::int16:
     case Kind::uint16:
         return 2;
     case Kind::int32:
     case Kind::uint32:
     case Kind::float32:
-    case Kind::enumeration:
     case Kind::string: // its length
         return 4;
     case Kind::int64:
     case Kind::uint64:
     case Kind::float64:
         return 8;
+    case Kind::enumeration:
+        return type.octets;
     default:
         return 1;
     }
@@ -92,7 +93,7 @@ std::optional<std::size_t> longest_end(Model const& model, std::size_t index, st
         return end;
     }
     default:
-        end = aligned(at, octets_of(type.kind)) + octets_of(type.kind);
+        end = aligned(at, octets_of(type)) + octets_of(type);
         if (type.kind == Kind::string) {
             end = type.bound == 0 ? std::nullopt : std::optional{*end + type.bound + 1};
         }
@@ -101,10 +102,10 @@ std::optional<std::size_t> longest_end(Model const& model, std::size_t index, st
 }
 
 struct KeyWriter final : Visitor {
-    explicit KeyWriter(std::vector<std::string> const& wanted) : members{wanted} {}
+    explicit KeyWriter(KeyFinder const& finder) : key{finder} {}
 
     void leaf(std::string_view path, Type const& type, Value const& value) override {
-        if (!wanted(path)) {
+        if (!key.covers(path)) {
             return;
         }
         if (std::string const* const text = std::get_if<std::string>(&value); text != nullptr) {
@@ -114,7 +115,7 @@ struct KeyWriter final : Visitor {
             out.push_back(std::byte{0});
             return;
         }
-        std::size_t const octets = octets_of(type.kind);
+        std::size_t const octets = octets_of(type);
         std::uint64_t bits = 0;
         if (double const* const real = std::get_if<double>(&value); real != nullptr) {
             bits = type.kind == Kind::float32 ? std::bit_cast<std::uint32_t>(static_cast<float>(*real))
@@ -129,17 +130,11 @@ struct KeyWriter final : Visitor {
         number(bits, octets);
     }
     void sequence(std::string_view path, std::size_t length) override {
-        if (wanted(path)) {
+        if (key.covers(path)) {
             number(length, 4);
         }
     }
 
-    [[nodiscard]] bool wanted(std::string_view path) const {
-        return std::any_of(members.begin(), members.end(), [&](std::string const& member) {
-            return path.starts_with(member) &&
-                   (path.size() == member.size() || path[member.size()] == '.' || path[member.size()] == '[');
-        });
-    }
     void number(std::uint64_t bits, std::size_t octets) {
         out.resize(aligned(out.size(), octets));
         for (std::size_t i = octets; i-- > 0;) {
@@ -147,7 +142,7 @@ struct KeyWriter final : Visitor {
         }
     }
 
-    std::vector<std::string> const& members;
+    KeyFinder const& key;
     std::vector<std::byte> out;
 };
 
@@ -158,8 +153,15 @@ KeyFinder::KeyFinder(Model const& model, std::size_t type) : model_{model}, type
     is_short_ = longest_end(model, type, 0, true, 0).has_value();
 }
 
+bool KeyFinder::covers(std::string_view path) const {
+    return std::any_of(members_.begin(), members_.end(), [&](std::string const& member) {
+        return path.starts_with(member) &&
+               (path.size() == member.size() || path[member.size()] == '.' || path[member.size()] == '[');
+    });
+}
+
 Result<std::vector<std::byte>> KeyFinder::key_of(std::span<std::byte const> cdr) const {
-    KeyWriter writer{members_};
+    KeyWriter writer{*this};
     if (auto ok = visit(model_, type_, cdr, writer); !ok) {
         return std::unexpected{ok.error()};
     }

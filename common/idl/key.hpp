@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gridspace::idl {
@@ -22,6 +23,8 @@ class KeyFinder {
     [[nodiscard]] Result<std::vector<std::byte>> key_of(std::span<std::byte const> cdr) const;
     /// Whether every key of the type fits into 16 octets: it then is the hash as it is; others by MD5.
     [[nodiscard]] bool is_short() const { return is_short_; }
+    /// Whether the leaf or sequence at this path of a sample belongs to the key.
+    [[nodiscard]] bool covers(std::string_view path) const;
 
   private:
     Model const& model_;

@@ -7,6 +7,7 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/installation.hpp"
 #include "launcher/run/listening.hpp"
+#include "monitor/app/foreign_idl.hpp"
 #include "monitor/web/listening.hpp"
 
 #include <cerrno>
@@ -73,6 +74,11 @@ int monitor(MonitorArguments const& arguments) {
     bool const tls = !arguments.tls_cert.empty();
     if (auto ok = web::check_exposure(arguments.listen, !arguments.token_file.empty(), tls); !ok) {
         return print_error(ok.error());
+    }
+    if (!arguments.idl.empty()) { // nobody looks at an address where nothing will answer
+        if (auto const idl = gridspace::monitor::read_foreign_idl(arguments.idl); !idl) {
+            return print_error(idl.error());
+        }
     }
     auto socket = launcher::open_listening(arguments.listen);
     if (!socket) {

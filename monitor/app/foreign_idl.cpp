@@ -16,14 +16,14 @@ Result<std::map<std::string, std::string>> read_foreign_idl(std::filesystem::pat
     if (!stream) {
         return fail(ExitCode::usage, fmt::format("cannot read '{}'", file.string()));
     }
-    auto const model = idl::parse(text);
+    auto const model = idl::parse(text, idl::Unsupported::kept);
     if (!model) {
         return fail(ExitCode::usage, fmt::format("'{}': {}", file.string(), model.error().message),
                     model.error().remedy);
     }
     std::map<std::string, std::string> out;
     for (idl::Type const& type : model->types) {
-        if (type.kind == idl::Kind::structure) {
+        if (type.kind == idl::Kind::structure || (type.kind == idl::Kind::unsupported && !type.name.empty())) {
             out.try_emplace(type.name, text);
         }
     }

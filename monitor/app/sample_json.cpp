@@ -3,8 +3,8 @@
 #include "monitor/app/sample_json.hpp"
 
 #include "common/idl/cdr_visitor.hpp"
+#include "common/idl/key.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -16,14 +16,16 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostFields = 1000; ///< of one sample, in a page
 
 struct ToJson final : idl::Visitor {
+    explicit ToJson(idl::KeyFinder const& finder) : key_finder{finder} {}
+
+    idl::KeyFinder const& key_finder;
     Json fields = Json::object();
     std::string key;
-    std::vector<std::string> key_members;
     bool cut{false};
 
     void leaf(std::string_view path, idl::Type const& type, idl::Value const& value) override {
         std::string const name{path};
-        if (std::find(key_members.begin(), key_members.end(), name) != key_members.end()) {
+        if (key_finder.covers(path)) {
             key += (key.empty() ? "" : "/") + idl::to_text(value);
         }
         if (fields.size() >= kMostFields) {
@@ -49,17 +51,16 @@ Json sample_to_json(std::string const& idl, std::string const& type, std::span<s
     if (idl.empty()) {
         return {{"error", "nobody has published the IDL of type " + type}};
     }
-    auto const model = idl::parse(idl);
+    auto const model = idl::parse(idl, idl::Unsupported::kept);
     auto const index = model ? model->find(type) : std::nullopt;
     if (!index) {
         return {{"error", model ? "its IDL text does not define the type" : "its IDL text: " + model.error().message}};
     }
-    ToJson visitor;
-    for (auto const& member : model->types[*index].members) {
-        if (member.key) {
-            visitor.key_members.push_back(member.name);
-        }
+    if (std::string const& why = model->types[*index].unsupported; !why.empty()) {
+        return {{"error", "samples of " + type + " cannot be decoded: its IDL, " + why}};
     }
+    idl::KeyFinder const key_finder{*model, *index};
+    ToJson visitor{key_finder};
     if (auto ok = idl::visit(*model, *index, cdr, visitor); !ok) {
         return {{"error", "the sample is not of that type: " + ok.error().message}};
     }

@@ -106,6 +106,19 @@ class ForeignTypes(harness.ScenarioTest):
             self.assertEqual(code, harness.USAGE, out + err)
             self.assertIn(said, out + err)
 
+    def test_a_mistake_in_the_idl_is_told_before_an_address_is(self):
+        code, out, err = harness.gridspace("monitor", "--domain", DOMAIN, "--idl", self.write("weather.bad", "struct {"))
+        self.assertEqual((code, out), (harness.USAGE, ""), err)
+        self.assertIn("line 1: expected a name before '{'", err)
+
+    def test_what_the_idl_says_of_other_types_does_not_hinder(self):
+        idl = "#ifndef W\n#define W\nunion U switch (long) { case 1: long a; };\n#endif\nstruct Other { U u; };\n" + IDL
+        with self.station(), self.monitor(idl=str(self.write("weather.idl", idl))) as monitor:
+            self.assertEqual(monitor.json("/api/v1/topics/rt%2Fweather/last")["last"][0]["fields"]["celsius"], 21.5)
+        idl = IDL.replace("long trend", "wstring trend")
+        with self.station(), self.monitor(idl=str(self.write("weather.idl", idl))) as monitor:
+            self.assertIn("its IDL, line 3: 'wstring' is not supported", monitor.json("/api/v1/topics/rt%2Fweather/last")["last"][0]["error"])
+
     def of_another_dds(self, name, **options):
         """Built of the IDL by the tools of another DDS."""
         self.write("weather.idl", IDL.replace("@key ", ""))  # the writer has no key
