@@ -46,6 +46,13 @@ std::optional<std::uint32_t> small_number(Json const& json, char const* key) {
     return it->get<std::uint32_t>();
 }
 
+/// These the framework writes at the wall clock, also in lockstep.
+bool at_wall_clock(std::string_view topic) {
+    return topic == "member_status" || topic == "type_catalog";
+}
+
+constexpr int kStepsForIdl = 20; ///< about a second
+
 } // namespace
 
 std::optional<std::string> FoxgloveHub::choose(std::vector<std::string> const& offered) {
@@ -116,8 +123,13 @@ void FoxgloveHub::find_channels() {
         }
         auto const found = run_.idl.find(state.type);
         std::string const idl = found != run_.idl.end() ? found->second : std::string{bus::idl_of_type(state.type)};
-        if (idl.empty()) {
-            continue; // its IDL may still come
+        if (idl.empty()) { // it may still come
+            if (++steps_without_idl_[key] == kStepsForIdl) {
+                without_idl_.push_back(fmt::format(
+                    "topic '{}' is left out until somebody publishes the IDL of its type {}, or the monitor is given it (--idl)",
+                    key.second, state.type));
+            }
+            continue;
         }
         channels_.push_back(key);
         advertised_.push_back(text({{"id", channels_.size()},
@@ -127,6 +139,17 @@ void FoxgloveHub::find_channels() {
                                     {"schema", idl},
                                     {"schemaEncoding", "omgidl"}}));
     }
+}
+
+/// What the samples are stamped with that are stamped with the run's time: the newest of them; run's mutex held.
+std::int64_t FoxgloveHub::present_ns() const {
+    std::int64_t newest = -1;
+    for (auto const& [key, state] : run_.topics) {
+        if (!at_wall_clock(key.second) && !state.newest.empty()) {
+            newest = std::max(newest, state.newest.back().source_ns);
+        }
+    }
+    return newest >= 0 ? newest : static_cast<std::int64_t>(run_.clock.time_s * 1e9);
 }
 
 std::string FoxgloveHub::advertisement(std::size_t from) const {
@@ -200,6 +223,9 @@ void FoxgloveHub::step(web::Server& server) {
         for (std::string const& problem : std::exchange(client.problems, {})) {
             say({{"op", "status"}, {"level", 1}, {"message", problem}});
         }
+        for (; client.told_without_idl < without_idl_.size(); ++client.told_without_idl) {
+            say({{"op", "status"}, {"level", 1}, {"message", without_idl_[client.told_without_idl]}});
+        }
         if (time != nullptr) {
             server.push(id, {.octets = time, .binary = true});
         }
@@ -207,7 +233,10 @@ void FoxgloveHub::step(web::Server& server) {
             server.push(id, {.octets = share(connection_graph(client)), .lasting = true});
         }
         for (auto& [number, subscription] : client.subscriptions) {
-            TopicState const& topic = run_.topics.at(channels_[subscription.channel - 1]);
+            Topic const& key = channels_[subscription.channel - 1];
+            TopicState const& topic = run_.topics.at(key);
+            std::optional<std::int64_t> const stamp_ns =
+                at_wall_clock(key.second) ? std::optional{present_ns()} : std::nullopt;
             for (RawSample const& sample : topic.newest) {
                 // At first the newest: of a topic that is written once nothing else would ever come.
                 bool const wanted =
@@ -215,7 +244,7 @@ void FoxgloveHub::step(web::Server& server) {
                 if (wanted) {
                     std::string bytes(1, static_cast<char>(kMessageData));
                     append(bytes, number);
-                    append(bytes, static_cast<std::uint64_t>(sample.source_ns));
+                    append(bytes, static_cast<std::uint64_t>(stamp_ns ? *stamp_ns : sample.source_ns));
                     bytes.append(reinterpret_cast<char const*>(sample.cdr.data()), sample.cdr.size());
                     server.push(id, {.octets = share(std::move(bytes)), .binary = true});
                     subscription.sent = sample.number;

@@ -48,8 +48,10 @@ class FoxgloveHub {
         std::uint64_t graph_revision{0};
         std::vector<std::string> told_topics;
         std::vector<std::string> problems; ///< to be told
+        std::size_t told_without_idl{0};
     };
     void find_channels();
+    [[nodiscard]] std::int64_t present_ns() const;
     [[nodiscard]] std::string advertisement(std::size_t from) const;
     [[nodiscard]] std::string connection_graph(Client& client) const;
 
@@ -58,6 +60,8 @@ class FoxgloveHub {
     std::map<web::ClientId, Client> clients_;
     std::vector<Topic> channels_;         ///< the number of a channel is its place, from 1
     std::vector<std::string> advertised_; ///< its JSON
+    std::map<Topic, int> steps_without_idl_;
+    std::vector<std::string> without_idl_; ///< what is said of topics that cannot be channels yet
     std::int64_t time_sent_ns_{-1};
 };
 

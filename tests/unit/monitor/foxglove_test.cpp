@@ -93,6 +93,32 @@ TEST_F(Foxglove, AdvertisesATopicThatAppearsLater) {
     EXPECT_EQ(said[0]["channels"][0]["id"], 2);
 }
 
+TEST_F(Foxglove, StampsWhatIsWrittenAtTheWallClockWithTheTimeOfTheRun) {
+    open();
+    std::byte const cdr[]{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}, std::byte{'x'}};
+    run_.on_sample("management", "member_status", "Thing", "somebody", cdr, 1'700'000'000'000'000'000);
+    sut_.step(pushes_);
+    ASSERT_EQ(pushes_.take().at(0)["channels"][0]["topic"], "member_status");
+    sample('b', 8);
+    sut_.message(7, R"({"op":"subscribe","subscriptions":[{"id":9,"channelId":2}]})");
+    EXPECT_THAT(step(), ElementsAre(message(9, 8, 'x')));
+}
+
+TEST_F(Foxglove, SaysOnceWhichTopicIsLeftOutForWantOfItsIdl) {
+    open();
+    run_.on_sample("data", "others", "Other", "somebody", {}, 1);
+    for (int i = 0; i < 100; ++i) {
+        sut_.step(pushes_);
+    }
+    auto const said = pushes_.take();
+    ASSERT_THAT(said, SizeIs(1));
+    EXPECT_EQ(said[0]["op"], "status");
+    EXPECT_THAT(said[0]["message"].get<std::string>(), testing::HasSubstr("'others' is left out"));
+    sut_.opened(8); // one that comes later is told too
+    sut_.step(pushes_);
+    EXPECT_EQ(pushes_.take().back()["op"], "status");
+}
+
 TEST_F(Foxglove, SendsTheNewestSampleFirstAndThenEveryOneOnce) {
     open();
     sample('b', 6);
