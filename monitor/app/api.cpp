@@ -300,6 +300,10 @@ web::Response Api::signal_query(web::Target const& target) const {
             return problem(400, "t0, t1 (seconds of simulated time) and px (columns) are numbers");
         }
     }
+    if (t0 && t1 && *t1 < *t0) {
+        return problem(400, fmt::format("t1 ({} s) is before t0 ({} s)", shortest(*t1), shortest(*t0)),
+                       "t0 is where the stretch begins, t1 where it ends");
+    }
     if (px && (*px < 1 || *px > kMostColumns || *px != std::floor(*px))) {
         return problem(400, "px is '" + target.query.at("px") + "'",
                        fmt::format("a whole number of columns, 1 to {}", kMostColumns));

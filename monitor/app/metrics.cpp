@@ -62,6 +62,12 @@ std::string metrics_text(LiveRun const& run, web::ServerCounters const& server) 
         out += fmt::format("gridspace_topic_samples_total{{topic=\"{}\",network=\"{}\"}} {}\n", label(topic.topic),
                            label(topic.network), topic.samples);
     }
+    for (graph::Topic const& topic : graph.topics) {
+        if (!run.topics.contains({topic.network, topic.name})) { // nothing has been heard of it yet
+            out += fmt::format("gridspace_topic_samples_total{{topic=\"{}\",network=\"{}\"}} 0\n", label(topic.name),
+                               label(topic.network));
+        }
+    }
     head(out, "gridspace_signal", "gauge", "Newest value of a signal.");
     for (auto const& [key, window] : run.signals) {
         for (std::size_t c = 0; window != nullptr && !window->empty() && c < window->columns().size(); ++c) {

@@ -54,6 +54,31 @@ class ApiAnswers : public testing::Test {
     Api sut_{run_, [] { return web::ServerCounters{}; }};
 };
 
+TEST_F(ApiAnswers, RefuseAStretchThatEndsBeforeItBegins) {
+    auto const answer = ask("GET", "/api/v1/signals/query", {{"names", "x"}, {"t0", "5"}, {"t1", "2.5"}});
+    EXPECT_EQ(answer.status, 400);
+    EXPECT_THAT(answer.body, testing::HasSubstr("t1 (2.5 s) is before t0 (5 s)"));
+    EXPECT_EQ(ask("GET", "/api/v1/signals/query", {{"names", "x"}, {"t0", "5"}, {"t1", "5"}}).status, 404); // no signal
+}
+
+TEST_F(ApiAnswers, MetricsNameATopicOfWhichNothingWasHeard) {
+    run_.graph.participant_found("data", {"p1", {"ev1", 0, "gridspace-ev"}, {}});
+    bus::DiscoveredEndpoint writer;
+    writer.id = "w";
+    writer.participant = "p1";
+    writer.topic = "requests";
+    writer.writer = true;
+    run_.graph.endpoint_found("data", writer);
+    auto const line = [](int samples) {
+        return "gridspace_topic_samples_total{topic=\"requests\",network=\"data\"} " + std::to_string(samples) + "\n";
+    };
+    EXPECT_THAT(ask("GET", "/metrics").body, testing::HasSubstr(line(0)));
+    run_.on_sample("data", "requests", "T", "ev1", std::vector<std::byte>(4), 0);
+    std::string const after = ask("GET", "/metrics").body;
+    EXPECT_THAT(after, testing::HasSubstr(line(1)));
+    EXPECT_THAT(after, testing::Not(testing::HasSubstr(line(0))));
+}
+
 TEST_F(ApiAnswers, KnowEveryRouteAndNoOther) {
     for (Api::Route const& route : Api::routes()) {
         if (route.method == "GET" && route.path.find('{') == std::string_view::npos) {
