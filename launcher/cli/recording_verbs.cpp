@@ -100,7 +100,8 @@ int compare(CompareArguments const& arguments) {
     if (reached_of(a) != reached_of(b)) { // what is recorded on change only may be equal all the same
         fmt::print(stderr, "note: the runs ended at different times, at {} s and at {} s\n", reached_of(a), reached_of(b));
     }
-    bool const ticks_differ = tick_of(a) != tick_of(b);
+    bool const ticks_known = !tick_of(a).empty() && !tick_of(b).empty(); // not of a file alone
+    bool const ticks_differ = ticks_known && tick_of(a) != tick_of(b);
     if (ticks_differ) {
         options.skip_topics = {"simulation_clock", "clock_ack"};
     }
