@@ -100,6 +100,8 @@ class Contract(harness.ScenarioTest):
         name = next(s["name"] for s in signals if "value" in s and s["name"].startswith("bus."))
         monitor.until("/api/v1/topics", lambda t: any(x["name"] == "bus_measurements" and x["samples"] > 0 for x in t["topics"]), "a measurement")
         self.assert_kept(monitor, {"names": name, "topic": "bus_measurements"})
+        monitor.until("/api/v1/topics", lambda t: not any(x["not_heard"] for x in t["topics"]), "a reader for every writer")
+        self.assertEqual([e for e in monitor.json("/api/v1/events")["events"] if e["event"] == "not_heard"], [])
 
         control = DOCUMENT["paths"]["/api/v1/control"]["post"]
         token = (run.folder / "control.token").read_text().strip()
