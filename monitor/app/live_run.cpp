@@ -3,6 +3,7 @@
 #include "monitor/app/live_run.hpp"
 
 #include "bus/codec.hpp"
+#include "common/idl/cdr_visitor.hpp"
 
 #include <algorithm>
 #include <catalog.h>
@@ -16,6 +17,7 @@ namespace {
 
 constexpr std::size_t kKeptSamples = 64;
 constexpr std::size_t kKeptOctets = 256 * 1024; ///< per topic
+constexpr std::size_t kCheckedOctets = 64 * 1024; ///< of a sample: a larger one would take too long
 constexpr std::size_t kKeptEvents = 10'000;
 constexpr std::size_t kGroups = 256;
 constexpr std::size_t kStreamEnds = 4096;
@@ -41,6 +43,16 @@ StreamEnd end_of(StreamStatistics const& sample) {
 /// How many rows a window of so many columns may keep.
 std::size_t rows_for(std::size_t columns) {
     return std::clamp<std::size_t>(kWindowValues / std::max<std::size_t>(columns, 1), 1024, 65536);
+}
+
+/// Whether a sample is not what IDL text says of its type, as far as that can be told.
+bool contradicts(std::string const& text, std::string const& type, std::span<std::byte const> cdr) {
+    struct : idl::Visitor {
+        void leaf(std::string_view, idl::Type const&, idl::Value const&) override {}
+    } nobody;
+    auto const model = idl::parse(text, idl::Unsupported::kept);
+    auto const index = model ? model->find(type) : std::nullopt;
+    return index && model->types[*index].unsupported.empty() && !idl::visit(*model, *index, cdr, nobody);
 }
 
 } // namespace
@@ -183,6 +195,15 @@ void LiveRun::measure(std::chrono::duration<double> since_last) {
     for (auto& [key, state] : topics) {
         state.per_second = static_cast<double>(state.samples - state.samples_then) / s;
         state.samples_then = state.samples;
+        if (state.newest.empty() || state.newest.back().number == state.checked) {
+            continue;
+        }
+        RawSample const& newest = state.newest.back();
+        state.checked = newest.number;
+        auto const known = bus::find_codec(state.type) == nullptr ? idl.find(state.type) : idl.end();
+        if (known != idl.end() && newest.cdr.size() <= kCheckedOctets) {
+            undecodable += contradicts(known->second, state.type, newest.cdr) ? 1 : 0;
+        }
     }
     clock.factor = clock.state == "running" ? std::max(0.0, clock.time_s - time_then_s_) / s : 0;
     time_then_s_ = clock.time_s;

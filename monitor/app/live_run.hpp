@@ -35,6 +35,7 @@ struct TopicState {
     double per_second{0}; ///< wall clock, over the last second or so
     std::uint64_t samples_then{0};
     std::size_t newest_octets{0}; ///< of the next
+    std::uint64_t checked{0};     ///< number of the newest sample that was decoded to see whether it can be
     std::deque<RawSample> newest; ///< the last few, so that each key of a keyed topic is likely among them
 };
 
@@ -96,7 +97,7 @@ struct LiveRun {
         signals; ///< by (source, group)
     std::deque<RunEvent> events;
     std::uint64_t events_seen{0};
-    std::uint64_t undecodable{0}; ///< samples of ours that were not what their type says
+    std::uint64_t undecodable{0}; ///< samples that were not what their type says; of IDL's types only `measure` looks
 
     void on_sample(std::string const& network, std::string const& topic, std::string const& type, std::string process,
                    std::span<std::byte const> cdr, std::int64_t source_ns);

@@ -106,6 +106,25 @@ TEST_F(LiveRunTest, MakesSignalsOfVerdictsAndCountsThemAgainstTheTruth) {
     EXPECT_EQ(sut_.undecodable, 0U);
 }
 
+TEST_F(LiveRunTest, CountsNewestSamplesThatAreNotWhatTheirIdlSays) {
+    using namespace std::chrono_literals;
+    sut_.idl["Thing"] = "struct Thing { octet a; octet b; };";
+    sut_.idl["Other"] = "@mutable struct Other { long a; };";
+    auto const come = [&](char const* type, std::size_t octets) {
+        std::vector<std::byte> cdr(4 + octets);
+        sut_.on_sample("data", type, type, "p", cdr, 0);
+        sut_.measure(1s);
+        return sut_.undecodable;
+    };
+    EXPECT_EQ(come("Thing", 2), 0U);
+    EXPECT_EQ(come("Thing", 1), 1U);
+    sut_.measure(1s); // the same one
+    EXPECT_EQ(sut_.undecodable, 1U);
+    EXPECT_EQ(come("Thing", 2), 1U);
+    EXPECT_EQ(come("Other", 1), 1U);   // that is not the sample's fault
+    EXPECT_EQ(come("Unknown", 1), 1U); // nobody knows
+}
+
 TEST_F(LiveRunTest, KnowsFromTheEventLogWhoHasDied) {
     for (char const* name : {"ev1", "ev2", "ev3"}) {
         sut_.graph.participant_found("data", {std::string{"id of "} + name, {name, 0, "gridspace-ev"}, {}});
