@@ -17,10 +17,11 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
 
+# Every clone of a machine shares one compiler cache: paths below the root count as relative ones, and no path reaches the objects.
 find_program(GRIDSPACE_CCACHE ccache)
 if(GRIDSPACE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${GRIDSPACE_CCACHE}")
-  set(CMAKE_C_COMPILER_LAUNCHER "${GRIDSPACE_CCACHE}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 "${GRIDSPACE_CCACHE}")
+  set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
 add_library(gridspace_flags INTERFACE)

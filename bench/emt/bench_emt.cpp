@@ -4,6 +4,7 @@
 // Cost of a waveform step: the protection case, WSCC 9-bus with full machines, feeders of growing size; and ngspice on
 // the same circuit in the same run, with the error of both against a fine solution.
 #include "common/config/diagnostics.hpp"
+#include "common/source_tree.hpp"
 #include "sim/emt/emt_engine.hpp"
 #include "sim/emt/solver.hpp"
 #include "sim/network/network_config.hpp"
@@ -83,7 +84,7 @@ void measure(std::string const& name, Network network, int steps, std::string co
 
 Network shipped(std::string const& file) {
     config::Diagnostics diagnostics;
-    auto network = load_network(std::string{GRIDSPACE_SOURCE_DIR} + "/configs/networks/" + file, diagnostics);
+    auto network = load_network(source_tree("configs/networks/") + file, diagnostics);
     if (!network) {
         fmt::print("{}\n", diagnostics.render());
         std::exit(1);

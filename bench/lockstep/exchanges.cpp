@@ -5,6 +5,7 @@
 #include "bus/clock_server.hpp"
 #include "bus/node.hpp"
 #include "bus/participant.hpp"
+#include "common/source_tree.hpp"
 
 #include <arpa/inet.h>
 #include <atomic>
@@ -47,7 +48,7 @@ T must(Result<T> result) {
 }
 
 std::string qos_file(bool simulator = false) {
-    return std::string{GRIDSPACE_SOURCE_DIR} + (simulator ? "/qos/simulator.xml" : "/qos/member.xml");
+    return source_tree(simulator ? "qos/simulator.xml" : "qos/member.xml");
 }
 
 bus::NodeConfig node_config(std::string const& name, int members, int domain) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/installation.hpp"
 
+#include "common/source_tree.hpp"
 #include "common/text.hpp"
 
 #include <cstdlib>
@@ -17,7 +18,9 @@ std::filesystem::path own_folder() {
 
 } // namespace
 
-std::filesystem::path program_file(std::string_view program) { return own_folder() / program; }
+std::filesystem::path program_file(std::string_view program) {
+    return own_folder() / program;
+}
 
 std::filesystem::path qos_file(std::string_view role) {
     std::string const name = std::string{role} + ".xml";
@@ -26,7 +29,7 @@ std::filesystem::path qos_file(std::string_view role) {
     }
     std::error_code ignored;
     std::filesystem::path const installed = own_folder().parent_path() / "share/gridspace/qos" / name;
-    return std::filesystem::exists(installed, ignored) ? installed : std::filesystem::path{GRIDSPACE_SOURCE_DIR} / "qos" / name;
+    return std::filesystem::exists(installed, ignored) ? installed : std::filesystem::path{source_tree("qos")} / name;
 }
 
 std::filesystem::path system_program(std::string_view name) {

@@ -3,6 +3,7 @@
 //
 // The kept corpus, in the ordinary tests: what was found once stays found. Each input also cut short and with flipped
 // octets.
+#include "common/source_tree.hpp"
 #include "targets.hpp"
 
 #include <filesystem>
@@ -26,12 +27,12 @@ void PrintTo(Target const& target, std::ostream* out) {
 class Corpus : public testing::TestWithParam<Target> {};
 INSTANTIATE_TEST_SUITE_P(Of, Corpus,
                          testing::Values(Target{"sv", sv}, Target{"goose", goose}, Target{"ber", ber},
-                                         Target{"pcapng", pcapng}, Target{"streams", streams}, Target{"scl", scl}, Target{"mapping", mapping}),
+                                         Target{"pcapng", pcapng}, Target{"streams", streams}, Target{"scl", scl},
+                                         Target{"mapping", mapping}),
                          [](auto const& p) { return p.param.name; });
 
 TEST_P(Corpus, IsSurvivedWholeCutShortAndDamaged) {
-    std::filesystem::path const folder =
-        std::filesystem::path{GRIDSPACE_SOURCE_DIR} / "tests/fuzz/corpus" / GetParam().name;
+    std::filesystem::path const folder = std::filesystem::path{source_tree("tests/fuzz/corpus")} / GetParam().name;
     std::size_t files = 0;
     std::mt19937 random{1};
     for (auto const& entry : std::filesystem::directory_iterator{folder}) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A capture in real time whose disk hangs: nobody takes what is captured.
+#include "common/source_tree.hpp"
 #include "recorder/app/frame_capture.hpp"
 #include "tests/integration/veth/veth.hpp"
 
@@ -28,7 +29,7 @@ TEST_F(FrameCaptureTest, KeepsSoMuchOfWhatADiskThatHangsDoesNotTakeAndCountsTheR
     bus::NodeConfig alone;
     alone.process = "recorder";
     alone.program = "test";
-    alone.qos = fmt::format("{}/qos/recorder.xml", GRIDSPACE_SOURCE_DIR);
+    alone.qos = source_tree("qos/recorder.xml");
     alone.management = {1, {"127.0.0.1"}};
     alone.clock.mode = bus::ClockMode::realtime;
     alone.clock.simulator = "";
@@ -36,7 +37,8 @@ TEST_F(FrameCaptureTest, KeepsSoMuchOfWhatADiskThatHangsDoesNotTakeAndCountsTheR
     ASSERT_TRUE(node) << describe(node.error());
     CaptureConfig config;
     config.file = file_;
-    config.ports.push_back({.name = "right", .description = "", .interface = "right", .host = "", .link = "", .link_out = ""});
+    config.ports.push_back(
+        {.name = "right", .description = "", .interface = "right", .host = "", .link = "", .link_out = ""});
     auto sut = FrameCapture::open(**node, config);
     ASSERT_TRUE(sut) << describe(sut.error());
     auto const started = (*node)->start();

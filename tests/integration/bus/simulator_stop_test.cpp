@@ -3,6 +3,7 @@
 //
 // Who is asked to stop while the simulator goes must not be handed to what is gone.
 #include "bus/daemon.hpp"
+#include "common/source_tree.hpp"
 #include "sim/app/sim_app.hpp"
 #include "tests/integration/veth/veth.hpp"
 
@@ -16,7 +17,7 @@ class SimulatorStop : public ethernet::Veth {};
 
 TEST_F(SimulatorStop, IsWithdrawnOnEveryWayOut) {
     SimConfig config;
-    config.simulation.network = fmt::format("{}/configs/networks/smib.yaml", GRIDSPACE_SOURCE_DIR);
+    config.simulation.network = source_tree("configs/networks/smib.yaml");
     config.simulation.duration_s = Rational{1};
     config.simulation.gateways = config::Node::scalar("none_of_ours"); // found when it is on the bus already
     StatusReporter status;
@@ -24,7 +25,7 @@ TEST_F(SimulatorStop, IsWithdrawnOnEveryWayOut) {
     DaemonRun run{{}, status, [&](std::function<void()> stop) { can_be_stopped.push_back(stop != nullptr); }};
     run.bus.process = "sim";
     run.bus.program = "test";
-    run.bus.qos = fmt::format("{}/qos/simulator.xml", GRIDSPACE_SOURCE_DIR);
+    run.bus.qos = source_tree("qos/simulator.xml");
     run.bus.management = {1, {"127.0.0.1"}};
     run.bus.clock.simulator = "sim";
 

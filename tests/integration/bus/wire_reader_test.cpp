@@ -4,6 +4,7 @@
 // Frames that wait for somebody who does not fetch them, on a bus of their own.
 #include "bus/node.hpp"
 #include "bus/wire.hpp"
+#include "common/source_tree.hpp"
 #include "tests/integration/veth/veth.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ NodeConfig alone() {
     NodeConfig out;
     out.process = "a";
     out.program = "test";
-    out.qos = fmt::format("{}/qos/gateway.xml", GRIDSPACE_SOURCE_DIR);
+    out.qos = source_tree("qos/gateway.xml");
     out.management = {1, {"127.0.0.1"}};
     out.clock.mode = ClockMode::realtime;
     out.clock.simulator = "";

@@ -5,6 +5,7 @@
 #include "bus/clock_server.hpp"
 #include "bus/node.hpp"
 #include "bus/raw_access.hpp"
+#include "common/source_tree.hpp"
 #include "tests/integration/veth/veth.hpp"
 
 #include <clock.h>
@@ -26,7 +27,7 @@ NodeConfig config(std::string const& process, std::vector<std::string> members =
     NodeConfig out;
     out.process = process;
     out.program = "test";
-    out.qos = fmt::format("{}/qos/{}.xml", GRIDSPACE_SOURCE_DIR, process == "sim" ? "simulator" : "member");
+    out.qos = source_tree(process == "sim" ? "qos/simulator.xml" : "qos/member.xml");
     out.management = {1, {"127.0.0.1"}};
     out.clock.mode = ClockMode::lockstep;
     out.clock.quantum_s = out.clock.tick_s = Rational{1, 1000};

@@ -4,6 +4,7 @@
 // The end of a recording in real time: nobody waits for the recorder, and it waits for those who have not left yet.
 #include "bus/codec.hpp"
 #include "bus/participant.hpp"
+#include "common/source_tree.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 #include "tests/integration/veth/veth.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -45,13 +46,14 @@ class RecorderEnd : public ethernet::Veth {
         std::filesystem::path const file = folder_.path() / "recorder.yaml";
         std::ofstream{file} << fmt::format(
             R"({{"process": "recorder", "program": "gridspace-recorder",
-                 "bus": {{"qos": "{0}/qos/recorder.xml", "management": {{"domain": 1, "addresses": ["127.0.0.1"]}},
+                 "bus": {{"qos": "{0}qos/recorder.xml", "management": {{"domain": 1, "addresses": ["127.0.0.1"]}},
                           "clock": {{"mode": "realtime", "quantum_s": 1, "tick_s": 1, "epoch": "2019-12-01T09:00:00Z",
                                      "simulator": "sim", "members": ["ev1"], "start_timeout_s": 0}},
                           "expected_writers": {{"requests": {{"endpoints": {{"ev1": 1}}}}}}}},
                  "settings": {{"file": "{1}", "topics": {{"requests": {{"type": "ChargingRequest"}}}}}}}})",
-            GRIDSPACE_SOURCE_DIR, recording_.string());
-        output_ = ::popen(fmt::format("exec {}/gridspace-recorder --config {} 2>&1", GRIDSPACE_BIN_DIR, file.string()).c_str(), "r");
+            source_tree(""), recording_.string());
+        output_ = ::popen(
+            fmt::format("exec {} --config {} 2>&1", build_tree("bin/gridspace-recorder"), file.string()).c_str(), "r");
         join(sim_, "sim", "simulator");
         join(ev1_, "ev1", "member");
         clock_ = std::move(*sim_->create_writer("simulation_clock", bus::codec_of<SimClock>()));
@@ -68,7 +70,7 @@ class RecorderEnd : public ethernet::Veth {
     }
     static void join(std::unique_ptr<bus::Participant>& out, char const* process, char const* role) {
         auto joined = bus::Participant::create(
-            {process, 0, "test", 1, fmt::format("{}/qos/{}.xml", GRIDSPACE_SOURCE_DIR, role), "management", {"127.0.0.1"}});
+            {process, 0, "test", 1, source_tree(fmt::format("qos/{}.xml", role)), "management", {"127.0.0.1"}});
         ASSERT_TRUE(joined) << describe(joined.error());
         out = std::move(*joined);
     }

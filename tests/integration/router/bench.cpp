@@ -3,6 +3,7 @@
 #include "bench.hpp"
 
 #include "common/config/yaml.hpp"
+#include "common/source_tree.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -11,7 +12,7 @@
 namespace gridspace::router {
 namespace {
 
-std::string const kQos = GRIDSPACE_SOURCE_DIR "/qos/";
+std::string const kQos = source_tree("qos/");
 
 bus::Codec octets_codec(std::string_view type, bool keyed) {
     bus::Codec codec;

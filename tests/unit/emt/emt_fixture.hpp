@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/config/yaml.hpp"
+#include "common/source_tree.hpp"
 #include "sim/emt/emt_engine.hpp"
 #include "sim/network/network_config.hpp"
 
@@ -15,7 +16,7 @@ namespace gridspace::sim::emt {
 
 inline Network shipped_network(std::string const& file) {
     config::Diagnostics diagnostics;
-    auto network = load_network(std::string{GRIDSPACE_SOURCE_DIR} + "/configs/networks/" + file, diagnostics, {});
+    auto network = load_network(source_tree("configs/networks/") + file, diagnostics, {});
     EXPECT_TRUE(network.has_value()) << diagnostics.render();
     return network.value_or(Network{});
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/guarded_relay.hpp"
+#include "common/source_tree.hpp"
 #include "ids/data/synthetic.hpp"
 #include "ids/forecaster/model_file.hpp"
 
@@ -13,7 +14,7 @@ namespace gridspace::relay {
 namespace {
 
 ids::Model shipped(char const* name) {
-    return *ids::load_model(std::filesystem::path{GRIDSPACE_SOURCE_DIR} / "configs/models" / name);
+    return *ids::load_model(source_tree("configs/models/") + name);
 }
 
 RelayParams relay_params() {

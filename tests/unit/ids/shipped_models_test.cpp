@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The models and training configurations that are shipped, on waveforms they were not made from.
+#include "common/source_tree.hpp"
 #include "ids/detector/detector_config.hpp"
 #include "ids/evaluation/evaluate.hpp"
 #include "ids/evaluation/protection_trial.hpp"
@@ -15,7 +16,7 @@
 namespace gridspace::ids {
 namespace {
 
-std::filesystem::path const kConfigs = std::filesystem::path{GRIDSPACE_SOURCE_DIR} / "configs";
+std::filesystem::path const kConfigs = source_tree("configs");
 
 Model shipped(std::string const& name) {
     auto model = load_model(kConfigs / "models" / (name + ".json"));

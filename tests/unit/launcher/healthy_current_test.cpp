@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is said about a relay that picks up before anything has happened.
+#include "common/source_tree.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <gmock/gmock.h>
@@ -18,7 +19,7 @@ std::string said_with(std::vector<std::string> settings) {
     for (std::string const& setting : settings) {
         options.set.push_back("processes.relay2." + setting);
     }
-    (void)load_scenario(GRIDSPACE_SOURCE_DIR "/configs/scenarios/protection_lockstep.yaml", options, diagnostics);
+    (void)load_scenario(source_tree("configs/scenarios/protection_lockstep.yaml"), options, diagnostics);
     EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
     return diagnostics.render();
 }
@@ -28,7 +29,8 @@ TEST(HealthyCurrent, IsNothingToSayAboutARelayWithTheRightPolarity) {
 }
 
 TEST(HealthyCurrent, IsWarnedOfWhenThePolarityIsToldWrongly) {
-    std::string const said = said_with({"positive={from: from_to, to: into_line}", "element={kind: phasor, pickup_a: 20, slope_percent: 30}"});
+    std::string const said = said_with(
+        {"positive={from: from_to, to: into_line}", "element={kind: phasor, pickup_a: 20, slope_percent: 30}"});
     EXPECT_THAT(said, HasSubstr("warning: relay 'relay2' would trip on the healthy network"));
     EXPECT_THAT(said, HasSubstr("is the direction right"));
 }

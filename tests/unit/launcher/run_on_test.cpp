@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/run_on.hpp"
 
+#include "common/source_tree.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <gtest/gtest.h>
@@ -51,7 +52,7 @@ TEST(RunOn, IsWarnedOfWhenAnEmulatedProcessWouldHandOnFrames) {
         config::Diagnostics diagnostics;
         LoadOptions options;
         options.set = {std::string{"defaults.gridspace-attacker.run_on="} + place};
-        (void)load_scenario(GRIDSPACE_SOURCE_DIR "/configs/scenarios/fdi_ids_arm64.yaml", options, diagnostics);
+        (void)load_scenario(source_tree("configs/scenarios/fdi_ids_arm64.yaml"), options, diagnostics);
         EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
         return diagnostics.render();
     };

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "common/source_tree.hpp"
 #include "monitor/app/api.hpp"
 #include "monitor/app/assets.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 using nlohmann::json;
 
 std::set<std::string> described() {
-    std::ifstream stream{GRIDSPACE_SOURCE_DIR "/monitor/app/openapi.json"};
+    std::ifstream stream{source_tree("monitor/app/openapi.json")};
     std::set<std::string> out;
     json const document = json::parse(stream);
     for (auto const& [path, methods] : document.at("paths").items()) {

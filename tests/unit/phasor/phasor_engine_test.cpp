@@ -5,6 +5,7 @@
 #include "agents/ev/ev_logic.hpp"
 #include "agents/mcca/mcca_logic.hpp"
 #include "common/config/yaml.hpp"
+#include "common/source_tree.hpp"
 #include "sim/network/network_config.hpp"
 
 #include <cmath>
@@ -38,7 +39,9 @@ constexpr std::string_view kFeeder = "buses: {A: {voltage_v: 480}, B: {voltage_v
                                      "generators: {G: {bus: A, role: slack}}\n";
 
 TEST(PhasorEngine, StaysInTheSteadyStateOfThePowerFlow) {
-    auto const sut = engine_of(std::string{kFeeder} + "loads: {D: {bus: B, p_kw: 50, q_kvar: 20, lag_s: 5, model: exponential, exponent_p: 1.3, exponent_q: 2}}\n");
+    auto const sut = engine_of(
+        std::string{kFeeder} +
+        "loads: {D: {bus: B, p_kw: 50, q_kvar: 20, lag_s: 5, model: exponential, exponent_p: 1.3, exponent_q: 2}}\n");
     double const before = read(*sut, "bus.B.v_pu");
     for (int k = 1; k <= 100; ++k) {
         ASSERT_TRUE(sut->advance({k}).has_value());
@@ -59,9 +62,10 @@ TEST(PhasorEngine, ALaggingLoadFollowsAStepExponentially) {
 }
 
 TEST(PhasorEngine, AnEvChargesByItsCurrentAndStopsExactlyAtItsTarget) {
-    auto const sut = engine_of("buses: {A: {voltage_v: 480}}\ngenerators: {G: {bus: A, role: slack}}\n"
-                               "evs: {E: {bus: A, capacity_kwh: 24, battery_v: 360, max_current_a: 15, efficiency: 0.95, "
-                               "soc_start_percent: 79, soc_stop_percent: 80, current_lag_s: 2}}\n");
+    auto const sut =
+        engine_of("buses: {A: {voltage_v: 480}}\ngenerators: {G: {bus: A, role: slack}}\n"
+                  "evs: {E: {bus: A, capacity_kwh: 24, battery_v: 360, max_current_a: 15, efficiency: 0.95, "
+                  "soc_start_percent: 79, soc_stop_percent: 80, current_lag_s: 2}}\n");
     ASSERT_TRUE(sut->apply(SetChargingCurrent{"E", 99}).has_value()); // limited to 15 A
     ASSERT_TRUE(sut->advance({1}).has_value());
     EXPECT_NEAR(read(*sut, "ev.E.current_a"), 15 * (1 - std::exp(-0.5)), 1e-4);
@@ -80,8 +84,9 @@ TEST(PhasorEngine, AnEvChargesByItsCurrentAndStopsExactlyAtItsTarget) {
 }
 
 TEST(PhasorEngine, OpeningABreakerKillsTheBusBehindItAndClosingRevivesIt) {
-    auto const sut = engine_of(std::string{kFeeder} + "breaker_types: {t: {}}\nbreakers: {CB: {line: L, end: from, type: t}}\n"
-                                                      "loads: {D: {bus: B, p_kw: 50}}\n");
+    auto const sut =
+        engine_of(std::string{kFeeder} + "breaker_types: {t: {}}\nbreakers: {CB: {line: L, end: from, type: t}}\n"
+                                         "loads: {D: {bus: B, p_kw: 50}}\n");
     double const before = read(*sut, "bus.B.v_pu");
     ASSERT_TRUE(sut->apply(SwitchBreaker{"CB", false}).has_value());
     ASSERT_TRUE(sut->advance({1}).has_value());
@@ -94,13 +99,14 @@ TEST(PhasorEngine, OpeningABreakerKillsTheBusBehindItAndClosingRevivesIt) {
 }
 
 TEST(PhasorEngine, ARegulatedGeneratorHoldsItsVoltageAndPower) {
-    auto const sut = engine_of(std::string{kFeeder} + "loads: {D: {bus: B, p_kw: 50}}\n" +
-                               "pv: {S: {bus: A, p_kw: 5}}\n");
+    auto const sut =
+        engine_of(std::string{kFeeder} + "loads: {D: {bus: B, p_kw: 50}}\n" + "pv: {S: {bus: A, p_kw: 5}}\n");
     (void)sut;
-    auto const held = engine_of("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
-                                "lines: {L: {from: A, to: B, r_ohm: 0.2304, x_ohm: 0.4608}}\n"
-                                "generators: {G: {bus: A, role: slack}, V: {bus: B, role: pv, p_kw: 20, voltage_setpoint_pu: 1.01}}\n"
-                                "loads: {D: {bus: B, p_kw: 50}}\n");
+    auto const held =
+        engine_of("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
+                  "lines: {L: {from: A, to: B, r_ohm: 0.2304, x_ohm: 0.4608}}\n"
+                  "generators: {G: {bus: A, role: slack}, V: {bus: B, role: pv, p_kw: 20, voltage_setpoint_pu: 1.01}}\n"
+                  "loads: {D: {bus: B, p_kw: 50}}\n");
     ASSERT_TRUE(held->apply(SetParameter{"loads.D.p_kw", 60}).has_value());
     ASSERT_TRUE(held->advance({1}).has_value());
     EXPECT_NEAR(read(*held, "bus.B.v_pu"), 1.01, 1e-9);
@@ -112,7 +118,8 @@ TEST(PhasorEngine, KluAndDenseAgree) {
     std::string buses = "buses:\n  B0: {voltage_v: 480}\n", lines = "lines:\n", loads = "loads:\n";
     for (int i = 1; i <= 30; ++i) {
         buses += "  B" + std::to_string(i) + ": {voltage_v: 480}\n";
-        lines += "  L" + std::to_string(i) + ": {from: B" + std::to_string(i - 1) + ", to: B" + std::to_string(i) + ", r_ohm: 0.01, x_ohm: 0.01}\n";
+        lines += "  L" + std::to_string(i) + ": {from: B" + std::to_string(i - 1) + ", to: B" + std::to_string(i) +
+                 ", r_ohm: 0.01, x_ohm: 0.01}\n";
         loads += "  D" + std::to_string(i) + ": {bus: B" + std::to_string(i) + ", p_kw: 1, lag_s: 2}\n";
     }
     auto const sut = engine_of(buses + lines + loads + "generators: {G: {bus: B0, role: slack}}\n");
@@ -136,7 +143,7 @@ TEST(PhasorEngine, WhatItCannotDoIsSaid) {
 /// Case study 1 with the agents' logic called directly: 8 h, requests every 6 min, decisions one second later.
 TEST(CaseOne, ReproducesThePublishedCompletionTimesAndVoltages) {
     config::Diagnostics diagnostics;
-    auto network = load_network(GRIDSPACE_SOURCE_DIR "/configs/networks/ev_microgrid.yaml", diagnostics);
+    auto network = load_network(source_tree("configs/networks/ev_microgrid.yaml"), diagnostics);
     ASSERT_TRUE(network.has_value()) << diagnostics.render();
     auto engine = make_phasor_engine(std::move(*network), {.time_base = TimeBase{Rational{1}}, .start_hour_of_day = 9});
     ASSERT_TRUE(engine && (*engine)->initialise());

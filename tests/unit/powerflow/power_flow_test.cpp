@@ -3,6 +3,7 @@
 #include "sim/powerflow/power_flow.hpp"
 
 #include "common/config/yaml.hpp"
+#include "common/source_tree.hpp"
 #include "sim/network/network_config.hpp"
 
 #include <cmath>
@@ -123,7 +124,7 @@ TEST(PowerFlow, AnIslandWithoutASourceHangsOnItsLargestMachine) {
 
 TEST(PowerFlow, ASourceBehindAnImpedanceDeliversWhatTheNetworkTakes) {
     config::Diagnostics diagnostics;
-    auto const n = load_network(GRIDSPACE_SOURCE_DIR "/configs/networks/adn_set_a.yaml", diagnostics);
+    auto const n = load_network(source_tree("configs/networks/adn_set_a.yaml"), diagnostics);
     ASSERT_TRUE(n.has_value()) << diagnostics.render();
     PowerFlow const sut = solved(*n);
     // physics.md of the design: about 0.973 p.u. at B3 and B4, 12.66 A in TL-2, before the fault.

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/yaml.hpp"
+#include "common/source_tree.hpp"
 #include "common/text.hpp"
 #include "sim/network/matlab_case.hpp"
 #include "sim/network/network_config.hpp"
@@ -17,7 +18,7 @@
 namespace gridspace::sim {
 namespace {
 
-constexpr char const* kFolder = GRIDSPACE_SOURCE_DIR "/tests/golden/powerflow/";
+std::string const kFolder = source_tree("tests/golden/powerflow/");
 
 double degrees(Complex v) {
     return std::arg(v) * 180 / std::numbers::pi;

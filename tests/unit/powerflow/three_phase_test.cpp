@@ -3,6 +3,7 @@
 #include "sim/powerflow/three_phase.hpp"
 
 #include "common/config/yaml.hpp"
+#include "common/source_tree.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 
 Network shipped(std::string const& file) {
     config::Diagnostics diagnostics;
-    auto network = load_network(std::string{GRIDSPACE_SOURCE_DIR} + "/configs/networks/" + file, diagnostics);
+    auto network = load_network(source_tree("configs/networks/") + file, diagnostics);
     EXPECT_TRUE(network.has_value()) << diagnostics.render();
     return network.value_or(Network{});
 }

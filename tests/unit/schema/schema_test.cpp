@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "common/source_tree.hpp"
 #include "launcher/schema/schema_fields.hpp"
 #include "launcher/schema/schema_pages.hpp"
 
@@ -10,7 +11,7 @@ namespace gridspace::launcher {
 namespace {
 
 std::string committed(std::string const& file) {
-    std::ifstream stream{std::string{GRIDSPACE_SOURCE_DIR "/"} + file};
+    std::ifstream stream{source_tree(file)};
     return {std::istreambuf_iterator<char>{stream}, {}};
 }
 
