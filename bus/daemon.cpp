@@ -9,8 +9,8 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstdlib>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
@@ -132,7 +132,8 @@ bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, c
                  [&](config::Fields& b) {
                      describe(b, node);
                      if (node.qos.empty() && daemon.joins_always) {
-                         b.error("", "no QoS profiles are named", "qos: FILE, of the folder `qos` of the installation or the source tree");
+                         b.error("", "no QoS profiles are named",
+                                 "qos: FILE, of the folder `qos` of the installation or the source tree");
                      }
                      qos_at = b.where("qos");
                  });
@@ -174,7 +175,8 @@ void StatusReporter::go_on() {
     output_.flush();
 }
 
-// `at_ns`: the instant on the machine's steady clock. Who reads this may be late, and the speed of a run is computed of it.
+// `at_ns`: the instant on the machine's steady clock. Who reads this may be late, and the speed of a run is computed of
+// it.
 void StatusReporter::ready() {
     send(Json{{"status", "ready"}, {"at_ns", std::chrono::steady_clock::now().time_since_epoch().count()}}.dump());
 }
@@ -193,7 +195,13 @@ void StatusReporter::progress(double time_s, double duration_s, std::uint64_t ov
         return;
     }
     last_progress_ = instant;
-    send(Json{{"status", "progress"}, {"time_s", time_s}, {"duration_s", duration_s}, {"overruns", overruns}, {"at_ns", instant.time_since_epoch().count()}}.dump(), !now);
+    send(Json{{"status", "progress"},
+              {"time_s", time_s},
+              {"duration_s", duration_s},
+              {"overruns", overruns},
+              {"at_ns", instant.time_since_epoch().count()}}
+             .dump(),
+         !now);
 }
 
 void StatusReporter::event(double time_s, std::string_view source, std::string_view kind, std::string_view text) {
@@ -278,7 +286,9 @@ std::chrono::steady_clock::duration StatusReporter::pause_if_asked(double time_s
     return std::chrono::steady_clock::now() - begin;
 }
 
-void StatusReporter::control(std::string_view action) { send(Json{{"status", "control"}, {"action", action}}.dump()); }
+void StatusReporter::control(std::string_view action) {
+    send(Json{{"status", "control"}, {"action", action}}.dump());
+}
 
 int run_daemon(Daemon const& daemon, int argc, char** argv) {
     SignalWatcher signals; // before anything else: an interrupt during start-up is orderly too
@@ -294,7 +304,8 @@ int run_daemon(Daemon const& daemon, int argc, char** argv) {
         fmt::print(stderr, "{}\n", diagnostics.render());
     }
     if (!readable) {
-        status.failed({ExitCode::usage, fmt::format("its configuration '{}' is not valid", options.config), "see its log"});
+        status.failed(
+            {ExitCode::usage, fmt::format("its configuration '{}' is not valid", options.config), "see its log"});
         return static_cast<int>(ExitCode::usage);
     }
     if (options.check) {
@@ -304,9 +315,11 @@ int run_daemon(Daemon const& daemon, int argc, char** argv) {
     prctl(PR_SET_NAME, std::string{daemon.program}.substr(0, 15).c_str()); // what ps and pgrep show
     if (node.clock.mode == bus::ClockMode::realtime) {
         std::string const why_not = lock_memory();
-        log::info("{}; {}", scheduling_text(), why_not.empty() ? "memory is locked" : "memory is not locked: " + why_not);
+        log::info("{}; {}", scheduling_text(),
+                  why_not.empty() ? "memory is locked" : "memory is not locked: " + why_not);
     }
-    DaemonRun run{std::move(node), status, [&signals](std::function<void()> stop) { signals.on_stop(std::move(stop)); }};
+    DaemonRun run{std::move(node), status,
+                  [&signals](std::function<void()> stop) { signals.on_stop(std::move(stop)); }};
     Result<void> const result = daemon.run(run);
     signals.on_stop({});
     if (result) {

@@ -46,8 +46,7 @@ DiscoveredEndpoint from(Data const& data, bool writer) {
     out.qos.scope = static_cast<PresentationScope>(data.m_qos.m_presentation.access_scope);
     out.qos.coherent = data.m_qos.m_presentation.coherent_access;
     out.qos.ordered = data.m_qos.m_presentation.ordered_access;
-    out.qos.by_source_timestamp =
-        data.m_qos.m_destinationOrder.kind == dds::BY_SOURCE_TIMESTAMP_DESTINATIONORDER_QOS;
+    out.qos.by_source_timestamp = data.m_qos.m_destinationOrder.kind == dds::BY_SOURCE_TIMESTAMP_DESTINATIONORDER_QOS;
     out.qos.representations = representations_of(data.m_qos.representation);
     out.qos.latency_budget_s = seconds_of(data.m_qos.m_latencyBudget.duration);
     return out;

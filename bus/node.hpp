@@ -98,8 +98,8 @@ class Node {
     /// The instant at which output to an input of `input` takes effect: a latency later in lockstep, now in real time.
     [[nodiscard]] SimTime effect_time(SimTime input, SimSpan latency) const;
     [[nodiscard]] SimTime latest_time() const; ///< of the newest clock sample
-    /// Whether simulated time is known: in real time two clock samples have come, because the first may be an old one that
-    /// was kept. Without a simulator always.
+    /// Whether simulated time is known: in real time two clock samples have come, because the first may be an old one
+    /// that was kept. Without a simulator always.
     [[nodiscard]] bool clock_runs() const;
     /// Real time: CLOCK_REALTIME of the simulator at simulated time 0; 0 until a clock sample has come, and in
     /// lockstep. Without a simulator the epoch.

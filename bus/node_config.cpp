@@ -79,10 +79,12 @@ void describe(Fields& f, ClockConfig& clock) {
              {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
     f.integer("max_lag_ticks", clock.max_lag_ticks,
               {.doc = "an idle member still acknowledges this often", .min = 1, .max = 64});
-    f.text("simulator", clock.simulator, {.doc = "the process that publishes the clock; \"\": nobody, time is UTC (realtime only)"});
+    f.text("simulator", clock.simulator,
+           {.doc = "the process that publishes the clock; \"\": nobody, time is UTC (realtime only)"});
     if (clock.simulator.empty()) {
         if (clock.mode == ClockMode::lockstep) {
-            f.error("simulator", "in lockstep somebody has to publish the clock", "the name of its process, or mode: realtime");
+            f.error("simulator", "in lockstep somebody has to publish the clock",
+                    "the name of its process, or mode: realtime");
         }
         if (!f.has("quantum_s")) {
             clock.quantum_s = Rational{1, 1'000'000};

@@ -181,8 +181,8 @@ class FastDdsParticipant final : public Participant {
         apply(like, *qos);
         auto* const subscriber = subscriber_for(like.partitions);
         if (subscriber == nullptr) {
-            return fail(ExitCode::environment, fmt::format("DDS refused a subscriber in the partitions [{}]",
-                                                           join(like.partitions, ", ")));
+            return fail(ExitCode::environment,
+                        fmt::format("DDS refused a subscriber in the partitions [{}]", join(like.partitions, ", ")));
         }
         return make_reader(topic_name, codec, *qos, std::move(handler), true, subscriber);
     }
@@ -269,8 +269,8 @@ class FastDdsParticipant final : public Participant {
         }
         qos.endpoint().history_memory_policy =
             codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-        auto reader = std::make_unique<Reader>(directory_, subscriber != nullptr ? subscriber : subscriber_,
-                                               std::move(handler));
+        auto reader =
+            std::make_unique<Reader>(directory_, subscriber != nullptr ? subscriber : subscriber_, std::move(handler));
         if (ignore_own) {
             reader->ignore(participant_->guid().guidPrefix);
         }

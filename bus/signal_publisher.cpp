@@ -16,7 +16,8 @@ struct SignalPublisher::Writers {
 Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std::string group, double rate_hz,
                                                                  std::vector<SignalColumn> columns) {
     if (columns.size() > MAX_SIGNALS) {
-        return fail(ExitCode::usage, fmt::format("{} signals in group '{}', and {} fit", columns.size(), group, MAX_SIGNALS),
+        return fail(ExitCode::usage,
+                    fmt::format("{} signals in group '{}', and {} fit", columns.size(), group, MAX_SIGNALS),
                     "choose some with record.signals");
     }
     auto out = std::unique_ptr<SignalPublisher>{new SignalPublisher};
@@ -49,8 +50,10 @@ Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std
     out->frame_->group(group.c_str());
     out->columns_ = columns.size();
     // About twenty frames a second of simulated time; what fits at high rates.
-    std::size_t const fits = std::min<std::size_t>(MAX_FRAME_ROWS, MAX_FRAME_VALUES / std::max<std::size_t>(1, columns.size()));
-    out->rows_per_frame_ = std::clamp<std::size_t>(static_cast<std::size_t>(rate_hz / 20), 1, std::max<std::size_t>(1, fits));
+    std::size_t const fits =
+        std::min<std::size_t>(MAX_FRAME_ROWS, MAX_FRAME_VALUES / std::max<std::size_t>(1, columns.size()));
+    out->rows_per_frame_ =
+        std::clamp<std::size_t>(static_cast<std::size_t>(rate_hz / 20), 1, std::max<std::size_t>(1, fits));
     out->frame_->times_ns().reserve(out->rows_per_frame_);
     out->frame_->values().reserve(out->rows_per_frame_ * columns.size());
     return out;
@@ -58,11 +61,14 @@ Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std
 
 SignalPublisher::~SignalPublisher() = default;
 
-void SignalPublisher::announce(SimTime now) { writers_->catalog->write(*catalog_, now); }
+void SignalPublisher::announce(SimTime now) {
+    writers_->catalog->write(*catalog_, now);
+}
 
 void SignalPublisher::row(SimTime time, std::span<double const> values) {
     frame_->times_ns().push_back(node_->time_base().nanoseconds(time));
-    frame_->values().insert(frame_->values().end(), values.begin(), values.begin() + static_cast<std::ptrdiff_t>(columns_));
+    frame_->values().insert(frame_->values().end(), values.begin(),
+                            values.begin() + static_cast<std::ptrdiff_t>(columns_));
     last_ = time;
     if (frame_->times_ns().size() >= rows_per_frame_) {
         flush();

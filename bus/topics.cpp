@@ -12,8 +12,8 @@
 namespace gridspace::bus {
 namespace {
 
-constexpr std::array<std::string_view, 7> kManagement{"simulation_clock", "clock_ack", "member_status",    "type_catalog",
-                                                      "signal_catalog",   "signals",   "stream_statistics"};
+constexpr std::array<std::string_view, 7> kManagement{
+    "simulation_clock", "clock_ack", "member_status", "type_catalog", "signal_catalog", "signals", "stream_statistics"};
 constexpr std::array<std::string_view, 3> kDiagnostic{"member_status", "type_catalog", "stream_statistics"};
 
 } // namespace
@@ -32,7 +32,8 @@ std::string_view idl_of_type(std::string_view type_name) {
     for (IdlText const& entry : idl_texts()) {
         for (std::size_t at = entry.text.find(head); at != std::string_view::npos; at = entry.text.find(head, at + 1)) {
             std::size_t const end = at + head.size();
-            if (end < entry.text.size() && (entry.text[end] == ' ' || entry.text[end] == '\n' || entry.text[end] == '{')) {
+            if (end < entry.text.size() &&
+                (entry.text[end] == ' ' || entry.text[end] == '\n' || entry.text[end] == '{')) {
                 auto const model = idl::parse(entry.text);
                 if (model && model->find(type_name)) {
                     return entry.text;

@@ -23,7 +23,8 @@ void WireReader::Impl::due(std::size_t slot, SimTime time) {
     waiting.push_back(slot);
 }
 
-WireReader::WireReader(Node& node, std::string link, std::uint16_t ethertype) : impl_{std::make_shared<Impl>(node.core())} {
+WireReader::WireReader(Node& node, std::string link, std::uint16_t ethertype)
+    : impl_{std::make_shared<Impl>(node.core())} {
     impl_->link = std::move(link);
     impl_->ethertype = ethertype;
     node.core().wire_readers.push_back(impl_);
@@ -41,7 +42,8 @@ std::uint64_t WireReader::dropped() const {
     return impl_->dropped;
 }
 
-bool WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port, std::int64_t arrived_ns) {
+bool WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port,
+                      std::int64_t arrived_ns) {
     Impl& r = *impl_;
     Node::Core& core = r.core;
     std::lock_guard const lock{core.mutex};
@@ -95,8 +97,8 @@ std::span<WireFrame const* const> WireReader::take() {
     }
     r.taken.clear();
     r.out.clear();
-    auto const later =
-        std::partition(r.waiting.begin(), r.waiting.end(), [&](std::size_t slot) { return r.slots[slot]->time <= r.until; });
+    auto const later = std::partition(r.waiting.begin(), r.waiting.end(),
+                                      [&](std::size_t slot) { return r.slots[slot]->time <= r.until; });
     r.taken.insert(r.taken.end(), r.waiting.begin(), later);
     r.waiting.erase(r.waiting.begin(), later);
     for (std::size_t const slot : r.taken) {
@@ -139,7 +141,8 @@ void WireWriter::sent(std::span<std::byte const> frame, SimTime at) {
         return;
     }
     if (entry.frames().size() >= MAX_FRAMES_PER_TICK) {
-        core.fail({ExitCode::stall, fmt::format("more than {} frames on '{}' in one tick", MAX_FRAMES_PER_TICK, entry.link().c_str()),
+        core.fail({ExitCode::stall,
+                   fmt::format("more than {} frames on '{}' in one tick", MAX_FRAMES_PER_TICK, entry.link().c_str()),
                    "a shorter tick (clock.tick_samples), or fewer frames"});
         return;
     }
@@ -163,9 +166,10 @@ void Node::Core::take_wire_ledger(std::size_t process, ClockAck const& received)
             wire_records.push_back({record.send_time_ns(), record.identity()});
         }
         WireReader::Impl& reader = *wire_readers[channel];
-        wire_book->announced(process, received.incarnation(), channel, wire_records, [&](lockstep::WireBook::Match const& match) {
-            reader.due(match.slot, base.from_nanoseconds(match.send_time_ns));
-        });
+        wire_book->announced(process, received.incarnation(), channel, wire_records,
+                             [&](lockstep::WireBook::Match const& match) {
+                                 reader.due(match.slot, base.from_nanoseconds(match.send_time_ns));
+                             });
     }
 }
 

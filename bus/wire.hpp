@@ -39,7 +39,8 @@ class WireReader {
     void bound(std::size_t octets);
     [[nodiscard]] std::uint64_t dropped() const;
     /// From the receiving thread. No allocation once its buffers have grown. False: there was no room for it.
-    bool push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port = 0, std::int64_t arrived_ns = 0);
+    bool push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port = 0,
+              std::int64_t arrived_ns = 0);
     /// What is due, valid until the next call.
     [[nodiscard]] std::span<WireFrame const* const> take();
     /// Lockstep: the earliest time of the frames that are here and not due yet.

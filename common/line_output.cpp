@@ -15,7 +15,7 @@
 namespace gridspace {
 
 LineOutput::LineOutput(int fd, std::size_t most_octets) : fd_{fd}, most_octets_{most_octets} {
-    struct stat status {};
+    struct stat status{};
     if (fd < 0 || ::fstat(fd, &status) != 0) {
         return;
     }
@@ -39,7 +39,8 @@ std::size_t LineOutput::write_some(std::string_view text) {
             if (!is_file_ && ::poll(&ready, 1, 0) <= 0) {
                 return 0;
             }
-            size = ::write(fd_, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF)); // so much a ready pipe takes
+            size =
+                ::write(fd_, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF)); // so much a ready pipe takes
         }
     } while (size < 0 && errno == EINTR);
     if (size < 0 && errno != EAGAIN && errno != EWOULDBLOCK) {

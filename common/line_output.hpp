@@ -13,8 +13,8 @@
 
 namespace gridspace {
 
-/// Text for a pipe, a socket or a terminal whose other side may not read. Who writes never waits: what does not go at once
-/// is kept in order up to a bound, and goes later. Not thread-safe.
+/// Text for a pipe, a socket or a terminal whose other side may not read. Who writes never waits: what does not go at
+/// once is kept in order up to a bound, and goes later. Not thread-safe.
 class LineOutput {
   public:
     /// `fd` stays the caller's, and is left as it is: others may write to it too. -1: nothing is written.

@@ -8,7 +8,9 @@
 
 namespace gridspace {
 
-void Pacer::start() { start_ = std::chrono::steady_clock::now(); }
+void Pacer::start() {
+    start_ = std::chrono::steady_clock::now();
+}
 
 std::int64_t Pacer::start_on_utc_second(std::atomic<bool> const& stop) {
     using namespace std::chrono;

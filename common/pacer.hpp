@@ -8,8 +8,8 @@
 
 namespace gridspace {
 
-/// Holds simulated time to the wall clock: absolute deadlines on the monotonic clock, never relative sleeps, so that lateness
-/// does not add up. Speed 0: no pace.
+/// Holds simulated time to the wall clock: absolute deadlines on the monotonic clock, never relative sleeps, so that
+/// lateness does not add up. Speed 0: no pace.
 class Pacer {
   public:
     explicit Pacer(double speed) : speed_{speed} {}

@@ -52,7 +52,8 @@ std::string human_duration(double seconds) {
 
 std::optional<Rational> parse_duration(std::string_view text) {
     Rational factor{1};
-    for (auto const& [suffix, seconds] : {std::pair{"min", Rational{60}}, {"ms", Rational{1, 1000}}, {"h", Rational{3600}}, {"s", Rational{1}}}) {
+    for (auto const& [suffix, seconds] :
+         {std::pair{"min", Rational{60}}, {"ms", Rational{1, 1000}}, {"h", Rational{3600}}, {"s", Rational{1}}}) {
         if (text.ends_with(suffix)) {
             text.remove_suffix(std::string_view{suffix}.size());
             factor = seconds;

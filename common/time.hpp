@@ -67,7 +67,8 @@ class TimeBase {
 /// "5.500 s", "1 h 03 min", for people.
 [[nodiscard]] std::string human_duration(double seconds);
 
-/// "10s", "5min", "2h", "250ms", or seconds as a number or fraction; nothing when it is not such a text or not positive.
+/// "10s", "5min", "2h", "250ms", or seconds as a number or fraction; nothing when it is not such a text or not
+/// positive.
 [[nodiscard]] std::optional<Rational> parse_duration(std::string_view text);
 
 /// "2019-12-01T09:00:00Z" to seconds since 1970 and back; nothing when it is not such a text.

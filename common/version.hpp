@@ -9,8 +9,8 @@ namespace gridspace {
 
 /// What this build is, for --version and for the manifest of a run.
 struct Version {
-    std::string_view version;   ///< 0.1.0
-    std::string_view commit;    ///< git commit, "-dirty" when the tree was changed, "unknown" outside of git
+    std::string_view version; ///< 0.1.0
+    std::string_view commit;  ///< git commit, "-dirty" when the tree was changed, "unknown" outside of git
     std::string_view build_type;
     std::string_view compiler;
 };

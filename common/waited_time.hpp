@@ -7,8 +7,9 @@
 
 namespace gridspace {
 
-/// How long somebody has been waited for, by somebody who looks at least twice a second. When the looks are further apart,
-/// this process did not run either (its machine was paused, or is very busy), and of that time only half a second counts.
+/// How long somebody has been waited for, by somebody who looks at least twice a second. When the looks are further
+/// apart, this process did not run either (its machine was paused, or is very busy), and of that time only half a
+/// second counts.
 class WaitedTime {
   public:
     using Clock = std::chrono::steady_clock;

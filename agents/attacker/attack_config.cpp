@@ -72,8 +72,7 @@ const std::initializer_list<std::pair<std::string_view, GooseKind>> kGooseKinds{
     {"stretch", GooseKind::stretch}};
 
 void describe_goose(config::Fields& g, GooseAttackParams& p) {
-    g.choice<GooseKind>("kind", p.kind, kGooseKinds,
-                        {.doc = "what is sent, or dropped", .required = true});
+    g.choice<GooseKind>("kind", p.kind, kGooseKinds, {.doc = "what is sent, or dropped", .required = true});
     g.number("interval_ms", p.interval_ms, {.doc = "between forged messages", .above = 0});
     g.number("drop_percent", p.drop_percent,
              {.doc = "grayhole: share of messages that are dropped", .min = 0, .max = 100});
@@ -143,9 +142,12 @@ void describe_attack(config::Fields& f, AttackConfig& a) {
 
 std::string_view kind_name(AttackConfig const& config) {
     if (config.goose) {
-        return std::find_if(kGooseKinds.begin(), kGooseKinds.end(), [&](auto const& k) { return k.second == config.goose->kind; })->first;
+        return std::find_if(kGooseKinds.begin(), kGooseKinds.end(),
+                            [&](auto const& k) { return k.second == config.goose->kind; })
+            ->first;
     }
-    constexpr std::array<std::string_view, 7> kNames{"random", "bias", "scale", "ramp", "replay", "freeze", "masquerade"};
+    constexpr std::array<std::string_view, 7> kNames{"random", "bias",   "scale",     "ramp",
+                                                     "replay", "freeze", "masquerade"};
     return kNames.at(static_cast<std::size_t>(config.samples.kind));
 }
 

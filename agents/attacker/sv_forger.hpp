@@ -34,7 +34,9 @@ class SvForger {
     /// The address that forged frames come from.
     void set_source(iec61850::Mac const& source) { template_.set_source(source); }
 
-    [[nodiscard]] std::uint64_t forged() const { return forged_.load(std::memory_order_relaxed); } ///< frames; from any thread
+    [[nodiscard]] std::uint64_t forged() const {
+        return forged_.load(std::memory_order_relaxed);
+    } ///< frames; from any thread
 
   private:
     SvForger(streams::Stream const& stream, AttackConfig const& config, SampleAttack attack,

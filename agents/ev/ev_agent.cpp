@@ -43,7 +43,8 @@ class EvShell {
             return ok;
         }
         TimeBase const& base = node_.time_base();
-        SimSpan const period = base.nearest(config_.period_s), latency = base.ceil(config_.latency_us / Rational{1'000'000});
+        SimSpan const period = base.nearest(config_.period_s),
+                      latency = base.ceil(config_.latency_us / Rational{1'000'000});
         bus::TickGrid const grid{node_.config().clock};
         SimSpan const tick_span = base.nearest(node_.config().clock.tick_s);
         SimTime due; // the first request is at simulated time 0
@@ -163,7 +164,8 @@ class EvShell {
 int main(int argc, char** argv) {
     using namespace gridspace;
     agents::EvConfig config;
-    Daemon const daemon{"gridspace-ev", "EV agent: asks for the charging current that its EV needs",
+    Daemon const daemon{"gridspace-ev",
+                        "EV agent: asks for the charging current that its EV needs",
                         [&](config::Fields& f) { describe(f, config); },
                         {},
                         [&](DaemonRun& run) {

@@ -8,12 +8,16 @@ namespace {
 void agent(config::Fields& f, EvConfig::Agent& a) {
     using TimeBase = EvParams::TimeBase;
     f.text("bus", a.bus, {.doc = "bus of the EV; from the network when not given"});
-    f.number("capacity_kwh", a.params.capacity_kwh, {.doc = "energy of the battery; from the network when not given", .above = 0});
+    f.number("capacity_kwh", a.params.capacity_kwh,
+             {.doc = "energy of the battery; from the network when not given", .above = 0});
     f.number("battery_v", a.params.battery_v, {.doc = "voltage V_b of Eq. (1)", .above = 0});
     f.number("rated_current_a", a.params.rated_current_a, {.doc = "cap of Eq. (2)", .above = 0});
-    f.number("soc_target_percent", a.params.soc_target_percent, {.doc = "wanted state of charge", .min = 0, .max = 100});
-    f.number("requested_h", a.params.requested_h, {.doc = "time after the start in which it shall be reached", .above = 0});
-    f.choice<TimeBase>("time_base", a.params.time_base, {{"remaining", TimeBase::remaining}, {"fixed", TimeBase::fixed}},
+    f.number("soc_target_percent", a.params.soc_target_percent,
+             {.doc = "wanted state of charge", .min = 0, .max = 100});
+    f.number("requested_h", a.params.requested_h,
+             {.doc = "time after the start in which it shall be reached", .above = 0});
+    f.choice<TimeBase>("time_base", a.params.time_base,
+                       {{"remaining", TimeBase::remaining}, {"fixed", TimeBase::fixed}},
                        {.doc = "t of Eq. (1): what is left of requested_h, or requested_h as printed"});
     f.number("min_remaining_h", a.params.min_remaining_h, {.doc = "least t of Eq. (1)", .above = 0});
 }

@@ -13,7 +13,7 @@ namespace gridspace::agents {
 struct EvConfig {
     struct Agent {
         config::Ref ev;
-        std::string bus;     ///< where its EV is plugged in; filled in by `gridspace run` from the network
+        std::string bus; ///< where its EV is plugged in; filled in by `gridspace run` from the network
         EvParams params;
     };
     std::vector<Agent> agents;

@@ -10,7 +10,7 @@ struct EvParams {
     double battery_v{360};
     double rated_current_a{15};
     double soc_target_percent{80};
-    double requested_h{4};          ///< time after the start in which the target shall be reached
+    double requested_h{4}; ///< time after the start in which the target shall be reached
     enum class TimeBase {
         remaining, ///< t = what is left of requested_h, but at least min_remaining_h
         fixed,     ///< t = requested_h, as printed: the target is approached exponentially and never reached

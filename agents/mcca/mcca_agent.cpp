@@ -44,7 +44,8 @@ class MccaShell {
         decisions_ = std::move(*decisions);
         std::string const prefix = "agent." + node_.config().process;
         auto signals = bus::SignalPublisher::create(
-            node_, "agent", 0, {{prefix + ".curtailed", ""}, {prefix + ".undervoltage", ""}, {prefix + ".complete", ""}});
+            node_, "agent", 0,
+            {{prefix + ".curtailed", ""}, {prefix + ".undervoltage", ""}, {prefix + ".complete", ""}});
         if (!signals) {
             return std::unexpected{signals.error()};
         }
@@ -95,7 +96,8 @@ class MccaShell {
     /// Once until the EV's requests make sense again.
     void refuse(bus::Origin const& origin, std::string const& ev, std::string const& fault) {
         if (refused_.insert(ev).second) {
-            std::string const text = fmt::format("request of {} for {}: {}, ignored", node_.process_name(origin), ev, fault);
+            std::string const text =
+                fmt::format("request of {} for {}: {}, ignored", node_.process_name(origin), ev, fault);
             log::warning("{}", text);
             run_.status.event(node_.time_base().seconds(origin.time), node_.config().process, "request_ignored", text);
         }
@@ -116,7 +118,8 @@ class MccaShell {
                                         outcome.complete ? 1.0 : 0.0};
         signals_->row(effect, row);
         if (!outcome.complete) {
-            std::string const text = fmt::format("decided with {} requests: the others did not ask in time", outcome.decisions.size());
+            std::string const text =
+                fmt::format("decided with {} requests: the others did not ask in time", outcome.decisions.size());
             log::warning("{}", text);
             run_.status.event(node_.time_base().seconds(outcome.time), node_.config().process, "request_timeout", text);
         }
@@ -137,7 +140,8 @@ class MccaShell {
 int main(int argc, char** argv) {
     using namespace gridspace;
     agents::MccaConfig config;
-    Daemon const daemon{"gridspace-mcca", "microgrid control agent: decides on the charging of all EVs",
+    Daemon const daemon{"gridspace-mcca",
+                        "microgrid control agent: decides on the charging of all EVs",
                         [&](config::Fields& f) { describe(f, config); },
                         {},
                         [&](DaemonRun& run) {

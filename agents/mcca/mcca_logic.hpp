@@ -17,7 +17,7 @@ struct MccaRules {
     double full_again_above_pu{0.975}; ///< the other side of the published overlap, for `safe` and `hysteresis`
     double stop_at_pu{0.955};          ///< at or below: undervoltage, Eq. (4)
     double curtail_factor{0.75};
-    double undervoltage_factor{0.5};   ///< for EVs at healthy buses during an undervoltage
+    double undervoltage_factor{0.5}; ///< for EVs at healthy buses during an undervoltage
     enum class Overlap {
         first_match, ///< full above full_above_pu
         safe,        ///< full above full_again_above_pu
@@ -53,12 +53,12 @@ class Mcca {
     explicit Mcca(Params params);
 
     struct Outcome {
-        SimTime time;                         ///< of the decision
-        std::vector<MccaDecision> decisions;  ///< in the order of Params::evs
-        bool complete{true};                  ///< false: the timeout decided
+        SimTime time;                        ///< of the decision
+        std::vector<MccaDecision> decisions; ///< in the order of Params::evs
+        bool complete{true};                 ///< false: the timeout decided
         bool curtailed{false};
         bool undervoltage{false};
-        double period_s{0};                   ///< the longest of the requests'
+        double period_s{0}; ///< the longest of the requests'
     };
 
     /// A request that takes effect at `time`. Returns the decision when it was the last one awaited.

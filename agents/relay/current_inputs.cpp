@@ -13,21 +13,30 @@ namespace gridspace::relay {
 namespace {
 
 Synch synch_of(std::uint8_t smp_synch) {
-    return smp_synch == iec61850::kNotSynchronised ? Synch::none : smp_synch == iec61850::kGlobalClock ? Synch::global : Synch::local;
+    return smp_synch == iec61850::kNotSynchronised ? Synch::none
+           : smp_synch == iec61850::kGlobalClock   ? Synch::global
+                                                   : Synch::local;
 }
 
 Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs::Params const& params) {
     auto subscription = gateways::sv_subscription(stream);
     subscription.simulation = params.accept_test;
     // One end that is silent is noticed when its partner has waited for it in vain; both, by the same time.
-    subscription.silence_periods = std::max(subscription.silence_periods, static_cast<double>(params.partner_timeout_ns) * 1e-9 * subscription.rate_hz);
-    CurrentInputs::End end{iec61850::SvSubscriber{std::move(subscription)}, iec61850::SvLayout{stream.data_set}, {}, {}, 1,
-                           gateways::SvFirstLine{params.first_line, stream.rate_hz.to_double(), params.accept_test, params.judge_arrival}};
+    subscription.silence_periods = std::max(
+        subscription.silence_periods, static_cast<double>(params.partner_timeout_ns) * 1e-9 * subscription.rate_hz);
+    CurrentInputs::End end{
+        iec61850::SvSubscriber{std::move(subscription)},
+        iec61850::SvLayout{stream.data_set},
+        {},
+        {},
+        1,
+        gateways::SvFirstLine{params.first_line, stream.rate_hz.to_double(), params.accept_test, params.judge_arrival}};
     auto const& slots = end.layout.slots();
     for (std::size_t phase = 0; phase < 3; ++phase) {
         auto const slot = end.layout.index_of(params.channels[phase]);
         if (!slot || !iec61850::is_number(slots[*slot].leaf.type)) {
-            return fail(ExitCode::usage, fmt::format("stream '{}' has no number '{}'", stream.name.name, params.channels[phase]));
+            return fail(ExitCode::usage,
+                        fmt::format("stream '{}' has no number '{}'", stream.name.name, params.channels[phase]));
         }
         end.current[phase] = *slot;
         end.scale = iec61850::is_integer(slots[*slot].leaf.type) ? 1e-3 : 1.0;
@@ -40,7 +49,8 @@ Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs
 
 } // namespace
 
-Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams::Stream const& to, Params const& params) {
+Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams::Stream const& to,
+                                            Params const& params) {
     std::vector<End> ends;
     for (streams::Stream const* stream : {&from, &to}) {
         auto end = make_end(*stream, params);
@@ -52,8 +62,12 @@ Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams
     // Who refuses looks for a second claim to a sample, which comes at most a sample later.
     bool const refuses = params.first_line.on_finding == gateways::FirstLineConfig::OnFinding::refuse;
     // What one frame overtook comes right behind it; what another one did, a frame later.
-    double const frame_ns = 1e9 * static_cast<double>(std::max(from.samples_per_frame, to.samples_per_frame)) / from.rate_hz.to_double();
-    CurrentInputs out{std::move(ends), params.partner_timeout_ns, static_cast<std::uint32_t>(from.rate_hz.num()), refuses ? 1 : 0,
+    double const frame_ns =
+        1e9 * static_cast<double>(std::max(from.samples_per_frame, to.samples_per_frame)) / from.rate_hz.to_double();
+    CurrentInputs out{std::move(ends),
+                      params.partner_timeout_ns,
+                      static_cast<std::uint32_t>(from.rate_hz.num()),
+                      refuses ? 1 : 0,
                       {static_cast<std::int64_t>(2 * frame_ns), params.max_interpolated}};
     out.same_sv_id_ = from.sv_id == to.sv_id;
     return out;
@@ -79,7 +93,8 @@ EndSample CurrentInputs::read(End const& end, iec61850::SvFrame const& frame, ie
 }
 
 /// Whether the sample may be used, by the rules and by what is configured about them.
-bool CurrentInputs::pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place, std::int64_t arrival_ns) {
+bool CurrentInputs::pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place,
+                                    std::int64_t arrival_ns) {
     auto const verdict = ends_[end].first_line.judge(decoded_.header, asdu, place, arrival_ns);
     if ((verdict.findings & ~gateways::kHarmlessSvFindings) != 0 && on_finding_) {
         on_finding_(end, verdict.findings, decoded_.header.source);
@@ -102,20 +117,22 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPa
     auto const asdus = decoded_.view();
     for (std::size_t place = 0; place < asdus.size(); ++place) {
         iec61850::Asdu const& asdu = asdus[place];
-        // Two devices may say the same svID: then the address tells whose sample it is. One that is nobody's is judged by
-        // both, as it was.
+        // Two devices may say the same svID: then the address tells whose sample it is. One that is nobody's is judged
+        // by both, as it was.
         bool const has_owner = same_sv_id_ && std::any_of(ends_.begin(), ends_.end(), [&](End const& end) {
-            return end.subscriber.is_mine(asdu) && end.subscriber.is_addressed(decoded_.header);
-        });
+                                   return end.subscriber.is_mine(asdu) && end.subscriber.is_addressed(decoded_.header);
+                               });
         for (std::size_t i = 0; i < ends_.size(); ++i) {
             End& end = ends_[i];
-            bool const mine = end.subscriber.is_mine(asdu) && (!has_owner || end.subscriber.is_addressed(decoded_.header));
+            bool const mine =
+                end.subscriber.is_mine(asdu) && (!has_owner || end.subscriber.is_addressed(decoded_.header));
             if (!mine || !pass_first_line(i, asdu, place, arrival_ns)) {
                 continue;
             }
             iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, arrival_ns);
             if (arrival.accepted || arrival.event == iec61850::SvEvent::late) {
-                bool const restarted = arrival.event == iec61850::SvEvent::first || arrival.event == iec61850::SvEvent::restart;
+                bool const restarted =
+                    arrival.event == iec61850::SvEvent::first || arrival.event == iec61850::SvEvent::restart;
                 EndSample sample = read(end, decoded_, asdu);
                 if (std::exchange(end.contest_next, false)) {
                     sample.validity = std::max(sample.validity, Validity::questionable);
@@ -133,7 +150,8 @@ void CurrentInputs::give_out(std::int64_t now_ns, OnPair const& on_pair) {
         sample.index = pair->index;
         sample.from = pair->first.value_or(EndSample{});
         sample.to = pair->second.value_or(EndSample{});
-        if (sample.from.present && sample.to.present && !pair->coherent()) { // each may have a clock, but not the same one
+        if (sample.from.present && sample.to.present &&
+            !pair->coherent()) { // each may have a clock, but not the same one
             sample.from.synch = sample.to.synch = Synch::none;
         }
         on_pair(sample);

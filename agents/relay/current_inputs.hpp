@@ -19,17 +19,19 @@ namespace gridspace::relay {
 /// Two streams of sampled values in, time-aligned pairs out. Pure: frames and times are given to it.
 class CurrentInputs {
   public:
-    /// `channels`: members of the data sets that hold the phase currents. An integer counts milliamperes (9-2LE); a member
-    /// of type quality right behind a current is its quality.
+    /// `channels`: members of the data sets that hold the phase currents. An integer counts milliamperes (9-2LE); a
+    /// member of type quality right behind a current is its quality.
     struct Params {
         std::array<std::string, 3> channels;
         std::int64_t partner_timeout_ns{20'000'000};
-        int max_interpolated{3}; ///< what the relay bridges: for more in a row that may be late only, it waits two frames
+        int max_interpolated{
+            3}; ///< what the relay bridges: for more in a row that may be late only, it waits two frames
         gateways::FirstLineConfig first_line;
         bool accept_test{false};   ///< simulated frames are taken, and nothing suspicious
         bool judge_arrival{false}; ///< real time: when a frame came says something
     };
-    [[nodiscard]] static Result<CurrentInputs> create(streams::Stream const& from, streams::Stream const& to, Params const& params);
+    [[nodiscard]] static Result<CurrentInputs> create(streams::Stream const& from, streams::Stream const& to,
+                                                      Params const& params);
 
     using OnPair = std::function<void(LineSample const&)>;
     /// What the first-line rules found in a frame of end 0 or 1.
@@ -60,7 +62,8 @@ class CurrentInputs {
     CurrentInputs(std::vector<End> ends, std::int64_t timeout_ns, std::uint32_t wrap, std::int64_t held_back,
                   iec61850::StreamAlignment<EndSample>::Overtaking overtaking)
         : ends_{std::move(ends)}, alignment_{timeout_ns, wrap, held_back, overtaking} {}
-    [[nodiscard]] bool pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place, std::int64_t arrival_ns);
+    [[nodiscard]] bool pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place,
+                                       std::int64_t arrival_ns);
     [[nodiscard]] static EndSample read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu);
     void give_out(std::int64_t now_ns, OnPair const& on_pair);
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/event_report.hpp"
 
+#include "common/comtrade/comtrade_record.hpp"
 #include "common/log.hpp"
 #include "common/version.hpp"
-#include "common/comtrade/comtrade_record.hpp"
 
 #include <array>
 #include <cmath>
@@ -32,10 +32,12 @@ constexpr std::array<Digital, 5> kDigitals{{
     {"to_received", [](WaveformWindow::Row const& r) { return r.to_present; }},
 }};
 
-std::size_t samples_in(double ms, double rate_hz) { return static_cast<std::size_t>(std::lround(ms * rate_hz / 1e3)); }
+std::size_t samples_in(double ms, double rate_hz) {
+    return static_cast<std::size_t>(std::lround(ms * rate_hz / 1e3));
+}
 
-ComtradeRecord record_of(EventReportFacts const& facts, std::vector<WaveformWindow::Row> const& rows, std::int64_t trigger_index,
-                         std::int64_t trigger_utc_ns) {
+ComtradeRecord record_of(EventReportFacts const& facts, std::vector<WaveformWindow::Row> const& rows,
+                         std::int64_t trigger_index, std::int64_t trigger_utc_ns) {
     static constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
     ComtradeRecord out;
     out.header.device = facts.process;
@@ -82,7 +84,9 @@ EventReport::EventReport(EventReportConfig const& config, EventReportFacts facts
     : config_{config}, facts_{std::move(facts)},
       window_{samples_in(config.before_ms, facts_.rate_hz) + 1, samples_in(config.after_ms, facts_.rate_hz)} {}
 
-EventReport::~EventReport() { finish(); }
+EventReport::~EventReport() {
+    finish();
+}
 
 void EventReport::sample(LineSample const& sample, RelayOutput const& output, std::int64_t utc_ns) {
     bool const now = config_.trigger == EventReportConfig::Trigger::pickup ? output.pickup : output.trip;
@@ -118,11 +122,12 @@ void EventReport::write() {
     std::vector<WaveformWindow::Row> rows;
     window_.drain([&](WaveformWindow::Row const& row) { rows.push_back(row); });
     triggered_ = false;
-    std::string text = fmt::format("{}, gridspace {}: one of its {}\r\n"
-                                   "Currents of {} (from) and {} (to) as received: primary amperes, in the direction of the CTs.\r\n"
-                                   "Differential: RMS, what the element compares with its pickup.\r\n\r\n",
-                                   facts_.process, version().version,
-                                   config_.trigger == EventReportConfig::Trigger::trip ? "trips" : "pickups", facts_.from_stream, facts_.to_stream);
+    std::string text = fmt::format(
+        "{}, gridspace {}: one of its {}\r\n"
+        "Currents of {} (from) and {} (to) as received: primary amperes, in the direction of the CTs.\r\n"
+        "Differential: RMS, what the element compares with its pickup.\r\n\r\n",
+        facts_.process, version().version, config_.trigger == EventReportConfig::Trigger::trip ? "trips" : "pickups",
+        facts_.from_stream, facts_.to_stream);
     for (std::string const& line : log_) {
         text += line + "\r\n";
     }
@@ -137,14 +142,16 @@ void EventReport::write() {
     while (std::filesystem::exists(base() += ".cfg", ignored)) {
         ++n;
     }
-    writing_ = std::async(std::launch::async, [base = base(), text, facts = facts_, rows = std::move(rows), index = trigger_index_, utc_ns = trigger_utc_ns_] {
+    writing_ = std::async(std::launch::async, [base = base(), text, facts = facts_, rows = std::move(rows),
+                                               index = trigger_index_, utc_ns = trigger_utc_ns_] {
         std::error_code error;
         std::filesystem::create_directories(base.parent_path(), error); // what went wrong shows at the first file
         auto const written = write_comtrade(base, record_of(facts, rows, index, utc_ns), ComtradeFormat::binary);
         std::ofstream log{std::filesystem::path{base} += ".hdr", std::ios::trunc | std::ios::binary};
         log << text;
         if (!written || !log.flush()) {
-            log::warning("event report: {}", written ? fmt::format("cannot write '{}.hdr'", base.string()) : written.error().message);
+            log::warning("event report: {}",
+                         written ? fmt::format("cannot write '{}.hdr'", base.string()) : written.error().message);
         }
     });
 }

@@ -15,14 +15,14 @@ namespace gridspace::relay {
 
 /// What stands in a report beside the samples.
 struct EventReportFacts {
-    std::string process;              ///< the relay's name in the run
+    std::string process; ///< the relay's name in the run
     std::string from_stream, to_stream;
     double rate_hz{4800}, frequency_hz{60};
 };
 
-/// A disturbance recorder in the relay, as protection relays have one: the samples that the relay decided by, what it made
-/// of them, and its event log, as COMTRADE (IEEE C37.111-2013) with a .hdr for the log. Taking a sample costs a copy into
-/// fixed memory; files are written by a thread of their own.
+/// A disturbance recorder in the relay, as protection relays have one: the samples that the relay decided by, what it
+/// made of them, and its event log, as COMTRADE (IEEE C37.111-2013) with a .hdr for the log. Taking a sample costs a
+/// copy into fixed memory; files are written by a thread of their own.
 class EventReport {
   public:
     EventReport(EventReportConfig const& config, EventReportFacts facts);

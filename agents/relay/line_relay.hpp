@@ -67,8 +67,9 @@ class LineRelay {
     /// newer is ignored. The reference holds until the next call.
     RelayOutput const& step(LineSample const& sample, TripPermission permission = {});
 
-    /// Nothing came of these ends (kFromLost, kToLost) for longer than a sample waits for its partner, so that there is no
-    /// pair to say it: blocked until pairs come again. What the window holds is judged then, by the length of the gap.
+    /// Nothing came of these ends (kFromLost, kToLost) for longer than a sample waits for its partner, so that there is
+    /// no pair to say it: blocked until pairs come again. What the window holds is judged then, by the length of the
+    /// gap.
     RelayOutput const& lost(BlockReasons ends);
 
     /// Takes the seal off. False, and nothing happens, while the element still picks up.

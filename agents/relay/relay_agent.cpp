@@ -51,7 +51,8 @@ class RelayAgent {
         }
         while (true) {
             auto const next = next_work();
-            auto tick = node_.lockstep() ? node_.next() : node_.next(next ? std::optional{WireClock::wall(*next)} : std::nullopt);
+            auto tick = node_.lockstep() ? node_.next()
+                                         : node_.next(next ? std::optional{WireClock::wall(*next)} : std::nullopt);
             if (!tick) {
                 return std::unexpected{tick.error()};
             }
@@ -81,14 +82,17 @@ class RelayAgent {
     Result<void> prepare() {
         RelayConfig const& config = settings_.relay;
         config::Diagnostics diagnostics;
-        auto const find = [&](config::Ref const& name, streams::Kind kind) { return gateways::stream_of(settings_.wire.streams, name, kind, diagnostics); };
+        auto const find = [&](config::Ref const& name, streams::Kind kind) {
+            return gateways::stream_of(settings_.wire.streams, name, kind, diagnostics);
+        };
         streams::Stream const* from = find(config.from_stream, streams::Kind::smv);
         streams::Stream const* to = find(config.to_stream, streams::Kind::smv);
         streams::Stream const* trip = find(config.trip, streams::Kind::goose);
         if (from == nullptr || to == nullptr || trip == nullptr) {
             return fail(ExitCode::usage, diagnostics.render());
         }
-        auto params = make_params(config.logic, from->rate_hz, Rational::parse(shortest(config.frequency_hz)).value_or(Rational{60}));
+        auto params = make_params(config.logic, from->rate_hz,
+                                  Rational::parse(shortest(config.frequency_hz)).value_or(Rational{60}));
         if (!params) {
             return std::unexpected{params.error()};
         }
@@ -99,10 +103,10 @@ class RelayAgent {
             return ok;
         }
         bool const accept_test = config.logic.test_mode;
-        auto inputs = CurrentInputs::create(*from, *to,
-                                            {config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6),
-                                             static_cast<int>(config.logic.max_interpolated), config.first_line,
-                                             accept_test, !node_.lockstep()});
+        auto inputs = CurrentInputs::create(
+            *from, *to,
+            {config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6),
+             static_cast<int>(config.logic.max_interpolated), config.first_line, accept_test, !node_.lockstep()});
         if (!inputs) {
             return std::unexpected{inputs.error()};
         }
@@ -124,7 +128,8 @@ class RelayAgent {
             return std::unexpected{statistics.error()};
         }
         statistics_ = std::move(*statistics);
-        stream_rows_ = {&statistics_->add(from->name.name, STREAM_RECEIVED), &statistics_->add(to->name.name, STREAM_RECEIVED),
+        stream_rows_ = {&statistics_->add(from->name.name, STREAM_RECEIVED),
+                        &statistics_->add(to->name.name, STREAM_RECEIVED),
                         &statistics_->add(trip->name.name, STREAM_SENT)};
         if (auto ok = open_first_line(); !ok) {
             return ok;
@@ -140,8 +145,8 @@ class RelayAgent {
         std::array<config::Ref const*, 2> const names{&settings_.relay.from_stream, &settings_.relay.to_stream};
         for (std::size_t i = 0; i < 2; ++i) {
             gateways::SvFirstLine const& rules = inputs_->end(i).first_line;
-            streams.push_back({names[i]->name, streams::Kind::smv, [&rules] { return rules.counters(); }, [&rules] { return rules.refused(); },
-                               [&rules] { return rules.contested(); }});
+            streams.push_back({names[i]->name, streams::Kind::smv, [&rules] { return rules.counters(); },
+                               [&rules] { return rules.refused(); }, [&rules] { return rules.contested(); }});
         }
         auto report = gateways::FirstLineReport::create(node_, run_, std::move(streams));
         if (!report) {
@@ -163,7 +168,8 @@ class RelayAgent {
         }
         if (config.trigger != EventReportConfig::Trigger::off && !config.folder.empty()) {
             event_report_ = std::make_unique<EventReport>(
-                config, EventReportFacts{node_.config().process, settings_.relay.from_stream.name, settings_.relay.to_stream.name, rate_hz_, settings_.relay.frequency_hz});
+                config, EventReportFacts{node_.config().process, settings_.relay.from_stream.name,
+                                         settings_.relay.to_stream.name, rate_hz_, settings_.relay.frequency_hz});
         }
     }
 
@@ -176,7 +182,8 @@ class RelayAgent {
         if (!model) {
             return std::unexpected{model.error()};
         }
-        auto const detector = ids::make_detector_params(*settings_.relay.ids, *model, rate_hz.to_double(), settings_.relay.frequency_hz);
+        auto const detector =
+            ids::make_detector_params(*settings_.relay.ids, *model, rate_hz.to_double(), settings_.relay.frequency_hz);
         if (!detector) {
             return std::unexpected{detector.error()};
         }
@@ -191,7 +198,9 @@ class RelayAgent {
 
     Result<void> open_signals() {
         std::string const prefix = "relay." + node_.config().process + ".";
-        auto state = bus::SignalPublisher::create(node_, "relay", 0, {{prefix + "pickup", ""}, {prefix + "trip", ""}, {prefix + "blocked", ""}, {prefix + "sample_s", "s"}});
+        auto state = bus::SignalPublisher::create(
+            node_, "relay", 0,
+            {{prefix + "pickup", ""}, {prefix + "trip", ""}, {prefix + "blocked", ""}, {prefix + "sample_s", "s"}});
         if (!state) {
             return std::unexpected{state.error()};
         }
@@ -215,10 +224,13 @@ class RelayAgent {
 
     /// Real time: how old a sample is when it comes and when it has been decided about; times are those of the samples.
     Result<void> open_age_signals() {
-        auto const open = [&](char const* group, std::string name) { return bus::SignalPublisher::create(node_, group, rate_hz_, {{std::move(name), "ms"}}); };
+        auto const open = [&](char const* group, std::string name) {
+            return bus::SignalPublisher::create(node_, group, rate_hz_, {{std::move(name), "ms"}});
+        };
         std::array<config::Ref const*, 2> const streams{&settings_.relay.from_stream, &settings_.relay.to_stream};
         for (std::size_t i = 0; i < 2; ++i) {
-            auto arrivals = open(i == 0 ? "arrival_from" : "arrival_to", "stream." + streams[i]->name + ".arrival_age_ms");
+            auto arrivals =
+                open(i == 0 ? "arrival_from" : "arrival_to", "stream." + streams[i]->name + ".arrival_age_ms");
             if (!arrivals) {
                 return std::unexpected{arrivals.error()};
             }
@@ -305,8 +317,8 @@ class RelayAgent {
         elapse(clock_.of(end));
     }
 
-    /// It protects by frames alone, with or without a simulation clock; what it publishes needs simulated times. A relay
-    /// that is there before the run, or comes back in it, has none at first.
+    /// It protects by frames alone, with or without a simulation clock; what it publishes needs simulated times. A
+    /// relay that is there before the run, or comes back in it, has none at first.
     void follow_clock() {
         if (!known_since_ns_ && node_.clock_runs()) {
             known_since_ns_ = clock_.now();
@@ -327,8 +339,8 @@ class RelayAgent {
         elapse(now_ns);
     }
 
-    /// The inputs live by the arrivals of the frames: a stall of this process is no gap in a stream. What follows from them
-    /// happens now.
+    /// The inputs live by the arrivals of the frames: a stall of this process is no gap in a stream. What follows from
+    /// them happens now.
     void take_frames() {
         for (bus::WireFrame const* frame : port_->take(iec61850::kSvEthertype)) {
             now_ns_ = clock_.now();
@@ -344,8 +356,8 @@ class RelayAgent {
         }
     }
 
-    /// Real time: the simulated time at which a frame came. Of one that has waited, because this process stood still, the
-    /// simulation clock no longer says it: it came so long after the last one that had not.
+    /// Real time: the simulated time at which a frame came. Of one that has waited, because this process stood still,
+    /// the simulation clock no longer says it: it came so long after the last one that had not.
     void came(std::int64_t arrived_ns) {
         constexpr std::int64_t kAtOnceNs = 100'000'000;
         double const now_s = node_.time_base().seconds(node_.latest_time());
@@ -376,7 +388,9 @@ class RelayAgent {
         ages.row(node_.time_base().from_nanoseconds(std::llround(time_s * 1e9)), {&age_ms, 1});
     }
 
-    [[nodiscard]] std::uint64_t samples_of(std::size_t end) const { return inputs_->end(end).subscriber.counters().samples; }
+    [[nodiscard]] std::uint64_t samples_of(std::size_t end) const {
+        return inputs_->end(end).subscriber.counters().samples;
+    }
 
     void pair(LineSample const& sample) {
         RelayOutput const& out = intrusion_ == nullptr ? relay_->step(sample) : guarded(sample);
@@ -410,7 +424,8 @@ class RelayAgent {
         std::int64_t const took_ns = processor_time_ns() - before;
         RelayOutput const& out = relay_->decide(sample);
         double const instant_s = instant_of(sample.index);
-        intrusion_->sample(*relay_->detector(), std::llround(instant_s * rate_hz_), std::llround(instant_s * 1e9), now(), took_ns);
+        intrusion_->sample(*relay_->detector(), std::llround(instant_s * rate_hz_), std::llround(instant_s * 1e9),
+                           now(), took_ns);
         return out;
     }
 
@@ -420,7 +435,8 @@ class RelayAgent {
         if (!time_is_known()) {
             return;
         }
-        std::array<double, 4> const row{pickup_ ? 1.0 : 0.0, tripped_ ? 1.0 : 0.0, blocked_ ? 1.0 : 0.0, instant_of(relay_->relay().output().index)};
+        std::array<double, 4> const row{pickup_ ? 1.0 : 0.0, tripped_ ? 1.0 : 0.0, blocked_ ? 1.0 : 0.0,
+                                        instant_of(relay_->relay().output().index)};
         state_signals_->row(now(), row);
     }
 
@@ -429,14 +445,15 @@ class RelayAgent {
         relay_->relay().events().drain([&](RelayEvent const& event) {
             std::string text = fmt::format("sample {}", event.index);
             if (event.phases != 0) {
-                text += fmt::format(", phases {}, {:.1f} {:.1f} {:.1f} A", phase_names(event.phases), event.differential_a[0],
-                                    event.differential_a[1], event.differential_a[2]);
+                text += fmt::format(", phases {}, {:.1f} {:.1f} {:.1f} A", phase_names(event.phases),
+                                    event.differential_a[0], event.differential_a[1], event.differential_a[2]);
             }
             if (event.reasons != 0) {
                 text += ": " + block_names(event.reasons);
             }
             if (event_report_ != nullptr) {
-                event_report_->event(fmt::format("{:.6f} s  {}: {}", instant_of(event.index), name_of(event.kind), text));
+                event_report_->event(
+                    fmt::format("{:.6f} s  {}: {}", instant_of(event.index), name_of(event.kind), text));
             }
             log::info("{}: {}", name_of(event.kind), text);
             if (time_is_known()) { // what was before is in the log; it is no event of the run
@@ -475,8 +492,9 @@ class RelayAgent {
             out[1] = static_cast<double>(final ? c.lost : inputs_->end(i).subscriber.lost_for_good());
             out[2] = static_cast<double>(c.of(SvEvent::duplicate));
             out[3] = static_cast<double>(c.of(SvEvent::late));
-            out[4] = static_cast<double>(c.of(SvEvent::identity_mismatch) + c.of(SvEvent::conf_rev_mismatch) + c.of(SvEvent::size_mismatch) +
-                                         c.of(SvEvent::simulation_refused) + inputs_->damaged().total());
+            out[4] = static_cast<double>(c.of(SvEvent::identity_mismatch) + c.of(SvEvent::conf_rev_mismatch) +
+                                         c.of(SvEvent::size_mismatch) + c.of(SvEvent::simulation_refused) +
+                                         inputs_->damaged().total());
             out[5] = static_cast<double>(c.silences);
             if (columns > 6) {
                 // Between two reports, by the wall clock; the first one has nothing to compare with.
@@ -535,14 +553,17 @@ class RelayAgent {
 int main(int argc, char** argv) {
     using namespace gridspace;
     relay::Settings settings;
-    Daemon const daemon{"gridspace-relay", "line differential relay: sampled values in, trip by GOOSE out",
+    Daemon const daemon{"gridspace-relay",
+                        "line differential relay: sampled values in, trip by GOOSE out",
                         [&](config::Fields& f) {
                             describe(f, settings.relay);
                             gateways::describe_wire(f, settings.wire);
                         },
                         {},
                         [&](DaemonRun& run) {
-                            return run_on_bus(run, [&](bus::Node& node) -> Result<void> { return relay::RelayAgent{settings, run, node}.run(); });
+                            return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
+                                return relay::RelayAgent{settings, run, node}.run();
+                            });
                         }};
     return run_daemon(daemon, argc, argv);
 }

@@ -9,23 +9,28 @@
 
 namespace gridspace::relay {
 
-Result<std::unique_ptr<TripPublisher>> TripPublisher::create(bus::Node& node, gateways::WirePort& port, streams::Stream const& stream,
-                                                             std::string const& field) {
+Result<std::unique_ptr<TripPublisher>> TripPublisher::create(bus::Node& node, gateways::WirePort& port,
+                                                             streams::Stream const& stream, std::string const& field) {
     auto frame = stream.goose_template(port.mac());
     if (!frame) {
         return std::unexpected{frame.error()};
     }
     auto const leaf = frame->index_of(field);
     if (!leaf || frame->leaves()[*leaf].type != iec61850::BasicType::boolean) {
-        return fail(ExitCode::usage, fmt::format("stream '{}' has no Boolean member '{}'", stream.name.name, field), "see trip_field");
+        return fail(ExitCode::usage, fmt::format("stream '{}' has no Boolean member '{}'", stream.name.name, field),
+                    "see trip_field");
     }
     auto out = std::unique_ptr<TripPublisher>{new TripPublisher{node, port}};
     out->leaf_ = *leaf;
     out->time_leaf_ = iec61850::time_beside(frame->leaves(), *leaf);
-    out->publisher_ =
-        std::make_unique<iec61850::GoosePublisher>(std::move(*frame), stream.conf_rev, gateways::goose_publisher_params(stream));
+    out->publisher_ = std::make_unique<iec61850::GoosePublisher>(std::move(*frame), stream.conf_rev,
+                                                                 gateways::goose_publisher_params(stream));
     std::string const prefix = "stream." + stream.name.name + ".";
-    auto signals = bus::SignalPublisher::create(node, "goose", 0, {{prefix + "st_num", ""}, {prefix + "sq_num", ""}, {prefix + "interval_ms", "ms"}, {prefix + "sent_after_ms", "ms"}});
+    auto signals = bus::SignalPublisher::create(node, "goose", 0,
+                                                {{prefix + "st_num", ""},
+                                                 {prefix + "sq_num", ""},
+                                                 {prefix + "interval_ms", "ms"},
+                                                 {prefix + "sent_after_ms", "ms"}});
     if (!signals) {
         return std::unexpected{signals.error()};
     }
@@ -33,7 +38,9 @@ Result<std::unique_ptr<TripPublisher>> TripPublisher::create(bus::Node& node, ga
     return out;
 }
 
-void TripPublisher::announce(SimTime now) { signals_->announce(now); }
+void TripPublisher::announce(SimTime now) {
+    signals_->announce(now);
+}
 
 void TripPublisher::start(std::int64_t now_ns) {
     publisher_->set(leaf_, iec61850::Value::of(false));
@@ -48,7 +55,9 @@ void TripPublisher::stamp() {
     }
 }
 
-void TripPublisher::set(bool trip, std::int64_t at_ns) { changes_.push_back({at_ns, trip}); }
+void TripPublisher::set(bool trip, std::int64_t at_ns) {
+    changes_.push_back({at_ns, trip});
+}
 
 std::optional<std::int64_t> TripPublisher::due() const {
     std::optional<std::int64_t> due = publisher_->due();
@@ -71,13 +80,15 @@ void TripPublisher::work(std::int64_t now_ns) {
         return;
     }
     SimTime const at = node_.lockstep() ? clock_.at_or_after(now_ns) : node_.latest_time();
-    double const sent_after_ms = node_.lockstep() ? static_cast<double>(now_ns) / 1e6 : clock_.age_ms(clock_.utc_ns(0), 0, 1);
+    double const sent_after_ms =
+        node_.lockstep() ? static_cast<double>(now_ns) / 1e6 : clock_.age_ms(clock_.utc_ns(0), 0, 1);
     port_.send(frame, at);
     ++sent_;
     iec61850::GooseState const& state = publisher_->state();
     double const interval_ms = last_sent_ns_ ? static_cast<double>(now_ns - *last_sent_ns_) / 1e6 : 0;
     last_sent_ns_ = now_ns;
-    std::array<double, 4> const row{static_cast<double>(state.st_num), static_cast<double>(state.sq_num), interval_ms, sent_after_ms};
+    std::array<double, 4> const row{static_cast<double>(state.st_num), static_cast<double>(state.sq_num), interval_ms,
+                                    sent_after_ms};
     signals_->row(at, row);
 }
 

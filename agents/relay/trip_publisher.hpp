@@ -13,12 +13,13 @@
 
 namespace gridspace::relay {
 
-/// The relay's GOOSE stream: what the decision was, a latency later, and its repetitions. Every message is also a row of the
-/// signals stream.<name>.st_num, .sq_num, .interval_ms and .sent_after_ms (since simulated time 0; in real time by the wall clock).
+/// The relay's GOOSE stream: what the decision was, a latency later, and its repetitions. Every message is also a row
+/// of the signals stream.<name>.st_num, .sq_num, .interval_ms and .sent_after_ms (since simulated time 0; in real time
+/// by the wall clock).
 class TripPublisher {
   public:
-    [[nodiscard]] static Result<std::unique_ptr<TripPublisher>> create(bus::Node& node, gateways::WirePort& port, streams::Stream const& stream,
-                                                                       std::string const& field);
+    [[nodiscard]] static Result<std::unique_ptr<TripPublisher>>
+    create(bus::Node& node, gateways::WirePort& port, streams::Stream const& stream, std::string const& field);
 
     void announce(SimTime now);
     /// At `now_ns` the state of the trip becomes this.

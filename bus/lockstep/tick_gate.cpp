@@ -73,7 +73,8 @@ std::string TickGate::awaiting() const {
     }
     for (Upstream const& upstream : upstream_) {
         if (upstream.acked < upstream.awaited) {
-            add(fmt::format("the acknowledgement of tick {} by {}", upstream.awaited, book_.process_name(upstream.process)));
+            add(fmt::format("the acknowledgement of tick {} by {}", upstream.awaited,
+                            book_.process_name(upstream.process)));
         }
         if (!book_.complete(upstream.process)) {
             add(book_.missing(upstream.process));

@@ -48,9 +48,10 @@ class TickGate {
   private:
     struct Upstream {
         std::size_t process; ///< index in the book
-        std::size_t member; ///< index among the sorted members
+        std::size_t member;  ///< index among the sorted members
         std::int64_t acked{-1};
-        std::int64_t awaited{-1}; ///< newest tick in which it was awaited: nothing that it sent until then may be missed
+        std::int64_t awaited{
+            -1}; ///< newest tick in which it was awaited: nothing that it sent until then may be missed
     };
     struct Pending {
         std::uint64_t tick;

@@ -9,7 +9,8 @@ namespace gridspace::lockstep {
 
 std::uint64_t frame_identity(std::span<std::byte const> frame) {
     constexpr std::size_t kAddresses = 12, kTag = 4;
-    bool const tagged = frame.size() >= kAddresses + kTag && frame[12] == std::byte{0x81} && frame[13] == std::byte{0x00};
+    bool const tagged =
+        frame.size() >= kAddresses + kTag && frame[12] == std::byte{0x81} && frame[13] == std::byte{0x00};
     std::uint64_t hash = 0xcbf29ce484222325;
     for (std::size_t i = 0; i < frame.size(); ++i) {
         if (tagged && i >= kAddresses && i < kAddresses + kTag) {
@@ -43,8 +44,8 @@ void WireBook::enter_incarnation(std::size_t process, std::uint32_t incarnation)
 }
 
 std::size_t WireBook::take_early(std::size_t channel, std::uint64_t identity) {
-    auto const it =
-        std::find_if(early_.begin(), early_.end(), [&](Early const& e) { return e.identity == identity && e.channel == channel; });
+    auto const it = std::find_if(early_.begin(), early_.end(),
+                                 [&](Early const& e) { return e.identity == identity && e.channel == channel; });
     if (it == early_.end()) {
         return kUnknown;
     }
@@ -54,8 +55,9 @@ std::size_t WireBook::take_early(std::size_t channel, std::uint64_t identity) {
 }
 
 WireBook::Arrival WireBook::arrived(std::size_t channel, std::uint64_t identity, std::size_t slot) {
-    auto const it = std::find_if(awaited_.begin(), awaited_.end(),
-                                 [&](Awaited const& a) { return a.record.identity == identity && a.channel == channel; });
+    auto const it = std::find_if(awaited_.begin(), awaited_.end(), [&](Awaited const& a) {
+        return a.record.identity == identity && a.channel == channel;
+    });
     if (it != awaited_.end()) {
         Arrival const arrival{true, it->record.send_time_ns, kUnknown};
         awaited_.erase(it);
@@ -77,11 +79,11 @@ bool WireBook::complete(std::size_t process) const {
 std::string WireBook::missing(std::size_t process) const {
     std::string out;
     for (std::size_t c = 0; c < channels_.size(); ++c) {
-        auto const count =
-            std::count_if(awaited_.begin(), awaited_.end(), [&](Awaited const& a) { return a.process == process && a.channel == c; });
+        auto const count = std::count_if(awaited_.begin(), awaited_.end(),
+                                         [&](Awaited const& a) { return a.process == process && a.channel == c; });
         if (count > 0) {
-            out += fmt::format("{}{} frame(s) of ethertype {:#06x} on '{}'", out.empty() ? "" : ", ", count, channels_[c].ethertype,
-                               channels_[c].link);
+            out += fmt::format("{}{} frame(s) of ethertype {:#06x} on '{}'", out.empty() ? "" : ", ", count,
+                               channels_[c].ethertype, channels_[c].link);
         }
     }
     return out;

@@ -11,13 +11,14 @@
 
 namespace gridspace::lockstep {
 
-/// What identifies a frame on its link: FNV-1a (64 bit) over its octets from the destination address on, a VLAN tag left out,
-/// because the kernel takes it off and puts it back.
+/// What identifies a frame on its link: FNV-1a (64 bit) over its octets from the destination address on, a VLAN tag
+/// left out, because the kernel takes it off and puts it back.
 [[nodiscard]] std::uint64_t frame_identity(std::span<std::byte const> frame);
 
-/// Compares the raw frames that others say they have sent with those that have arrived. A wire knows no writer, so a frame is
-/// recognised by what is in it; its simulated send time is what its sender's ledger says. Pure bookkeeping: whoever receives
-/// keeps the octets, under the slot numbers that are his. Frames that nobody announces are foreign and never become due.
+/// Compares the raw frames that others say they have sent with those that have arrived. A wire knows no writer, so a
+/// frame is recognised by what is in it; its simulated send time is what its sender's ledger says. Pure bookkeeping:
+/// whoever receives keeps the octets, under the slot numbers that are his. Frames that nobody announces are foreign and
+/// never become due.
 class WireBook {
   public:
     struct Channel {

@@ -20,8 +20,7 @@ Codec const* find_codec(std::string_view type_name) {
         &codec_of<BusMeasurement>(), &codec_of<ChargingRequest>(), &codec_of<ChargingDecision>(),
         &codec_of<LineCurrents>(),   &codec_of<TripCommand>(),     &codec_of<BreakerStatus>(),
         &codec_of<SignalCatalog>(),  &codec_of<SignalFrame>(),     &codec_of<TypeCatalogEntry>(),
-        &codec_of<IdsVerdict>(),     &codec_of<AttackLabel>(),
-        &codec_of<StreamStatistics>(),
+        &codec_of<IdsVerdict>(),     &codec_of<AttackLabel>(),     &codec_of<StreamStatistics>(),
     };
     for (Codec const* codec : kAll) {
         if (codec->type_name == type_name) {

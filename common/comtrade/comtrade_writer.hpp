@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/result.hpp"
 #include "common/comtrade/comtrade_header.hpp"
+#include "common/result.hpp"
 
 #include <cstdint>
 #include <filesystem>

@@ -11,18 +11,23 @@ namespace {
 
 constexpr std::size_t kWidestLine = 160;
 
-/// A line of the source as it may be shown: what is not printable text must not reach a terminal, and a tab is one column
-/// wide, as columns count. Multi-byte characters stay when they are complete.
+/// A line of the source as it may be shown: what is not printable text must not reach a terminal, and a tab is one
+/// column wide, as columns count. Multi-byte characters stay when they are complete.
 std::string printable(std::string_view line) {
     std::string out;
     for (std::size_t i = 0; i < line.size();) {
         auto const c = static_cast<unsigned char>(line[i]);
-        std::size_t const length = c < 0x80 ? 1 : c >= 0xf0 && c < 0xf5 ? 4 : c >= 0xe0 && c < 0xf0 ? 3 : c >= 0xc2 && c < 0xe0 ? 2 : 0;
+        std::size_t const length = c < 0x80                ? 1
+                                   : c >= 0xf0 && c < 0xf5 ? 4
+                                   : c >= 0xe0 && c < 0xf0 ? 3
+                                   : c >= 0xc2 && c < 0xe0 ? 2
+                                                           : 0;
         bool complete = length > 0 && i + length <= line.size();
         for (std::size_t k = 1; complete && k < length; ++k) {
             complete = (static_cast<unsigned char>(line[i + k]) & 0xc0) == 0x80;
         }
-        bool const control = c < 0x20 || c == 0x7f || (c == 0xc2 && complete && static_cast<unsigned char>(line[i + 1]) < 0xa0);
+        bool const control =
+            c < 0x20 || c == 0x7f || (c == 0xc2 && complete && static_cast<unsigned char>(line[i + 1]) < 0xa0);
         if (c == '\t') {
             out += ' ';
         } else if (!complete || control) {
@@ -46,8 +51,8 @@ std::string pointed_line(std::string_view raw, Diagnostic const& d) {
     std::size_t const indent = column >= begin ? std::min(column - begin, raw.size()) : 0;
     std::size_t const room = raw.size() > indent ? raw.size() - indent : 1;
     std::string const underline(std::min<std::size_t>(room, static_cast<std::size_t>(std::max(1, d.width))) - 1, '~');
-    return fmt::format("{:>4} | {}\n     | {}^{}{}{}\n", d.where.line, printable(raw), std::string(indent, ' '), underline,
-                       d.hint.empty() ? "" : " ", d.hint);
+    return fmt::format("{:>4} | {}\n     | {}^{}{}{}\n", d.where.line, printable(raw), std::string(indent, ' '),
+                       underline, d.hint.empty() ? "" : " ", d.hint);
 }
 
 std::string plural(int n, std::string_view word) {
@@ -82,9 +87,11 @@ std::vector<Diagnostic> Diagnostics::sorted() const {
     // The same thing said of the same place: a default that several processes share is wrong once.
     out.erase(std::unique(out.begin(), out.end(),
                           [&](Diagnostic const& a, Diagnostic const& b) {
-                              bool const same_place = a.where.source == b.where.source && a.where.line == b.where.line &&
+                              bool const same_place = a.where.source == b.where.source &&
+                                                      a.where.line == b.where.line &&
                                                       a.where.column == b.where.column && a.where.line > 0;
-                              return key(a) == key(b) || (same_place && !a.hint.empty() && a.hint == b.hint && a.severity == b.severity);
+                              return key(a) == key(b) ||
+                                     (same_place && !a.hint.empty() && a.hint == b.hint && a.severity == b.severity);
                           }),
               out.end());
     return out;

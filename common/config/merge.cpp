@@ -153,7 +153,8 @@ void resolve_likes(Node& section, Diagnostics& diagnostics) {
             entry.value = other->value;
             entry.value.where = where;
             for (Node::Entry const& beside : own.entries) {
-                entry.value.erase(beside.key); // a value is replaced whole: a data set is an order, not a heap to add to
+                entry.value.erase(
+                    beside.key); // a value is replaced whole: a data set is an order, not a heap to add to
             }
             merge(entry.value, own);
         }

@@ -12,8 +12,8 @@ namespace gridspace::config {
 /// Lays `over` on `base`: maps merge by key, lists and scalars replace, `~` removes.
 void merge(Node& base, Node const& over);
 
-/// Reads a file and what it `extends:`, the nearest last. Cycles and missing files are diagnosed, at `named_at` where the
-/// name of the file itself was written.
+/// Reads a file and what it `extends:`, the nearest last. Cycles and missing files are diagnosed, at `named_at` where
+/// the name of the file itself was written.
 [[nodiscard]] std::optional<Node> load_extended(std::filesystem::path const& file, Diagnostics& diagnostics,
                                                 SourceMark named_at = {});
 
@@ -21,8 +21,8 @@ void merge(Node& base, Node const& over);
 /// `number` counts the --set arguments from 1, for messages.
 void apply_set(Node& root, std::string const& assignment, int number, Diagnostics& diagnostics);
 
-/// Lets the entries of the map `section` inherit from each other by `like: other`; the key is consumed. The keys beside it
-/// replace whole values, `~` removes.
+/// Lets the entries of the map `section` inherit from each other by `like: other`; the key is consumed. The keys beside
+/// it replace whole values, `~` removes.
 void resolve_likes(Node& section, Diagnostics& diagnostics);
 
 } // namespace gridspace::config

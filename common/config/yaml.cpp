@@ -178,7 +178,8 @@ namespace {
 
 /// What usually lies behind a message of the YAML parser.
 std::string yaml_hint(SourceText const& source, SourceMark const& where, std::string const& message) {
-    for (int line = where.line; line >= std::max(1, where.line - 1); --line) { // it notices a tab on the next line, sometimes
+    for (int line = where.line; line >= std::max(1, where.line - 1);
+         --line) { // it notices a tab on the next line, sometimes
         if (static_cast<std::size_t>(line) <= source.lines.size()) {
             std::string const& text = source.lines[static_cast<std::size_t>(line) - 1];
             if (text.find_first_not_of(" \t") > text.find('\t')) {
@@ -186,10 +187,13 @@ std::string yaml_hint(SourceText const& source, SourceMark const& where, std::st
             }
         }
     }
-    if (message.find("end of sequence flow") != std::string::npos || message.find("end of map flow") != std::string::npos) {
-        return message.find("map") != std::string::npos ? "a '}' or a ',' is missing here or before" : "a ']' or a ',' is missing here or before";
+    if (message.find("end of sequence flow") != std::string::npos ||
+        message.find("end of map flow") != std::string::npos) {
+        return message.find("map") != std::string::npos ? "a '}' or a ',' is missing here or before"
+                                                        : "a ']' or a ',' is missing here or before";
     }
-    if (message.find("end of map not found") != std::string::npos || message.find("illegal map value") != std::string::npos) {
+    if (message.find("end of map not found") != std::string::npos ||
+        message.find("illegal map value") != std::string::npos) {
         return "a key at another depth than its neighbours, or a ': ' inside a text without quotes?";
     }
     return "";

@@ -74,7 +74,8 @@ class Walker {
         return true;
     }
 
-    template <class T> bool number(T& value) {
+    template <class T>
+    bool number(T& value) {
         at_ = (at_ + sizeof(T) - 1) / sizeof(T) * sizeof(T);
         if (at_ + sizeof(T) > data_.size()) {
             return false;
@@ -89,7 +90,8 @@ class Walker {
         return true;
     }
 
-    template <class Raw, class Out> bool give(Type const& type) {
+    template <class Raw, class Out>
+    bool give(Type const& type) {
         Raw raw{};
         if (!number(raw)) {
             return false;
@@ -189,13 +191,14 @@ double to_number(Value const& value) {
 
 Result<void> visit(Model const& model, std::size_t type, std::span<std::byte const> cdr, Visitor& visitor) {
     if (Type const& wanted = model.types[type]; !wanted.unsupported.empty()) {
-        return fail(ExitCode::usage, fmt::format("samples of {} cannot be decoded: IDL {}", wanted.name, wanted.unsupported));
+        return fail(ExitCode::usage,
+                    fmt::format("samples of {} cannot be decoded: IDL {}", wanted.name, wanted.unsupported));
     }
     Walker walker{model, cdr, visitor};
     if (!walker.run(type)) {
         return fail(ExitCode::usage,
-                    fmt::format("a sample of {} octets does not fit its type {}: it ends or goes wrong at '{}'", cdr.size(),
-                                model.types[type].name, walker.path()));
+                    fmt::format("a sample of {} octets does not fit its type {}: it ends or goes wrong at '{}'",
+                                cdr.size(), model.types[type].name, walker.path()));
     }
     return {};
 }

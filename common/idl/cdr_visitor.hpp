@@ -29,10 +29,11 @@ class Visitor {
 
 /// Decodes one sample (plain CDR, XCDR1, with its encapsulation header) of a struct type. Never reads outside of `cdr`;
 /// fails with the member at which it does not fit.
-[[nodiscard]] Result<void> visit(Model const& model, std::size_t type, std::span<std::byte const> cdr, Visitor& visitor);
+[[nodiscard]] Result<void> visit(Model const& model, std::size_t type, std::span<std::byte const> cdr,
+                                 Visitor& visitor);
 
 /// The int64 member of the sample that has this name, when the type has one at its top level.
-[[nodiscard]] std::optional<std::int64_t> find_integer(Model const& model, std::size_t type, std::span<std::byte const> cdr,
-                                                       std::string_view member);
+[[nodiscard]] std::optional<std::int64_t> find_integer(Model const& model, std::size_t type,
+                                                       std::span<std::byte const> cdr, std::string_view member);
 
 } // namespace gridspace::idl

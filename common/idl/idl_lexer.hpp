@@ -33,7 +33,7 @@ class Lexer {
     void expect(std::string_view sign);
     std::string expect_name();
     [[nodiscard]] std::map<std::string, std::string> const& defined() const { return defined_; } ///< by #define, so far
-    [[nodiscard]] bool includes() const { return includes_; }                                     ///< another file
+    [[nodiscard]] bool includes() const { return includes_; }                                    ///< another file
 
   private:
     void advance();

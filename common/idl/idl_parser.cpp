@@ -58,7 +58,8 @@ class Parser {
             }
             if ((name == "optional" && !off) || name == "mutable" ||
                 (name == "extensibility" && value.text == "MUTABLE")) {
-                out.unsupported = fmt::format("line {}: @{} is not supported", line, name == "optional" ? name : "mutable");
+                out.unsupported =
+                    fmt::format("line {}: @{} is not supported", line, name == "optional" ? name : "mutable");
             }
         }
         return out;
@@ -242,9 +243,10 @@ class Parser {
             return add(std::move(type));
         } else {
             static std::map<std::string, Kind, std::less<>> const words{
-                {"boolean", Kind::boolean}, {"octet", Kind::octet},   {"uint8", Kind::octet},   {"char", Kind::character},
-                {"int8", Kind::int8},       {"short", Kind::int16},   {"int16", Kind::int16},   {"uint16", Kind::uint16},
-                {"int32", Kind::int32},     {"uint32", Kind::uint32}, {"int64", Kind::int64},   {"uint64", Kind::uint64},
+                {"boolean", Kind::boolean}, {"octet", Kind::octet},    {"uint8", Kind::octet},
+                {"char", Kind::character},  {"int8", Kind::int8},      {"short", Kind::int16},
+                {"int16", Kind::int16},     {"uint16", Kind::uint16},  {"int32", Kind::int32},
+                {"uint32", Kind::uint32},   {"int64", Kind::int64},    {"uint64", Kind::uint64},
                 {"float", Kind::float32},   {"double", Kind::float64},
             };
             if (auto const it = words.find(word.text); it != words.end()) {

@@ -58,7 +58,10 @@ class BreakerGuest final : public GatewayGuest {
         std::string const prefix = "breaker_ied." + node.config().process + ".";
         std::string const heard = "stream." + config_.stream().name + ".heard_";
         auto signals = bus::SignalPublisher::create(node, "breaker_ied", 0,
-                                                    {{prefix + "command", ""}, {prefix + "stream_alive", ""}, {prefix + "commanded_after_ms", "ms"}, {prefix + "effect_ms", "ms"}});
+                                                    {{prefix + "command", ""},
+                                                     {prefix + "stream_alive", ""},
+                                                     {prefix + "commanded_after_ms", "ms"},
+                                                     {prefix + "effect_ms", "ms"}});
         if (!signals) {
             return std::unexpected{signals.error()};
         }
@@ -114,7 +117,8 @@ class BreakerGuest final : public GatewayGuest {
         command_ = open;
         SimTime const effect = at.time + node_->time_base().ceil(config_.latency_us / Rational{1'000'000});
         effect_ms_ = node_->time_base().seconds(effect) * 1e3;
-        commanded_after_ms_ = node_->lockstep() ? node_->time_base().seconds(at.time) * 1e3 : clock_->age_ms(clock_->utc_ns(0), 0, 1);
+        commanded_after_ms_ =
+            node_->lockstep() ? node_->time_base().seconds(at.time) * 1e3 : clock_->age_ms(clock_->utc_ns(0), 0, 1);
         publish(at.time);
         if (!first || open) {
             run_.status.event(node_->time_base().seconds(at.time), node_->config().process, "command",
@@ -123,7 +127,8 @@ class BreakerGuest final : public GatewayGuest {
     }
 
     void publish(SimTime at) {
-        std::array<double, 4> const row{command_.value_or(false) ? 1.0 : 0.0, alive_ ? 1.0 : 0.0, commanded_after_ms_, effect_ms_};
+        std::array<double, 4> const row{command_.value_or(false) ? 1.0 : 0.0, alive_ ? 1.0 : 0.0, commanded_after_ms_,
+                                        effect_ms_};
         signals_->row(at, row);
     }
 

@@ -14,9 +14,12 @@ void describe(config::Fields& f, BreakerConfig& config) {
                      {.doc = "what a lost stream does: nothing, or open"});
     f.flag("accept_test", config.accept_test, {.doc = "act on messages that are marked as simulated"});
     describe(f, config.first_line);
-    f.fraction("latency_us", config.latency_us, {.doc = "from the message to the effect of the command; in real time it takes effect no sooner", .min = 0});
+    f.fraction(
+        "latency_us", config.latency_us,
+        {.doc = "from the message to the effect of the command; in real time it takes effect no sooner", .min = 0});
     if (!config.from.empty() && config.field().empty()) {
-        f.error("from", fmt::format("'{}' names no member", config.from.name), "expected STREAM.member, for example TRIP2.status");
+        f.error("from", fmt::format("'{}' names no member", config.from.name),
+                "expected STREAM.member, for example TRIP2.status");
     }
 }
 

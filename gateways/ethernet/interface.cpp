@@ -68,7 +68,8 @@ void wait_for_interface(std::string const& interface, std::chrono::milliseconds 
                 log::info("waits for the interface '{}'", interface);
             }
         } else if (now - present >= kUnsaid) {
-            log::warning("the interface '{}' is down or has no carrier: nothing is sent or received until that changes", interface);
+            log::warning("the interface '{}' is down or has no carrier: nothing is sent or received until that changes",
+                         interface);
             return;
         }
         std::this_thread::sleep_for(kPeriod);

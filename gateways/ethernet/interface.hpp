@@ -23,8 +23,9 @@ enum class LinkState : std::uint8_t {
 /// Looks at an interface by its name. `index`: what it was when it was opened (0: never).
 [[nodiscard]] LinkState link_state(std::string const& interface, unsigned index = 0);
 
-/// Waits for an interface that is not there yet: a board's may come after its programs. One that is down is not waited for but for the
-/// moment that a carrier takes. Says so in the log when either takes long; whether it is there then, opening it tells.
+/// Waits for an interface that is not there yet: a board's may come after its programs. One that is down is not waited
+/// for but for the moment that a carrier takes. Says so in the log when either takes long; whether it is there then,
+/// opening it tells.
 void wait_for_interface(std::string const& interface, std::chrono::milliseconds patience);
 
 /// The kernel's index of an interface. The error names it and lists those that there are.

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an interface is. Route netlink tells the kind of a virtual one, also to a program that runs in emulation (qemu-user knows no
-// ethtool); ethtool tells the driver of a real one.
+// What an interface is. Route netlink tells the kind of a virtual one, also to a program that runs in emulation
+// (qemu-user knows no ethtool); ethtool tells the driver of a real one.
 #include "common/unique_fd.hpp"
 #include "gateways/ethernet/interface.hpp"
 
@@ -59,7 +59,8 @@ std::string kind_of(unsigned index) {
         return {};
     }
     std::memcpy(&answer, buffer.data(), sizeof answer);
-    if (answer.nlmsg_type != RTM_NEWLINK || answer.nlmsg_len < sizeof request || answer.nlmsg_len > static_cast<std::size_t>(size)) {
+    if (answer.nlmsg_type != RTM_NEWLINK || answer.nlmsg_len < sizeof request ||
+        answer.nlmsg_len > static_cast<std::size_t>(size)) {
         return {};
     }
     std::string_view const attributes{buffer.data() + sizeof request, answer.nlmsg_len - sizeof request};

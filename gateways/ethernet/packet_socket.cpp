@@ -27,10 +27,11 @@ bool set(int fd, int level, int option, T const& value) {
 Error no_capability() {
     std::error_code ec;
     auto const program = std::filesystem::read_symlink("/proc/self/exe", ec);
-    return {ExitCode::environment,
-            "raw Ethernet frames need the capability CAP_NET_RAW, which this process does not have",
-            fmt::format("`sudo setcap cap_net_raw+ep {}`, or run it inside `gridspace run`; on a board as its service or as root",
-                        ec ? "PROGRAM" : program.string())};
+    return {
+        ExitCode::environment, "raw Ethernet frames need the capability CAP_NET_RAW, which this process does not have",
+        fmt::format(
+            "`sudo setcap cap_net_raw+ep {}`, or run it inside `gridspace run`; on a board as its service or as root",
+            ec ? "PROGRAM" : program.string())};
 }
 
 /// A multicast group, all of them, or everything.

@@ -37,7 +37,8 @@ struct PortCounters {
     int send_error{0};                       ///< errno of the first of these
     std::uint64_t truncated{0}, filtered{0}; ///< filtered: by us, not by the kernel
     std::uint64_t reconnects{0};
-    std::uint64_t foreign{0}; ///< on the interface since it was opened, and not asked for; as of the last Port::foreign()
+    std::uint64_t foreign{
+        0}; ///< on the interface since it was opened, and not asked for; as of the last Port::foreign()
 };
 
 /// Raw Ethernet frames of one interface (AF_PACKET). Not one frame is lost at the start: filter, memberships and

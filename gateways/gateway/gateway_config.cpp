@@ -108,7 +108,8 @@ void describe_mapping(Fields& f, MappingConfig& m) {
     f.flag("accept_test", m.accept_test, {.doc = "take frames that are marked as simulated, instead of real ones"});
     describe(f, m.first_line);
     if (m.from.is_topic() && f.has("first_line")) {
-        f.error("first_line", "the rules are for frames, and this mapping's source is a topic", "leave `first_line` out");
+        f.error("first_line", "the rules are for frames, and this mapping's source is a topic",
+                "leave `first_line` out");
     }
     f.number("lost_after_ms", m.lost_after_ms,
              {.doc = "the topic is lost when it was silent for so long; 0: never", .min = 0});

@@ -69,8 +69,10 @@ class TopicSink final : public Sink {
 
   private:
     void write(Moment at) {
-        // In real time too it says when it takes effect: should the simulator be late just now, its time is not the wall's.
-        SimTime const effect = context_.node.lockstep() ? context_.node.effect_time(at.time, context_.latency) : at.time + context_.latency;
+        // In real time too it says when it takes effect: should the simulator be late just now, its time is not the
+        // wall's.
+        SimTime const effect = context_.node.lockstep() ? context_.node.effect_time(at.time, context_.latency)
+                                                        : at.time + context_.latency;
         if (route_.time_field) {
             record_.values()[*route_.time_field] =
                 Value::integer(BasicType::int64, context_.node.time_base().nanoseconds(effect));

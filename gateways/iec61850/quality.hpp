@@ -15,8 +15,8 @@ inline constexpr std::uint32_t kOverflow = 1U << 2, kOutOfRange = 1U << 3, kBadR
                                kInaccurate = 1U << 9, kSubstituted = 1U << 10, kTest = 1U << 11,
                                kOperatorBlocked = 1U << 12;
 inline constexpr std::uint32_t kDerived = 1U << 13; ///< 9-2LE only
-inline constexpr unsigned kBits = 13;        ///< of the standard: what GOOSE carries
-inline constexpr unsigned kSampledBits = 14; ///< of sampled values: with kDerived
+inline constexpr unsigned kBits = 13;               ///< of the standard: what GOOSE carries
+inline constexpr unsigned kSampledBits = 14;        ///< of sampled values: with kDerived
 
 /// Only validity "good" is good: older and newer documents disagree about the two bits of "invalid".
 [[nodiscard]] constexpr bool is_good(std::uint32_t q) noexcept {

@@ -270,7 +270,7 @@ class StreamAlignment {
     std::vector<Slot> slots_; ///< a power of two
     std::array<End, 2> ends_{};
     std::optional<std::int64_t> next_;
-    std::int64_t holes_{0};        ///< given out one behind the other
+    std::int64_t holes_{0};                           ///< given out one behind the other
     std::int64_t kept_open_{kNone}, given_up_{kNone}; ///< holes before this index wait; have waited
     bool emitted_{false};
     Counters counters_;

@@ -90,8 +90,8 @@ class SendSchedule {
   public:
     /// Frame k is due at start_ns + (k + 1) * samples_per_frame - 1 periods.
     SendSchedule(Rational rate_hz, std::size_t samples_per_frame, std::int64_t start_ns, std::int64_t first_frame = 0)
-        : grid_{rate_hz},
-          per_frame_{static_cast<std::int64_t>(samples_per_frame)}, start_ns_{start_ns}, next_{first_frame} {}
+        : grid_{rate_hz}, per_frame_{static_cast<std::int64_t>(samples_per_frame)}, start_ns_{start_ns},
+          next_{first_frame} {}
 
     [[nodiscard]] std::int64_t due_ns() const noexcept { return due_ns(next_); }
     [[nodiscard]] std::int64_t next_frame() const noexcept { return next_; }

@@ -258,7 +258,8 @@ SvArrival SvSubscriber::receive(std::uint16_t smp_cnt, std::int64_t now_ns) noex
         } else if (step <= 0 && -step <= std::int64_t{subscription_.late_window}) {
             return count(behind(index));
         } else if (is_loss(step, now_ns)) {
-            arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - 1) - refused_before(confirmed, step), index};
+            arrival = {SvEvent::lost, true, static_cast<std::uint32_t>(step - 1) - refused_before(confirmed, step),
+                       index};
         } else { // indices never go back
             arrival = {SvEvent::restart, true, 0,
                        step > 0 ? index : index + std::int64_t{wrap_} * ((-step) / wrap_ + 1)};

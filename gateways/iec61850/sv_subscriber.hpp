@@ -16,11 +16,12 @@ struct SvSubscription {
     std::optional<Mac> destination, source;
     std::optional<std::uint16_t> app_id;
     std::uint32_t conf_rev{1};
-    std::size_t sample_octets{0};  ///< 0: not checked
-    bool simulation{false};        ///< LPHD.Sim: prefer simulated frames; real ones count until the first of those
-    double rate_hz{4800};          ///< for silence, and for gaps longer than half of a wrap
-    std::uint32_t wrap{4800};      ///< 0: not known, learned as the rate is when smpCnt comes back to 0 or out of a gap
-    std::uint32_t late_window{16}; ///< a counter at most so far behind is a late sample or a copy, farther: a restart; at most 63
+    std::size_t sample_octets{0}; ///< 0: not checked
+    bool simulation{false};       ///< LPHD.Sim: prefer simulated frames; real ones count until the first of those
+    double rate_hz{4800};         ///< for silence, and for gaps longer than half of a wrap
+    std::uint32_t wrap{4800};     ///< 0: not known, learned as the rate is when smpCnt comes back to 0 or out of a gap
+    std::uint32_t late_window{
+        16}; ///< a counter at most so far behind is a late sample or a copy, farther: a restart; at most 63
     /// More samples than this missing: a restart of the stream, not a loss. Of a stream with an unknown wrap, time says
     /// which of the two it is as soon as its rate was seen.
     std::uint32_t max_gap{4800};
@@ -30,8 +31,8 @@ struct SvSubscription {
 enum class SvEvent : std::uint8_t {
     first,
     in_order,
-    lost,    ///< taken; `lost` samples are missing before it
-    restart, ///< taken; the counter jumped
+    lost,        ///< taken; `lost` samples are missing before it
+    restart,     ///< taken; the counter jumped
     duplicate,   ///< not taken: it was there already
     late,        ///< not taken: newer ones were there first, and this one not yet; it no longer counts as lost
     unconfirmed, ///< not taken: the counter jumped, and the next sample has to say so too

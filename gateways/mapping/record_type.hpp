@@ -13,10 +13,9 @@
 
 namespace gridspace::mapping {
 
-/// A DDS type as a flat list of basic fields, made from its IDL: "status", "pos.q", "harm.2", "evs.0.soc_percent" (spelt as
-/// the leaves of a data set).
-/// What is needed to read and write samples of a type that the program was not compiled for (plain CDR, XCDR1, @final
-/// types).
+/// A DDS type as a flat list of basic fields, made from its IDL: "status", "pos.q", "harm.2", "evs.0.soc_percent"
+/// (spelt as the leaves of a data set). What is needed to read and write samples of a type that the program was not
+/// compiled for (plain CDR, XCDR1, @final types).
 ///
 /// One sequence of the type may be chosen as `each`: its elements are then consecutive samples, and their fields are
 /// named without an index ("samples.ia").

@@ -50,14 +50,14 @@ GatewayConfig table_of(MuConfig const& mu, std::vector<streams::Stream> const& s
 }
 
 void describe_clock_changes(config::Fields& f, std::vector<ClockChange>& changes) {
-    f.list("clock_changes", {.doc = "what events do to its clock; filled in by `gridspace run`"},
-           [&](config::Fields& c) {
-               ClockChange change;
-               c.fraction("at_s", change.at_s, {.doc = "simulated time", .required = true, .min = 0});
-               c.flag("synchronised", change.synchronised, {.doc = "false: smpSynch is 0 from then on"});
-               c.integer("shift_samples", change.shift_samples, {.doc = "how far the counter runs ahead of the samples"});
-               changes.push_back(change);
-           });
+    f.list(
+        "clock_changes", {.doc = "what events do to its clock; filled in by `gridspace run`"}, [&](config::Fields& c) {
+            ClockChange change;
+            c.fraction("at_s", change.at_s, {.doc = "simulated time", .required = true, .min = 0});
+            c.flag("synchronised", change.synchronised, {.doc = "false: smpSynch is 0 from then on"});
+            c.integer("shift_samples", change.shift_samples, {.doc = "how far the counter runs ahead of the samples"});
+            changes.push_back(change);
+        });
 }
 
 } // namespace
@@ -68,17 +68,16 @@ int main(int argc, char** argv) {
     GatewaySettings settings;
     MuConfig mu;
     std::vector<ClockChange> clock_changes;
-    GatewayProgram const program{
-        "gridspace-mu",
-        "merging unit: sampled line currents onto the process bus",
-        [&](gridspace::config::Fields& f) {
-            describe(f, mu);
-            describe_clock_changes(f, clock_changes);
-        },
-        [&](GatewaySettings& s, gridspace::bus::NodeConfig const&) {
-            s.gateway = table_of(mu, s.wire.streams);
-            s.gateway.mappings.front().clock_changes = clock_changes;
-        },
-        {}};
+    GatewayProgram const program{"gridspace-mu",
+                                 "merging unit: sampled line currents onto the process bus",
+                                 [&](gridspace::config::Fields& f) {
+                                     describe(f, mu);
+                                     describe_clock_changes(f, clock_changes);
+                                 },
+                                 [&](GatewaySettings& s, gridspace::bus::NodeConfig const&) {
+                                     s.gateway = table_of(mu, s.wire.streams);
+                                     s.gateway.mappings.front().clock_changes = clock_changes;
+                                 },
+                                 {}};
     return run_gateway(program, settings, argc, argv);
 }

@@ -13,9 +13,11 @@ void describe(config::Fields& f, MuConfig& config) {
         c.text("b", config.channels[1], {.doc = "member for phase b"});
         c.text("c", config.channels[2], {.doc = "member for phase c"});
     });
-    f.choice<Sending>("sending", config.sending, {{"scheduled", Sending::scheduled}, {"on_arrival", Sending::on_arrival}},
+    f.choice<Sending>("sending", config.sending,
+                      {{"scheduled", Sending::scheduled}, {"on_arrival", Sending::on_arrival}},
                       {.doc = "real time: at the exact sample rate behind a small buffer, or as soon as samples come"});
-    f.number("buffer_ms", config.buffer_ms, {.doc = "real time, scheduled: how much later than the samples it sends", .min = 0, .max = 100});
+    f.number("buffer_ms", config.buffer_ms,
+             {.doc = "real time, scheduled: how much later than the samples it sends", .min = 0, .max = 100});
     f.fraction("latency_us", config.latency_us, {.doc = "lockstep: from the sample to the frame", .min = 0});
 }
 

@@ -14,11 +14,12 @@ using config::Ref;
 
 /// A merging unit: a topic of line currents in, a stream of sampled values out.
 struct MuConfig {
-    Ref from;               ///< DDS topic of LineCurrents
-    Ref to;                 ///< stream
-    std::array<std::string, 3> channels{"Ia", "Ib", "Ic"}; ///< members of the data set that get the phases; others stay 0
+    Ref from; ///< DDS topic of LineCurrents
+    Ref to;   ///< stream
+    std::array<std::string, 3> channels{"Ia", "Ib",
+                                        "Ic"}; ///< members of the data set that get the phases; others stay 0
     enum class Sending { scheduled, on_arrival } sending{Sending::scheduled};
-    double buffer_ms{1.5};  ///< real time, scheduled: so much later than the first sample of all, to ride out jitter
+    double buffer_ms{1.5};    ///< real time, scheduled: so much later than the first sample of all, to ride out jitter
     Rational latency_us{120}; ///< lockstep: from the sample to the frame
 };
 void describe(config::Fields& f, MuConfig& config);

@@ -10,10 +10,10 @@
 
 namespace gridspace::gateways {
 
-/// When a frame came, on the monotonic clock that the state machines live by in real time, whenever it is read: the kernel's
-/// receive stamp says how old it is. The stamp is of the machine's UTC, which may be set: so only the age at the moment of
-/// reading is believed, and nothing that contradicts what is known. Arrivals never go back, lie before the reading, and behind
-/// the last look that found nothing.
+/// When a frame came, on the monotonic clock that the state machines live by in real time, whenever it is read: the
+/// kernel's receive stamp says how old it is. The stamp is of the machine's UTC, which may be set: so only the age at
+/// the moment of reading is believed, and nothing that contradicts what is known. Arrivals never go back, lie before
+/// the reading, and behind the last look that found nothing.
 class ArrivalClock {
   public:
     /// Both clocks at one moment.

@@ -11,8 +11,9 @@
 
 namespace gridspace::gateways {
 
-/// The time that the state machines of a daemon live in: nanoseconds of simulated time in lockstep, of the monotonic clock in
-/// real time. What they stamp with is UTC: the scenario's epoch and simulated time, or the clock of the machine.
+/// The time that the state machines of a daemon live in: nanoseconds of simulated time in lockstep, of the monotonic
+/// clock in real time. What they stamp with is UTC: the scenario's epoch and simulated time, or the clock of the
+/// machine.
 class WireClock {
   public:
     explicit WireClock(bus::Node const& node) : node_{node} {}

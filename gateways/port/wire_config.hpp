@@ -9,19 +9,20 @@
 
 namespace gridspace::gateways {
 
-/// Where a process is on the wire, and the streams that it knows. Written by `gridspace run`; by hand for a device of its own.
+/// Where a process is on the wire, and the streams that it knows. Written by `gridspace run`; by hand for a device of
+/// its own.
 struct WireConfig {
-    std::string link;      ///< name of the link in the scenario; free without one
+    std::string link;         ///< name of the link in the scenario; free without one
     std::string receive_link; ///< where frames come from, when something sits in the cable; otherwise empty
-    std::string interface; ///< network interface
-    double speed{1};       ///< of the simulation clock in real time: streams run so much faster than their rate
+    std::string interface;    ///< network interface
+    double speed{1};          ///< of the simulation clock in real time: streams run so much faster than their rate
     std::vector<streams::Stream> streams;
 };
 /// Keys `wire: {link, interface}` and `streams:`.
 void describe_wire(config::Fields& f, WireConfig& wire);
 
 /// Finds the stream that `ref` names, of this kind; otherwise an error at `ref`.
-[[nodiscard]] streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, config::Ref const& ref, streams::Kind kind,
-                                               config::Diagnostics& diagnostics);
+[[nodiscard]] streams::Stream const* stream_of(std::vector<streams::Stream> const& declared, config::Ref const& ref,
+                                               streams::Kind kind, config::Diagnostics& diagnostics);
 
 } // namespace gridspace::gateways

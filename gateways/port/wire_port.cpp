@@ -15,7 +15,8 @@ constexpr std::size_t kMostWaiting = 32U << 20U; ///< octets of one ethertype: f
 
 } // namespace
 
-Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig const& config, Ethertypes const& ethertypes) {
+Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig const& config,
+                                                 Ethertypes const& ethertypes) {
     constexpr std::chrono::seconds kPatience{30}; // as for the addresses of the networks
     ethernet::wait_for_interface(config.interface, kPatience);
     ethernet::PortOptions options;
@@ -31,8 +32,8 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
     }
     if (!ethertypes.receive.empty()) {
         options.receive = true;
-        // In lockstep by ethertype only: the ledger counts every frame of it. In real time too, where a relay has to see what
-        // is forged beside its streams.
+        // In lockstep by ethertype only: the ledger counts every frame of it. In real time too, where a relay has to
+        // see what is forged beside its streams.
         options.filter.ethertypes = ethertypes.receive;
         auto receiver = ethernet::Port::open(options);
         if (!receiver) {
@@ -40,7 +41,8 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
         }
         port->receiver_ = std::make_unique<ethernet::Port>(std::move(*receiver));
         for (std::uint16_t const ethertype : ethertypes.receive) {
-            port->readers_[ethertype] = std::make_unique<bus::WireReader>(node, config.receive_link.empty() ? config.link : config.receive_link, ethertype);
+            port->readers_[ethertype] = std::make_unique<bus::WireReader>(
+                node, config.receive_link.empty() ? config.link : config.receive_link, ethertype);
             port->readers_[ethertype]->bound(kMostWaiting);
         }
         port->thread_ = std::thread{[raw = port.get()] { raw->receive_loop(); }};
@@ -106,7 +108,8 @@ void WirePort::send(std::span<std::uint8_t const> frame, SimTime at) {
         writer->second->sent(std::as_bytes(frame), at);
     }
     if (!sender_.send(frame) && node_.lockstep()) {
-        node_.fail_with({ExitCode::environment, fmt::format("the kernel did not take a frame on '{}'", sender_.interface()),
+        node_.fail_with({ExitCode::environment,
+                         fmt::format("the kernel did not take a frame on '{}'", sender_.interface()),
                          "is the link up?"});
     }
 }

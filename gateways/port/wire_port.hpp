@@ -16,15 +16,16 @@
 
 namespace gridspace::gateways {
 
-/// A process's place on a link: the socket, and the simulation clock behind it. In lockstep a frame carries its simulated send
-/// time in the ledger and is seen in the tick that contains it; in real time it is seen when it arrives.
+/// A process's place on a link: the socket, and the simulation clock behind it. In lockstep a frame carries its
+/// simulated send time in the ledger and is seen in the tick that contains it; in real time it is seen when it arrives.
 class WirePort {
   public:
     struct Ethertypes {
         std::vector<std::uint16_t> send, receive;
     };
     /// Opens the interface. Before Node::start; must not outlive the node.
-    [[nodiscard]] static Result<std::unique_ptr<WirePort>> open(bus::Node& node, WireConfig const& config, Ethertypes const& ethertypes);
+    [[nodiscard]] static Result<std::unique_ptr<WirePort>> open(bus::Node& node, WireConfig const& config,
+                                                                Ethertypes const& ethertypes);
     ~WirePort();
     WirePort(WirePort const&) = delete;
     WirePort& operator=(WirePort const&) = delete;
@@ -35,10 +36,12 @@ class WirePort {
     void send(std::span<std::uint8_t const> frame, SimTime at);
 
     /// Frames that are due, valid until the next call for the same ethertype.
-    [[nodiscard]] std::span<bus::WireFrame const* const> take(std::uint16_t ethertype) { return readers_.at(ethertype)->take(); }
+    [[nodiscard]] std::span<bus::WireFrame const* const> take(std::uint16_t ethertype) {
+        return readers_.at(ethertype)->take();
+    }
 
-    /// Real time: fetches what has come and the receiving thread has not fetched yet. Before something counts as run out: after a
-    /// stall of this process what came in time waits in the kernel, and who runs first is chance.
+    /// Real time: fetches what has come and the receiving thread has not fetched yet. Before something counts as run
+    /// out: after a stall of this process what came in time waits in the kernel, and who runs first is chance.
     void drain();
 
     /// Looks after the link; cheap, call it in every round.

@@ -96,7 +96,8 @@ SvRules::Verdict SvRules::judge(SvFacts const& f) {
 }
 
 bool SvRules::late_or_early(std::int64_t interval_ns) {
-    constexpr std::size_t kRenewAfter = 16; // what is usual changes slowly, and sorting for each frame would cost a microsecond
+    constexpr std::size_t kRenewAfter =
+        16; // what is usual changes slowly, and sorting for each frame would cost a microsecond
     if (interval_count_ >= intervals_.size() && interval_count_ % kRenewAfter == 0) {
         std::array<std::int64_t, 64> sorted = intervals_;
         std::nth_element(sorted.begin(), sorted.begin() + 32, sorted.end());

@@ -61,7 +61,9 @@ class SvRules {
     /// Forgets both: an engineer has changed the publisher.
     void unbind() { *this = SvRules{params_}; }
 
-    [[nodiscard]] std::array<std::uint64_t, kSvFindings> const& counters() const { return counters_; } ///< by bit of SvFinding
+    [[nodiscard]] std::array<std::uint64_t, kSvFindings> const& counters() const {
+        return counters_;
+    } ///< by bit of SvFinding
 
   private:
     [[nodiscard]] bool late_or_early(std::int64_t interval_ns);
@@ -71,8 +73,8 @@ class SvRules {
     SvFacts identity_;
     std::uint16_t last_{0};
     std::uint16_t other_next_{0}; ///< a sequence beside the accepted one
-    int other_run_{0};          ///< frames of it
-    std::uint64_t seen_{0};     ///< bit k: sample last_ - k came
+    int other_run_{0};            ///< frames of it
+    std::uint64_t seen_{0};       ///< bit k: sample last_ - k came
     std::int64_t last_arrival_ns_{0};
     std::array<std::int64_t, 64> intervals_{};
     std::size_t interval_count_{0};

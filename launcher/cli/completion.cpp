@@ -68,10 +68,12 @@ compdef _gridspace gridspace
 std::string fish(std::vector<VerbOptions> const& verbs) {
     std::string out = "# fish completion for gridspace:  gridspace completion fish | source\n";
     for (VerbOptions const& verb : verbs) {
-        out += fmt::format("complete -c gridspace -n __fish_use_subcommand -a {} -d '{}'\n", verb.verb, verb.description);
+        out +=
+            fmt::format("complete -c gridspace -n __fish_use_subcommand -a {} -d '{}'\n", verb.verb, verb.description);
         for (std::string const& option : verb.options) {
             if (option.starts_with("--")) {
-                out += fmt::format("complete -c gridspace -n '__fish_seen_subcommand_from {}' -l {}\n", verb.verb, option.substr(2));
+                out += fmt::format("complete -c gridspace -n '__fish_seen_subcommand_from {}' -l {}\n", verb.verb,
+                                   option.substr(2));
             }
         }
     }

@@ -43,7 +43,8 @@ long read_number(char const* file) {
 Finding try_virtual_network() {
     launcher::RunPlan plan;
     plan.hosts = {"a", "b"};
-    plan.ports = {{"a", "mgmt0", "mgmt0", "02:47:53:00:00:01", "10.254.0.1", 16}, {"b", "mgmt0", "mgmt0", "02:47:53:00:00:02", "10.254.0.2", 16}};
+    plan.ports = {{"a", "mgmt0", "mgmt0", "02:47:53:00:00:01", "10.254.0.1", 16},
+                  {"b", "mgmt0", "mgmt0", "02:47:53:00:00:02", "10.254.0.2", 16}};
     int report[2];
     if (::pipe2(report, O_CLOEXEC) != 0) {
         return {Level::problem, "virtual network", "no pipe", ""};
@@ -67,9 +68,11 @@ Finding try_virtual_network() {
         text.append(buffer, static_cast<std::size_t>(n));
     }
     ::close(report[0]);
-    std::string const kind = ::geteuid() == 0 ? "as root: network, mount and PID namespaces" : "as an ordinary user: user, network, mount and PID namespaces";
+    std::string const kind = ::geteuid() == 0 ? "as root: network, mount and PID namespaces"
+                                              : "as an ordinary user: user, network, mount and PID namespaces";
     if (!pid) {
-        return {Level::problem, "virtual network", pid.error().message, pid.error().remedy + "; scenarios without raw frames run on the loopback interface"};
+        return {Level::problem, "virtual network", pid.error().message,
+                pid.error().remedy + "; scenarios without raw frames run on the loopback interface"};
     }
     ::waitpid(*pid, nullptr, 0);
     return text.empty() ? Finding{Level::ok, "virtual network", kind + ", veth, bridges, raw sockets", ""}
@@ -80,14 +83,17 @@ Finding try_real_time() {
     constexpr int kHighest = 49; // that a run uses
     bool const may = may_schedule_fifo(kHighest);
     return {may ? Level::ok : Level::note, "real-time priority", may ? "SCHED_FIFO" : "no SCHED_FIFO",
-            may ? "" : "real-time runs are measured honestly, but may be late more often; `rtprio` in /etc/security/limits.conf"};
+            may ? ""
+                : "real-time runs are measured honestly, but may be late more often; `rtprio` in "
+                  "/etc/security/limits.conf"};
 }
 
 Finding check_locked_memory() {
     rlimit limit{};
     ::getrlimit(RLIMIT_MEMLOCK, &limit);
     bool const unlimited = limit.rlim_cur == RLIM_INFINITY || ::geteuid() == 0;
-    return {unlimited ? Level::ok : Level::note, "locked memory", unlimited ? "unlimited" : fmt::format("{} KiB", limit.rlim_cur / 1024),
+    return {unlimited ? Level::ok : Level::note, "locked memory",
+            unlimited ? "unlimited" : fmt::format("{} KiB", limit.rlim_cur / 1024),
             unlimited ? "" : "processes run without mlockall"};
 }
 
@@ -102,24 +108,29 @@ Finding check_clock() {
     std::ifstream stream{"/sys/devices/system/clocksource/clocksource0/current_clocksource"};
     std::string source;
     stream >> source;
-    bool const good = source == "tsc" || source == "kvm-clock" || source == "arch_sys_counter" || source == "hyperv_clocksource_tsc_page";
-    return {good ? Level::ok : Level::note, "clock source", source.empty() ? "unknown" : source, good ? "" : "reading the time may be slow"};
+    bool const good = source == "tsc" || source == "kvm-clock" || source == "arch_sys_counter" ||
+                      source == "hyperv_clocksource_tsc_page";
+    return {good ? Level::ok : Level::note, "clock source", source.empty() ? "unknown" : source,
+            good ? "" : "reading the time may be slow"};
 }
 
 Finding check_programs() {
     std::string missing;
-    for (char const* program : {"gridspace-sim", "gridspace-ev", "gridspace-mcca", "gridspace-recorder", "gridspace-monitor"}) {
+    for (char const* program :
+         {"gridspace-sim", "gridspace-ev", "gridspace-mcca", "gridspace-recorder", "gridspace-monitor"}) {
         if (!std::filesystem::exists(launcher::program_file(program))) {
             missing += std::string{missing.empty() ? "" : ", "} + program;
         }
     }
-    return {missing.empty() ? Level::ok : Level::problem, "programs", missing.empty() ? launcher::program_file("").string() : "missing: " + missing,
+    return {missing.empty() ? Level::ok : Level::problem, "programs",
+            missing.empty() ? launcher::program_file("").string() : "missing: " + missing,
             missing.empty() ? "" : "build everything: cmake --build --preset release"};
 }
 
 Finding check_qos() {
     bool const found = std::filesystem::exists(launcher::qos_file("simulator"));
-    return {found ? Level::ok : Level::problem, "QoS profiles", launcher::qos_file("").parent_path().string(), found ? "" : "set GRIDSPACE_QOS_DIR"};
+    return {found ? Level::ok : Level::problem, "QoS profiles", launcher::qos_file("").parent_path().string(),
+            found ? "" : "set GRIDSPACE_QOS_DIR"};
 }
 
 Finding check_shared_memory() {
@@ -128,22 +139,31 @@ Finding check_shared_memory() {
     for (auto const& file : std::filesystem::directory_iterator{"/dev/shm", error}) {
         count += file.path().filename().string().starts_with("fast") ? 1 : 0;
     }
-    return {Level::ok, "Fast DDS shared memory", count == 0 ? "none left behind" : fmt::format("{} files of other programs", count), ""};
+    return {Level::ok, "Fast DDS shared memory",
+            count == 0 ? "none left behind" : fmt::format("{} files of other programs", count), ""};
 }
 
 Finding check_profile_file() {
     bool const stray = std::filesystem::exists("DEFAULT_FASTRTPS_PROFILES.xml");
-    return {stray ? Level::note : Level::ok, "stray DDS profiles", stray ? "DEFAULT_FASTRTPS_PROFILES.xml in this folder" : "none",
+    return {stray ? Level::note : Level::ok, "stray DDS profiles",
+            stray ? "DEFAULT_FASTRTPS_PROFILES.xml in this folder" : "none",
             stray ? "runs ignore it; your own DDS programs do not" : ""};
 }
 
 } // namespace
 
 int doctor(bool json) {
-    std::vector<Finding> const findings{check_programs(), check_qos(),    try_virtual_network(),  try_real_time(),     check_locked_memory(),
-                                        check_buffers(),  check_clock(),  check_shared_memory(), check_profile_file(),
-                                        {std::thread::hardware_concurrency() >= 2 ? Level::ok : Level::note, "processors",
-                                         std::to_string(std::thread::hardware_concurrency()), ""}};
+    std::vector<Finding> const findings{check_programs(),
+                                        check_qos(),
+                                        try_virtual_network(),
+                                        try_real_time(),
+                                        check_locked_memory(),
+                                        check_buffers(),
+                                        check_clock(),
+                                        check_shared_memory(),
+                                        check_profile_file(),
+                                        {std::thread::hardware_concurrency() >= 2 ? Level::ok : Level::note,
+                                         "processors", std::to_string(std::thread::hardware_concurrency()), ""}};
     bool problem = false;
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (Finding const& f : findings) {
@@ -152,7 +172,8 @@ int doctor(bool json) {
         if (json) {
             list.push_back({{"check", f.what}, {"level", level}, {"detail", f.detail}, {"remedy", f.remedy}});
         } else {
-            fmt::print("{:<8} {:<24} {}{}{}\n", level, f.what, f.detail, f.remedy.empty() ? "" : "\n                                  -> ", f.remedy);
+            fmt::print("{:<8} {:<24} {}{}{}\n", level, f.what, f.detail,
+                       f.remedy.empty() ? "" : "\n                                  -> ", f.remedy);
         }
     }
     if (json) {

@@ -32,7 +32,8 @@ int print_error(Error const& error) {
 
 std::filesystem::path run_folder(std::filesystem::path const& written) {
     std::error_code ignored;
-    if (!std::filesystem::exists(written / "manifest.json", ignored) && std::filesystem::exists("runs" / written / "manifest.json", ignored)) {
+    if (!std::filesystem::exists(written / "manifest.json", ignored) &&
+        std::filesystem::exists("runs" / written / "manifest.json", ignored)) {
         return "runs" / written;
     }
     return written;

@@ -29,7 +29,10 @@ namespace gridspace::cli {
 int version(bool json) {
     Version const& v = gridspace::version();
     if (json) {
-        fmt::print("{}\n", nlohmann::ordered_json{{"version", v.version}, {"commit", v.commit}, {"build", v.build_type}, {"compiler", v.compiler}}.dump());
+        fmt::print("{}\n",
+                   nlohmann::ordered_json{
+                       {"version", v.version}, {"commit", v.commit}, {"build", v.build_type}, {"compiler", v.compiler}}
+                       .dump());
     } else {
         fmt::print("{}\n", version_text("gridspace"));
     }
@@ -55,14 +58,18 @@ std::vector<VerbOptions> verbs_of(CLI::App const& app) {
 
 void scenario_options(CLI::App* verb, ScenarioArguments& a) {
     verb->add_option("SCENARIO", a.file, "scenario file (YAML)")->required();
-    verb->add_option("--set", a.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")->take_all()->allow_extra_args(false);
+    verb->add_option("--set", a.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")
+        ->take_all()
+        ->allow_extra_args(false);
     verb->add_option("--speed", a.speed, "simulated seconds per second, or max");
     verb->add_option("--until", a.until, "end at this simulated time: 10s, 5min, 2h");
     verb->add_option("--seed", a.seed, "seed of everything random");
-    verb->add_option("--allow-attacks-on", a.allow_attacks_on, "an interface that is not a virtual cable, for an attacker with `interface:`");
+    verb->add_option("--allow-attacks-on", a.allow_attacks_on,
+                     "an interface that is not a virtual cable, for an attacker with `interface:`");
 }
 
-void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArguments& train, IdsEvaluateArguments& evaluate, IdsStudyArguments& study) {
+void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArguments& train,
+                   IdsEvaluateArguments& evaluate, IdsStudyArguments& study) {
     CLI::App* ids_verb = app.add_subcommand("ids", "train and judge the forecasters of the intrusion detector");
     ids_verb->require_subcommand(1);
     CLI::App* t = ids_verb->add_subcommand("train", "train a forecaster");
@@ -73,13 +80,19 @@ void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArgument
     t->add_flag("--quiet", train.quiet, "no progress");
     t->callback([&] { action = [&] { return ids_train(train); }; });
 
-    CLI::App* e = ids_verb->add_subcommand("evaluate", "judge a forecaster: false positives by situation, error, detection by attack");
+    CLI::App* e = ids_verb->add_subcommand(
+        "evaluate", "judge a forecaster: false positives by situation, error, detection by attack");
     e->add_option("MODEL", evaluate.model, "model file (JSON)")->required();
-    e->add_option("DATA", evaluate.data, "recordings (CSV, npy), or a training configuration for unseen ones of its kind")->required();
+    e->add_option("DATA", evaluate.data,
+                  "recordings (CSV, npy), or a training configuration for unseen ones of its kind")
+        ->required();
     e->add_option("--percent", evaluate.percent, "threshold")->check(CLI::PositiveNumber);
-    e->add_option("--nominal-peak-a", evaluate.nominal_peak_a, "crest of the nominal current (default: the largest of the first two cycles)")->check(CLI::PositiveNumber);
+    e->add_option("--nominal-peak-a", evaluate.nominal_peak_a,
+                  "crest of the nominal current (default: the largest of the first two cycles)")
+        ->check(CLI::PositiveNumber);
     e->add_option("--rate-hz", evaluate.rate_hz, "samples a second, for npy")->check(CLI::PositiveNumber);
-    e->add_option("--event-s", evaluate.event_s, "when something happens in the recordings")->check(CLI::NonNegativeNumber);
+    e->add_option("--event-s", evaluate.event_s, "when something happens in the recordings")
+        ->check(CLI::NonNegativeNumber);
     e->add_option("--threshold", evaluate.threshold, "what the threshold of the attack table is relative to")
         ->check(CLI::IsMember({"instantaneous", "nominal_peak", "running_peak", "larger_peak", "adaptive"}));
     e->add_option("--seed", evaluate.seed, "of unseen recordings and attacks")->check(CLI::NonNegativeNumber);
@@ -87,16 +100,21 @@ void add_ids_verbs(CLI::App& app, std::function<int()>& action, IdsTrainArgument
     e->add_flag("--json", evaluate.json, "as JSON");
     e->callback([&] { action = [&] { return ids_evaluate(evaluate); }; });
 
-    CLI::App* s = ids_verb->add_subcommand("study", "window and neurons against error and time; fakes in a row against the published loop");
-    s->add_option("CONFIG", study.config, "training configuration (YAML): its data are used (default: closed-form recordings)");
+    CLI::App* s = ids_verb->add_subcommand(
+        "study", "window and neurons against error and time; fakes in a row against the published loop");
+    s->add_option("CONFIG", study.config,
+                  "training configuration (YAML): its data are used (default: closed-form recordings)");
     s->add_option("--windows", study.windows, "window lengths")->delimiter(',')->check(CLI::Range(1, 4096));
-    s->add_option("--hidden", study.hidden, "neurons; a linear forecaster is always tried too")->delimiter(',')->check(CLI::Range(0, 1000));
+    s->add_option("--hidden", study.hidden, "neurons; a linear forecaster is always tried too")
+        ->delimiter(',')
+        ->check(CLI::Range(0, 1000));
     s->add_option("--out", study.out, "folder for tables and figures");
     s->add_flag("--json", study.json, "as JSON");
     s->callback([&] { action = [&] { return ids_study(study); }; });
 }
 
-/// What is said about a command line that cannot be read: the word that is no verb by its name, with those that are near.
+/// What is said about a command line that cannot be read: the word that is no verb by its name, with those that are
+/// near.
 std::string mistake(CLI::App const* app, CLI::Error const& error) {
     CLI::App const* verb = app;
     std::string path = app->get_name();
@@ -109,9 +127,10 @@ std::string mistake(CLI::App const* app, CLI::Error const& error) {
         verbs.push_back(known->get_name());
     }
     std::vector<std::string> const rest = app->remaining(true);
-    std::string const said = !verbs.empty() && !rest.empty() && !rest.front().starts_with("-")
-                                 ? fmt::format("`{}` has no verb '{}'\n  {}", path, rest.front(), spelling_hint(rest.front(), verbs))
-                                 : error.what();
+    std::string const said =
+        !verbs.empty() && !rest.empty() && !rest.front().starts_with("-")
+            ? fmt::format("`{}` has no verb '{}'\n  {}", path, rest.front(), spelling_hint(rest.front(), verbs))
+            : error.what();
     return fmt::format("error: {}\n  `{} --help` shows what there is\n", said, path);
 }
 
@@ -135,8 +154,10 @@ int main_function(int argc, char** argv) {
     run_verb->add_flag("--quiet", run_arguments.quiet, "print nothing but errors");
     run_verb->add_flag("--no-namespaces", run_arguments.no_namespaces, "everything on the loopback interface");
     run_verb->add_flag("--no-deadlines", run_arguments.no_deadlines, "wait for ever (a debugger is attached)");
-    run_verb->add_flag("--allow-control", run_arguments.allow_control, "pause, continue, step and stop it from the dashboard and the command line");
-    run_verb->add_option("--log-level", run_arguments.log_level, "of the processes")->check(CLI::IsMember({"debug", "info", "warning", "error"}));
+    run_verb->add_flag("--allow-control", run_arguments.allow_control,
+                       "pause, continue, step and stop it from the dashboard and the command line");
+    run_verb->add_option("--log-level", run_arguments.log_level, "of the processes")
+        ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
     run_verb->callback([&] { action = [&] { return run(run_arguments); }; });
 
     ValidateArguments validate_arguments;
@@ -163,22 +184,30 @@ int main_function(int argc, char** argv) {
     CLI::App* powerflow_verb = verb("powerflow", "solve the power flow of a network (YAML or MATPOWER)");
     powerflow_verb->add_option("NETWORK", powerflow_arguments.network, "network file")->required();
     powerflow_verb->add_flag("--json", powerflow_arguments.json, "as JSON");
-    powerflow_verb->add_flag("--enforce-q-limits", powerflow_arguments.enforce_q_limits, "generators give up their voltage at their reactive limits");
-    powerflow_verb->add_flag("--three-phase", powerflow_arguments.three_phase, "unbalanced: voltages and currents by phase");
+    powerflow_verb->add_flag("--enforce-q-limits", powerflow_arguments.enforce_q_limits,
+                             "generators give up their voltage at their reactive limits");
+    powerflow_verb->add_flag("--three-phase", powerflow_arguments.three_phase,
+                             "unbalanced: voltages and currents by phase");
     powerflow_verb->callback([&] { action = [&] { return powerflow(powerflow_arguments); }; });
 
     SimulateArguments simulate_arguments;
     CLI::App* simulate_verb = verb("simulate", "simulate a network offline: waveforms or phasors to CSV or COMTRADE");
     simulate_verb->add_option("NETWORK", simulate_arguments.network, "network file (YAML or MATPOWER)")->required();
     simulate_verb->add_option("--events", simulate_arguments.events, "YAML file with `events:` as in a scenario");
-    simulate_verb->add_flag("--fixed-step", simulate_arguments.fixed_step, "phasor: steps of --step, not of the integrator's choice");
-    simulate_verb->add_option("--solver", simulate_arguments.solver, "emt (waveforms) or phasor")->check(CLI::IsMember({"emt", "phasor"}));
+    simulate_verb->add_flag("--fixed-step", simulate_arguments.fixed_step,
+                            "phasor: steps of --step, not of the integrator's choice");
+    simulate_verb->add_option("--solver", simulate_arguments.solver, "emt (waveforms) or phasor")
+        ->check(CLI::IsMember({"emt", "phasor"}));
     simulate_verb->add_option("--until", simulate_arguments.until, "end at this simulated time: 10s, 5min, 2h");
-    simulate_verb->add_option("--step", simulate_arguments.step, "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
-    simulate_verb->add_option("--signals", simulate_arguments.signals, "what is written: names or patterns, separated by commas")->delimiter(',');
+    simulate_verb->add_option("--step", simulate_arguments.step,
+                              "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
+    simulate_verb
+        ->add_option("--signals", simulate_arguments.signals, "what is written: names or patterns, separated by commas")
+        ->delimiter(',');
     simulate_verb->add_flag("--list-signals", simulate_arguments.list_signals, "list what can be written, and end");
     simulate_verb->add_option("--csv", simulate_arguments.csv, "write a table: time_s first, one header row");
-    simulate_verb->add_option("--comtrade", simulate_arguments.comtrade, "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");
+    simulate_verb->add_option("--comtrade", simulate_arguments.comtrade,
+                              "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");
     simulate_verb->add_option("--every", simulate_arguments.every, "write every n-th step")->check(CLI::PositiveNumber);
     simulate_verb->add_flag("--timing", simulate_arguments.timing, "print wall time per step and the real-time factor");
     simulate_verb->add_flag("--quiet", simulate_arguments.quiet, "print nothing but errors");
@@ -188,8 +217,10 @@ int main_function(int argc, char** argv) {
     CLI::App* compare_verb = verb("compare", "compare the recordings of two runs: identical, or the first divergence");
     compare_verb->add_option("RUN_A", compare_arguments.a, "run folder or recording")->required();
     compare_verb->add_option("RUN_B", compare_arguments.b, "run folder or recording")->required();
-    compare_verb->add_option("--tolerance", compare_arguments.tolerance, "of numbers, absolute or relative")->check(CLI::NonNegativeNumber);
-    compare_verb->add_option("--signals", compare_arguments.signals, "compare only these recorded signals (patterns)")->delimiter(',');
+    compare_verb->add_option("--tolerance", compare_arguments.tolerance, "of numbers, absolute or relative")
+        ->check(CLI::NonNegativeNumber);
+    compare_verb->add_option("--signals", compare_arguments.signals, "compare only these recorded signals (patterns)")
+        ->delimiter(',');
     compare_verb->callback([&] { action = [&] { return compare(compare_arguments); }; });
 
     std::filesystem::path report_run;
@@ -210,11 +241,17 @@ int main_function(int argc, char** argv) {
     CLI::App* export_verb = verb("export", "write a recording as tables, or as disturbance records");
     export_verb->add_option("RUN", export_arguments.run, "run folder, or latest")->required();
     export_verb->add_flag("--csv", export_arguments.csv, "CSV: one table per topic (the default)");
-    export_verb->add_flag("--comtrade", export_arguments.comtrade, "COMTRADE (IEEE C37.111-2013), ASCII and BINARY, around each trigger");
-    export_verb->add_option("--trigger", export_arguments.trigger, "COMTRADE: relay2.trip, a signal that rises, or an event (default: record.comtrade of the scenario)");
-    export_verb->add_option("--before-ms", export_arguments.before_ms, "COMTRADE: begin before the trigger")->check(CLI::Range(0.0, 60000.0));
-    export_verb->add_option("--after-ms", export_arguments.after_ms, "COMTRADE: end after the trigger")->check(CLI::Range(0.001, 60000.0));
-    export_verb->add_option("--signals", export_arguments.signals, "COMTRADE: further analog channels (patterns)")->delimiter(',');
+    export_verb->add_flag("--comtrade", export_arguments.comtrade,
+                          "COMTRADE (IEEE C37.111-2013), ASCII and BINARY, around each trigger");
+    export_verb->add_option(
+        "--trigger", export_arguments.trigger,
+        "COMTRADE: relay2.trip, a signal that rises, or an event (default: record.comtrade of the scenario)");
+    export_verb->add_option("--before-ms", export_arguments.before_ms, "COMTRADE: begin before the trigger")
+        ->check(CLI::Range(0.0, 60000.0));
+    export_verb->add_option("--after-ms", export_arguments.after_ms, "COMTRADE: end after the trigger")
+        ->check(CLI::Range(0.001, 60000.0));
+    export_verb->add_option("--signals", export_arguments.signals, "COMTRADE: further analog channels (patterns)")
+        ->delimiter(',');
     export_verb->add_option("--out", export_arguments.out, "folder (default: RUN/csv, RUN/comtrade)");
     export_verb->callback([&] { action = [&] { return export_run(export_arguments); }; });
 
@@ -225,11 +262,24 @@ int main_function(int argc, char** argv) {
 
     MonitorArguments monitor_arguments;
     CLI::App* monitor_verb = verb("monitor", "look at a finished run, or at any DDS domain, in the dashboard");
-    CLI::Option* const monitored_run = monitor_verb->add_option("RUN", monitor_arguments.run, "run folder (default: latest)");
-    CLI::Option* const domain = monitor_verb->add_option("--domain", monitor_arguments.domain, "a DDS domain instead of a run: whoever talks there")->check(CLI::Range(0, 232))->excludes(monitored_run);
-    monitor_verb->add_option("--address", monitor_arguments.addresses, "address of this machine at which it joins the domain (default: 127.0.0.1; may be repeated)")->check(CLI::ValidIPV4)->allow_extra_args(false)->needs(domain);
-    monitor_verb->add_option("--bind,--listen", monitor_arguments.listen, "address and port (port 0: a free one); elsewhere than 127.0.0.1 only with a token and TLS");
-    monitor_verb->add_option("--token-file", monitor_arguments.token_file, "file with the secret of whoever may look (mode 0600)");
+    CLI::Option* const monitored_run =
+        monitor_verb->add_option("RUN", monitor_arguments.run, "run folder (default: latest)");
+    CLI::Option* const domain =
+        monitor_verb
+            ->add_option("--domain", monitor_arguments.domain, "a DDS domain instead of a run: whoever talks there")
+            ->check(CLI::Range(0, 232))
+            ->excludes(monitored_run);
+    monitor_verb
+        ->add_option("--address", monitor_arguments.addresses,
+                     "address of this machine at which it joins the domain (default: 127.0.0.1; may be repeated)")
+        ->check(CLI::ValidIPV4)
+        ->allow_extra_args(false)
+        ->needs(domain);
+    monitor_verb->add_option(
+        "--bind,--listen", monitor_arguments.listen,
+        "address and port (port 0: a free one); elsewhere than 127.0.0.1 only with a token and TLS");
+    monitor_verb->add_option("--token-file", monitor_arguments.token_file,
+                             "file with the secret of whoever may look (mode 0600)");
     CLI::Option* certificate = monitor_verb->add_option("--tls-cert", monitor_arguments.tls_cert, "certificate (PEM)");
     monitor_verb->add_option("--tls-key", monitor_arguments.tls_key, "its key (PEM)")->needs(certificate);
     monitor_verb->add_option("--idl", monitor_arguments.idl, "IDL of foreign types")->check(CLI::ExistingFile);
@@ -258,7 +308,8 @@ int main_function(int argc, char** argv) {
     TopicArguments topic_arguments;
     CLI::App* topic_verb = verb("topic", "look at the topics of a running scenario");
     topic_verb->require_subcommand(1);
-    auto const topic_command = [&](char const* name, char const* description, bool one, int (*act)(TopicArguments const&)) {
+    auto const topic_command = [&](char const* name, char const* description, bool one,
+                                   int (*act)(TopicArguments const&)) {
         CLI::App* command = topic_verb->add_subcommand(name, description);
         if (one) {
             command->add_option("TOPIC", topic_arguments.topic, "its name")->required();
@@ -268,9 +319,11 @@ int main_function(int argc, char** argv) {
         command->add_option("--run", topic_arguments.run, "run folder, or address of a monitor (default: latest)");
         command->add_flag("--json", topic_arguments.json, "as JSON");
         if (act == topic_echo) {
-            command->add_option("--idl", topic_arguments.idl, "IDL of its type, when nobody publishes it")->check(CLI::ExistingFile);
+            command->add_option("--idl", topic_arguments.idl, "IDL of its type, when nobody publishes it")
+                ->check(CLI::ExistingFile);
         }
-        command->callback([&action, &topic_arguments, act] { action = [&topic_arguments, act] { return act(topic_arguments); }; });
+        command->callback(
+            [&action, &topic_arguments, act] { action = [&topic_arguments, act] { return act(topic_arguments); }; });
     };
     topic_command("list", "all topics, with rates", false, topic_list);
     topic_command("info", "its type, readers and writers, IDL", true, topic_info);
@@ -289,7 +342,9 @@ int main_function(int argc, char** argv) {
     };
     control_verb("pause", "let a lockstep run wait after its present tick");
     control_verb("continue", "let a paused run go on");
-    control_verb("step", "let a paused run go on for some ticks")->add_option("--ticks", control_arguments.ticks, "how many")->check(CLI::PositiveNumber);
+    control_verb("step", "let a paused run go on for some ticks")
+        ->add_option("--ticks", control_arguments.ticks, "how many")
+        ->check(CLI::PositiveNumber);
     control_verb("stop", "end a run");
 
     bool doctor_json = false;
@@ -309,7 +364,9 @@ int main_function(int argc, char** argv) {
 
     std::string shell;
     CLI::App* completion_verb = verb("completion", "print a completion script");
-    completion_verb->add_option("SHELL", shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    completion_verb->add_option("SHELL", shell, "bash, zsh or fish")
+        ->required()
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
     completion_verb->callback([&] {
         action = [&] {
             fmt::print("{}", completion_script(shell, verbs_of(app)));
@@ -349,7 +406,8 @@ int check_output(int code) {
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) {
         return code;
     }
-    say(stderr, "error: standard output cannot be written{}{}\n", errno == 0 ? "" : ": ", errno == 0 ? "" : std::strerror(errno));
+    say(stderr, "error: standard output cannot be written{}{}\n", errno == 0 ? "" : ": ",
+        errno == 0 ? "" : std::strerror(errno));
     return code == 0 ? static_cast<int>(ExitCode::environment) : code;
 }
 

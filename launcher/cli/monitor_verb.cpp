@@ -45,17 +45,18 @@ Result<std::string> configuration_of_run(std::filesystem::path const& run) {
 
 /// A configuration for a DDS domain, in a file that is only in memory and goes with the process that reads it.
 Result<std::string> configuration_of_domain(int domain, std::vector<std::string> const& addresses) {
-    std::string const text =
-        nlohmann::json{
-            {"process", "monitor"},
-            {"program", "gridspace-monitor"},
-            {"bus", {{"qos", launcher::qos_file("monitor").string()}, {"management", {{"domain", domain}, {"addresses", addresses}}}}},
-            {"settings", {{"scenario", fmt::format("DDS domain {}", domain)}}}}
-            .dump();
+    std::string const text = nlohmann::json{{"process", "monitor"},
+                                            {"program", "gridspace-monitor"},
+                                            {"bus",
+                                             {{"qos", launcher::qos_file("monitor").string()},
+                                              {"management", {{"domain", domain}, {"addresses", addresses}}}}},
+                                            {"settings", {{"scenario", fmt::format("DDS domain {}", domain)}}}}
+                                 .dump();
     int const fd = ::memfd_create("gridspace-monitor.yaml", 0);
     int const high = fd < 0 ? -1 : ::fcntl(fd, F_DUPFD, kHandedSocket + 1); // out of the way of the socket
     if (high < 0 || ::write(high, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
-        return std::unexpected{Error{ExitCode::environment, fmt::format("cannot keep a configuration in memory: {}", std::strerror(errno)), ""}};
+        return std::unexpected{Error{
+            ExitCode::environment, fmt::format("cannot keep a configuration in memory: {}", std::strerror(errno)), ""}};
     }
     return fmt::format("/proc/self/fd/{}", high);
 }
@@ -93,8 +94,9 @@ int monitor(MonitorArguments const& arguments) {
     }
     std::string const program = launcher::program_file("gridspace-monitor").string();
     std::vector<std::string> words{program, "--config", *config, "--log-level", "warning"};
-    for (auto const& [option, file] : {std::pair{"--token-file", &arguments.token_file}, std::pair{"--tls-cert", &arguments.tls_cert},
-                                       std::pair{"--tls-key", &arguments.tls_key}, std::pair{"--idl", &arguments.idl}}) {
+    for (auto const& [option, file] :
+         {std::pair{"--token-file", &arguments.token_file}, std::pair{"--tls-cert", &arguments.tls_cert},
+          std::pair{"--tls-key", &arguments.tls_key}, std::pair{"--idl", &arguments.idl}}) {
         if (!file->empty()) {
             words.insert(words.end(), {option, file->string()});
         }

@@ -41,7 +41,9 @@ double reached_of(Json const& manifest) {
     return manifest.is_object() ? manifest.value("simulated_s", 0.0) : 0.0;
 }
 
-std::filesystem::path capture_of(std::filesystem::path const& written) { return run_folder(written) / "bus.pcapng"; }
+std::filesystem::path capture_of(std::filesystem::path const& written) {
+    return run_folder(written) / "bus.pcapng";
+}
 
 /// A run folder's recording; a file is taken as it is.
 std::filesystem::path recording_of(std::filesystem::path const& written) {
@@ -65,14 +67,16 @@ int export_comtrade(ExportArguments const& arguments) {
         settings.trigger.name = arguments.trigger;
     }
     if (settings.trigger.empty()) {
-        return print_error({ExitCode::usage, "the scenario has no record.comtrade, and no --trigger was given", "for example --trigger relay2.trip"});
+        return print_error({ExitCode::usage, "the scenario has no record.comtrade, and no --trigger was given",
+                            "for example --trigger relay2.trip"});
     }
     settings.before_ms = arguments.before_ms.value_or(settings.before_ms);
     settings.after_ms = arguments.after_ms.value_or(settings.after_ms);
     for (std::string const& pattern : arguments.signals) {
         settings.signals.push_back({pattern, {}});
     }
-    auto const written = write_comtrade_records(*results, *scenario, settings, arguments.out.empty() ? results->folder / "comtrade" : arguments.out);
+    auto const written = write_comtrade_records(*results, *scenario, settings,
+                                                arguments.out.empty() ? results->folder / "comtrade" : arguments.out);
     if (!written) {
         return print_error(written.error());
     }
@@ -94,11 +98,15 @@ int compare(CompareArguments const& arguments) {
     options.signals = arguments.signals;
     for (auto const& [manifest, folder] : {std::pair{&a, arguments.a}, {&b, arguments.b}}) {
         if (manifest->is_object() && !manifest->value("deterministic", true)) {
-            fmt::print(stderr, "note: '{}' ran in real time: its samples depend on the machine; --signals and --tolerance compare what matters\n", folder.string());
+            fmt::print(stderr,
+                       "note: '{}' ran in real time: its samples depend on the machine; --signals and --tolerance "
+                       "compare what matters\n",
+                       folder.string());
         }
     }
     if (reached_of(a) != reached_of(b)) { // what is recorded on change only may be equal all the same
-        fmt::print(stderr, "note: the runs ended at different times, at {} s and at {} s\n", reached_of(a), reached_of(b));
+        fmt::print(stderr, "note: the runs ended at different times, at {} s and at {} s\n", reached_of(a),
+                   reached_of(b));
     }
     bool const ticks_known = !tick_of(a).empty() && !tick_of(b).empty(); // not of a file alone
     bool const ticks_differ = ticks_known && tick_of(a) != tick_of(b);
@@ -112,8 +120,8 @@ int compare(CompareArguments const& arguments) {
     // Frames too, where both runs have some; stamps of real time never repeat.
     std::filesystem::path const frames_a = capture_of(arguments.a), frames_b = capture_of(arguments.b);
     std::string frames;
-    if (arguments.signals.empty() && mode_of(a) == "lockstep" && mode_of(b) == "lockstep" && std::filesystem::exists(frames_a) &&
-        std::filesystem::exists(frames_b)) {
+    if (arguments.signals.empty() && mode_of(a) == "lockstep" && mode_of(b) == "lockstep" &&
+        std::filesystem::exists(frames_a) && std::filesystem::exists(frames_b)) {
         auto const equal = compare_captures(frames_a, frames_b, *result);
         if (!equal) {
             return print_error(equal.error());
@@ -132,15 +140,19 @@ int compare(CompareArguments const& arguments) {
         return 0;
     }
     Difference const& first = result->differences.front();
-    std::int64_t const epoch = a.is_object() && a.contains("clock") ? parse_utc(a["clock"].value("epoch", "")).value_or(0) : 0;
+    std::int64_t const epoch =
+        a.is_object() && a.contains("clock") ? parse_utc(a["clock"].value("epoch", "")).value_or(0) : 0;
     auto const seconds = [&](Difference const& d) {
-        return arguments.signals.empty() ? static_cast<double>(static_cast<std::int64_t>(d.time_ns) - epoch * 1'000'000'000) / 1e9
-                                         : static_cast<double>(d.time_ns) / 1e9;
+        return arguments.signals.empty()
+                   ? static_cast<double>(static_cast<std::int64_t>(d.time_ns) - epoch * 1'000'000'000) / 1e9
+                   : static_cast<double>(d.time_ns) / 1e9;
     };
-    fmt::print("first divergence at {} s: {}{}: {}\n", seconds(first), first.topic, first.process.empty() ? "" : " of " + first.process, first.what);
+    fmt::print("first divergence at {} s: {}{}: {}\n", seconds(first), first.topic,
+               first.process.empty() ? "" : " of " + first.process, first.what);
     for (std::size_t i = 1; i < result->differences.size(); ++i) {
         Difference const& d = result->differences[i];
-        fmt::print("  then at {} s: {}{}: {}\n", seconds(d), d.topic, d.process.empty() ? "" : " of " + d.process, d.what);
+        fmt::print("  then at {} s: {}{}: {}\n", seconds(d), d.topic, d.process.empty() ? "" : " of " + d.process,
+                   d.what);
     }
     return static_cast<int>(ExitCode::expectation_failed);
 }

@@ -55,7 +55,9 @@ void print_cause(FinishedRun const& finished) {
 }
 
 bool lies_in(std::filesystem::path const& file, std::filesystem::path const& folder) {
-    auto const plain = [](std::filesystem::path const& path) { return std::filesystem::absolute(path).lexically_normal(); };
+    auto const plain = [](std::filesystem::path const& path) {
+        return std::filesystem::absolute(path).lexically_normal();
+    };
     std::filesystem::path const relative = folder.empty() ? folder : plain(file).lexically_relative(plain(folder));
     return !relative.empty() && *relative.begin() != "..";
 }
@@ -68,12 +70,13 @@ int conclude(FinishedRun const& finished, RunArguments const& arguments) {
         print_cause(finished);
     }
     auto results = read_results(finished.folder, &finished.outcome);
-    auto const print_late = [&] { // where nobody has read what was said so far, nothing more is said before the report is there
-        if (!is_read) {
-            say(stderr, "{}", finished.unread);
-            print_cause(finished);
-        }
-    };
+    auto const print_late =
+        [&] { // where nobody has read what was said so far, nothing more is said before the report is there
+            if (!is_read) {
+                say(stderr, "{}", finished.unread);
+                print_cause(finished);
+            }
+        };
     if (!results) {
         print_late();
         int const code = print_error(results.error());
@@ -107,7 +110,8 @@ int conclude(FinishedRun const& finished, RunArguments const& arguments) {
     if (arguments.json) {
         say(stdout, "{}", summary_json(*results));
     } else if (!arguments.quiet) {
-        say(stdout, "{}{}", to_text(*results, ::isatty(STDOUT_FILENO) != 0), html ? fmt::format("report: {}\n", html->string()) : "");
+        say(stdout, "{}{}", to_text(*results, ::isatty(STDOUT_FILENO) != 0),
+            html ? fmt::format("report: {}\n", html->string()) : "");
     }
     int code = results->exit_code();
     for (Error const& error : unwritten) {
@@ -122,7 +126,8 @@ int conclude(FinishedRun const& finished, RunArguments const& arguments) {
 int run(RunArguments const& arguments) {
     ScenarioArguments scenario_arguments = arguments.scenario;
     if (arguments.no_deadlines) {
-        scenario_arguments.set.insert(scenario_arguments.set.end(), {"clock.member_timeout_s=0", "clock.start_timeout_s=0"});
+        scenario_arguments.set.insert(scenario_arguments.set.end(),
+                                      {"clock.member_timeout_s=0", "clock.start_timeout_s=0"});
     }
     auto const scenario = load(scenario_arguments);
     if (!scenario) {

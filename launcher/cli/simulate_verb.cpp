@@ -214,9 +214,10 @@ std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& 
         }
         for (config::Ref const* unit : {&e.desynchronise, &e.resynchronise}) {
             if (!unit->empty()) {
-                diagnostics.error(unit->where,
-                                  fmt::format("event '{}' acts on the clock of '{}', but there are no merging units here",
-                                              e.name.name, unit->name));
+                diagnostics.error(
+                    unit->where,
+                    fmt::format("event '{}' acts on the clock of '{}', but there are no merging units here",
+                                e.name.name, unit->name));
             }
         }
     }
@@ -335,8 +336,9 @@ int simulate(SimulateArguments const& a) {
     run.on_failure([&](SimTime t, std::string const& breaker) {
         progress.event(base.seconds(t), breaker, "fails_to_open", "told to open, and stays closed");
     });
-    run.on_event(
-        [&](SimTime t, sim::TimedAction const& action) { progress.event(base.seconds(t), a.solver, "event", action.event); });
+    run.on_event([&](SimTime t, sim::TimedAction const& action) {
+        progress.event(base.seconds(t), a.solver, "event", action.event);
+    });
     std::vector<float> step_us;
     std::int64_t count = 0;
     Clock::time_point before = Clock::now();

@@ -79,7 +79,7 @@ int info(std::filesystem::path const& run, bool json);
 struct ExportArguments {
     std::filesystem::path run, out;
     bool csv{false}, comtrade{false};
-    std::string trigger;                      ///< comtrade: these override what the scenario says
+    std::string trigger; ///< comtrade: these override what the scenario says
     std::optional<double> before_ms, after_ms;
     std::vector<std::string> signals;
 };

@@ -37,8 +37,9 @@ CLI::Validator finite() {
 }
 CLI::Validator count() {
     return CLI::Validator{[](std::string& text) {
-                              bool const ok = !text.empty() && text.size() <= 18 &&
-                                              std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+                              bool const ok =
+                                  !text.empty() && text.size() <= 18 &&
+                                  std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
                               return ok ? std::string{} : fmt::format("'{}' is not a whole number from 0 on", text);
                           },
                           ""};
@@ -114,8 +115,7 @@ void add_wire_verbs(CLI::App& app, std::function<int()>& action) {
         ->take_all()
         ->allow_extra_args(false);
     goose_pub->add_option("--duration", gp->duration_s, "seconds; 0: until Ctrl-C")->check(seconds());
-    goose_pub->add_option("--toggle", gp->toggle_s, "change the first boolean every so many seconds")
-        ->check(seconds());
+    goose_pub->add_option("--toggle", gp->toggle_s, "change the first boolean every so many seconds")->check(seconds());
     goose_pub->add_option("--first-st-num", gp->first_st_num, "stNum of the first message");
     goose_pub->add_flag("--nds-com", gp->nds_com, "say that the control block needs commissioning");
     goose_pub->add_flag("--interactive", gp->interactive, "change members by NAME=VALUE lines on standard input");

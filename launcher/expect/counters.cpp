@@ -38,7 +38,9 @@ std::vector<std::int64_t> continue_counter(SignalSeries& series, std::vector<End
     for (std::size_t i = 0; i < series.values.size(); ++i) {
         bool const fell = series.values[i] < raw;
         bool restarted = false;
-        for (; next < ends.size() && (series.times_ns[i] > ends[next].time_ns || (fell && series.times_ns[i] == ends[next].time_ns)); ++next) {
+        for (; next < ends.size() &&
+               (series.times_ns[i] > ends[next].time_ns || (fell && series.times_ns[i] == ends[next].time_ns));
+             ++next) {
             restarted = true; // a row of the very instant is the old one's while it does not fall
         }
         before += restarted ? raw : 0;
@@ -55,11 +57,12 @@ std::vector<std::int64_t> continue_counter(SignalSeries& series, std::vector<End
 
 bool is_counter(std::string_view signal) {
     static constexpr std::array<std::string_view, 15> kPatterns{
-        "stream.*.received", "stream.*.lost",       "stream.*.duplicate", "stream.*.late",     "stream.*.invalid",
-        "publisher.*.sent",  "publisher.*.late",    "publisher.*.underruns", "link.*.seen",    "link.*.lost",
-        "link.*.delayed",    "link.*.duplicated",   "link.*.reordered",   "link.*.corrupted",  "first_line.*.*.*"};
-    return std::any_of(kPatterns.begin(), kPatterns.end(),
-                       [&](std::string_view pattern) { return matches_glob(std::string{pattern}, std::string{signal}); });
+        "stream.*.received", "stream.*.lost",     "stream.*.duplicate",    "stream.*.late",    "stream.*.invalid",
+        "publisher.*.sent",  "publisher.*.late",  "publisher.*.underruns", "link.*.seen",      "link.*.lost",
+        "link.*.delayed",    "link.*.duplicated", "link.*.reordered",      "link.*.corrupted", "first_line.*.*.*"};
+    return std::any_of(kPatterns.begin(), kPatterns.end(), [&](std::string_view pattern) {
+        return matches_glob(std::string{pattern}, std::string{signal});
+    });
 }
 
 std::string CounterGap::to_string() const {
@@ -86,7 +89,8 @@ CounterGaps continue_counters(SignalStore& signals, std::map<std::string, std::s
             }
             for (std::size_t i = 0; i < ends.size(); ++i) {
                 if (last_rows[i] < ends[i].time_ns) {
-                    out[name].push_back({process, static_cast<double>(last_rows[i]) / 1e9, static_cast<double>(ends[i].time_ns) / 1e9});
+                    out[name].push_back(
+                        {process, static_cast<double>(last_rows[i]) / 1e9, static_cast<double>(ends[i].time_ns) / 1e9});
                 }
             }
         }
@@ -97,8 +101,10 @@ CounterGaps continue_counters(SignalStore& signals, std::map<std::string, std::s
 void mind_gaps(Expectation const& expectation, CounterGaps const& gaps, ExpectationResult& result) {
     using Verb = Expectation::Verb;
     bool const grows = expectation.verb == Verb::last_of || expectation.verb == Verb::max_of;
-    bool const decided = expectation.verb == Verb::eventually || expectation.verb == Verb::time_of || expectation.verb == Verb::count_of ||
-                         (grows && expectation.expression && expectation.expression->is_plain_signal() && result.band.low && !result.band.high);
+    bool const decided = expectation.verb == Verb::eventually || expectation.verb == Verb::time_of ||
+                         expectation.verb == Verb::count_of ||
+                         (grows && expectation.expression && expectation.expression->is_plain_signal() &&
+                          result.band.low && !result.band.high);
     if (result.status != ExpectationResult::Status::passed || decided || !expectation.expression) {
         return;
     }
@@ -116,7 +122,8 @@ void mind_gaps(Expectation const& expectation, CounterGaps const& gaps, Expectat
         return;
     }
     result.status = ExpectationResult::Status::failed;
-    result.detail = fmt::format("cannot be judged: {} went with it", join(std::vector<std::string>{missing.begin(), missing.end()}, ", "));
+    result.detail = fmt::format("cannot be judged: {} went with it",
+                                join(std::vector<std::string>{missing.begin(), missing.end()}, ", "));
     if (result.value) {
         result.detail += fmt::format(" (by what is left: {:.6g})", *result.value);
         result.value.reset();

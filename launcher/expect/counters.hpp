@@ -25,7 +25,8 @@ using CounterGaps = std::map<std::string, std::vector<CounterGap>>; ///< by sign
 
 /// Lets every counter go on where its process was started again: a new incarnation begins at zero, and what the earlier
 /// ones counted is added. Gives what is known of no incarnation. `published`: signals by process.
-[[nodiscard]] CounterGaps continue_counters(SignalStore& signals, std::map<std::string, std::set<std::string>> const& published,
+[[nodiscard]] CounterGaps continue_counters(SignalStore& signals,
+                                            std::map<std::string, std::set<std::string>> const& published,
                                             std::vector<LoggedEvent> const& events);
 
 /// An expectation about counters with a gap passes only if it would whatever was counted there.

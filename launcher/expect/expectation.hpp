@@ -24,21 +24,34 @@ struct Moment {
 
 /// One entry of a scenario's `expect:`.
 struct Expectation {
-    enum class Verb { always, never, eventually, time_of, min_of, max_of, mean_of, median_of, p99_of, count_of, last_of, intervals_ms };
+    enum class Verb {
+        always,
+        never,
+        eventually,
+        time_of,
+        min_of,
+        max_of,
+        mean_of,
+        median_of,
+        p99_of,
+        count_of,
+        last_of,
+        intervals_ms
+    };
 
     Ref name;
     Verb verb{Verb::always};
-    std::string stream;              ///< of intervals_ms: "stream.TRIP2", whose rows are its messages
+    std::string stream; ///< of intervals_ms: "stream.TRIP2", whose rows are its messages
     std::string verb_name;
     std::optional<Expression> expression;
     std::optional<double> is, tolerance, above, below, at_least, at_most;
     std::vector<double> between;
-    std::vector<double> are;         ///< of intervals_ms: the wanted intervals, in their order
-    std::string unit;                ///< of time_of
-    std::optional<double> within_s;  ///< of eventually
+    std::vector<double> are;        ///< of intervals_ms: the wanted intervals, in their order
+    std::string unit;               ///< of time_of
+    std::optional<double> within_s; ///< of eventually
     std::optional<Moment> from, until, since;
     bool show_only{false};
-    bool advisory{false};            ///< shown when it fails, but the run does not fail
+    bool advisory{false}; ///< shown when it fails, but the run does not fail
 
     /// The accepted band; open ends are infinite.
     struct Band {
@@ -67,12 +80,13 @@ struct ExpectationResult {
 /// Signals, events and verbs must make sense for the scenario.
 void check_expectations(Scenario const& scenario, config::Diagnostics& diagnostics);
 
-/// When things happened, by name: events of the timeline, and "process.kind" of what processes reported (the first time).
+/// When things happened, by name: events of the timeline, and "process.kind" of what processes reported (the first
+/// time).
 using Moments = std::map<std::string, double>;
 
 /// Judges an expectation by the recorded signals. `duration_s` is the simulated time of the run.
 /// In lockstep an expectation on the wall clock is not applicable.
-[[nodiscard]] ExpectationResult judge(Expectation const& expectation, SignalStore const& signals, Moments const& moments,
-                                      double duration_s, bool lockstep = false);
+[[nodiscard]] ExpectationResult judge(Expectation const& expectation, SignalStore const& signals,
+                                      Moments const& moments, double duration_s, bool lockstep = false);
 
 } // namespace gridspace::launcher

@@ -169,14 +169,16 @@ std::string to_be_recorded(Scenario const& scenario) {
                                       : "";
 }
 
-/// Whether the report will know a signal. record.signals is about the simulator's; how long a detector takes is in a file of its own.
+/// Whether the report will know a signal. record.signals is about the simulator's; how long a detector takes is in a
+/// file of its own.
 bool is_recorded(Scenario const& scenario, Process const& process, std::string const& signal, bool samples) {
     if (matches_glob("ids.*.time_us_*", signal)) {
         return true;
     }
     std::vector<std::string> const& wanted = scenario.record.signals;
-    return samples && (&process != scenario.simulator() ||
-                       std::any_of(wanted.begin(), wanted.end(), [&](std::string const& p) { return matches_glob(p, signal); }));
+    return samples &&
+           (&process != scenario.simulator() ||
+            std::any_of(wanted.begin(), wanted.end(), [&](std::string const& p) { return matches_glob(p, signal); }));
 }
 
 } // namespace
@@ -225,17 +227,20 @@ void check_expectations(Scenario const& scenario, Diagnostics& diagnostics) {
         auto const width = static_cast<int>(written == nullptr ? e.name.name.size() : written->text.size());
         for (std::string const& pattern : e.expression->signals()) {
             auto const among = [&](std::vector<std::string> const& names) {
-                return std::any_of(names.begin(), names.end(), [&](std::string const& s) { return matches_glob(pattern, s); });
+                return std::any_of(names.begin(), names.end(),
+                                   [&](std::string const& s) { return matches_glob(pattern, s); });
             };
             if (!among(signals)) {
                 diagnostics.error(
-                    where, fmt::format("expectation '{}' uses the signal '{}', which does not exist", e.name.name, pattern),
+                    where,
+                    fmt::format("expectation '{}' uses the signal '{}', which does not exist", e.name.name, pattern),
                     did_you_mean(pattern, signals, "`gridspace signals` lists them"), width);
             } else if (!among(recorded)) {
                 std::string const what =
                     fmt::format("expectation '{}' uses the signal '{}', which is not recorded", e.name.name, pattern);
                 std::string const help = remedy.empty() ? fmt::format("add \"{}\" to record.signals", pattern) : remedy;
-                e.show_only ? diagnostics.warning(where, what, help, width) : diagnostics.error(where, what, help, width);
+                e.show_only ? diagnostics.warning(where, what, help, width)
+                            : diagnostics.error(where, what, help, width);
             }
         }
         for (std::optional<Moment> const* moment : {&e.from, &e.until, &e.since}) {

@@ -16,14 +16,19 @@ using Verb = Expectation::Verb;
 
 constexpr char const* kUndefined = "without a value (a division by zero)";
 
-std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+std::int64_t nanoseconds(double seconds) {
+    return std::llround(seconds * 1e9);
+}
 
-std::string seconds_text(std::int64_t ns) { return shortest(static_cast<double>(ns) / 1e9); }
+std::string seconds_text(std::int64_t ns) {
+    return shortest(static_cast<double>(ns) / 1e9);
+}
 
 /// "fault + 2 s"
 std::string to_text(Moment const& moment) {
     return moment.offset_s == 0 ? moment.event
-                                : fmt::format("{} {} {} s", moment.event, moment.offset_s < 0 ? "-" : "+", shortest(std::abs(moment.offset_s)));
+                                : fmt::format("{} {} {} s", moment.event, moment.offset_s < 0 ? "-" : "+",
+                                              shortest(std::abs(moment.offset_s)));
 }
 
 /// How far the recording goes: the clock as it was last seen, or what was recorded after that.
@@ -67,7 +72,8 @@ class Timeline {
     [[nodiscard]] std::int64_t until() const { return until_; }
 
     /// Calls visit(time, value) at every change in the window, the held value at its begin first; false stops.
-    template <class Visit> void run(Visit const& visit) const {
+    template <class Visit>
+    void run(Visit const& visit) const {
         std::vector<double> values(series_.size(), std::numeric_limits<double>::quiet_NaN());
         std::vector<std::size_t> next(series_.size(), 0);
         std::size_t unknown = series_.size();
@@ -97,7 +103,9 @@ class Timeline {
     std::string missing_;
 };
 
-double unit_factor(std::string const& unit) { return unit == "h" ? 3600 : unit == "min" ? 60 : unit == "ms" ? 1e-3 : 1; }
+double unit_factor(std::string const& unit) {
+    return unit == "h" ? 3600 : unit == "min" ? 60 : unit == "ms" ? 1e-3 : 1;
+}
 
 /// All values in the window: of every signal of a pattern, or of the expression.
 std::vector<double> collect(Expectation const& e, Timeline const& timeline) {
@@ -105,7 +113,8 @@ std::vector<double> collect(Expectation const& e, Timeline const& timeline) {
     if (e.expression->is_plain_signal()) {
         for (SignalSeries const* series : timeline.series()) {
             for (std::size_t i = 0; i < series->times_ns.size(); ++i) {
-                bool const held_at_begin = i + 1 < series->times_ns.size() ? series->times_ns[i + 1] > timeline.from() : true;
+                bool const held_at_begin =
+                    i + 1 < series->times_ns.size() ? series->times_ns[i + 1] > timeline.from() : true;
                 if (series->times_ns[i] <= timeline.until() &&
                     (series->times_ns[i] >= timeline.from() || held_at_begin)) {
                     out.push_back(series->values[i]);
@@ -134,7 +143,8 @@ std::optional<double> statistic(Expectation const& e, Timeline const& timeline) 
         return std::nullopt;
     }
     if (e.verb != Verb::last_of) { // there is no least and no mean of what has no value
-        auto const undefined = std::find_if_not(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+        auto const undefined =
+            std::find_if_not(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
         if (undefined != values.end()) {
             return *undefined;
         }
@@ -183,15 +193,18 @@ std::string clocks_apart(SignalStore const& signals, Expression const& expressio
         for (std::size_t i = 0; used && i < series.values.size(); ++i) {
             bool const within = series.times_ns[i] >= timeline.from() && series.times_ns[i] <= timeline.until();
             if (within && series.values[i] < -kNanosecondMs) {
-                return fmt::format("not measurable: {} is below 0 ({} ms) at {} s, so the clocks of its two ends are not one",
-                                   name, shortest(series.values[i]), seconds_text(series.times_ns[i]));
+                return fmt::format(
+                    "not measurable: {} is below 0 ({} ms) at {} s, so the clocks of its two ends are not one", name,
+                    shortest(series.values[i]), seconds_text(series.times_ns[i]));
             }
         }
     }
     return {};
 }
 
-bool is_true(double value) { return value != 0 && !std::isnan(value); }
+bool is_true(double value) {
+    return value != 0 && !std::isnan(value);
+}
 
 /// How often the expression becomes true and false, and at how many samples it is true.
 struct Edges {
@@ -220,8 +233,9 @@ struct Fulfilment {
     std::optional<std::int64_t> true_since; ///< it was so before the begin already, from here on
 };
 
-/// `timeline` starts before `begin`, so that what becomes true at `begin` is told from what was true before. With `rises`
-/// and `falls` the next edge counts; without, a condition whose first value is true has become so with that value.
+/// `timeline` starts before `begin`, so that what becomes true at `begin` is told from what was true before. With
+/// `rises` and `falls` the next edge counts; without, a condition whose first value is true has become so with that
+/// value.
 Fulfilment fulfilment_of(Timeline const& timeline, Expression::Edge edge, std::int64_t begin) {
     Fulfilment out;
     bool known = false, before = false;
@@ -261,17 +275,21 @@ void judge_condition(Expectation const& e, Timeline const& timeline, Expectation
     if (!any) {
         out.detail = "the signals have no values in that time";
     } else if (undefined && !passed) {
-        out.detail = fmt::format("{}{} at {} s", e.verb == Verb::eventually ? "never true in that time; " : "", kUndefined,
-                                 seconds_text(*undefined));
+        out.detail = fmt::format("{}{} at {} s", e.verb == Verb::eventually ? "never true in that time; " : "",
+                                 kUndefined, seconds_text(*undefined));
     } else if (decisive) {
-        out.detail = fmt::format("{} at {} s", e.verb == Verb::eventually ? "true" : e.verb == Verb::never ? "true" : "not true",
+        out.detail = fmt::format("{} at {} s",
+                                 e.verb == Verb::eventually ? "true"
+                                 : e.verb == Verb::never    ? "true"
+                                                            : "not true",
                                  seconds_text(*decisive));
     } else if (e.verb == Verb::eventually) {
         out.detail = "never true in that time";
     }
 }
 
-/// The intervals between the messages of a stream, from the first message of a new state at or after the window's begin.
+/// The intervals between the messages of a stream, from the first message of a new state at or after the window's
+/// begin.
 void judge_intervals(Expectation const& e, SignalStore const& signals, std::int64_t from, ExpectationResult& out) {
     auto const intervals = signals.find(e.stream + ".interval_ms"), numbers = signals.find(e.stream + ".sq_num");
     out.status = Status::failed;
@@ -348,7 +366,8 @@ Expectation::Band Expectation::band() const {
     return b;
 }
 
-ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moments const& moments, double duration_s, bool lockstep) {
+ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moments const& moments, double duration_s,
+                        bool lockstep) {
     ExpectationResult out;
     out.name = e.name.name;
     out.verb = e.verb_name;
@@ -356,7 +375,8 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     out.advisory = e.advisory;
     out.unit = e.unit;
     std::vector<std::string> const& used = e.expression->signals();
-    if (lockstep && std::any_of(used.begin(), used.end(), [](std::string const& name) { return is_wall_clock_signal(name); })) {
+    if (lockstep &&
+        std::any_of(used.begin(), used.end(), [](std::string const& name) { return is_wall_clock_signal(name); })) {
         out.status = Status::not_applicable;
         out.detail = "of the wall clock: says nothing in lockstep";
         return out;
@@ -382,11 +402,13 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     std::int64_t const recorded_until = end_of(signals, duration_s);
     for (auto const& [at, moment] : {std::pair{from, e.from}, {since, e.since}}) {
         if (nanoseconds(*at) > recorded_until) { // the timeline names instants that a run may not come to
-            return missed(fmt::format("the run ended at {} s, before '{}'", seconds_text(recorded_until), to_text(*moment)));
+            return missed(
+                fmt::format("the run ended at {} s, before '{}'", seconds_text(recorded_until), to_text(*moment)));
         }
     }
     if (e.until && nanoseconds(*until) < nanoseconds(*from)) {
-        return missed(fmt::format("'{}' is at {} s, before '{}'", to_text(*e.until), shortest(*until), e.from ? to_text(*e.from) : "the start"));
+        return missed(fmt::format("'{}' is at {} s, before '{}'", to_text(*e.until), shortest(*until),
+                                  e.from ? to_text(*e.from) : "the start"));
     }
     if (e.verb == Verb::intervals_ms) {
         judge_intervals(e, signals, nanoseconds(*from), out);
@@ -397,7 +419,8 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     if (e.within_s) {
         end = std::min(end, *from + *e.within_s);
     }
-    // A time is looked for from `since` on, or it would be met by what was there before; a band that begins below zero asks for that.
+    // A time is looked for from `since` on, or it would be met by what was there before; a band that begins below zero
+    // asks for that.
     bool const before_too = out.band.low && *out.band.low < 0;
     bool const is_time = e.verb == Verb::time_of;
     std::int64_t const begin = nanoseconds(is_time && !e.from && !before_too ? *since : *from);
@@ -435,10 +458,12 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     case Verb::time_of: {
         auto [at, true_since] = fulfilment_of(timeline, e.expression->edge(), begin);
         if (!at && true_since && e.since) { // no answer to it
-            return missed(fmt::format("was already {} at {} s, before '{}'", e.expression->edge() == Expression::Edge::falls ? "false" : "true",
+            return missed(fmt::format("was already {} at {} s, before '{}'",
+                                      e.expression->edge() == Expression::Edge::falls ? "false" : "true",
                                       seconds_text(*true_since), to_text(e.from ? *e.from : *e.since)));
         }
-        if (!at && true_since && e.expression->edge() == Expression::Edge::none) { // no event is asked about: `from` is the first time
+        if (!at && true_since &&
+            e.expression->edge() == Expression::Edge::none) { // no event is asked about: `from` is the first time
             at = begin;
         }
         if (!at) {

@@ -14,8 +14,26 @@
 namespace gridspace::launcher {
 
 struct Expression::Node {
-    enum class Kind { number, signal, negate, add, subtract, multiply, divide, less, less_equal, greater, greater_equal, equal,
-                      not_equal, inside, logical_and, logical_or, logical_not, function };
+    enum class Kind {
+        number,
+        signal,
+        negate,
+        add,
+        subtract,
+        multiply,
+        divide,
+        less,
+        less_equal,
+        greater,
+        greater_equal,
+        equal,
+        not_equal,
+        inside,
+        logical_and,
+        logical_or,
+        logical_not,
+        function
+    };
     Kind kind{Kind::number};
     double number{0};
     std::size_t signal{0};
@@ -146,7 +164,8 @@ class Parser {
         }
         if (token_.kind == Token::Kind::number) {
             double value = 0;
-            auto const [end, error] = std::from_chars(token_.text.data(), token_.text.data() + token_.text.size(), value);
+            auto const [end, error] =
+                std::from_chars(token_.text.data(), token_.text.data() + token_.text.size(), value);
             if (error != std::errc{}) {
                 throw Mistake{fmt::format("{} is out of range", token_.text)};
             }
@@ -154,7 +173,8 @@ class Parser {
             return Node{Kind::number, value, 0, "", {}};
         }
         if (token_.kind != Token::Kind::name) {
-            throw Mistake{token_.kind == Token::Kind::end ? "it ends too early" : fmt::format("'{}' is not expected here", token_.text)};
+            throw Mistake{token_.kind == Token::Kind::end ? "it ends too early"
+                                                          : fmt::format("'{}' is not expected here", token_.text)};
         }
         std::string const name{token_.text};
         advance();
@@ -165,7 +185,8 @@ class Parser {
             return Node{Kind::number, word, 0, "", {}};
         }
         if (name.find('.') == std::string::npos) {
-            throw Mistake{fmt::format("'{}' is neither a signal (kind.element.quantity) nor a word of the language", name)};
+            throw Mistake{
+                fmt::format("'{}' is neither a signal (kind.element.quantity) nor a word of the language", name)};
         }
         signals.push_back(name);
         return Node{Kind::signal, 0, signals.size() - 1, "", {}};
@@ -192,7 +213,9 @@ class Parser {
     }
     void expect(std::string_view text) {
         if (!accept(text)) {
-            throw Mistake{fmt::format("expected '{}'{}", text, token_.kind == Token::Kind::end ? " at the end" : fmt::format(" before '{}'", token_.text))};
+            throw Mistake{fmt::format("expected '{}'{}", text,
+                                      token_.kind == Token::Kind::end ? " at the end"
+                                                                      : fmt::format(" before '{}'", token_.text))};
         }
     }
     void advance() {
@@ -286,7 +309,8 @@ double evaluate_node(Node const& n, Instant& instant) {
     case Kind::number:
         return n.number;
     case Kind::signal:
-        return instant.bindings[n.signal].empty() ? std::numeric_limits<double>::quiet_NaN() : instant.values[instant.bindings[n.signal].front()];
+        return instant.bindings[n.signal].empty() ? std::numeric_limits<double>::quiet_NaN()
+                                                  : instant.values[instant.bindings[n.signal].front()];
     case Kind::negate:
         return -child(0);
     case Kind::add:
@@ -352,7 +376,9 @@ Result<Expression> Expression::parse(std::string_view text) {
     return out;
 }
 
-bool Expression::is_plain_signal() const { return root_->kind == Kind::signal && edge_ == Edge::none; }
+bool Expression::is_plain_signal() const {
+    return root_->kind == Kind::signal && edge_ == Edge::none;
+}
 
 double Expression::evaluate(Bindings const& bindings, std::span<double const> values) const {
     Instant instant{bindings, values};

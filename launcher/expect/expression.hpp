@@ -13,9 +13,9 @@
 
 namespace gridspace::launcher {
 
-/// An expression over signals: numbers, signal names, + - * /, comparisons, `in [a, b]`, and/or/not, min() max() mean() sum()
-/// abs() over signals and patterns, the words true, false, open, closed, intermediate, bad, and `rises` / `falls` at its end.
-/// Times and separators need blanks around `*`, which is also part of patterns: `bus.*.v_pu`.
+/// An expression over signals: numbers, signal names, + - * /, comparisons, `in [a, b]`, and/or/not, min() max() mean()
+/// sum() abs() over signals and patterns, the words true, false, open, closed, intermediate, bad, and `rises` / `falls`
+/// at its end. Times and separators need blanks around `*`, which is also part of patterns: `bus.*.v_pu`.
 class Expression {
   public:
     [[nodiscard]] static Result<Expression> parse(std::string_view text);
@@ -31,8 +31,9 @@ class Expression {
 
     /// What a pattern stands for: indices of values, in the order of signals().
     using Bindings = std::vector<std::vector<std::size_t>>;
-    /// Evaluates with the present values; `bindings[i]` are the places of signals()[i] in `values`. True is 1, false is 0;
-    /// NaN after a division by zero, whatever it was compared with (`x == 0 or y / x > 2` does not divide where x is 0).
+    /// Evaluates with the present values; `bindings[i]` are the places of signals()[i] in `values`. True is 1, false is
+    /// 0; NaN after a division by zero, whatever it was compared with (`x == 0 or y / x > 2` does not divide where x is
+    /// 0).
     [[nodiscard]] double evaluate(Bindings const& bindings, std::span<double const> values) const;
 
     struct Node;

@@ -18,7 +18,7 @@ namespace gridspace::play {
 namespace {
 
 constexpr std::chrono::milliseconds kPatience{2000}; ///< then it is said who is waited for
-constexpr std::int64_t kLate = 20'000'000; ///< what is later comes in a burst, faster than it was recorded
+constexpr std::int64_t kLate = 20'000'000;           ///< what is later comes in a burst, faster than it was recorded
 constexpr std::uint32_t kWindow = 48; ///< samples of one writer on their way; the histories of qos/player.xml hold more
 
 /// Topics that say how others are to be read: needed from the first sample on.

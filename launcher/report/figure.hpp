@@ -11,14 +11,14 @@ namespace gridspace::launcher {
 
 /// A plot over time, or over something else (`x_label`), as data: drawn as SVG, exported as CSV.
 struct Figure {
-    std::string id;    ///< file name without its ending
+    std::string id; ///< file name without its ending
     std::string title;
     std::string y_label;
     struct Series {
         std::string name;
         std::vector<std::int64_t> times_ns;
         std::vector<double> values;
-        bool steps{false};  ///< a value holds until the next one
+        bool steps{false}; ///< a value holds until the next one
         bool dashed{false};
         int colour{-1};     ///< of the palette; -1: by its place
         bool points{false}; ///< a dot for each value, too
@@ -41,10 +41,10 @@ struct Figure {
     std::vector<Shade> shades;
     std::string shade_label;
     double from_s{0}, to_s{0};
-    std::string x_label;        ///< of an axis that is not time; then a "second" is one of its units
-    std::string axis{"time"};   ///< figures with the same axis zoom together
+    std::string x_label;      ///< of an axis that is not time; then a "second" is one of its units
+    std::string axis{"time"}; ///< figures with the same axis zoom together
     bool log_y{false};
-    std::string note;           ///< the method, below the drawing
+    std::string note; ///< the method, below the drawing
 };
 
 /// Hours for long runs, seconds, or milliseconds.

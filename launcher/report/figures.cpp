@@ -24,11 +24,13 @@ std::string element_of(std::string const& signal) {
     return parts.size() > 2 ? parts[1] : signal;
 }
 
-void add_signals(Figure& figure, SignalStore const& signals, std::string const& pattern, bool steps, bool dashed, std::string const& suffix = "") {
+void add_signals(Figure& figure, SignalStore const& signals, std::string const& pattern, bool steps, bool dashed,
+                 std::string const& suffix = "") {
     int place = 0;
     for (auto const& [name, series] : signals) {
         if (matches_glob(pattern, name)) {
-            figure.series.push_back({element_of(name) + suffix, series.times_ns, series.values, steps, dashed, place++});
+            figure.series.push_back(
+                {element_of(name) + suffix, series.times_ns, series.values, steps, dashed, place++});
         }
     }
 }
@@ -53,10 +55,13 @@ std::vector<EvWish> ev_wishes(Node const& scenario) {
         auto const number = [](Node const& node, Node const& fallback, std::string_view key, double otherwise) {
             Node const* own = node.find(key);
             Node const* shared = fallback.find(key);
-            return own != nullptr ? config::number_of(*own).value_or(otherwise) : shared != nullptr ? config::number_of(*shared).value_or(otherwise) : otherwise;
+            return own != nullptr      ? config::number_of(*own).value_or(otherwise)
+                   : shared != nullptr ? config::number_of(*shared).value_or(otherwise)
+                                       : otherwise;
         };
         auto const wish = [&](std::string const& ev, Node const& node) {
-            out.push_back({ev, entry.key, number(node, entry.value, "requested_h", 4), number(node, entry.value, "soc_target_percent", 80)});
+            out.push_back({ev, entry.key, number(node, entry.value, "requested_h", 4),
+                           number(node, entry.value, "soc_target_percent", 80)});
         };
         if (Node const* ev = entry.value.find("ev")) {
             wish(ev->text, entry.value);
@@ -157,7 +162,8 @@ std::vector<Figure> make_figures(Results const& r, Node const& scenario) {
         add_signals(f, r.signals, "ev.*.soc_percent", false, false);
         std::vector<EvWish> const wishes = ev_wishes(scenario);
         for (EvWish const& wish : wishes) {
-            auto const series = std::find_if(f.series.begin(), f.series.end(), [&](auto const& s) { return s.name == wish.ev; });
+            auto const series =
+                std::find_if(f.series.begin(), f.series.end(), [&](auto const& s) { return s.name == wish.ev; });
             int const colour = series == f.series.end() ? -1 : static_cast<int>(series - f.series.begin());
             f.marks.push_back({wish.ev + " due", wish.requested_h * 3600, colour});
         }
@@ -190,7 +196,9 @@ std::vector<ReportTable> make_tables(Results const& r, Node const& scenario) {
     std::vector<ReportTable> out;
     std::vector<EvWish> const wishes = ev_wishes(scenario);
     if (!wishes.empty()) {
-        ReportTable table{"Charging: requested and reached", {"EV", "requested, h", "reached, h", "late by, min", "published, h"}, {}};
+        ReportTable table{"Charging: requested and reached",
+                          {"EV", "requested, h", "reached, h", "late by, min", "published, h"},
+                          {}};
         Node const* expect = scenario.find("expect");
         for (EvWish const& wish : wishes) {
             // The target counts as reached 0.05 % below: curtailment leaves a geometric tail.
@@ -199,12 +207,14 @@ std::vector<ReportTable> make_tables(Results const& r, Node const& scenario) {
             for (Node::Entry const& entry : expect == nullptr ? std::vector<Node::Entry>{} : expect->entries) {
                 Node const* verb = entry.value.find("time_of");
                 Node const* is = entry.value.find("is");
-                if (verb != nullptr && is != nullptr && verb->text.find("ev." + wish.ev + ".soc_percent") != std::string::npos) {
+                if (verb != nullptr && is != nullptr &&
+                    verb->text.find("ev." + wish.ev + ".soc_percent") != std::string::npos) {
                     published = is->text;
                 }
             }
-            table.rows.push_back({wish.ev, shortest(wish.requested_h), reached ? fmt::format("{:.3f}", *reached) : "not reached",
-                                  reached ? fmt::format("{:+.1f}", (*reached - wish.requested_h) * 60) : "-", published});
+            table.rows.push_back(
+                {wish.ev, shortest(wish.requested_h), reached ? fmt::format("{:.3f}", *reached) : "not reached",
+                 reached ? fmt::format("{:+.1f}", (*reached - wish.requested_h) * 60) : "-", published});
         }
         out.push_back(std::move(table));
     }

@@ -19,8 +19,8 @@ struct ReportTable {
     std::string note{}; ///< the method, below the table
 };
 
-/// The figures that a run's signals call for: what kinds of elements it has decides, not which scenario it is. Limits come
-/// from the expectations and from the thresholds in the processes' settings; deadlines from the EV agents.
+/// The figures that a run's signals call for: what kinds of elements it has decides, not which scenario it is. Limits
+/// come from the expectations and from the thresholds in the processes' settings; deadlines from the EV agents.
 [[nodiscard]] std::vector<Figure> make_figures(Results const& results, config::Node const& scenario);
 
 /// Asked for against reached, for runs with EVs.

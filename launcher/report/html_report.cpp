@@ -49,12 +49,16 @@ std::string expectations(Results const& r) {
     if (r.expectations.empty()) {
         return "";
     }
-    std::string out = "<section><h2>Expectations</h2>\n<table class=\"expect\">" + row({"", "name", "value", "accepted", "what happened"}, "th");
+    std::string out = "<section><h2>Expectations</h2>\n<table class=\"expect\">" +
+                      row({"", "name", "value", "accepted", "what happened"}, "th");
     for (ExpectationResult const& e : r.expectations) {
         bool const condition = e.verb == "always" || e.verb == "never" || e.verb == "eventually";
-        std::string const value = !e.value ? "–" : condition ? (*e.value != 0 ? "holds" : "does not hold") : fmt::format("{:.6g} {}", *e.value, escape(e.unit));
+        std::string const value = !e.value    ? "–"
+                                  : condition ? (*e.value != 0 ? "holds" : "does not hold")
+                                              : fmt::format("{:.6g} {}", *e.value, escape(e.unit));
         char const* badge = e.status == Status::passed   ? "<span class=\"ok\">✓ pass</span>"
-                            : e.status == Status::failed ? (e.advisory ? "<span class=\"warn\">▲ advisory</span>" : "<span class=\"bad\">✗ fail</span>")
+                            : e.status == Status::failed ? (e.advisory ? "<span class=\"warn\">▲ advisory</span>"
+                                                                       : "<span class=\"bad\">✗ fail</span>")
                                                          : "<span class=\"dim\">shown</span>";
         out += row({badge, escape(e.name), value, escape(e.band.to_string()), escape(e.detail)}, "td");
     }
@@ -105,7 +109,8 @@ ReportTable process_table(Results const& r) {
 ReportTable topic_table(Results const& r) {
     ReportTable t{"Topics", {"topic", "type", "samples", "written by"}, {}};
     for (Results::Topic const& topic : r.topics) {
-        t.rows.push_back({escape(topic.topic), escape(topic.type), std::to_string(topic.samples), escape(join(topic.processes, ", "))});
+        t.rows.push_back({escape(topic.topic), escape(topic.type), std::to_string(topic.samples),
+                          escape(join(topic.processes, ", "))});
     }
     return t;
 }
@@ -114,12 +119,16 @@ ReportTable topic_table(Results const& r) {
 std::string files_table(Results const& r) {
     std::string out;
     for (std::string const& file : r.comtrade) {
-        out += fmt::format("<li><a href=\"../comtrade/{0}\">{0}</a> and <a href=\"../comtrade/{1}.dat\">.dat</a></li>\n", escape(file), escape(file.substr(0, file.rfind('.'))));
+        out +=
+            fmt::format("<li><a href=\"../comtrade/{0}\">{0}</a> and <a href=\"../comtrade/{1}.dat\">.dat</a></li>\n",
+                        escape(file), escape(file.substr(0, file.rfind('.'))));
     }
     for (std::string const& note : r.notes) {
         out += fmt::format("<li class=\"warn\">{}</li>\n", escape(note));
     }
-    return out.empty() ? out : "<section class=\"box\"><h2>Disturbance records (IEEE C37.111-2013)</h2><ul>\n" + out + "</ul></section>\n";
+    return out.empty() ? out
+                       : "<section class=\"box\"><h2>Disturbance records (IEEE C37.111-2013)</h2><ul>\n" + out +
+                             "</ul></section>\n";
 }
 
 ReportTable event_table(Results const& r) {
@@ -140,9 +149,9 @@ Result<fs::path> write_html_report(Results const& r) {
     fs::create_directories(r.folder / "report" / "figures", error);
 
     bool const passed = r.exit_code() == 0;
-    std::string body = fmt::format("<header><h1>{}</h1><p>{}</p><p class=\"verdict {}\">{}</p></header>\n", escape(r.scenario), escape(r.description),
-                                   passed ? "ok" : "bad",
-                                   passed                        ? "✓ every expectation holds"
+    std::string body = fmt::format("<header><h1>{}</h1><p>{}</p><p class=\"verdict {}\">{}</p></header>\n",
+                                   escape(r.scenario), escape(r.description), passed ? "ok" : "bad",
+                                   passed                     ? "✓ every expectation holds"
                                    : r.outcome.exit_code != 0 ? "✗ " + escape(r.outcome.cause)
                                                               : "✗ an expectation failed");
     body += facts(r);
@@ -165,21 +174,25 @@ Result<fs::path> write_html_report(Results const& r) {
     std::string data;
     for (Figure const& figure : figures) {
         std::string const svg = to_svg(figure);
-        for (auto const& [ending, text] : {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {
+        for (auto const& [ending, text] :
+             {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {
             if (auto ok = write_file(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
                 return std::unexpected{ok.error()};
             }
         }
-        body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a> "
-                            "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}{3}</figure>\n",
-                            figure.id, escape(figure.title), svg, figure.note.empty() ? "" : "<p class=\"method\">" + escape(figure.note) + "</p>");
+        body +=
+            fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a> "
+                        "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}{3}</figure>\n",
+                        figure.id, escape(figure.title), svg,
+                        figure.note.empty() ? "" : "<p class=\"method\">" + escape(figure.note) + "</p>");
         data += (data.empty() ? "" : ",") + to_json(figure);
     }
     for (Drawing const& drawing : intrusion_drawings(r.intrusion)) {
         if (auto ok = write_file(r.folder / "report" / "figures" / (drawing.id + ".svg"), drawing.svg); !ok) {
             return std::unexpected{ok.error()};
         }
-        body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a></span></figcaption>"
+        body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a "
+                            "href=\"figures/{0}.svg\">SVG</a></span></figcaption>"
                             "<img src=\"figures/{0}.svg\" alt=\"{1}\"></figure>\n",
                             drawing.id, escape(drawing.title));
     }
@@ -189,7 +202,8 @@ Result<fs::path> write_html_report(Results const& r) {
     }
     body += table(process_table(r)) + table(topic_table(r));
     std::string const page =
-        fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">"
+        fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+                    "content=\"width=device-width\">"
                     "<title>{} – Gridspace report</title><style>{}</style></head>\n<body><main>{}</main>\n"
                     "<script>const figures=[{}];\n{}</script></body></html>\n",
                     escape(r.scenario), kReportCss, body, data, kReportJs);

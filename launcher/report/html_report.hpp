@@ -9,8 +9,8 @@
 
 namespace gridspace::launcher {
 
-/// Writes report/index.html (one self-contained file, opens offline) with an SVG and a CSV per figure beside it. Returns the
-/// page's path.
+/// Writes report/index.html (one self-contained file, opens offline) with an SVG and a CSV per figure beside it.
+/// Returns the page's path.
 [[nodiscard]] Result<std::filesystem::path> write_html_report(Results const& results);
 
 } // namespace gridspace::launcher

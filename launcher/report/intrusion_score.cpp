@@ -297,7 +297,8 @@ void add_intrusion_signals(IntrusionScore const& score, double end_s, SignalStor
     std::map<std::string, IntrusionScore::Attack const*> worst; // several detectors: the one that saw least
     for (IntrusionScore::Attack const& a : score.attacks) {
         auto const [at, is_new] = worst.try_emplace(a.score.attack, &a);
-        at->second = is_new || a.score.open_detected.percent >= at->second->score.open_detected.percent ? at->second : &a;
+        at->second =
+            is_new || a.score.open_detected.percent >= at->second->score.open_detected.percent ? at->second : &a;
     }
     for (auto const& [name, a] : worst) {
         std::string const prefix = "score." + name + ".";

@@ -6,8 +6,8 @@
 #include "common/text.hpp"
 #include "common/time.hpp"
 #include "launcher/expect/recording_loss.hpp"
-#include "launcher/report/wire_timing_page.hpp"
 #include "launcher/report/wall_clock.hpp"
+#include "launcher/report/wire_timing_page.hpp"
 #include "launcher/run/write_file.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 #include "recorder/signals/cdr_cursor.hpp"
@@ -61,7 +61,8 @@ void read_manifest(fs::path const& folder, Results& out) {
     out.outcome.overruns = m.value("overruns", std::uint64_t{0});
     if (auto const processes = m.find("processes"); processes != m.end()) {
         for (auto const& [name, p] : processes->items()) {
-            out.processes.push_back({name, p.value("program", ""), p.value("host", ""), p.value("end", ""), p.value("exit", 0), p.value("cpu_s", 0.0)});
+            out.processes.push_back({name, p.value("program", ""), p.value("host", ""), p.value("end", ""),
+                                     p.value("exit", 0), p.value("cpu_s", 0.0)});
         }
     }
 }
@@ -140,7 +141,8 @@ Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss&
 
 /// Only where somebody watched or attacked: other runs are not read twice.
 Result<void> add_intrusion(fs::path const& folder, Results& out) {
-    bool const any = std::any_of(out.topics.begin(), out.topics.end(), [](auto const& t) { return t.type == "IdsVerdict" || t.type == "AttackLabel"; });
+    bool const any = std::any_of(out.topics.begin(), out.topics.end(),
+                                 [](auto const& t) { return t.type == "IdsVerdict" || t.type == "AttackLabel"; });
     if (!any) {
         return {};
     }
@@ -196,7 +198,9 @@ void judge_all(fs::path const& folder, Results& out, RecordingLoss loss) {
     }
 }
 
-Json number_or_null(std::optional<double> const& v) { return v ? Json(*v) : Json(nullptr); }
+Json number_or_null(std::optional<double> const& v) {
+    return v ? Json(*v) : Json(nullptr);
+}
 
 std::string paint(std::string_view text, Status status, bool colour) {
     if (!colour || status == Status::shown || status == Status::not_applicable) {
@@ -241,16 +245,19 @@ std::string xml_text(std::string_view text) {
 } // namespace
 
 bool Results::passed() const {
-    return std::none_of(expectations.begin(), expectations.end(), [](auto const& e) { return e.status == Status::failed && !e.advisory; });
+    return std::none_of(expectations.begin(), expectations.end(),
+                        [](auto const& e) { return e.status == Status::failed && !e.advisory; });
 }
 
 int Results::exit_code() const {
-    return outcome.exit_code != 0 ? outcome.exit_code : static_cast<int>(passed() ? ExitCode::ok : ExitCode::expectation_failed);
+    return outcome.exit_code != 0 ? outcome.exit_code
+                                  : static_cast<int>(passed() ? ExitCode::ok : ExitCode::expectation_failed);
 }
 
 Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
     if (!fs::exists(folder / "manifest.json")) {
-        return fail(ExitCode::usage, fmt::format("'{}' is not a run folder", folder.string()), "it has no manifest.json");
+        return fail(ExitCode::usage, fmt::format("'{}' is not a run folder", folder.string()),
+                    "it has no manifest.json");
     }
     Results out;
     out.folder = fs::canonical(folder);
@@ -283,35 +290,42 @@ Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
 std::string summary_json(Results const& r) {
     Json expectations = Json::array(), processes = Json::array(), topics = Json::array();
     for (ExpectationResult const& e : r.expectations) {
-        expectations.push_back({{"name", e.name},
-                                {"verb", e.verb},
-                                {"value", number_or_null(e.value)},
-                                {"unit", e.unit},
-                                {"low", number_or_null(e.band.low)},
-                                {"high", number_or_null(e.band.high)},
-                                {"pass", e.status == Status::passed || e.status == Status::failed ? Json(e.status == Status::passed) : Json(nullptr)},
-                                {"advisory", e.advisory},
-                                {"detail", e.detail}});
+        expectations.push_back(
+            {{"name", e.name},
+             {"verb", e.verb},
+             {"value", number_or_null(e.value)},
+             {"unit", e.unit},
+             {"low", number_or_null(e.band.low)},
+             {"high", number_or_null(e.band.high)},
+             {"pass", e.status == Status::passed || e.status == Status::failed ? Json(e.status == Status::passed)
+                                                                               : Json(nullptr)},
+             {"advisory", e.advisory},
+             {"detail", e.detail}});
     }
     for (Results::ProcessRow const& p : r.processes) {
-        processes.push_back({{"name", p.name}, {"program", p.program}, {"host", p.host}, {"exit", p.code}, {"end", p.end}, {"cpu_s", p.cpu_s}});
+        processes.push_back({{"name", p.name},
+                             {"program", p.program},
+                             {"host", p.host},
+                             {"exit", p.code},
+                             {"end", p.end},
+                             {"cpu_s", p.cpu_s}});
     }
     for (Results::Topic const& t : r.topics) {
         topics.push_back({{"name", t.topic}, {"type", t.type}, {"samples", t.samples}, {"processes", t.processes}});
     }
     Json summary{{"scenario", r.scenario},
-                       {"mode", r.mode},
-                       {"simulated_s", r.outcome.simulated_s},
-                       {"wall_s", r.outcome.wall_s},
-                       {"exit", r.exit_code()},
-                       {"cause", r.outcome.cause},
-                       {"overruns", r.outcome.overruns},
-                       {"scheduling", r.scheduling},
-                       {"notes", r.notes},
-                       {"expectations", expectations},
-                       {"processes", processes},
-                       {"topics", topics},
-                       {"comtrade", r.comtrade}};
+                 {"mode", r.mode},
+                 {"simulated_s", r.outcome.simulated_s},
+                 {"wall_s", r.outcome.wall_s},
+                 {"exit", r.exit_code()},
+                 {"cause", r.outcome.cause},
+                 {"overruns", r.outcome.overruns},
+                 {"scheduling", r.scheduling},
+                 {"notes", r.notes},
+                 {"expectations", expectations},
+                 {"processes", processes},
+                 {"topics", topics},
+                 {"comtrade", r.comtrade}};
     config::Diagnostics unread;
     auto const scenario = config::load_yaml(r.folder / "scenario.resolved.yaml", unread);
     if (auto const timing = scenario ? measure_wire_timing(r, *scenario) : WireTiming{}; !timing.empty()) {
@@ -337,7 +351,8 @@ std::string to_text(Results const& r, bool colour) {
         for (ExpectationResult const& e : r.expectations) {
             std::string const status = fmt::format("{:<5}", name_of(e.status));
             out += fmt::format("  {:<{}}  {:>16}  {:<18} {}{}{}\n", e.name, width, value_text(e), e.band.to_string(),
-                               paint(status, e.status, colour), e.advisory && e.status == Status::failed ? " (advisory)" : "",
+                               paint(status, e.status, colour),
+                               e.advisory && e.status == Status::failed ? " (advisory)" : "",
                                e.detail.empty() || e.status == Status::passed ? "" : "  " + e.detail);
         }
     }
@@ -358,8 +373,8 @@ std::string to_text(Results const& r, bool colour) {
         out += fmt::format("comtrade: {}\n", join(r.comtrade, " "));
     }
     double const speed = r.outcome.wall_s > 0 ? r.outcome.simulated_s / r.outcome.wall_s : 0;
-    out += fmt::format("{} simulated in {}{}{}\n", human_duration(r.outcome.simulated_s), human_duration(r.outcome.wall_s),
-                       speed > 0 ? fmt::format(" (x{:.4g})", speed) : "",
+    out += fmt::format("{} simulated in {}{}{}\n", human_duration(r.outcome.simulated_s),
+                       human_duration(r.outcome.wall_s), speed > 0 ? fmt::format(" (x{:.4g})", speed) : "",
                        r.outcome.overruns > 0 ? fmt::format(", {} overruns", r.outcome.overruns) : "");
     return out;
 }
@@ -367,9 +382,10 @@ std::string to_text(Results const& r, bool colour) {
 std::string to_junit(Results const& r) {
     auto const failures = std::count_if(r.expectations.begin(), r.expectations.end(),
                                         [](auto const& e) { return e.status == Status::failed && !e.advisory; });
-    std::string out = fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.3f}\">\n",
-                                  xml_text(r.scenario), r.expectations.size() + 1, failures, r.outcome.exit_code != 0 ? 1 : 0,
-                                  r.outcome.wall_s);
+    std::string out = fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
+                                  "failures=\"{}\" errors=\"{}\" time=\"{:.3f}\">\n",
+                                  xml_text(r.scenario), r.expectations.size() + 1, failures,
+                                  r.outcome.exit_code != 0 ? 1 : 0, r.outcome.wall_s);
     out += fmt::format("  <testcase classname=\"{}\" name=\"run\">", xml_text(r.scenario));
     if (r.outcome.exit_code != 0) {
         out += fmt::format("<error message=\"{}\"/>", xml_text(r.outcome.cause));
@@ -378,7 +394,8 @@ std::string to_junit(Results const& r) {
     for (ExpectationResult const& e : r.expectations) {
         out += fmt::format("  <testcase classname=\"{}\" name=\"{}\">", xml_text(r.scenario), xml_text(e.name));
         if (e.status == Status::failed && !e.advisory) {
-            out += fmt::format("<failure message=\"{} instead of {} {}\"/>", xml_text(value_text(e)), xml_text(e.band.to_string()), xml_text(e.detail));
+            out += fmt::format("<failure message=\"{} instead of {} {}\"/>", xml_text(value_text(e)),
+                               xml_text(e.band.to_string()), xml_text(e.detail));
         } else if (e.status == Status::not_applicable) {
             out += "<skipped/>";
         }

@@ -43,8 +43,8 @@ struct Results {
     CounterGaps counter_gaps;   ///< what counters of processes that were killed or started again do not hold
     /// What bus.pcapng says, read where a declared stream has no counters of its own or these have a gap.
     std::optional<wire::CaptureStatistics> capture;
-    IntrusionScore intrusion;   ///< of detectors and attacks, where there were some
-    std::string scheduling;     ///< of the processes, in real time
+    IntrusionScore intrusion;          ///< of detectors and attacks, where there were some
+    std::string scheduling;            ///< of the processes, in real time
     std::vector<std::string> comtrade; ///< disturbance records in RUN/comtrade
     std::vector<std::string> notes;    ///< what the user should know
 
@@ -53,8 +53,8 @@ struct Results {
     [[nodiscard]] int exit_code() const;
 };
 
-/// Reads a run folder: manifest, resolved scenario, recording, events; judges the expectations. `seen` is the outcome for
-/// who has seen the run: a full disk may have kept it from the manifest.
+/// Reads a run folder: manifest, resolved scenario, recording, events; judges the expectations. `seen` is the outcome
+/// for who has seen the run: a full disk may have kept it from the manifest.
 [[nodiscard]] Result<Results> read_results(std::filesystem::path const& folder, RunOutcome const* seen = nullptr);
 
 /// The summary as JSON, and the same as report/summary.json.

@@ -348,10 +348,12 @@ RelayTiming foreign_timing(Results const& r, Node const& scenario, ProtectionCha
     SignalSeries const *heard = find(r.signals, "stream." + chain.trip_stream + ".heard_st_num"),
                        *heard_at = find(r.signals, "stream." + chain.trip_stream + ".heard_after_ms");
     std::optional<double> state; // the newest that had come when the command was given
-    for (std::size_t i = 0; heard != nullptr && heard_at != nullptr && i < std::min(heard->values.size(), heard_at->values.size()); ++i) {
+    for (std::size_t i = 0;
+         heard != nullptr && heard_at != nullptr && i < std::min(heard->values.size(), heard_at->values.size()); ++i) {
         state = heard_at->values[i] <= *commanded_ms ? std::optional{heard->values[i]} : state;
     }
-    add_effects(r.signals, chain, r.mode == "lockstep" ? "simulated time" : "wall clock since the start of the run", state, out);
+    add_effects(r.signals, chain, r.mode == "lockstep" ? "simulated time" : "wall clock since the start of the run",
+                state, out);
     return out;
 }
 

@@ -21,18 +21,19 @@ struct Spread {
     std::size_t count{0};
     double min{0}, mean{0}, p50{0}, p99{0}, p999{0}, max{0};
     std::size_t below_zero{0};
-    /// Nothing arrives before it was sent: below zero, the clocks of the two ends are not one, and no figure means anything.
+    /// Nothing arrives before it was sent: below zero, the clocks of the two ends are not one, and no figure means
+    /// anything.
     [[nodiscard]] bool measurable() const { return below_zero == 0; }
 };
 [[nodiscard]] Spread spread_of(std::vector<double> values);
 
 struct SmvTiming {
     std::string stream;
-    bool captured{false};      ///< counted in bus.pcapng, not by a relay of ours
+    bool captured{false};         ///< counted in bus.pcapng, not by a relay of ours
     std::size_t other_senders{0}; ///< that use the same name and APPID: the counts are of the one with most frames
     std::optional<double> nominal_hz;
     std::size_t received{0}, lost{0}, duplicate{0}, late{0};
-    std::size_t refused{0}; ///< simulated, damaged, or of another identity, revision or size; they are among the lost
+    std::size_t refused{0};  ///< simulated, damaged, or of another identity, revision or size; they are among the lost
     std::string not_counted; ///< "what relay1 counted from 0 s to 0.4 s": the counters are no less than that much
     std::size_t samples_per_frame{1};
     double mean_hz{0};                   ///< samples over the time between the first and the last frame; 0 in lockstep
@@ -54,17 +55,17 @@ struct GooseTiming {
 
 struct ChainStep {
     std::string what, method;
-    double after_ms{0};        ///< since the fault
-    bool communication{false}; ///< a transfer that the class is about
+    double after_ms{0};                    ///< since the fault
+    bool communication{false};             ///< a transfer that the class is about
     std::optional<double> since_before_ms; ///< nothing: the two are of different clocks
     bool simulated{false};                 ///< an instant of simulated time
 };
 
 struct RelayTiming {
     std::string relay;
-    bool foreign{false}; ///< not a program of ours: `relay` is the stream of its trip
-    Spread transfer;   ///< sample instant to decision
-    std::string event; ///< what the chain begins with; empty: no trip
+    bool foreign{false};  ///< not a program of ours: `relay` is the stream of its trip
+    Spread transfer;      ///< sample instant to decision
+    std::string event;    ///< what the chain begins with; empty: no trip
     bool own_line{false}; ///< the event is a fault on a line whose current the relay gets
     double event_s{0};
     std::vector<double> trips_s; ///< instants of the samples that made it trip; the chain is the first one's
@@ -85,7 +86,8 @@ struct WireTiming {
     }
 };
 
-/// Declared streams for whose receiver no complete counters (sampled values) or whose sender no rows (GOOSE) were recorded.
+/// Declared streams for whose receiver no complete counters (sampled values) or whose sender no rows (GOOSE) were
+/// recorded.
 [[nodiscard]] std::vector<std::string> uncounted_streams(Results const& results, config::Node const& scenario);
 
 /// What the recorded signals say about the wires of a scenario, and the capture where no signal does.

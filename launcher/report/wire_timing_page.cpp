@@ -44,11 +44,14 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
                     {}};
     for (SmvTiming const& s : t.smv) {
         bool const measured = s.mean_hz > 0;
-        auto const count = [&](std::size_t n) { return (s.not_counted.empty() ? "" : "at least ") + std::to_string(n); };
+        auto const count = [&](std::size_t n) {
+            return (s.not_counted.empty() ? "" : "at least ") + std::to_string(n);
+        };
         bool const bad = s.lost > 0 || !s.not_counted.empty();
         out.rows.push_back(
-            {s.captured ? s.stream + ", in the capture" : s.stream, count(s.received), bad ? fmt::format("<span class=\"bad\">{}</span>", count(s.lost)) : "0",
-             s.captured    ? "–"
+            {s.captured ? s.stream + ", in the capture" : s.stream, count(s.received),
+             bad ? fmt::format("<span class=\"bad\">{}</span>", count(s.lost)) : "0",
+             s.captured      ? "–"
              : s.refused > 0 ? fmt::format("<span class=\"bad\">{}</span>", count(s.refused))
                              : count(s.refused),
              count(s.duplicate), count(s.late), measured ? fmt::format("{:.2f}", s.mean_hz) : "exact",
@@ -71,11 +74,13 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
                    : "Counted by smpCnt at the relay. Rate: samples over the time between the first and the last "
                      "arrival. Intervals: between the receiving kernel's stamps "
                      "(CLOCK_REALTIME) of consecutive frames, at the relay's end of its cable.";
-    out.note += " Refused: simulated (S bit), damaged, or of another identity, revision or size; a frame refused is one that "
-                "the relay misses, so its samples are among the lost too.";
+    out.note +=
+        " Refused: simulated (S bit), damaged, or of another identity, revision or size; a frame refused is one that "
+        "the relay misses, so its samples are among the lost too.";
     if (std::any_of(t.smv.begin(), t.smv.end(), [](SmvTiming const& s) { return s.captured; })) {
-        out.note += " In the capture: counted by smpCnt in bus.pcapng, because no process of ours heard that stream (or "
-                    "not all of it); what its receiver got is not known, nor the delay to it.";
+        out.note +=
+            " In the capture: counted by smpCnt in bus.pcapng, because no process of ours heard that stream (or "
+            "not all of it); what its receiver got is not known, nor the delay to it.";
     }
     if (!t.not_seen.empty()) {
         out.note += fmt::format(" Neither counted nor captured: {}.", join(t.not_seen, ", "));
@@ -99,17 +104,15 @@ void delay_row(ReportTable& table, std::string const& what, std::string const& w
     }
     auto const within = [&](double limit) { return of_class ? against(s.p99, s.measurable(), limit) : std::string{}; };
     if (!s.measurable()) {
-        table.rows.push_back({what, which, std::to_string(s.count),
-                              fmt::format("{}: {} of {} below 0, the lowest {}", kNotMeasurable, s.below_zero, s.count,
-                                          ms(s.min)),
-                              "", "", "", "", "", within(kTransferClassMs),
-                              all.delay_limit_ms ? within(*all.delay_limit_ms) : ""});
+        table.rows.push_back(
+            {what, which, std::to_string(s.count),
+             fmt::format("{}: {} of {} below 0, the lowest {}", kNotMeasurable, s.below_zero, s.count, ms(s.min)), "",
+             "", "", "", "", within(kTransferClassMs), all.delay_limit_ms ? within(*all.delay_limit_ms) : ""});
         return;
     }
     table.rows.push_back({what, which, std::to_string(s.count), ms(s.mean),
                           published ? fmt::format("<i>{}</i>", ms(*published)) : "", ms(s.p50), ms(s.p99), ms(s.p999),
-                          ms(s.max), within(kTransferClassMs),
-                          all.delay_limit_ms ? within(*all.delay_limit_ms) : ""});
+                          ms(s.max), within(kTransferClassMs), all.delay_limit_ms ? within(*all.delay_limit_ms) : ""});
 }
 
 ReportTable delays_table(WireTiming const& t, Published const& published) {
@@ -154,16 +157,18 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
     }
     for (ChainStep const& step : r.chain) {
         auto const within = [&](double limit) {
-            return step.communication ? against(step.since_before_ms.value_or(0), measurable(step), limit) : std::string{};
+            return step.communication ? against(step.since_before_ms.value_or(0), measurable(step), limit)
+                                      : std::string{};
         };
         out.rows.push_back({step.what, ms(step.after_ms),
-                            step.since_before_ms ? ms(*step.since_before_ms) : "– (another clock)", within(kTransferClassMs),
-                            published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
+                            step.since_before_ms ? ms(*step.since_before_ms) : "– (another clock)",
+                            within(kTransferClassMs), published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
                             "<span class=\"dim\">" + step.method + "</span>"});
     }
     if (r.foreign) {
-        out.note = "The sender of this trip is not a relay of ours: when it picked up, decided and sent is not measurable. "
-                   "Counted from the newest fault of the timeline before the first command, or its newest event.";
+        out.note =
+            "The sender of this trip is not a relay of ours: when it picked up, decided and sent is not measurable. "
+            "Counted from the newest fault of the timeline before the first command, or its newest event.";
         return out;
     }
     out.note = r.own_line ? "Counted from the newest fault on the line of the relay's own current transformers."
@@ -235,8 +240,12 @@ Figure goose_figure(GooseTiming const& g, Published const& published) {
         f.lines.push_back(
             {fmt::format("published, steady: {:.4g} ms", *published.goose_interval_ms), *published.goose_interval_ms});
     }
-    f.note = g.captured ? "Times of the capture between two messages: the sender is not ours. At the event a new state goes out." : "Sender's own times between two messages. At the event a new state goes out at once and is repeated after "
-             "min_time, then ever later up to max_time.";
+    f.note =
+        g.captured
+            ? "Times of the capture between two messages: the sender is not ours. At the event a new state goes out."
+            : "Sender's own times between two messages. At the event a new state goes out at once and is repeated "
+              "after "
+              "min_time, then ever later up to max_time.";
     return f;
 }
 
@@ -331,7 +340,8 @@ std::vector<Figure> wire_timing_figures(WireTiming const& t, Results const& r, P
         delays.note = "From handing the frame to the kernel to the receiving kernel's stamp. Logarithmic; of many "
                       "values the extremes are drawn.";
         if (!not_measurable.empty()) {
-            delays.note += fmt::format(" Not measurable, and not drawn: {} (delays below 0).", join(not_measurable, ", "));
+            delays.note +=
+                fmt::format(" Not measurable, and not drawn: {} (delays below 0).", join(not_measurable, ", "));
         }
         out.push_back(std::move(delays));
     }
@@ -355,17 +365,18 @@ std::string wire_timing_json(WireTiming const& t) {
              {"goose", Json::object()},
              {"relays", Json::object()}};
     for (SmvTiming const& s : t.smv) {
-        out["smv"][s.captured && out["smv"].contains(s.stream) ? s.stream + " (capture)" : s.stream] = {{"received", s.received},
-                                {"lost", s.lost},
-                                {"refused", s.captured ? Json(nullptr) : Json(s.refused)},
-                                {"duplicate", s.duplicate},
-                                {"late", s.late},
-                                {"from_capture", s.captured},
-                                {"not_counted", s.not_counted.empty() ? Json(nullptr) : Json(s.not_counted)},
-                                {"rate_hz", s.mean_hz > 0 ? Json(s.mean_hz) : Json(nullptr)},
-                                {"interval_ms", spread(s.interval)},
-                                {"publish_age_ms", delay(s.publish_age)},
-                                {"wire_delay_ms", delay(s.wire_delay)}};
+        out["smv"][s.captured && out["smv"].contains(s.stream) ? s.stream + " (capture)" : s.stream] = {
+            {"received", s.received},
+            {"lost", s.lost},
+            {"refused", s.captured ? Json(nullptr) : Json(s.refused)},
+            {"duplicate", s.duplicate},
+            {"late", s.late},
+            {"from_capture", s.captured},
+            {"not_counted", s.not_counted.empty() ? Json(nullptr) : Json(s.not_counted)},
+            {"rate_hz", s.mean_hz > 0 ? Json(s.mean_hz) : Json(nullptr)},
+            {"interval_ms", spread(s.interval)},
+            {"publish_age_ms", delay(s.publish_age)},
+            {"wire_delay_ms", delay(s.wire_delay)}};
     }
     for (GooseTiming const& g : t.goose) {
         Json burst = Json::array();

@@ -22,8 +22,9 @@ namespace {
 constexpr int kStatusFd = 3; // in the child
 constexpr int kListenFd = 4;
 
-/// In the child: becomes the program, which is looked for in PATH when its name is no path; returns only when it cannot,
-/// with errno. Not execvp: that gives what no processor here can run to the shell, which then reads it as a script.
+/// In the child: becomes the program, which is looked for in PATH when its name is no path; returns only when it
+/// cannot, with errno. Not execvp: that gives what no processor here can run to the shell, which then reads it as a
+/// script.
 void execute(std::vector<char*> const& arguments) {
     std::string_view const name{arguments[0]};
     if (name.empty() || name.find('/') != std::string_view::npos) {
@@ -75,7 +76,8 @@ void execute(std::vector<char*> const& arguments) {
     }
     // Standard descriptors, then 3 (status) and 4 (listening socket). Sources are moved above 10 first: no overlap.
     int const control = ::fcntl(control_read, F_DUPFD, 10), status = ::fcntl(status_write, F_DUPFD, 10),
-              log = ::fcntl(log_fd, F_DUPFD, 10), listening = options.listen_fd < 0 ? -1 : ::fcntl(options.listen_fd, F_DUPFD, 10),
+              log = ::fcntl(log_fd, F_DUPFD, 10),
+              listening = options.listen_fd < 0 ? -1 : ::fcntl(options.listen_fd, F_DUPFD, 10),
               error = ::fcntl(error_fd, F_DUPFD_CLOEXEC, 10);
     error_fd = error;
     ::dup2(control, STDIN_FILENO);
@@ -122,7 +124,8 @@ Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options) 
     }
     int const log = ::open(process.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
     if (log < 0) {
-        return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", process.log_file.string(), std::strerror(errno)));
+        return fail(ExitCode::environment,
+                    fmt::format("cannot write '{}': {}", process.log_file.string(), std::strerror(errno)));
     }
     pid_t const pid = ::fork();
     if (pid == 0) {
@@ -142,9 +145,11 @@ Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options) 
         ::waitpid(pid, nullptr, 0);
         ::close(control[1]);
         ::close(status[0]);
-        return fail(ExitCode::environment, fmt::format("process '{}' cannot start: {}", process.name,
-                                                       std::string{reason, static_cast<std::size_t>(size)}),
-                    process.program == "exec" ? "its `command` must be an executable file" : "is Gridspace built completely?");
+        return fail(ExitCode::environment,
+                    fmt::format("process '{}' cannot start: {}", process.name,
+                                std::string{reason, static_cast<std::size_t>(size)}),
+                    process.program == "exec" ? "its `command` must be an executable file"
+                                              : "is Gridspace built completely?");
     }
     Child child;
     child.pid = pid;

@@ -14,18 +14,18 @@ namespace gridspace::launcher {
 struct Child {
     pid_t pid{-1};
     int pidfd{-1};
-    int status_fd{-1}; ///< reading end of its status lines
+    int status_fd{-1};  ///< reading end of its status lines
     int control_fd{-1}; ///< writing end of its standard input (the simulator's), or -1
 };
 
 struct SpawnOptions {
-    int netns{-1};       ///< network namespace to run in, or -1
-    int listen_fd{-1};   ///< socket to hand over, or -1
+    int netns{-1};     ///< network namespace to run in, or -1
+    int listen_fd{-1}; ///< socket to hand over, or -1
     std::int64_t incarnation{0};
 };
 
-/// Starts a process of the plan: own process group, killed when the launcher dies, standard output and error into its log.
-/// What stops it from starting (program missing, namespace refused) is in the error.
+/// Starts a process of the plan: own process group, killed when the launcher dies, standard output and error into its
+/// log. What stops it from starting (program missing, namespace refused) is in the error.
 [[nodiscard]] Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options);
 
 /// How a process ended: "exit code 4" or "killed by signal 9 (Killed)".

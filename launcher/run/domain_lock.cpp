@@ -24,10 +24,11 @@ Result<DomainLock> DomainLock::take(std::filesystem::path const& folder) {
         int const fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (fd < 0) {
             if (!refused) {
-                refused = Error{ExitCode::environment,
-                                fmt::format("cannot reserve DDS domains: '{}': {}", file, std::strerror(errno)),
-                                "runs on the loopback interface keep apart by locks on files of that folder: it must be "
-                                "writable"};
+                refused =
+                    Error{ExitCode::environment,
+                          fmt::format("cannot reserve DDS domains: '{}': {}", file, std::strerror(errno)),
+                          "runs on the loopback interface keep apart by locks on files of that folder: it must be "
+                          "writable"};
             }
             continue;
         }

@@ -8,8 +8,8 @@
 
 namespace gridspace::launcher {
 
-/// Two DDS domains that no other run on this machine uses, for runs without namespaces. Held by a file lock, so that a killed
-/// run gives them back. Domains above 101 would use ports that the kernel hands out to others.
+/// Two DDS domains that no other run on this machine uses, for runs without namespaces. Held by a file lock, so that a
+/// killed run gives them back. Domains above 101 would use ports that the kernel hands out to others.
 class DomainLock {
   public:
     /// An error says which file cannot be had, or that all pairs are taken.

@@ -28,7 +28,8 @@ std::vector<LoggedEvent> read_events(std::filesystem::path const& file) {
     for (std::string line; std::getline(stream, line);) {
         Json const json = Json::parse(line, nullptr, false);
         if (json.is_object()) {
-            out.push_back({json.value("time_s", 0.0), json.value("source", ""), json.value("event", ""), json.value("text", "")});
+            out.push_back(
+                {json.value("time_s", 0.0), json.value("source", ""), json.value("event", ""), json.value("text", "")});
         }
     }
     return out;

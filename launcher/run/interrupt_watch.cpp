@@ -54,7 +54,7 @@ int InterruptWatch::take() {
 void InterruptWatch::let_finish() {
     finishing_ = true;
     requests = taken_ > 0 ? 1 : 0;
-    struct sigaction action {};
+    struct sigaction action{};
     action.sa_handler = on_signal;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
@@ -66,6 +66,8 @@ void InterruptWatch::let_finish() {
     ::sigprocmask(SIG_SETMASK, &before_, nullptr); // what waits comes now
 }
 
-bool InterruptWatch::came_late() const { return taken_ == 0 && requests > 0; }
+bool InterruptWatch::came_late() const {
+    return taken_ == 0 && requests > 0;
+}
 
 } // namespace gridspace::launcher

@@ -114,8 +114,9 @@ std::optional<std::size_t> content_length(std::string head) {
     std::transform(head.begin(), head.end(), head.begin(), [](unsigned char c) { return std::tolower(c); });
     constexpr std::string_view kKey = "\r\ncontent-length:";
     std::size_t const at = head.find(kKey);
-    return at == std::string::npos ? std::nullopt
-                                   : std::optional<std::size_t>{std::strtoull(head.c_str() + at + kKey.size(), nullptr, 10)};
+    return at == std::string::npos
+               ? std::nullopt
+               : std::optional<std::size_t>{std::strtoull(head.c_str() + at + kKey.size(), nullptr, 10)};
 }
 
 /// Sends a request and returns the body of its answer. `token` empty: the monitor's own, if it asks for one.
@@ -159,11 +160,12 @@ Result<std::string> talk(MonitorAddress const& monitor, std::string_view method,
                     "its machine is very busy, or it is stopped: try again");
     }
     if (!is_whole) {
-        return fail(ExitCode::environment,
-                    text.empty()
-                        ? fmt::format("the monitor at {} has ended the connection without an answer", monitor.url())
-                        : fmt::format("the answer of the monitor at {} was cut after {} octets", monitor.url(), text.size()),
-                    "the run may just have ended: try again");
+        return fail(
+            ExitCode::environment,
+            text.empty()
+                ? fmt::format("the monitor at {} has ended the connection without an answer", monitor.url())
+                : fmt::format("the answer of the monitor at {} was cut after {} octets", monitor.url(), text.size()),
+            "the run may just have ended: try again");
     }
     int const status = std::atoi(text.c_str() + kBegin.size());
     if (status / 100 != 2) {
@@ -212,8 +214,8 @@ Result<void> control_run(std::filesystem::path const& folder, std::string const&
         return fail(ExitCode::usage, fmt::format("run '{}' may not be controlled", folder.string()),
                     "start it with `gridspace run --allow-control`");
     }
-    auto const answer = talk(*monitor, "POST", "/api/v1/control", token, fmt::format(R"({{"action":"{}"}})", action),
-                             kMonitorPatience);
+    auto const answer =
+        talk(*monitor, "POST", "/api/v1/control", token, fmt::format(R"({{"action":"{}"}})", action), kMonitorPatience);
     return answer ? Result<void>{} : std::unexpected{answer.error()};
 }
 

@@ -12,9 +12,9 @@ namespace gridspace::launcher {
 
 /// Where a monitor serves, and what it takes to be let in.
 struct MonitorAddress {
-    std::string address;                  ///< "127.0.0.1:8080"
-    std::filesystem::path certificate;    ///< that it shows; empty: no TLS
-    std::filesystem::path token_file;     ///< empty: it asks for none
+    std::string address;               ///< "127.0.0.1:8080"
+    std::filesystem::path certificate; ///< that it shows; empty: no TLS
+    std::filesystem::path token_file;  ///< empty: it asks for none
     [[nodiscard]] std::string url() const { return (certificate.empty() ? "http://" : "https://") + address; }
 };
 

@@ -55,17 +55,20 @@ Result<pid_t> start_in_namespaces(std::function<int()> const& body) {
         ::close(ready[0]);
         ::close(ready[1]);
         return fail(ExitCode::environment, fmt::format("cannot make namespaces: {}", std::strerror(why)),
-                    root ? "is this a container without CAP_SYS_ADMIN?" : "unprivileged user namespaces are switched off here; try as root");
+                    root ? "is this a container without CAP_SYS_ADMIN?"
+                         : "unprivileged user namespaces are switched off here; try as root");
     }
     if (pid == 0) {
         follow_parent(parent);
         bool ok = true;
         if (!root) {
-            ok = write_file("/proc/self/setgroups", "deny") && write_file("/proc/self/uid_map", fmt::format("0 {} 1", uid)) &&
+            ok = write_file("/proc/self/setgroups", "deny") &&
+                 write_file("/proc/self/uid_map", fmt::format("0 {} 1", uid)) &&
                  write_file("/proc/self/gid_map", fmt::format("0 {} 1", gid));
         }
         ok = ok && ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0;
-        ::mount("proc", "/proc", "proc", MS_NOSUID | MS_NODEV | MS_NOEXEC, nullptr); // so that its tools see its processes
+        ::mount("proc", "/proc", "proc", MS_NOSUID | MS_NODEV | MS_NOEXEC,
+                nullptr); // so that its tools see its processes
         char const answer = ok ? 'y' : 'n';
         [[maybe_unused]] auto const written = ::write(ready[1], &answer, 1);
         ::close(ready[1]);
@@ -77,7 +80,8 @@ Result<pid_t> start_in_namespaces(std::function<int()> const& body) {
     ::close(ready[0]);
     if (size != 1 || answer != 'y') {
         ::kill(pid, SIGKILL);
-        return fail(ExitCode::environment, "the namespaces of the run could not be prepared", "`gridspace doctor` looks at what the kernel allows");
+        return fail(ExitCode::environment, "the namespaces of the run could not be prepared",
+                    "`gridspace doctor` looks at what the kernel allows");
     }
     return pid;
 }

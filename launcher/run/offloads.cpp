@@ -48,11 +48,13 @@ Result<void> finish_frames_before_sending(int netns, std::string const& interfac
     }
     int status = 0;
     if (pid < 0 || ::waitpid(pid, &status, 0) != pid) {
-        return fail(ExitCode::environment, fmt::format("no process for the settings of '{}': {}", interface, std::strerror(errno)));
+        return fail(ExitCode::environment,
+                    fmt::format("no process for the settings of '{}': {}", interface, std::strerror(errno)));
     }
     int const error = WIFEXITED(status) ? WEXITSTATUS(status) : EINTR;
     if (error != 0) {
-        return fail(ExitCode::environment, fmt::format("cannot switch the offloads of '{}' off: {}", interface, std::strerror(error)),
+        return fail(ExitCode::environment,
+                    fmt::format("cannot switch the offloads of '{}' off: {}", interface, std::strerror(error)),
                     "a place in a cable that carries IP needs it");
     }
     return {};

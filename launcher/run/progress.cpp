@@ -18,7 +18,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 std::size_t terminal_width() {
     winsize size{};
@@ -54,7 +56,8 @@ Progress::~Progress() {
 std::string Progress::take_unread() {
     std::string text = output_.take();
     if (output_.left_out() > 0 && !std::exchange(left_out_is_said_, true)) {
-        std::string const note = fmt::format("{} lines are left out here; events.ndjson has every event", output_.left_out());
+        std::string const note =
+            fmt::format("{} lines are left out here; events.ndjson has every event", output_.left_out());
         text += style_ == Style::json ? Json{{"note", note}}.dump() + "\n" : note + "\n";
     }
     return text;
@@ -100,7 +103,9 @@ void Progress::update(double time_s, unsigned long overruns) {
     time_s_ = time_s;
     overruns_ = overruns;
     double const since_drawn = seconds_since(drawn_at_);
-    bool const due = style_ == Style::terminal ? since_drawn >= 0.1 : style_ == Style::json ? since_drawn >= 0.5 : since_drawn >= 10;
+    bool const due = style_ == Style::terminal ? since_drawn >= 0.1
+                     : style_ == Style::json   ? since_drawn >= 0.5
+                                               : since_drawn >= 10;
     if (due) {
         draw(false);
     }
@@ -116,18 +121,23 @@ void Progress::draw(bool last) {
     double const share = duration_s_ > 0 ? time_s_ / duration_s_ : 0;
     double const left = speed > 0 ? (duration_s_ - time_s_) / speed : 0;
     if (style_ == Style::json) {
-        show(Json{{"time_s", time_s_}, {"duration_s", duration_s_}, {"speed", speed}, {"overruns", overruns_}}.dump() + "\n", last);
+        show(Json{{"time_s", time_s_}, {"duration_s", duration_s_}, {"speed", speed}, {"overruns", overruns_}}.dump() +
+                 "\n",
+             last);
         return;
     }
-    std::string const text = fmt::format("sim {} / {}  x{:.3g}  {}{}", human_duration(time_s_), human_duration(duration_s_), speed,
-                                         last ? fmt::format("in {}", human_duration(wall)) : fmt::format("ETA {}", human_duration(left)),
-                                         overruns_ > 0 ? fmt::format("  overruns {}", overruns_) : "");
+    std::string const text =
+        fmt::format("sim {} / {}  x{:.3g}  {}{}", human_duration(time_s_), human_duration(duration_s_), speed,
+                    last ? fmt::format("in {}", human_duration(wall)) : fmt::format("ETA {}", human_duration(left)),
+                    overruns_ > 0 ? fmt::format("  overruns {}", overruns_) : "");
     if (style_ == Style::plain) {
         show(fmt::format("{}: {}\n", scenario_, text), last);
         return;
     }
     int const cells = terminal_width() > scenario_.size() + text.size() + 26 ? 20 : 0;
-    show(fmt::format("\r\x1b[K{} {}{}{}", scenario_, cells > 0 ? "▕" : "", cells > 0 ? bar(share, cells) + "▏ " : "", text), last);
+    show(fmt::format("\r\x1b[K{} {}{}{}", scenario_, cells > 0 ? "▕" : "", cells > 0 ? bar(share, cells) + "▏ " : "",
+                     text),
+         last);
     drawn_ = true;
 }
 

@@ -11,9 +11,9 @@
 
 namespace gridspace::launcher {
 
-/// Shows how a run goes: a line that renews itself on a terminal, a plain line every ten seconds elsewhere, JSON lines on
-/// request. What it prints goes to standard error, so that standard output stays for results. It never waits for who reads
-/// that: of how far the run is, only the newest is kept meanwhile, of everything else a megabyte.
+/// Shows how a run goes: a line that renews itself on a terminal, a plain line every ten seconds elsewhere, JSON lines
+/// on request. What it prints goes to standard error, so that standard output stays for results. It never waits for who
+/// reads that: of how far the run is, only the newest is kept meanwhile, of everything else a megabyte.
 class Progress {
   public:
     enum class Style { terminal, plain, json, quiet };
@@ -22,8 +22,9 @@ class Progress {
     Progress(Progress const&) = delete;
     Progress& operator=(Progress const&) = delete;
 
-    void note(std::string_view text);                     ///< a line of its own
-    void event(double time_s, std::string_view source, std::string_view kind, std::string_view text); ///< as in events.ndjson
+    void note(std::string_view text); ///< a line of its own
+    void event(double time_s, std::string_view source, std::string_view kind,
+               std::string_view text); ///< as in events.ndjson
     void update(double time_s, unsigned long overruns);
     void finish(); ///< waits for a moment
     void flush() { output_.flush(); }

@@ -44,7 +44,10 @@ class Follower {
         int asked = 0;
         bool gone = false;
         while (!gone) {
-            pollfd fds[] = {{channel, POLLIN, 0}, {pidfd, POLLIN, 0}, {interrupts.fd(), POLLIN, 0}, {progress_.waits_for(), POLLOUT, 0}};
+            pollfd fds[] = {{channel, POLLIN, 0},
+                            {pidfd, POLLIN, 0},
+                            {interrupts.fd(), POLLIN, 0},
+                            {progress_.waits_for(), POLLOUT, 0}};
             ::poll(fds, 4, 1000);
             progress_.flush();
             if (fds[0].revents != 0) {
@@ -68,7 +71,8 @@ class Follower {
         ::waitpid(supervisor, &status, 0);
         progress_.finish();
         if (!over_) {
-            outcome_.exit_code = asked > 1 ? static_cast<int>(ExitCode::interrupted) : static_cast<int>(ExitCode::child_died);
+            outcome_.exit_code =
+                asked > 1 ? static_cast<int>(ExitCode::interrupted) : static_cast<int>(ExitCode::child_died);
             outcome_.cause = asked > 1 ? "stopped at once" : "the supervisor of the run died, and everything with it";
         }
         if (started_) {
@@ -120,7 +124,8 @@ class Follower {
             outcome_.cause = line.value("cause", "");
             outcome_.remedy = line.value("remedy", "");
             if (auto const left_out = line.value("left_out", std::uint64_t{0}); left_out > 0) {
-                std::string const text = fmt::format("{} lines about the run are left out: this process did not take them", left_out);
+                std::string const text =
+                    fmt::format("{} lines about the run are left out: this process did not take them", left_out);
                 events_.write(time_s_, "launcher", "left_out", text);
                 progress_.note(text);
             }
@@ -181,7 +186,6 @@ class Follower {
     Clock::time_point clock_started_, last_progress_;
 };
 
-
 /// A text of the settings of a process; empty when it is not there.
 std::string setting(PlannedProcess const& process, std::string_view key) {
     config::Node const* const settings = process.config.find("settings");
@@ -194,7 +198,8 @@ std::string setting(PlannedProcess const& process, std::string_view key) {
 Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options, InterruptWatch& interrupts) {
     auto const begin = Clock::now();
     if (!options.namespaces && has_raw_frames(scenario)) {
-        return fail(ExitCode::usage, "this scenario exchanges raw frames, and those need hosts with interfaces of their own",
+        return fail(ExitCode::usage,
+                    "this scenario exchanges raw frames, and those need hosts with interfaces of their own",
                     "run it without --no-namespaces");
     }
     if (auto ok = check_emulators(scenario); !ok) {
@@ -203,16 +208,22 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     for (Process const& process : scenario.processes) {
         bool const allowed = process.interface == options.allow_attacks_on;
         if (process.program.name == "gridspace-attacker" && !process.interface.empty() && !allowed) {
-            return fail(ExitCode::usage, fmt::format("process '{}' would attack on '{}', which is a real network", process.name.name, process.interface),
-                        fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}", process.interface));
+            return fail(
+                ExitCode::usage,
+                fmt::format("process '{}' would attack on '{}', which is a real network", process.name.name,
+                            process.interface),
+                fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
+                            process.interface));
         }
     }
     Progress progress{options.style, scenario.name, scenario.simulation.duration().to_double()};
-    bool const with_boards = std::any_of(scenario.processes.begin(), scenario.processes.end(), [](Process const& process) {
-        return parse_run_on(process.run_on).value_or(RunOn{}).kind == RunOn::Kind::ssh;
-    });
+    bool const with_boards =
+        std::any_of(scenario.processes.begin(), scenario.processes.end(), [](Process const& process) {
+            return parse_run_on(process.run_on).value_or(RunOn{}).kind == RunOn::Kind::ssh;
+        });
     if (with_boards && !options.namespaces) {
-        return fail(ExitCode::usage, "this scenario runs processes on boards, and those take the place of hosts", "run it without --no-namespaces");
+        return fail(ExitCode::usage, "this scenario runs processes on boards, and those take the place of hosts",
+                    "run it without --no-namespaces");
     }
     auto boards = prepare_boards(scenario, [&](std::string_view text) { progress.note(text); });
     if (!boards) {
@@ -228,7 +239,8 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         return std::unexpected{events.error()};
     }
 
-    PlanOptions plan_options{*folder, options.namespaces, 0, options.log_level, options.allow_control, std::move(*boards)};
+    PlanOptions plan_options{*folder,           options.namespaces,    0,
+                             options.log_level, options.allow_control, std::move(*boards)};
     if (options.allow_control) {
         if (auto ok = write_control_token(*folder); !ok) {
             return std::unexpected{ok.error()};
@@ -240,17 +252,23 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         progress.note("note: " + plan.scheduling);
     }
     UniqueFd outer;
-    if (std::any_of(plan.processes.begin(), plan.processes.end(), [](PlannedProcess const& p) { return !p.interface.empty(); })) {
+    if (std::any_of(plan.processes.begin(), plan.processes.end(),
+                    [](PlannedProcess const& p) { return !p.interface.empty(); })) {
         if (!root) {
-            return fail(ExitCode::environment, "the scenario takes real interfaces into its hosts, and only root can do that",
+            return fail(ExitCode::environment,
+                        "the scenario takes real interfaces into its hosts, and only root can do that",
                         "run it as root, or without `interface:`");
         }
         outer.reset(::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC));
         plan.outer_network = outer.get();
     }
-    if ((with_boards || std::any_of(plan.ports.begin(), plan.ports.end(), [](Port const& port) { return !port.plug.empty(); })) && !outer) {
+    if ((with_boards ||
+         std::any_of(plan.ports.begin(), plan.ports.end(), [](Port const& port) { return !port.plug.empty(); })) &&
+        !outer) {
         if (!root) {
-            return fail(ExitCode::environment, "the scenario plugs real interfaces into its switches, and only root can do that", "run it as root, or without `plugs:`");
+            return fail(ExitCode::environment,
+                        "the scenario plugs real interfaces into its switches, and only root can do that",
+                        "run it as root, or without `plugs:`");
         }
         outer.reset(::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC));
         plan.outer_network = outer.get();
@@ -287,7 +305,8 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     progress.note(fmt::format("run folder: {}", folder->string()));
     for (PlannedProcess const& process : plan.processes) {
         if (process.run_on.kind == RunOn::Kind::external) {
-            progress.note(fmt::format("{}: is to be started by somebody else, with {}", process.name, process.config_file.string()));
+            progress.note(fmt::format("{}: is to be started by somebody else, with {}", process.name,
+                                      process.config_file.string()));
         }
     }
 
@@ -306,7 +325,8 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     }
     if (!supervisor && !with_boards && (!options.namespaces || !has_raw_frames(scenario))) {
         if (options.namespaces) {
-            progress.note(fmt::format("note: {}; running on the loopback interface instead", describe(supervisor.error())));
+            progress.note(
+                fmt::format("note: {}; running on the loopback interface instead", describe(supervisor.error())));
         }
         auto taken = DomainLock::take();
         if (!taken) {
@@ -336,7 +356,8 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     ::close(channel[0]);
     finished.unread = progress.take_unread();
     finished.outcome.total_wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
-    if (auto ok = write_outcome(*folder, finished.outcome); !ok) { // a full disk: how the run went is to be said all the same
+    if (auto ok = write_outcome(*folder, finished.outcome);
+        !ok) { // a full disk: how the run went is to be said all the same
         finished.unwritten = ok.error();
     }
     return finished;

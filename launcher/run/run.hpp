@@ -16,10 +16,10 @@ struct RunOptions {
     std::filesystem::path parent{"runs"}; ///< run folders go here
     std::filesystem::path out;            ///< or exactly here
     Progress::Style style{Progress::Style::plain};
-    bool namespaces{true};                ///< false: --no-namespaces
-    std::string allow_attacks_on;         ///< a real interface
+    bool namespaces{true};        ///< false: --no-namespaces
+    std::string allow_attacks_on; ///< a real interface
     std::string log_level{"info"};
-    bool allow_control{false};            ///< --allow-control
+    bool allow_control{false}; ///< --allow-control
 };
 
 struct FinishedRun {
@@ -29,8 +29,9 @@ struct FinishedRun {
     std::string unread;             ///< what was said on standard error, and waits for somebody to read there
 };
 
-/// Runs a scenario from start to end: folder, sockets, namespaces, processes, progress. Fails when it cannot even start;
-/// otherwise the outcome says how it went. `interrupts` end it.
-[[nodiscard]] Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options, InterruptWatch& interrupts);
+/// Runs a scenario from start to end: folder, sockets, namespaces, processes, progress. Fails when it cannot even
+/// start; otherwise the outcome says how it went. `interrupts` end it.
+[[nodiscard]] Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options,
+                                               InterruptWatch& interrupts);
 
 } // namespace gridspace::launcher

@@ -67,7 +67,8 @@ Result<void> write_text(fs::path const& file, std::string const& text) {
     if (!written || error) {
         fs::remove(fresh, ignored);
     }
-    return error ? fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file.string(), error.message())) : written;
+    return error ? fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file.string(), error.message()))
+                 : written;
 }
 
 } // namespace
@@ -98,7 +99,8 @@ Result<fs::path> make_run_folder(std::string const& scenario, fs::path const& pa
     std::error_code error;
     if (!exact.empty()) {
         if (fs::exists(exact, error) && !fs::is_empty(exact, error)) {
-            return fail(ExitCode::usage, fmt::format("the folder '{}' is not empty", exact.string()), "choose another one for --out");
+            return fail(ExitCode::usage, fmt::format("the folder '{}' is not empty", exact.string()),
+                        "choose another one for --out");
         }
         fs::create_directories(exact, error);
         return error ? fail(ExitCode::environment, fmt::format("cannot make '{}': {}", exact.string(), error.message()))
@@ -147,7 +149,8 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         }
         Json files = Json::object();
         add_files(process.config, files);
-        processes[process.name] = {{"program", process.program}, {"host", process.host}, {"member", process.is_member}, {"files", files}};
+        processes[process.name] = {
+            {"program", process.program}, {"host", process.host}, {"member", process.is_member}, {"files", files}};
     }
     if (auto ok = write_text(plan.folder / "scenario.resolved.yaml", to_yaml(scenario.resolved)); !ok) {
         return ok;
@@ -155,14 +158,16 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
     if (auto ok = write_text(plan.folder / "monitor.yaml", to_yaml(recorded_monitor(scenario))); !ok) {
         return ok;
     }
-    fs::copy_file(scenario.simulation.network, plan.folder / ("network" + scenario.simulation.network.extension().string()),
+    fs::copy_file(scenario.simulation.network,
+                  plan.folder / ("network" + scenario.simulation.network.extension().string()),
                   fs::copy_options::overwrite_existing, error);
     Version const& v = version();
     Json const manifest{
         {"scenario", scenario.name},
         {"description", scenario.description},
         {"started", utc_stamp()},
-        {"gridspace", {{"version", v.version}, {"commit", v.commit}, {"build", v.build_type}, {"compiler", v.compiler}}},
+        {"gridspace",
+         {{"version", v.version}, {"commit", v.commit}, {"build", v.build_type}, {"compiler", v.compiler}}},
         {"seed", scenario.seed},
         {"clock",
          {{"mode", scenario.clock.mode == bus::ClockMode::lockstep ? "lockstep" : "realtime"},
@@ -170,14 +175,18 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
           {"tick_s", scenario.tick_s().to_string()},
           {"step_s", scenario.simulation.step_s.to_string()},
           {"epoch", scenario.simulation.epoch}}},
-        {"deterministic", scenario.clock.mode == bus::ClockMode::lockstep}, // a member that dies or is late ends a run, so nothing else spoils it
+        {"deterministic",
+         scenario.clock.mode ==
+             bus::ClockMode::lockstep}, // a member that dies or is late ends a run, so nothing else spoils it
         {"duration_s", plan.duration_s},
         {"files",
          {{"scenario", {{"path", scenario.file.string()}, {"sha256", sha256_of(scenario.file)}}},
-          {"network", {{"path", scenario.simulation.network.string()}, {"sha256", sha256_of(scenario.simulation.network)}}}}},
+          {"network",
+           {{"path", scenario.simulation.network.string()}, {"sha256", sha256_of(scenario.simulation.network)}}}}},
         {"processes", processes},
-        {"isolation", plan.namespaces ? (root ? "network, mount and PID namespaces" : "user, network, mount and PID namespaces")
-                                      : "none: loopback interface, own DDS domains"},
+        {"isolation", plan.namespaces
+                          ? (root ? "network, mount and PID namespaces" : "user, network, mount and PID namespaces")
+                          : "none: loopback interface, own DDS domains"},
         {"scheduling", plan.scheduling},
         {"host", host_of(root)},
     };

@@ -11,10 +11,10 @@
 
 namespace gridspace::launcher {
 
-/// Makes `parent/<scenario>-<utc>` (with a number when it exists) and points `parent/latest` to it. With `exact`, makes that
-/// folder, which must not exist or be empty.
-[[nodiscard]] Result<std::filesystem::path> make_run_folder(std::string const& scenario, std::filesystem::path const& parent,
-                                                            std::filesystem::path const& exact);
+/// Makes `parent/<scenario>-<utc>` (with a number when it exists) and points `parent/latest` to it. With `exact`, makes
+/// that folder, which must not exist or be empty.
+[[nodiscard]] Result<std::filesystem::path>
+make_run_folder(std::string const& scenario, std::filesystem::path const& parent, std::filesystem::path const& exact);
 
 /// Writes what is known before the start: scenario.resolved.yaml, the network file, the process files, manifest.json.
 [[nodiscard]] Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool root);
@@ -23,8 +23,8 @@ namespace gridspace::launcher {
 struct RunOutcome {
     int exit_code{0};
     std::string cause, remedy;
-    double wall_s{0};          ///< from the start of the simulator's clock to its end
-    double total_wall_s{0};    ///< of everything
+    double wall_s{0};       ///< from the start of the simulator's clock to its end
+    double total_wall_s{0}; ///< of everything
     double simulated_s{0};
     std::uint64_t overruns{0};
     struct ProcessEnd {

@@ -109,13 +109,15 @@ std::map<std::string, std::string> environment_of(bus::NodeConfig const& node) {
             {"GRIDSPACE_EXPECTED_READERS", expected_text(node.expected_readers)}};
 }
 
-/// In real time: the shorter its work and the tighter its deadline, the higher. What only watches stays below everybody.
+/// In real time: the shorter its work and the tighter its deadline, the higher. What only watches stays below
+/// everybody.
 int fifo_priority(Scenario const& scenario, std::string_view program) {
     if (scenario.clock.mode == bus::ClockMode::lockstep || !scenario.clock.fifo) {
         return 0;
     }
-    static constexpr std::pair<std::string_view, int> kPriorities[]{{"gridspace-link", 49},    {"gridspace-mu", 48},      {"gridspace-relay", 47}, {"gridspace-breaker", 47},
-                                                                    {"gridspace-gateway", 47}, {"gridspace-attacker", 46}, {"gridspace-sim", 45}};
+    static constexpr std::pair<std::string_view, int> kPriorities[]{
+        {"gridspace-link", 49},    {"gridspace-mu", 48},       {"gridspace-relay", 47}, {"gridspace-breaker", 47},
+        {"gridspace-gateway", 47}, {"gridspace-attacker", 46}, {"gridspace-sim", 45}};
     for (auto const& [name, priority] : kPriorities) {
         if (name == program) {
             return priority;
@@ -155,8 +157,8 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
     out.command = process.settings->command();
     if (out.command.empty()) {
         bool const native = out.run_on.kind == RunOn::Kind::native;
-        out.command = {native ? program_file(out.program).string() : out.program, "--config", out.config_file.string(), "--log-level",
-                       options.log_level};
+        out.command = {native ? program_file(out.program).string() : out.program, "--config", out.config_file.string(),
+                       "--log-level", options.log_level};
     }
     if (out.run_on.kind == RunOn::Kind::qemu_user) {
         out.command = qemu_user_command(std::move(out.command));
@@ -164,7 +166,8 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
         out.command = qemu_system_command(out.command, out.config_file, plan.ports, out.host);
     } else if (out.run_on.kind == RunOn::Kind::ssh) {
         auto const bundle = options.boards.find(out.name);
-        out.command = ssh_board_command(out.command, out.config_file, process, bundle == options.boards.end() ? "BUNDLE" : bundle->second, plan.ports,
+        out.command = ssh_board_command(out.command, out.config_file, process,
+                                        bundle == options.boards.end() ? "BUNDLE" : bundle->second, plan.ports,
                                         plan.member_timeout_s);
     }
     bus::NodeConfig const node = node_config(scenario, process, flow, plan, options);
@@ -196,12 +199,15 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     for (Process const& process : scenario.processes) {
         plan.processes.push_back(plan_process(scenario, process, flow, plan, options));
     }
-    std::stable_partition(plan.processes.begin(), plan.processes.end(), [](PlannedProcess const& p) { return !p.is_simulator; });
+    std::stable_partition(plan.processes.begin(), plan.processes.end(),
+                          [](PlannedProcess const& p) { return !p.is_simulator; });
     for (sim::Event const& event : process_events(scenario)) {
         std::vector<PlannedStroke> strokes;
         using Kind = PlannedStroke::Kind;
-        for (auto const& [kind, target] : {std::pair{Kind::kill, &event.kill}, {Kind::pause, &event.pause},
-                                           {Kind::resume, &event.resume}, {Kind::restart, &event.restart}}) {
+        for (auto const& [kind, target] : {std::pair{Kind::kill, &event.kill},
+                                           {Kind::pause, &event.pause},
+                                           {Kind::resume, &event.resume},
+                                           {Kind::restart, &event.restart}}) {
             if (!target->empty()) {
                 strokes.push_back({kind, event.name.name, target->name, event.at_s->to_double()});
             }
@@ -230,7 +236,8 @@ void settle_scheduling(RunPlan& plan) {
     for (PlannedProcess& process : plan.processes) {
         process.fifo_priority = 0;
     }
-    plan.scheduling = "SCHED_OTHER: this user may not use SCHED_FIFO, so timing is at the mercy of what else runs; as root, or with `rtprio` in /etc/security/limits.conf, it is not";
+    plan.scheduling = "SCHED_OTHER: this user may not use SCHED_FIFO, so timing is at the mercy of what else runs; as "
+                      "root, or with `rtprio` in /etc/security/limits.conf, it is not";
 }
 
 std::string to_text(RunPlan const& plan) {
@@ -242,8 +249,9 @@ std::string to_text(RunPlan const& plan) {
             out += fmt::format("  {}\n", host);
             for (Port const& port : plan.ports) {
                 if (port.host == host) {
-                    out += fmt::format("    {:<15} {}  {}\n", port.interface, port.mac,
-                                       port.address.empty() ? "no IP" : fmt::format("{}/{}", port.address, port.prefix));
+                    out +=
+                        fmt::format("    {:<15} {}  {}\n", port.interface, port.mac,
+                                    port.address.empty() ? "no IP" : fmt::format("{}/{}", port.address, port.prefix));
                 }
             }
         }

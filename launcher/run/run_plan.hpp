@@ -18,20 +18,20 @@ namespace gridspace::launcher {
 /// One process to start.
 struct PlannedProcess {
     std::string name, program, host;
-    std::filesystem::path config_file;    ///< in the run folder
-    config::Node config;                  ///< what goes into it
+    std::filesystem::path config_file; ///< in the run folder
+    config::Node config;               ///< what goes into it
     std::vector<std::string> command;
     std::map<std::string, std::string> environment;
     std::optional<std::int64_t> cpu;
     RunOn run_on;
-    int fifo_priority{0};                 ///< of SCHED_FIFO; 0: the system's usual scheduling
+    int fifo_priority{0}; ///< of SCHED_FIFO; 0: the system's usual scheduling
     std::filesystem::path log_file;
     bool is_simulator{false};
-    bool is_member{false};                ///< its end before the run's is a failure, also with exit code 0
-    bool is_observer{false};              ///< ends when told to
-    std::string listen;                   ///< address to serve on; the launcher opens the socket
-    std::string interface;                ///< a real one, which is taken into its host for the run
-    std::vector<std::string> networks;    ///< hosts into whose networks it looks
+    bool is_member{false};             ///< its end before the run's is a failure, also with exit code 0
+    bool is_observer{false};           ///< ends when told to
+    std::string listen;                ///< address to serve on; the launcher opens the socket
+    std::string interface;             ///< a real one, which is taken into its host for the run
+    std::vector<std::string> networks; ///< hosts into whose networks it looks
 };
 
 /// Something that the launcher does to a process between two ticks.
@@ -50,23 +50,23 @@ struct RunPlan {
     std::vector<Link> links;
     std::vector<Port> ports;
     std::vector<PlacedCutIn> cut_ins;
-    int outer_network{-1};                 ///< the network namespace in which `gridspace run` was called, where real interfaces are
+    int outer_network{-1}; ///< the network namespace in which `gridspace run` was called, where real interfaces are
     std::vector<PlannedProcess> processes; ///< the simulator last: everybody else is there when it starts to wait
     std::vector<std::vector<PlannedStroke>> holds; ///< by index of the simulator's hold
     double duration_s{0};
     bool lockstep{true};
     bool allow_control{false}; ///< pause, continue, step and stop through the monitor
     double start_timeout_s{30}, member_timeout_s{10};
-    std::string scheduling;        ///< in real time: what the processes run under, and why; for the manifest and the report
+    std::string scheduling; ///< in real time: what the processes run under, and why; for the manifest and the report
 };
 
 struct PlanOptions {
-    std::filesystem::path folder;  ///< of the run; absolute
-    bool namespaces{true};         ///< false: everything on the loopback interface
-    int domain{0};                 ///< first of two DDS domains for the run (without namespaces)
+    std::filesystem::path folder; ///< of the run; absolute
+    bool namespaces{true};        ///< false: everything on the loopback interface
+    int domain{0};                ///< first of two DDS domains for the run (without namespaces)
     std::string log_level{"info"};
-    bool allow_control{false};     ///< the monitor is given the token that RUN/control.token holds
-    BoardBundles boards{};         ///< what prepare_boards() made of the boards
+    bool allow_control{false}; ///< the monitor is given the token that RUN/control.token holds
+    BoardBundles boards{};     ///< what prepare_boards() made of the boards
 };
 
 /// Real time: takes SCHED_FIFO from all processes where the system does not permit it, and says so in `scheduling`.

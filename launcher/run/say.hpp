@@ -11,7 +11,8 @@ namespace gridspace {
 
 /// Prints on standard output or standard error, and never throws as fmt::print does: a run goes on, and its report is
 /// written, when its terminal is closed, its disk is full or nobody reads its pipe any more. `std::ferror` knows of it.
-template <class... A> void say(std::FILE* stream, fmt::format_string<A...> format, A&&... arguments) {
+template <class... A>
+void say(std::FILE* stream, fmt::format_string<A...> format, A&&... arguments) {
     std::string const text = fmt::format(format, std::forward<A>(arguments)...);
     (void)std::fwrite(text.data(), 1, text.size(), stream);
 }

@@ -20,16 +20,17 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <poll.h>
-#include <sys/syscall.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 namespace gridspace::launcher {
 namespace {
 
-double seconds_of(timeval t) { return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) / 1e6; }
-
+double seconds_of(timeval t) {
+    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) / 1e6;
+}
 
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
@@ -43,7 +44,7 @@ struct Watched {
     bool expected_to_die{false}; ///< killed by an event of the scenario
     bool paused{false};          ///< by an event of the scenario: it does not hear of the end
     std::int64_t incarnation{0};
-    std::string pending;         ///< status text without its line end yet
+    std::string pending;           ///< status text without its line end yet
     std::optional<Error> reported; ///< what it said before it ended
 };
 
@@ -114,7 +115,8 @@ class Supervisor {
         w.child = *child;
         w.running = true;
         w.pending.clear();
-        std::ofstream{pid_file(w)} << w.child.pid << '\n'; // for the monitor; without it, it says nothing of the process
+        std::ofstream{pid_file(w)} << w.child.pid
+                                   << '\n'; // for the monitor; without it, it says nothing of the process
         tell(Json{{"kind", "started"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
         return {};
     }
@@ -219,7 +221,8 @@ class Supervisor {
         if (plan_.namespaces) { // process 1 reaps whatever its children left behind
             for (bool more = true; more;) {
                 siginfo_t info{};
-                more = ::waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0 && !is_watched(info.si_pid);
+                more = ::waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0 &&
+                       !is_watched(info.si_pid);
                 if (more) {
                     ::waitpid(info.si_pid, nullptr, 0);
                 }
@@ -228,13 +231,15 @@ class Supervisor {
     }
 
     bool is_watched(pid_t pid) const {
-        return std::any_of(watched_.begin(), watched_.end(), [&](Watched const& w) { return w.running && w.child.pid == pid; });
+        return std::any_of(watched_.begin(), watched_.end(),
+                           [&](Watched const& w) { return w.running && w.child.pid == pid; });
     }
 
     void read_channel() {
         char buffer[256];
         ssize_t const size = ::read(channel_, buffer, sizeof buffer);
-        if (size <= 0 || std::string_view{buffer, static_cast<std::size_t>(size)}.find("stop") != std::string_view::npos) {
+        if (size <= 0 ||
+            std::string_view{buffer, static_cast<std::size_t>(size)}.find("stop") != std::string_view::npos) {
             fail_with({ExitCode::interrupted, "stopped", ""});
         }
     }
@@ -261,10 +266,12 @@ class Supervisor {
     void on_status(Watched& w, Json& status) {
         std::string const what = status.value("status", "");
         if (what == "failed") {
-            w.reported = Error{static_cast<ExitCode>(status.value("code", 4)), status.value("message", ""), status.value("remedy", "")};
+            w.reported = Error{static_cast<ExitCode>(status.value("code", 4)), status.value("message", ""),
+                               status.value("remedy", "")};
             // The simulator names the culprit of a stall; others notice the consequences.
             if (w.plan.is_simulator && !failure_) {
-                fail_with({w.reported->code, fmt::format("{}: {}", w.plan.name, w.reported->message), w.reported->remedy});
+                fail_with(
+                    {w.reported->code, fmt::format("{}: {}", w.plan.name, w.reported->message), w.reported->remedy});
             }
         } else if (what == "hold") {
             strike(w, status.value("index", std::size_t{0}));
@@ -290,7 +297,9 @@ class Supervisor {
         ::close(w.child.control_fd);
         std::error_code ignored;
         std::filesystem::remove(pid_file(w), ignored);
-        tell(Json{{"kind", "exit"}, {"process", w.plan.name}, {"how", describe_end(wait_status)},
+        tell(Json{{"kind", "exit"},
+                  {"process", w.plan.name},
+                  {"how", describe_end(wait_status)},
                   {"code", WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status)},
                   {"expected", w.expected_to_die},
                   {"cpu_s", seconds_of(used.ru_utime) + seconds_of(used.ru_stime)}});
@@ -298,24 +307,28 @@ class Supervisor {
             return;
         }
         // A board turns itself off in any case: what its program said counts.
-        bool const clean = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0 && !(w.plan.run_on.kind == RunOn::Kind::qemu_system && w.reported);
+        bool const clean = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0 &&
+                           !(w.plan.run_on.kind == RunOn::Kind::qemu_system && w.reported);
         if (w.plan.is_simulator) {
             if (clean) {
                 simulator_done_ = Clock::now();
             } else {
                 fail_with({w.reported ? w.reported->code : ExitCode::child_died,
-                           fmt::format("the simulator '{}' ended: {}", w.plan.name, describe_end(wait_status)), "see its log"});
+                           fmt::format("the simulator '{}' ended: {}", w.plan.name, describe_end(wait_status)),
+                           "see its log"});
             }
             return;
         }
         if (clean && !simulator_done_) {
-            if (w.plan.is_member && !suspect_) { // it may just be quicker with the last tick than the simulator, who waits for the recorder
+            if (w.plan.is_member &&
+                !suspect_) { // it may just be quicker with the last tick than the simulator, who waits for the recorder
                 suspect_ = {Clock::now(), w.plan.name};
             }
             return;
         }
         if (!clean && (!w.plan.is_observer || !simulator_done_)) {
-            Error error{ExitCode::child_died, fmt::format("process '{}' died: {}", w.plan.name, describe_end(wait_status)), "see its log"};
+            Error error{ExitCode::child_died,
+                        fmt::format("process '{}' died: {}", w.plan.name, describe_end(wait_status)), "see its log"};
             if (w.reported) {
                 error = {w.reported->code == ExitCode::interrupted ? ExitCode::child_died : w.reported->code,
                          fmt::format("{}: {}", w.plan.name, w.reported->message), w.reported->remedy};
@@ -347,7 +360,8 @@ class Supervisor {
         using Kind = PlannedStroke::Kind;
         if (index < plan_.holds.size()) {
             for (PlannedStroke const& stroke : plan_.holds[index]) {
-                auto const w = std::find_if(watched_.begin(), watched_.end(), [&](Watched const& x) { return x.plan.name == stroke.process; });
+                auto const w = std::find_if(watched_.begin(), watched_.end(),
+                                            [&](Watched const& x) { return x.plan.name == stroke.process; });
                 char const* text = "killed";
                 switch (stroke.kind) {
                 case Kind::kill:
@@ -381,7 +395,11 @@ class Supervisor {
                     text = "restarted";
                     break;
                 }
-                tell(Json{{"kind", "stroke"}, {"event", stroke.event}, {"process", stroke.process}, {"what", text}, {"time_s", stroke.at_s}});
+                tell(Json{{"kind", "stroke"},
+                          {"event", stroke.event},
+                          {"process", stroke.process},
+                          {"what", text},
+                          {"time_s", stroke.at_s}});
             }
         }
         answer += "go\n";
@@ -447,7 +465,8 @@ class Supervisor {
     }
 
     [[nodiscard]] Error suspicion() const {
-        return {ExitCode::child_died, fmt::format("process '{}' ended before the run did, with exit code 0", suspect_->second),
+        return {ExitCode::child_died,
+                fmt::format("process '{}' ended before the run did, with exit code 0", suspect_->second),
                 "see its log; a member stays until the last tick"};
     }
 
@@ -456,14 +475,20 @@ class Supervisor {
             if (error.code == ExitCode::stall && suspect_ && !simulator_done_) { // who has gone does not answer
                 error = suspicion();
             }
-            tell(Json{{"kind", "failed"}, {"code", static_cast<int>(error.code)}, {"cause", error.message}}); // before the others end of it
+            tell(Json{{"kind", "failed"},
+                      {"code", static_cast<int>(error.code)},
+                      {"cause", error.message}}); // before the others end of it
             failure_ = std::move(error);
         }
     }
 
     int finish(std::optional<Error> const& error) {
         ExitCode const code = error ? error->code : ExitCode::ok;
-        tell(Json{{"kind", "over"}, {"code", static_cast<int>(code)}, {"cause", error ? error->message : ""}, {"remedy", error ? error->remedy : ""}, {"left_out", output_.left_out()}});
+        tell(Json{{"kind", "over"},
+                  {"code", static_cast<int>(code)},
+                  {"cause", error ? error->message : ""},
+                  {"remedy", error ? error->remedy : ""},
+                  {"left_out", output_.left_out()}});
         output_.drain(std::nullopt); // the launcher may be stopped (Ctrl-Z); when it dies, so does this process
         return static_cast<int>(code);
     }

@@ -9,9 +9,9 @@
 
 namespace gridspace::launcher {
 
-/// Carries out a plan: builds the network, starts the processes, watches them, ends them. Runs as process 1 of the run's
-/// namespaces (or as an ordinary process without them), so that nothing outlives it. Talks to the launcher over `channel`:
-/// JSON lines out (what happens), the word "stop" in. Returns the exit code of the run.
+/// Carries out a plan: builds the network, starts the processes, watches them, ends them. Runs as process 1 of the
+/// run's namespaces (or as an ordinary process without them), so that nothing outlives it. Talks to the launcher over
+/// `channel`: JSON lines out (what happens), the word "stop" in. Returns the exit code of the run.
 int supervise(RunPlan const& plan, int channel, std::map<std::string, int> const& listen_fds);
 
 } // namespace gridspace::launcher

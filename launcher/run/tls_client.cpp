@@ -20,13 +20,16 @@ std::string complaint() {
 } // namespace
 
 Result<Answer> exchange_by_tls(int socket, std::filesystem::path const& certificate, std::string const& request) {
-    std::unique_ptr<SSL_CTX, decltype(&::SSL_CTX_free)> const context{::SSL_CTX_new(::TLS_client_method()), &::SSL_CTX_free};
+    std::unique_ptr<SSL_CTX, decltype(&::SSL_CTX_free)> const context{::SSL_CTX_new(::TLS_client_method()),
+                                                                      &::SSL_CTX_free};
     if (context == nullptr || ::SSL_CTX_load_verify_locations(context.get(), certificate.c_str(), nullptr) != 1) {
-        return fail(ExitCode::environment, fmt::format("cannot read the certificate '{}': {}", certificate.string(), complaint()));
+        return fail(ExitCode::environment,
+                    fmt::format("cannot read the certificate '{}': {}", certificate.string(), complaint()));
     }
     ::SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
     ::SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
-    ::X509_VERIFY_PARAM_set_flags(::SSL_CTX_get0_param(context.get()), X509_V_FLAG_PARTIAL_CHAIN); // it is trusted itself
+    ::X509_VERIFY_PARAM_set_flags(::SSL_CTX_get0_param(context.get()),
+                                  X509_V_FLAG_PARTIAL_CHAIN); // it is trusted itself
     std::unique_ptr<SSL, decltype(&::SSL_free)> const tls{::SSL_new(context.get()), &::SSL_free};
     bool const can_try = tls != nullptr && ::SSL_set_fd(tls.get(), socket) == 1;
     int const connected = can_try ? ::SSL_connect(tls.get()) : -1;

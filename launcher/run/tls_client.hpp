@@ -15,8 +15,9 @@ struct Answer {
     bool silent{false}; ///< the socket's patience was over before the other side had ended
 };
 
-/// Sends a request over a connected socket with TLS and reads until the other side has said everything. Whoever shows another
-/// certificate than `certificate` (PEM; or one that it vouches for) is not talked to; names are not looked at.
-[[nodiscard]] Result<Answer> exchange_by_tls(int socket, std::filesystem::path const& certificate, std::string const& request);
+/// Sends a request over a connected socket with TLS and reads until the other side has said everything. Whoever shows
+/// another certificate than `certificate` (PEM; or one that it vouches for) is not talked to; names are not looked at.
+[[nodiscard]] Result<Answer> exchange_by_tls(int socket, std::filesystem::path const& certificate,
+                                             std::string const& request);
 
 } // namespace gridspace::launcher

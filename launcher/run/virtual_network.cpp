@@ -18,11 +18,14 @@
 namespace gridspace::launcher {
 namespace {
 
-std::string error_text() { return std::strerror(errno); }
+std::string error_text() {
+    return std::strerror(errno);
+}
 
 /// Frames that nobody asked for (router solicitations, neighbour discovery) would make captures differ.
 void disable_ipv6() {
-    for (char const* file : {"/proc/sys/net/ipv6/conf/all/disable_ipv6", "/proc/sys/net/ipv6/conf/default/disable_ipv6"}) {
+    for (char const* file :
+         {"/proc/sys/net/ipv6/conf/all/disable_ipv6", "/proc/sys/net/ipv6/conf/default/disable_ipv6"}) {
         int const fd = ::open(file, O_WRONLY | O_CLOEXEC);
         if (fd >= 0) {
             [[maybe_unused]] auto const written = ::write(fd, "1", 1);
@@ -31,7 +34,9 @@ void disable_ipv6() {
     }
 }
 
-std::string bridge_name(std::size_t link) { return fmt::format("br{}", link); }
+std::string bridge_name(std::size_t link) {
+    return fmt::format("br{}", link);
+}
 
 } // namespace
 
@@ -113,9 +118,12 @@ Result<void> VirtualNetwork::take_interfaces(RunPlan const& plan, std::map<std::
         if (process.interface.empty() || !taken.insert(process.interface).second) {
             continue;
         }
-        if (auto ok = ip(plan.outer_network, fmt::format("link set {} netns /proc/self/fd/{}\n", process.interface, hosts_.at(process.host))); !ok) {
+        if (auto ok = ip(plan.outer_network, fmt::format("link set {} netns /proc/self/fd/{}\n", process.interface,
+                                                         hosts_.at(process.host)));
+            !ok) {
             return fail(ok.error().code,
-                        fmt::format("process '{}' cannot have the interface '{}': {}", process.name, process.interface, ok.error().message),
+                        fmt::format("process '{}' cannot have the interface '{}': {}", process.name, process.interface,
+                                    ok.error().message),
                         "does `ip link` show it, and is this run started as root?");
         }
         inside[process.host] += fmt::format("link set {} up\n", process.interface);
@@ -126,7 +134,9 @@ Result<void> VirtualNetwork::take_interfaces(RunPlan const& plan, std::map<std::
 Result<void> VirtualNetwork::plug(RunPlan const& plan, Port const& port) const {
     // This process is process 1 of its namespaces, and lives where the switches are.
     if (auto ok = ip(plan.outer_network, fmt::format("link set {} netns 1\n", port.plug)); !ok) {
-        return fail(ok.error().code, fmt::format("the interface '{}' cannot be plugged into '{}' for host '{}': {}", port.plug, port.link, port.host, ok.error().message),
+        return fail(ok.error().code,
+                    fmt::format("the interface '{}' cannot be plugged into '{}' for host '{}': {}", port.plug,
+                                port.link, port.host, ok.error().message),
                     "does `ip link` show it, and is this run started as root?");
     }
     return {};
@@ -144,14 +154,16 @@ std::string VirtualNetwork::cable(RunPlan const& plan, Port const& port, std::st
         if (cut_in.host != port.host || cut_in.link != port.link) {
             continue;
         }
-        commands += fmt::format("link add {} netns /proc/self/fd/{} type veth peer name {} netns /proc/self/fd/{}\n", cut_in.host_interface,
-                                hosts_.at(cut_in.process_host), near.interface, hosts_.at(near.host));
+        commands +=
+            fmt::format("link add {} netns /proc/self/fd/{} type veth peer name {} netns /proc/self/fd/{}\n",
+                        cut_in.host_interface, hosts_.at(cut_in.process_host), near.interface, hosts_.at(near.host));
         for (std::string const& interface : {cut_in.host_interface, cut_in.switch_interface}) {
             inside[cut_in.process_host] += fmt::format("link set {} promisc on up\n", interface);
         }
         near = {cut_in.switch_interface, cut_in.process_host};
     }
-    return commands + fmt::format("link add {} type veth peer name {} netns /proc/self/fd/{}\n", switch_end, near.interface, hosts_.at(near.host));
+    return commands + fmt::format("link add {} type veth peer name {} netns /proc/self/fd/{}\n", switch_end,
+                                  near.interface, hosts_.at(near.host));
 }
 
 Result<void> VirtualNetwork::build(RunPlan const& plan) {
@@ -174,7 +186,8 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
     std::string core = "link set lo up\n";
     std::map<std::string, std::string> inside;
     for (std::size_t l = 0; l < links.size(); ++l) {
-        core += fmt::format("link add {} type bridge mcast_snooping 0 stp_state 0\nlink set {} up\n", bridge_name(l), bridge_name(l));
+        core += fmt::format("link add {} type bridge mcast_snooping 0 stp_state 0\nlink set {} up\n", bridge_name(l),
+                            bridge_name(l));
     }
     for (std::size_t p = 0; p < plan.ports.size(); ++p) {
         Port const& port = plan.ports[p];
@@ -184,7 +197,8 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
             if (auto ok = plug(plan, port); !ok) {
                 return ok;
             }
-            core += fmt::format("link property add dev {} altname {}\nlink set {} promisc on master {} up\n", port.plug, outer, port.plug, bridge_name(link));
+            core += fmt::format("link property add dev {} altname {}\nlink set {} promisc on master {} up\n", port.plug,
+                                outer, port.plug, bridge_name(link));
             continue;
         }
         core += cable(plan, port, outer, inside);

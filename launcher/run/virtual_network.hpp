@@ -10,8 +10,8 @@
 
 namespace gridspace::launcher {
 
-/// Hosts and switches of a run: a network namespace per host, a bridge per link, joined by veth pairs. Lives in the namespaces
-/// of the calling process (which must own them) and goes with them. Needs `ip` of iproute2.
+/// Hosts and switches of a run: a network namespace per host, a bridge per link, joined by veth pairs. Lives in the
+/// namespaces of the calling process (which must own them) and goes with them. Needs `ip` of iproute2.
 class VirtualNetwork {
   public:
     VirtualNetwork() = default;
@@ -29,7 +29,8 @@ class VirtualNetwork {
     [[nodiscard]] Result<int> make_namespace();
     /// Takes the real interfaces of the plan into their hosts. When the run is over the kernel gives them back.
     [[nodiscard]] Result<void> take_interfaces(RunPlan const& plan, std::map<std::string, std::string>& inside) const;
-    /// Takes a real interface to the switches, in the place of a host's cable. When the run is over the kernel gives it back.
+    /// Takes a real interface to the switches, in the place of a host's cable. When the run is over the kernel gives it
+    /// back.
     [[nodiscard]] Result<void> plug(RunPlan const& plan, Port const& port) const;
     /// The commands for the cable between a port and the switch; `inside`: what is to be done in each host.
     [[nodiscard]] std::string cable(RunPlan const& plan, Port const& port, std::string const& switch_end,

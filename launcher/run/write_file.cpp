@@ -16,8 +16,8 @@ namespace gridspace::launcher {
 namespace {
 
 std::unexpected<Error> cannot_write(std::filesystem::path const& file, int why) {
-    return fail(ExitCode::environment,
-                fmt::format("cannot write '{}'{}{}", file.string(), why == 0 ? "" : ": ", why == 0 ? "" : std::strerror(why)));
+    return fail(ExitCode::environment, fmt::format("cannot write '{}'{}{}", file.string(), why == 0 ? "" : ": ",
+                                                   why == 0 ? "" : std::strerror(why)));
 }
 
 } // namespace
@@ -31,7 +31,7 @@ Result<void> write_file(std::filesystem::path const& file, std::string_view text
 }
 
 Result<void> check_writable(std::filesystem::path const& file) {
-    struct stat found {};
+    struct stat found{};
     bool const exists = ::stat(file.c_str(), &found) == 0;
     if (exists && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode)) {
         return {};

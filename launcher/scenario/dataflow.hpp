@@ -31,8 +31,8 @@ struct Dataflow {
 
 [[nodiscard]] Dataflow dataflow(Scenario const& scenario);
 
-/// What lockstep and the bus demand of it: types agree, everything that is read is written, no circle without the simulator,
-/// and every edge into the simulator takes at least one tick.
+/// What lockstep and the bus demand of it: types agree, everything that is read is written, no circle without the
+/// simulator, and every edge into the simulator takes at least one tick.
 void check_dataflow(Scenario const& scenario, config::Diagnostics& diagnostics);
 
 /// All deterministic topics that the other processes write.

@@ -99,7 +99,8 @@ class GatewaySettings final : public ProcessSettings {
             if (stream == nullptr || mapping.first_line.on_finding == gateways::FirstLineConfig::OnFinding::ignore) {
                 continue;
             }
-            bool const again = std::any_of(watched.begin(), watched.end(), [&](auto const& w) { return w.first == stream->name.name; });
+            bool const again = std::any_of(watched.begin(), watched.end(),
+                                           [&](auto const& w) { return w.first == stream->name.name; });
             watched.emplace_back(again ? stream->name.name + "." + mapping.name.name : stream->name.name,
                                  stream->kind == streams::Kind::smv);
         }

@@ -20,18 +20,25 @@ class MonitorSettings final : public ProcessSettings {
   public:
     static std::unique_ptr<ProcessSettings> read(Fields& f) {
         auto out = std::make_unique<MonitorSettings>();
-        f.text("listen", out->listen_,
-               {.doc = "address and port of the dashboard; port 0: a free one, printed. Elsewhere than 127.0.0.1 only with a "
-                       "token and TLS"});
-        f.references("allow_hosts", out->allow_hosts_, {.doc = "names beyond localhost and the address under which it may be reached"});
-        f.file("token_file", out->token_file_,
-               {.doc = "file with the secret of whoever may look at the run: a line of at least 16 characters, mode 0600"});
+        f.text(
+            "listen", out->listen_,
+            {.doc =
+                 "address and port of the dashboard; port 0: a free one, printed. Elsewhere than 127.0.0.1 only with a "
+                 "token and TLS"});
+        f.references("allow_hosts", out->allow_hosts_,
+                     {.doc = "names beyond localhost and the address under which it may be reached"});
+        f.file(
+            "token_file", out->token_file_,
+            {.doc =
+                 "file with the secret of whoever may look at the run: a line of at least 16 characters, mode 0600"});
         f.file("tls_cert", out->tls_cert_, {.doc = "its certificate, with those that vouch for it (PEM)"});
         f.file("tls_key", out->tls_key_, {.doc = "key of the certificate (PEM)"});
         f.file("idl", out->idl_, {.doc = "IDL of foreign types, which nobody publishes on type_catalog"});
         if (out->tls_cert_.empty() != out->tls_key_.empty()) {
-            f.error(out->tls_cert_.empty() ? "tls_key" : "tls_cert", "a certificate goes with its key", "give tls_cert and tls_key");
-        } else if (auto ok = web::check_exposure(out->listen_, !out->token_file_.empty(), !out->tls_cert_.empty()); !ok) {
+            f.error(out->tls_cert_.empty() ? "tls_key" : "tls_cert", "a certificate goes with its key",
+                    "give tls_cert and tls_key");
+        } else if (auto ok = web::check_exposure(out->listen_, !out->token_file_.empty(), !out->tls_cert_.empty());
+                   !ok) {
             f.error("listen", ok.error().message, ok.error().remedy);
         }
         return out;

@@ -53,9 +53,8 @@ void add_network(Node& run, sim::Network const& network) {
                                         {"end", breaker.end == sim::LineEnd::from ? "from" : "to"}}));
     }
     for (sim::Ct const& ct : network.cts) {
-        cts.items.push_back(entry({{"name", ct.name.name},
-                                   {"line", ct.line.name},
-                                   {"end", ct.end == sim::LineEnd::from ? "from" : "to"}}));
+        cts.items.push_back(entry(
+            {{"name", ct.name.name}, {"line", ct.line.name}, {"end", ct.end == sim::LineEnd::from ? "from" : "to"}}));
     }
     auto const add_devices = [&](auto const& elements, char const* kind) {
         for (auto const& e : elements) {
@@ -111,11 +110,13 @@ Node monitored_run(Scenario const& scenario, std::string const& folder) {
     Node processes = Node::sequence(), wires = Node::sequence();
     for (Process const& process : scenario.processes) {
         auto const kind = parse_run_on(process.run_on).value_or(RunOn{}).kind;
-        bool const here = kind == RunOn::Kind::native || kind == RunOn::Kind::qemu_user; // others have a board of their own
-        processes.items.push_back(entry({{"name", process.name.name},
-                                         {"program", process.program.name},
-                                         {"host", process.host.name},
-                                         {"pid_file", here ? folder + "/processes/" + process.name.name + ".pid" : ""}}));
+        bool const here =
+            kind == RunOn::Kind::native || kind == RunOn::Kind::qemu_user; // others have a board of their own
+        processes.items.push_back(
+            entry({{"name", process.name.name},
+                   {"program", process.program.name},
+                   {"host", process.host.name},
+                   {"pid_file", here ? folder + "/processes/" + process.name.name + ".pid" : ""}}));
         auto const add = [&](std::vector<WireUse> const& uses, bool sends) {
             for (WireUse const& use : uses) {
                 if (use.stream.empty()) { // a capture: it takes whatever passes, and is no end of any stream

@@ -20,9 +20,9 @@ struct Process;
 struct TopicUse {
     std::string topic;
     std::string type;
-    std::int64_t endpoints{1}; ///< how many readers or writers it has on the topic
-    bool triggers{false};      ///< reading side: a sample makes the process work in the same tick
-    bool optional{false};      ///< reading side: an input that may stay unused; writing side: nobody has to read it
+    std::int64_t endpoints{1};   ///< how many readers or writers it has on the topic
+    bool triggers{false};        ///< reading side: a sample makes the process work in the same tick
+    bool optional{false};        ///< reading side: an input that may stay unused; writing side: nobody has to read it
     std::filesystem::path idl{}; ///< of a type that is not ours
 };
 
@@ -30,12 +30,12 @@ struct TopicUse {
 struct WireUse {
     std::string link;
     std::uint16_t ethertype{0};
-    std::string stream; ///< its name in the scenario; empty: every frame of the ethertype
+    std::string stream;    ///< its name in the scenario; empty: every frame of the ethertype
     bool at_switch{false}; ///< receiving side: at the ports of the switch, not at the host's end of its cable
 };
 
-/// A process that sits in the cable between a host and a switch: frames of the directions that it takes go through its hands,
-/// the others pass untouched.
+/// A process that sits in the cable between a host and a switch: frames of the directions that it takes go through its
+/// hands, the others pass untouched.
 struct CutInUse {
     config::Ref host, link;
     bool from_host{false}, to_host{false};
@@ -54,7 +54,8 @@ class ProcessSettings {
     virtual ~ProcessSettings() = default;
 
     /// Looks at the rest of the scenario: names that must exist, values that come from the network.
-    virtual void check(Scenario const& /*scenario*/, Process const& /*process*/, config::Diagnostics& /*diagnostics*/) {}
+    virtual void check(Scenario const& /*scenario*/, Process const& /*process*/, config::Diagnostics& /*diagnostics*/) {
+    }
     [[nodiscard]] virtual std::vector<TopicUse> writes(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<TopicUse> reads(Scenario const&, Process const&) const { return {}; }
     /// In lockstep a frame makes its receivers work in the same tick.

@@ -122,7 +122,8 @@ class SimSettings final : public ProcessSettings {
 
 /// Two that act or decide for one EV would undo each other's work.
 template <class Settings>
-void refuse_second(Scenario const& s, Process const& process, Ref const& ev, char const* does, Diagnostics& diagnostics) {
+void refuse_second(Scenario const& s, Process const& process, Ref const& ev, char const* does,
+                   Diagnostics& diagnostics) {
     for (Process const& other : s.processes) {
         if (other.name.name == process.name.name) {
             return; // whoever comes first may
@@ -130,8 +131,8 @@ void refuse_second(Scenario const& s, Process const& process, Ref const& ev, cha
         auto const* settings = dynamic_cast<Settings const*>(other.settings.get());
         if (settings != nullptr && settings->serves(ev.name)) {
             diagnostics.error(ev.where,
-                              fmt::format("process '{}' {} the EV '{}', and '{}' does so already", process.name.name, does,
-                                          ev.name, other.name.name),
+                              fmt::format("process '{}' {} the EV '{}', and '{}' does so already", process.name.name,
+                                          does, ev.name, other.name.name),
                               "one of them is enough", static_cast<int>(ev.name.size()));
         }
     }
@@ -186,7 +187,8 @@ class EvSettings final : public ProcessSettings {
         return out;
     }
     [[nodiscard]] bool serves(std::string const& ev) const {
-        return std::any_of(config_.agents.begin(), config_.agents.end(), [&](auto const& agent) { return agent.ev.name == ev; });
+        return std::any_of(config_.agents.begin(), config_.agents.end(),
+                           [&](auto const& agent) { return agent.ev.name == ev; });
     }
     [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const&, Process const& process) const override {

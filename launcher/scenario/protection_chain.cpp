@@ -114,7 +114,8 @@ std::vector<ProtectionChain> foreign_chains(Node const& scenario) {
     for (Node::Entry const& process : entries(scenario.find("processes"))) {
         std::string const from = text_of(&process.value, {"from"});
         std::string const stream = from.substr(0, from.find('.'));
-        if (text_of(&process.value, {"program"}) == "gridspace-breaker" && !stream.empty() && known.insert(stream).second) {
+        if (text_of(&process.value, {"program"}) == "gridspace-breaker" && !stream.empty() &&
+            known.insert(stream).second) {
             ProtectionChain chain;
             chain.relay = chain.trip_stream = stream;
             chain.ieds = follow_on(scenario, stream);

@@ -27,13 +27,14 @@ using config::Ref;
 struct Host {
     Ref name;
     std::vector<Ref> links;
-    std::vector<std::pair<Ref, std::string>> plugs; ///< by link: a real interface of this machine in the place of the cable
+    std::vector<std::pair<Ref, std::string>>
+        plugs; ///< by link: a real interface of this machine in the place of the cable
 };
 
 /// An Ethernet switch (a bridge) that hosts are plugged into.
 struct Link {
     Ref name;
-    std::string ipv4;   ///< "10.10.0.0/24"; empty: no IP on it
+    std::string ipv4; ///< "10.10.0.0/24"; empty: no IP on it
     double delay_us{0};
 };
 
@@ -41,25 +42,25 @@ struct Process {
     Ref name;
     Ref program;
     Ref host;
-    Ref qos;                          ///< role: qos/<role>.xml
+    Ref qos; ///< role: qos/<role>.xml
     std::string run_on{"native"};
     SshSettings ssh;
     std::optional<std::int64_t> cpu;
     std::string interface;
-    Ref link;                         ///< on which it exchanges raw frames, where the host is plugged into several
-    std::vector<Ref> capture;         ///< links whose frames are recorded
-    config::Node node;                ///< everything that was written about it, defaults included
+    Ref link;                 ///< on which it exchanges raw frames, where the host is plugged into several
+    std::vector<Ref> capture; ///< links whose frames are recorded
+    config::Node node;        ///< everything that was written about it, defaults included
     std::unique_ptr<ProcessSettings> settings;
 };
 
 struct ClockSettings {
     bus::ClockMode mode{bus::ClockMode::lockstep};
-    double speed{0};                  ///< 0: max
+    double speed{0}; ///< 0: max
     std::optional<Rational> tick_s;
     std::optional<std::int64_t> tick_samples;
     double member_timeout_s{10}, start_timeout_s{30};
     bool start_at_utc_second{false};
-    bool fifo{true};                  ///< real time: SCHED_FIFO where it is permitted
+    bool fifo{true}; ///< real time: SCHED_FIFO where it is permitted
 };
 
 struct RecordSettings {
@@ -83,15 +84,15 @@ struct Scenario {
     RecordSettings record;
     std::vector<streams::Stream> streams;
     std::vector<attacker::AttackConfig> attacks;
-    std::string allow_attacks_on;     ///< --allow-attacks-on: an interface that is not a virtual cable
+    std::string allow_attacks_on; ///< --allow-attacks-on: an interface that is not a virtual cable
     config::Node expect;
-    config::Node resolved;            ///< the whole tree after merging
+    config::Node resolved; ///< the whole tree after merging
     std::optional<sim::Network> network;
 
     [[nodiscard]] Process const* find_process(std::string_view process) const;
     [[nodiscard]] Process const* simulator() const; ///< the one gridspace-sim
     [[nodiscard]] Rational tick_s() const;
-    [[nodiscard]] Rational quantum_s() const;       ///< of which step and tick are whole multiples
+    [[nodiscard]] Rational quantum_s() const; ///< of which step and tick are whole multiples
 };
 
 /// Events that act on processes, in the order in which they happen.
@@ -101,15 +102,15 @@ struct Scenario {
 void describe_scenario_keys(config::Fields& fields);
 
 struct LoadOptions {
-    std::vector<std::string> set{};          ///< --set a.b=c
-    std::optional<double> speed{};           ///< --speed; 0: max
-    std::optional<std::string> until{};      ///< --until 10s
-    std::optional<std::string> seed{};       ///< --seed; read as the value of the file
-    std::string allow_attacks_on{};          ///< --allow-attacks-on
+    std::vector<std::string> set{};     ///< --set a.b=c
+    std::optional<double> speed{};      ///< --speed; 0: max
+    std::optional<std::string> until{}; ///< --until 10s
+    std::optional<std::string> seed{};  ///< --seed; read as the value of the file
+    std::string allow_attacks_on{};     ///< --allow-attacks-on
 };
 
-/// Reads and checks a scenario: syntax, keys, references, network and power flow, dataflow, expectations. Everything that is
-/// wrong is in `diagnostics`; nothing is returned when there are errors.
+/// Reads and checks a scenario: syntax, keys, references, network and power flow, dataflow, expectations. Everything
+/// that is wrong is in `diagnostics`; nothing is returned when there are errors.
 [[nodiscard]] std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadOptions const& options,
                                                       config::Diagnostics& diagnostics);
 

@@ -177,8 +177,7 @@ void check_programs(Scenario const& s, Diagnostics& diagnostics) {
         if (process.program.name != "exec" && !process.qos.empty() &&
             !std::filesystem::exists(qos_file(process.qos.name))) {
             diagnostics.error(process.qos.where, fmt::format("there is no QoS role '{}'", process.qos.name),
-                              spelling_hint(process.qos.name, qos_roles()),
-                              static_cast<int>(process.qos.name.size()));
+                              spelling_hint(process.qos.name, qos_roles()), static_cast<int>(process.qos.name.size()));
         }
         if (s.clock.mode == bus::ClockMode::lockstep && process.program.name == "exec" && process.settings &&
             !process.settings->is_member() && !process.settings->writes(s, process).empty()) {
@@ -204,11 +203,12 @@ void check_publishers(Scenario const& s, Diagnostics& diagnostics) {
         for (WireUse const& use : process.settings->sends(s, process)) {
             auto const [first, alone] = publishers.try_emplace(use.stream, &process);
             if (!use.stream.empty() && !alone && first->second != &process) {
-                diagnostics.warning(process.name.where,
-                                    fmt::format("'{}' publishes the stream '{}', as '{}' does", process.name.name,
-                                                use.stream, first->second->name.name),
-                                    "who receives it cannot tell them apart; an attack that is meant stands in `attacks`",
-                                    static_cast<int>(process.name.name.size()));
+                diagnostics.warning(
+                    process.name.where,
+                    fmt::format("'{}' publishes the stream '{}', as '{}' does", process.name.name, use.stream,
+                                first->second->name.name),
+                    "who receives it cannot tell them apart; an attack that is meant stands in `attacks`",
+                    static_cast<int>(process.name.name.size()));
             }
         }
         for (WireUse const& use : process.settings->receives(s, process)) {
@@ -217,10 +217,10 @@ void check_publishers(Scenario const& s, Diagnostics& diagnostics) {
     }
     for (auto const& [stream, process] : subscribers) {
         if (!stream.empty() && !strangers && !publishers.contains(stream)) {
-            diagnostics.warning(process->name.where,
-                                fmt::format("'{}' waits for the stream '{}', and nobody publishes it",
-                                            process->name.name, stream),
-                                "", static_cast<int>(process->name.name.size()));
+            diagnostics.warning(
+                process->name.where,
+                fmt::format("'{}' waits for the stream '{}', and nobody publishes it", process->name.name, stream), "",
+                static_cast<int>(process->name.name.size()));
         }
     }
 }
@@ -258,8 +258,8 @@ void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
     }
 }
 
-/// The operating point at the start must exist, and the solver must take the network and begin there. False: it was said
-/// that it does not.
+/// The operating point at the start must exist, and the solver must take the network and begin there. False: it was
+/// said that it does not.
 bool check_physics(Scenario const& s, Diagnostics& diagnostics) {
     if (!s.network) {
         return true;

@@ -53,7 +53,9 @@ void describe_clock(Fields& f, ClockSettings& c) {
         "scheduling", c.fifo, {{"fifo", true}, {"normal", false}},
         {.doc = "realtime: processes of the chain under SCHED_FIFO where that is permitted, or as all others"});
     std::string start_at;
-    f.text("start_at", start_at, {.doc = "utc_second: in real time, simulated time 0 (and so smpCnt 0) is a whole second of UTC; up to a second is waited for it"});
+    f.text("start_at", start_at,
+           {.doc = "utc_second: in real time, simulated time 0 (and so smpCnt 0) is a whole second of UTC; up to a "
+                   "second is waited for it"});
     c.start_at_utc_second = start_at == "utc_second";
     if (!start_at.empty() && start_at != "utc_second") {
         f.error("start_at", fmt::format("clock.start_at is '{}'", start_at), "expected utc_second");

@@ -194,7 +194,8 @@ class RelaySettings final : public ProcessSettings {
         }
         std::optional<relay::ElementParams> element;
         // A network that cannot be read has been complained about; its frequency is not known.
-        bool const frequency_known = s.network || s.simulation.network.empty() || process.node.find("frequency_hz") != nullptr;
+        bool const frequency_known =
+            s.network || s.simulation.network.empty() || process.node.find("frequency_hz") != nullptr;
         if (from != nullptr && frequency_known) {
             if (auto const params = relay::make_params(config_.logic, from->rate_hz, frequency())) {
                 element = params->element;
@@ -281,12 +282,15 @@ class RelaySettings final : public ProcessSettings {
     void warn_of_long_frames(Stream const* stream, Ref const& ref, Diagnostics& diagnostics) const {
         std::int64_t const bridged = config_.logic.max_interpolated;
         if (stream != nullptr && stream->samples_per_frame > bridged) {
-            diagnostics.warning(ref.where,
-                                fmt::format("one lost frame of stream '{}' blocks the relay for a whole window: {} samples, and `max_interpolated` is {}",
-                                            ref.name, stream->samples_per_frame, bridged),
-                                stream->samples_per_frame <= 8 ? fmt::format("`blocking: {{max_interpolated: {}}}` bridges it", stream->samples_per_frame)
-                                                               : "send fewer samples in a frame (`samples_per_frame`)",
-                                static_cast<int>(ref.name.size()));
+            diagnostics.warning(
+                ref.where,
+                fmt::format("one lost frame of stream '{}' blocks the relay for a whole window: {} samples, and "
+                            "`max_interpolated` is {}",
+                            ref.name, stream->samples_per_frame, bridged),
+                stream->samples_per_frame <= 8
+                    ? fmt::format("`blocking: {{max_interpolated: {}}}` bridges it", stream->samples_per_frame)
+                    : "send fewer samples in a frame (`samples_per_frame`)",
+                static_cast<int>(ref.name.size()));
         }
     }
 

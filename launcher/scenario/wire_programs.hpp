@@ -25,6 +25,7 @@ void add_first_line_signals(Process const& process, gateways::FirstLineConfig co
                             std::vector<std::pair<std::string, bool>> const& streams, std::vector<SignalUse>& out);
 
 /// Own keys, the port, and the declarations of the streams that the process uses.
-[[nodiscard]] config::Node wire_process_settings(Scenario const& s, Process const& process, std::vector<std::string> const& used);
+[[nodiscard]] config::Node wire_process_settings(Scenario const& s, Process const& process,
+                                                 std::vector<std::string> const& used);
 
 } // namespace gridspace::launcher

@@ -19,7 +19,8 @@ std::vector<std::string> links_of(Scenario const& scenario, Process const& proce
             continue;
         }
         for (Ref const& ref : host.links) {
-            auto const link = std::find_if(scenario.links.begin(), scenario.links.end(), [&](Link const& l) { return l.name == ref; });
+            auto const link = std::find_if(scenario.links.begin(), scenario.links.end(),
+                                           [&](Link const& l) { return l.name == ref; });
             if (link != scenario.links.end() && (!without_ip || link->ipv4.empty())) {
                 out.push_back(ref.name);
             }
@@ -52,13 +53,15 @@ void check_raw_link(Scenario const& scenario, Process const& process, config::Di
         return;
     }
     Ref const at = process.link.empty() ? process.name : process.link;
-    diagnostics.error(at.where,
-                      link.empty() ? fmt::format("process '{}' exchanges raw frames, and it is not clear on which link", process.name.name)
-                                   : fmt::format("process '{}' exchanges raw frames on '{}', and host '{}' is not plugged into it", process.name.name,
-                                                 link, process.host.name),
-                      all.empty() ? fmt::format("host '{}' is plugged into no link", process.host.name)
-                                  : fmt::format("`link:` one of {}", join(all, ", ")),
-                      static_cast<int>(at.name.size()));
+    diagnostics.error(
+        at.where,
+        link.empty()
+            ? fmt::format("process '{}' exchanges raw frames, and it is not clear on which link", process.name.name)
+            : fmt::format("process '{}' exchanges raw frames on '{}', and host '{}' is not plugged into it",
+                          process.name.name, link, process.host.name),
+        all.empty() ? fmt::format("host '{}' is plugged into no link", process.host.name)
+                    : fmt::format("`link:` one of {}", join(all, ", ")),
+        static_cast<int>(at.name.size()));
 }
 
 config::Node wire_settings(Scenario const& scenario, Process const& process) {
@@ -67,7 +70,8 @@ config::Node wire_settings(Scenario const& scenario, Process const& process) {
     if (scenario.clock.mode == bus::ClockMode::realtime && scenario.clock.speed > 0) {
         node.set("speed", config::Node::scalar(shortest(scenario.clock.speed)));
     }
-    std::string const sent_on = piece_sent_on(scenario, process.host.name, link), received_on = piece_received_on(scenario, process.host.name, link);
+    std::string const sent_on = piece_sent_on(scenario, process.host.name, link),
+                      received_on = piece_received_on(scenario, process.host.name, link);
     node.set("link", config::Node::quoted_text(sent_on));
     if (received_on != sent_on) {
         node.set("receive_link", config::Node::quoted_text(received_on));
@@ -86,8 +90,8 @@ config::Node wire_settings(Scenario const& scenario, Process const& process) {
 
 bool has_raw_frames(Scenario const& scenario) {
     return std::any_of(scenario.processes.begin(), scenario.processes.end(), [&](Process const& process) {
-        return process.settings != nullptr &&
-               (!process.settings->sends(scenario, process).empty() || !process.settings->receives(scenario, process).empty());
+        return process.settings != nullptr && (!process.settings->sends(scenario, process).empty() ||
+                                               !process.settings->receives(scenario, process).empty());
     });
 }
 

@@ -9,8 +9,8 @@
 
 namespace gridspace::launcher {
 
-/// The link on which a process exchanges raw frames: its `link`, or the only one of its host that carries no IP, or the only
-/// one at all. Empty when that is not clear (check_raw_link says so).
+/// The link on which a process exchanges raw frames: its `link`, or the only one of its host that carries no IP, or the
+/// only one at all. Empty when that is not clear (check_raw_link says so).
 [[nodiscard]] std::string raw_link(Scenario const& scenario, Process const& process);
 void check_raw_link(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics);
 

@@ -296,7 +296,8 @@ yours. A key whose value is left open here is described where the table says.
            "the keys beside it.\n\n" +
            tables("streams.NAME", stream_keys());
     out += "\n## Network\n\n" + tables("", network_keys());
-    out += "\n## Router\nWhat `gridspace router CONFIG` reads ([how to](../how_to/connect_two_sites.md)).\n\n" + tables("", router_keys());
+    out += "\n## Router\nWhat `gridspace router CONFIG` reads ([how to](../how_to/connect_two_sites.md)).\n\n" +
+           tables("", router_keys());
     bus::NodeConfig node;
     out += "\n## Place on the bus\n`bus:` of the configuration file of a process, which `gridspace run` writes.\n\n" +
            tables("bus", keys_of([&](config::Fields& f) { bus::describe(f, node); }));

@@ -31,8 +31,9 @@ void print_table(Observer const& observer, ethernet::Port& port, std::int64_t no
                    s->vlan ? fmt::format("{}/{}", s->vlan->id, s->vlan->priority) : "-", s->frames, s->rate_hz(),
                    s->lost, s->duplicates, s->restarts, state_of(*s, now), s->simulated ? ", simulated" : "", detail);
     }
-    fmt::print("{} frames, {} undecodable, {} dropped by the kernel, {} of other protocols; link {}\n", observer.frames(),
-               observer.errors().total(), port.counters().dropped, port.foreign(), state_name(port.maintain()));
+    fmt::print("{} frames, {} undecodable, {} dropped by the kernel, {} of other protocols; link {}\n",
+               observer.frames(), observer.errors().total(), port.counters().dropped, port.foreign(),
+               state_name(port.maintain()));
     if (observer.beyond_table() > 0) {
         fmt::print("{} samples and messages of more than {} streams are not in the table\n", observer.beyond_table(),
                    Observer::kMaxStreams);

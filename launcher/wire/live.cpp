@@ -42,7 +42,7 @@ void sleep_until(std::int64_t at_ns) {
 }
 
 void catch_signals() {
-    struct sigaction action {};
+    struct sigaction action{};
     action.sa_handler = [](int) { g_stop.store(true); };
     ::sigaction(SIGINT, &action, nullptr); // no SA_RESTART: a wait shall end
     ::sigaction(SIGTERM, &action, nullptr);

@@ -20,8 +20,8 @@ namespace {
 constexpr std::array<std::string_view, 5> kProfiles{"simulation_clock", "member_status", "type_catalog",
                                                     "signal_catalog", "signals"};
 
-/// What the reader of a topic asks for. One that asks for more than a writer offers gets nothing from it: the weakest of
-/// the topic's writers decides, or what all of them have in common.
+/// What the reader of a topic asks for. One that asks for more than a writer offers gets nothing from it: the weakest
+/// of the topic's writers decides, or what all of them have in common.
 struct Wanted {
     bool reliable{true}, kept{true}, exclusive{true};
     bool partitioned{false}; ///< any is in a partition: all of them are read
@@ -94,10 +94,10 @@ struct BusTap::Network final : bus::DiscoveryObserver {
     std::string const name;
     LiveRun& run;
     bus::DiscoveredParticipant self;
-    std::set<std::string> known;          // participants; with the run's mutex
+    std::set<std::string> known;            // participants; with the run's mutex
     std::map<std::string, Wanted> followed; // by topic; with the run's mutex
-    std::vector<NewTopic> waiting;        // with the run's mutex
-    std::deque<std::string> type_names;   // codecs refer to them
+    std::vector<NewTopic> waiting;          // with the run's mutex
+    std::deque<std::string> type_names;     // codecs refer to them
     std::unique_ptr<bus::Participant> participant;
     std::map<std::string, std::unique_ptr<bus::RawReader>> readers; // by topic; before the participant in death
 };

@@ -125,9 +125,9 @@ void FoxgloveHub::find_channels() {
         std::string const idl = found != run_.idl.end() ? found->second : std::string{bus::idl_of_type(state.type)};
         if (idl.empty()) { // it may still come
             if (++steps_without_idl_[key] == kStepsForIdl) {
-                without_idl_.push_back(fmt::format(
-                    "topic '{}' is left out until somebody publishes the IDL of its type {}, or the monitor is given it (--idl)",
-                    key.second, state.type));
+                without_idl_.push_back(fmt::format("topic '{}' is left out until somebody publishes the IDL of its "
+                                                   "type {}, or the monitor is given it (--idl)",
+                                                   key.second, state.type));
             }
             continue;
         }

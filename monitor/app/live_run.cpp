@@ -16,7 +16,7 @@ namespace gridspace::monitor {
 namespace {
 
 constexpr std::size_t kKeptSamples = 64;
-constexpr std::size_t kKeptOctets = 256 * 1024; ///< per topic
+constexpr std::size_t kKeptOctets = 256 * 1024;   ///< per topic
 constexpr std::size_t kCheckedOctets = 64 * 1024; ///< of a sample: a larger one would take too long
 constexpr std::size_t kKeptEvents = 10'000;
 constexpr std::size_t kGroups = 256;
@@ -129,7 +129,7 @@ void LiveRun::decode(std::string const& topic, std::string const& type, std::str
         }
     } else if (topic == "type_catalog") {
         TypeCatalogEntry sample;
-        if ((good = bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample)) && 
+        if ((good = bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample)) &&
             (idl.size() < kTypes || idl.contains(sample.type_name().c_str()))) {
             idl.insert_or_assign(sample.type_name().c_str(), sample.idl());
         }

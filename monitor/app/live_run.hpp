@@ -119,7 +119,7 @@ struct LiveRun {
     mutable std::optional<graph::Snapshot> snapshot_; ///< of the newest revision that somebody has asked for
     IntrusionView intrusion_;
     std::set<std::string> unheard_, told_unheard_; ///< when it was last looked at, and ever
-    std::string clock_process_; ///< who publishes the clock
+    std::string clock_process_;                    ///< who publishes the clock
     double time_then_s_{0};
 };
 

@@ -37,7 +37,8 @@ std::string metrics_text(LiveRun const& run, web::ServerCounters const& server) 
     one("gridspace_duration_seconds", "gauge", "Simulated time at which the run ends.", run.plan.duration_s);
     one("gridspace_pace_ratio", "gauge", "Simulated seconds per second, lately.", run.clock.factor);
     one("gridspace_events_total", "counter", "Events of the run.", static_cast<double>(run.events_seen));
-    one("gridspace_undecodable_samples_total", "counter", "Samples that were not what their type says; of types that come as IDL the newest of a topic, twice a second.",
+    one("gridspace_undecodable_samples_total", "counter",
+        "Samples that were not what their type says; of types that come as IDL the newest of a topic, twice a second.",
         static_cast<double>(run.undecodable));
     head(out, "gridspace_process_up", "gauge", "1 while the process is on the bus.");
     graph::Snapshot const& graph = run.snapshot();

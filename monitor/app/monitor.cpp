@@ -245,8 +245,7 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
             web::guarded("the last words", [&] { all = hub.step(**server, due); });
             return all;
         };
-        while (!all_said() &&
-               std::chrono::steady_clock::now() - begin < kLastWords) {
+        while (!all_said() && std::chrono::steady_clock::now() - begin < kLastWords) {
             (*server)->drain(std::chrono::milliseconds{20});
         }
         (*server)->drain(kLastWords);

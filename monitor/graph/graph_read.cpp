@@ -74,9 +74,8 @@ std::optional<Snapshot> from_json(std::string const& text) try {
                                  p.at("incarnation"), p.at("addresses"), p.at("networks")});
     }
     for (Json const& t : json.at("topics")) {
-        out.topics.push_back(
-            {t.at("name"), t.at("network"), t.at("type"), t.at("framework"), t.at("writers"), t.at("readers"),
-             t.value("not_heard", std::vector<std::string>{})});
+        out.topics.push_back({t.at("name"), t.at("network"), t.at("type"), t.at("framework"), t.at("writers"),
+                              t.at("readers"), t.value("not_heard", std::vector<std::string>{})});
     }
     for (Json const& e : json.at("edges")) {
         out.edges.push_back({e.at("process"), e.at("topic"), e.at("network"), e.at("writes"), e.at("endpoints"),

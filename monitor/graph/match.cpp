@@ -129,8 +129,8 @@ std::vector<std::string> mismatch(bus::DiscoveredEndpoint const& writer, bus::Di
         reasons.emplace_back("destination order: offered is by reception timestamp, requested is by source timestamp");
     }
     if (offered.scope < requested.scope) {
-        reasons.push_back(fmt::format("presentation: offered is access by {}, requested is by {}", name_of(offered.scope),
-                                      name_of(requested.scope)));
+        reasons.push_back(fmt::format("presentation: offered is access by {}, requested is by {}",
+                                      name_of(offered.scope), name_of(requested.scope)));
     }
     if (!offered.coherent && requested.coherent) {
         reasons.emplace_back("presentation: coherent access is requested and not offered");

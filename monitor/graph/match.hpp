@@ -9,7 +9,8 @@
 
 namespace gridspace::graph {
 
-/// Why a writer and a reader of one topic do not match, for people; empty: they do. The rules are those of DDS 1.4, 2.2.3
+/// Why a writer and a reader of one topic do not match, for people; empty: they do. The rules are those of
+/// DDS 1.4, 2.2.3
 /// ("requested versus offered"), of DDS-XTypes 1.3, 7.6.3.1 (representations), and the type name.
 [[nodiscard]] std::vector<std::string> mismatch(bus::DiscoveredEndpoint const& writer,
                                                 bus::DiscoveredEndpoint const& reader);

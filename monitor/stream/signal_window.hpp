@@ -12,9 +12,9 @@
 
 namespace gridspace::stream {
 
-/// What a plot of `pixels` columns shows of a signal: at most two points per column, the lowest and the highest, each at
-/// its time. Of rows that are left only as lowest and highest of many, that is where these rows begin (and end, for the
-/// second of two from the same rows). Times do not decrease.
+/// What a plot of `pixels` columns shows of a signal: at most two points per column, the lowest and the highest, each
+/// at its time. Of rows that are left only as lowest and highest of many, that is where these rows begin (and end, for
+/// the second of two from the same rows). Times do not decrease.
 struct Plot {
     std::vector<double> times_s;
     std::vector<double> values;

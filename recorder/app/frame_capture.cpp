@@ -177,7 +177,8 @@ void FrameCapture::capture() {
                     Way const& way = frame.outgoing ? ports_[i].out : ports_[i].in;
                     if (auto* reader = way.reader_of(iec61850::ethertype_of(frame.octets))) {
                         ports_[i].no_room +=
-                            reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing)) ? 0 : 1;
+                            reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing)) ? 0
+                                                                                                                   : 1;
                     }
                 }
             }

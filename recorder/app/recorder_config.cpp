@@ -25,7 +25,8 @@ void describe(config::Fields& f, RecorderConfig& config) {
             p.text("description", port.description, {.doc = "beside it, for people"});
             p.text("interface", port.interface, {.doc = "network interface", .required = true});
             p.text("host", port.host, {.doc = "host in whose network it is; none: network_namespace"});
-            p.text("link", port.link, {.doc = "the link that it belongs to; in lockstep none: incoming frames are not captured"});
+            p.text("link", port.link,
+                   {.doc = "the link that it belongs to; in lockstep none: incoming frames are not captured"});
             p.flag("both_ways", port.both_ways, {.doc = "outgoing frames too"});
             p.text("link_out", port.link_out, {.doc = "the piece of cable of outgoing frames, in lockstep"});
             config.capture.ports.push_back(std::move(port));

@@ -20,9 +20,10 @@ struct CaptureConfig {
         std::string description; ///< in the file, for people
         std::string interface;   ///< network interface
         std::string host;        ///< in whose network it is, by GRIDSPACE_NETWORKS; empty: in network_namespace
-        std::string link;        ///< incoming frames as the ledgers call them; empty: they have none, and lockstep passes them over
-        bool both_ways{false};   ///< outgoing frames too
-        std::string link_out;    ///< these in the ledgers
+        std::string
+            link; ///< incoming frames as the ledgers call them; empty: they have none, and lockstep passes them over
+        bool both_ways{false}; ///< outgoing frames too
+        std::string link_out;  ///< these in the ledgers
     };
     std::vector<Port> ports;
 };

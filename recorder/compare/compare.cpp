@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/compare/compare.hpp"
 
-#include "common/text.hpp"
 #include "common/idl/cdr_visitor.hpp"
+#include "common/text.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 #include "recorder/signals/signal_store.hpp"
 
@@ -52,7 +52,9 @@ bool earlier(Difference const& p, Difference const& q) {
 /// The leaves of a sample as (path, value).
 struct Leaves final : idl::Visitor {
     std::vector<std::pair<std::string, idl::Value>> values;
-    void leaf(std::string_view path, idl::Type const&, idl::Value const& value) override { values.emplace_back(path, value); }
+    void leaf(std::string_view path, idl::Type const&, idl::Value const& value) override {
+        values.emplace_back(path, value);
+    }
 };
 
 bool close(idl::Value const& a, idl::Value const& b, double tolerance) {
@@ -64,7 +66,8 @@ bool close(idl::Value const& a, idl::Value const& b, double tolerance) {
 }
 
 /// What differs between two samples of a type; empty when it is within the tolerance.
-std::string difference(std::pair<std::string, std::string> const& type, Sample const& a, Sample const& b, double tolerance) {
+std::string difference(std::pair<std::string, std::string> const& type, Sample const& a, Sample const& b,
+                       double tolerance) {
     auto const model = idl::parse(type.second);
     auto const index = model ? model->find(type.first) : std::nullopt;
     if (!index) {
@@ -91,7 +94,8 @@ std::string difference(std::pair<std::string, std::string> const& type, Sample c
     return tolerance > 0 ? "" : "the octets differ, the values do not (padding or text behind its end)";
 }
 
-Result<Comparison> compare_samples(std::filesystem::path const& a, std::filesystem::path const& b, CompareOptions const& options) {
+Result<Comparison> compare_samples(std::filesystem::path const& a, std::filesystem::path const& b,
+                                   CompareOptions const& options) {
     auto left = load(a, options.skip_topics);
     if (!left) {
         return std::unexpected{left.error()};
@@ -113,13 +117,16 @@ Result<Comparison> compare_samples(std::filesystem::path const& a, std::filesyst
     for (auto const& [key, unused] : keys) {
         auto const& x = left->samples[key];
         auto const& y = right->samples[key];
-        auto const note = [&](std::uint64_t time, std::string what) { out.differences.push_back({key.first, key.second, time, std::move(what)}); };
+        auto const note = [&](std::uint64_t time, std::string what) {
+            out.differences.push_back({key.first, key.second, time, std::move(what)});
+        };
         std::size_t const common = std::min(x.size(), y.size());
         bool differs = false;
         for (std::size_t i = 0; i < common && !differs; ++i) {
             ++out.samples;
             if (x[i].time_ns != y[i].time_ns) {
-                note(std::min(x[i].time_ns, y[i].time_ns), fmt::format("sample {} is at {} ns and at {} ns", i + 1, x[i].time_ns, y[i].time_ns));
+                note(std::min(x[i].time_ns, y[i].time_ns),
+                     fmt::format("sample {} is at {} ns and at {} ns", i + 1, x[i].time_ns, y[i].time_ns));
                 differs = true;
             } else if (x[i].data != y[i].data) {
                 std::string what = difference(left->types[key.first], x[i], y[i], options.tolerance);
@@ -138,9 +145,11 @@ Result<Comparison> compare_samples(std::filesystem::path const& a, std::filesyst
     return out;
 }
 
-Result<Comparison> compare_signals(std::filesystem::path const& a, std::filesystem::path const& b, CompareOptions const& options) {
+Result<Comparison> compare_signals(std::filesystem::path const& a, std::filesystem::path const& b,
+                                   CompareOptions const& options) {
     auto const wanted = [&](std::string const& name) {
-        return std::any_of(options.signals.begin(), options.signals.end(), [&](std::string const& p) { return matches_glob(p, name); });
+        return std::any_of(options.signals.begin(), options.signals.end(),
+                           [&](std::string const& p) { return matches_glob(p, name); });
     };
     auto left = read_signals(a, wanted);
     if (!left) {
@@ -152,7 +161,8 @@ Result<Comparison> compare_signals(std::filesystem::path const& a, std::filesyst
     }
     Comparison out;
     if (left->empty() && right->empty()) {
-        return fail(ExitCode::usage, fmt::format("no recorded signal matches {}", join(options.signals, ", ")), "`gridspace signals SCENARIO` lists them");
+        return fail(ExitCode::usage, fmt::format("no recorded signal matches {}", join(options.signals, ", ")),
+                    "`gridspace signals SCENARIO` lists them");
     }
     SignalStore all = *left;
     all.insert(right->begin(), right->end());
@@ -163,10 +173,12 @@ Result<Comparison> compare_signals(std::filesystem::path const& a, std::filesyst
         std::size_t i = 0;
         for (; i < common; ++i) {
             ++out.samples;
-            if (x.times_ns[i] != y.times_ns[i] || !close(idl::Value{x.values[i]}, idl::Value{y.values[i]}, options.tolerance)) {
+            if (x.times_ns[i] != y.times_ns[i] ||
+                !close(idl::Value{x.values[i]}, idl::Value{y.values[i]}, options.tolerance)) {
                 out.differences.push_back({name, "", static_cast<std::uint64_t>(std::min(x.times_ns[i], y.times_ns[i])),
-                                           x.times_ns[i] == y.times_ns[i] ? fmt::format("{} and {}", shortest(x.values[i]), shortest(y.values[i]))
-                                                                          : fmt::format("at {} ns and at {} ns", x.times_ns[i], y.times_ns[i])});
+                                           x.times_ns[i] == y.times_ns[i]
+                                               ? fmt::format("{} and {}", shortest(x.values[i]), shortest(y.values[i]))
+                                               : fmt::format("at {} ns and at {} ns", x.times_ns[i], y.times_ns[i])});
                 break;
             }
         }
@@ -182,7 +194,8 @@ Result<Comparison> compare_signals(std::filesystem::path const& a, std::filesyst
 
 } // namespace
 
-Result<Comparison> compare_recordings(std::filesystem::path const& a, std::filesystem::path const& b, CompareOptions const& options) {
+Result<Comparison> compare_recordings(std::filesystem::path const& a, std::filesystem::path const& b,
+                                      CompareOptions const& options) {
     return options.signals.empty() ? compare_samples(a, b, options) : compare_signals(a, b, options);
 }
 

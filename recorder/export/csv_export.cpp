@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/export/csv_export.hpp"
 
-#include "common/text.hpp"
 #include "common/idl/cdr_visitor.hpp"
+#include "common/text.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 #include "recorder/signals/signal_store.hpp"
 
@@ -82,9 +82,12 @@ struct Cells final : idl::Visitor {
     }
 };
 
-bool is_signal_topic(std::string const& topic) { return topic == "signals" || topic == "signal_catalog"; }
+bool is_signal_topic(std::string const& topic) {
+    return topic == "signals" || topic == "signal_catalog";
+}
 
-Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::path const& folder, std::vector<std::filesystem::path>& files) {
+Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::path const& folder,
+                           std::vector<std::filesystem::path>& files) {
     auto const store = read_signals(mcap, [](std::string const&) { return true; });
     if (!store) {
         return std::unexpected{store.error()};
@@ -116,7 +119,8 @@ Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::p
 
 } // namespace
 
-Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epoch_ns, std::filesystem::path const& folder) {
+Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epoch_ns,
+                             std::filesystem::path const& folder) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     std::map<std::string, Table> tables;
@@ -163,7 +167,8 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
     }
     for (auto& [topic, table] : tables) {
         if (table.unreadable > 0) {
-            out.notes.push_back(fmt::format("{} samples of '{}' cannot be read: {}", table.unreadable, topic, table.why));
+            out.notes.push_back(
+                fmt::format("{} samples of '{}' cannot be read: {}", table.unreadable, topic, table.why));
         }
         if (!table.readable()) {
             continue;
@@ -198,7 +203,8 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
     });
     for (auto& [topic, table] : tables) {
         if (table.readable() && !table.stream.flush()) {
-            return fail(ExitCode::environment, fmt::format("cannot write the table of '{}' into '{}'", topic, folder.string()));
+            return fail(ExitCode::environment,
+                        fmt::format("cannot write the table of '{}' into '{}'", topic, folder.string()));
         }
     }
     if (auto ok = write_signals(mcap, folder, out.files); !ok) {

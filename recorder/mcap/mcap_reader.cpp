@@ -20,7 +20,8 @@ constexpr std::uint64_t kLargestRecord = 256ULL << 20U;
 class Decoder {
   public:
     explicit Decoder(std::span<std::byte const> bytes) : bytes_{bytes} {}
-    template <class T> T number() {
+    template <class T>
+    T number() {
         std::uint64_t value = 0;
         if (!need(sizeof(T))) {
             return 0;
@@ -102,9 +103,10 @@ class Reader {
     ReadOutcome finished() {
         outcome.complete = (data_ended_ && damaged_ == 0) || stopped_;
         if (damaged_ != 0) {
-            outcome.note = fmt::format("{} damaged chunk{} left out ({}){}{}{}", damaged_, damaged_ == 1 ? " was" : "s were", first_damage_,
-                                       orphans_ == 0 ? "" : fmt::format(", {} messages whose channel is in them too", orphans_),
-                                       outcome.note.empty() ? "" : "; ", outcome.note);
+            outcome.note = fmt::format(
+                "{} damaged chunk{} left out ({}){}{}{}", damaged_, damaged_ == 1 ? " was" : "s were", first_damage_,
+                orphans_ == 0 ? "" : fmt::format(", {} messages whose channel is in them too", orphans_),
+                outcome.note.empty() ? "" : "; ", outcome.note);
         }
         return std::move(outcome);
     }
@@ -140,7 +142,8 @@ class Reader {
         static Schema const none;
         auto const schema = schemas_.find(channel->second.schema_id);
         ++outcome.messages;
-        bool const go_on = handler_({channel->second, schema == schemas_.end() ? none : schema->second, sequence, time, d.take(d.left())});
+        bool const go_on = handler_(
+            {channel->second, schema == schemas_.end() ? none : schema->second, sequence, time, d.take(d.left())});
         stopped_ = !go_on;
         return go_on;
     }
@@ -170,7 +173,8 @@ class Reader {
             outcome.note = fmt::format("compression '{}' is not supported", compression);
             return false;
         }
-        if (crc != 0 && crc != ::crc32(0, reinterpret_cast<Bytef const*>(records.data()), static_cast<uInt>(records.size()))) {
+        if (crc != 0 &&
+            crc != ::crc32(0, reinterpret_cast<Bytef const*>(records.data()), static_cast<uInt>(records.size()))) {
             return leave_out("the checksum of a chunk is wrong");
         }
         Decoder inner{records};
@@ -239,7 +243,8 @@ void read_summary(std::istream& stream, Reader& reader) {
     if (stream && next_record(stream, op, body, ignored) && op == Op::footer && body.size() == 20) {
         auto const start = Decoder{body}.number<std::uint64_t>();
         stream.seekg(static_cast<std::streamoff>(std::min<std::uint64_t>(start, INT64_MAX)));
-        while (start != 0 && stream && next_record(stream, op, body, ignored) && (op == Op::schema || op == Op::channel)) {
+        while (start != 0 && stream && next_record(stream, op, body, ignored) &&
+               (op == Op::schema || op == Op::channel)) {
             (void)reader.record(op, body);
         }
     }
@@ -250,7 +255,8 @@ void read_summary(std::istream& stream, Reader& reader) {
 
 } // namespace
 
-Result<ReadOutcome> read_messages(std::filesystem::path const& file, std::function<bool(Message const&)> const& handler) {
+Result<ReadOutcome> read_messages(std::filesystem::path const& file,
+                                  std::function<bool(Message const&)> const& handler) {
     std::ifstream stream{file, std::ios::binary};
     if (!stream) {
         return fail(ExitCode::usage, fmt::format("cannot read the recording '{}'", file.string()));

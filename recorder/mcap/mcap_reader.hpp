@@ -26,8 +26,9 @@ struct ReadOutcome {
     std::string note;     ///< what is wrong with the rest
 };
 
-/// Calls `handler` for every message in the order of the file. Works on files that were cut off. Records of unknown kinds are
-/// skipped. Memory is bounded by the largest chunk (at most 256 MiB is believed). `handler` returns false to stop.
+/// Calls `handler` for every message in the order of the file. Works on files that were cut off. Records of unknown
+/// kinds are skipped. Memory is bounded by the largest chunk (at most 256 MiB is believed). `handler` returns false to
+/// stop.
 [[nodiscard]] Result<ReadOutcome> read_messages(std::filesystem::path const& file,
                                                 std::function<bool(Message const&)> const& handler);
 

@@ -15,12 +15,13 @@
 
 namespace gridspace::mcap {
 
-/// Writes an MCAP file in compressed chunks, with an index at the end. What has been written as chunks survives a crash:
-/// readers use the prefix. Memory is bounded, however long the recording is: what the index needs is kept in a file without a name. Errors (disk full) are returned and stay.
+/// Writes an MCAP file in compressed chunks, with an index at the end. What has been written as chunks survives a
+/// crash: readers use the prefix. Memory is bounded, however long the recording is: what the index needs is kept in a
+/// file without a name. Errors (disk full) are returned and stay.
 class Writer {
   public:
     struct Options {
-        bool compress{true};              ///< zstd
+        bool compress{true};                  ///< zstd
         std::size_t chunk_octets{256 * 1024}; ///< of uncompressed records
     };
     [[nodiscard]] static Result<Writer> create(std::filesystem::path const& file, Options options);

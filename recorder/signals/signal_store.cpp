@@ -19,7 +19,8 @@ struct Group {
 
 } // namespace
 
-Result<SignalStore> read_signals(std::filesystem::path const& file, std::function<bool(std::string const&)> const& wanted) {
+Result<SignalStore> read_signals(std::filesystem::path const& file,
+                                 std::function<bool(std::string const&)> const& wanted) {
     SignalStore store;
     std::map<std::pair<std::string, std::string>, Group> groups; // (source, group)
     std::string damaged;
@@ -46,7 +47,8 @@ Result<SignalStore> read_signals(std::filesystem::path const& file, std::functio
         auto const times = cursor.numbers<std::int64_t>(rows);
         auto const values = cursor.numbers<double>(cells);
         auto const group = groups.find({source, name});
-        if (!cursor.ok() || (group != groups.end() && static_cast<std::size_t>(rows) * group->second.columns != cells)) {
+        if (!cursor.ok() ||
+            (group != groups.end() && static_cast<std::size_t>(rows) * group->second.columns != cells)) {
             return false;
         }
         if (group != groups.end()) {
@@ -67,7 +69,8 @@ Result<SignalStore> read_signals(std::filesystem::path const& file, std::functio
             good = on_frame(CdrCursor{message.data});
         }
         if (!good) {
-            damaged = fmt::format("a sample of '{}' at {} ns does not fit its type", message.channel.topic, message.time_ns);
+            damaged =
+                fmt::format("a sample of '{}' at {} ns does not fit its type", message.channel.topic, message.time_ns);
         }
         return good;
     });

@@ -32,10 +32,12 @@ SignalSeries of_samples(SignalSeries const& published, SignalSeries const& arriv
 }
 
 /// Messages: recognised by stNum and sqNum.
-SignalSeries of_messages(SignalStore const& signals, std::string const& stream, SignalSeries const& sent, SignalSeries const& heard) {
+SignalSeries of_messages(SignalStore const& signals, std::string const& stream, SignalSeries const& sent,
+                         SignalSeries const& heard) {
     SignalSeries out{"ms", {}, {}};
     std::array<SignalSeries const*, 4> const n{find(signals, stream + ".st_num"), find(signals, stream + ".sq_num"),
-                                               find(signals, stream + ".heard_st_num"), find(signals, stream + ".heard_sq_num")};
+                                               find(signals, stream + ".heard_st_num"),
+                                               find(signals, stream + ".heard_sq_num")};
     if (std::find(n.begin(), n.end(), nullptr) != n.end()) {
         return out;
     }
@@ -58,7 +60,8 @@ bool is_wall_clock_signal(std::string_view name) {
     if (!name.starts_with("stream.") && !name.starts_with("relay.")) {
         return false;
     }
-    constexpr std::array<std::string_view, 5> kEnds{".rate_hz", ".publish_age_ms", ".arrival_age_ms", ".wire_delay_ms", ".sample_to_decision_ms"};
+    constexpr std::array<std::string_view, 5> kEnds{".rate_hz", ".publish_age_ms", ".arrival_age_ms", ".wire_delay_ms",
+                                                    ".sample_to_decision_ms"};
     return std::any_of(kEnds.begin(), kEnds.end(), [&](std::string_view end) { return name.ends_with(end); });
 }
 

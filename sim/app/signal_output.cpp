@@ -10,14 +10,16 @@
 namespace gridspace::sim {
 namespace {
 
-/// Bit by bit: a value that is not a number (a breaker that never opened has no time) is the same as before, and != says it is not.
+/// Bit by bit: a value that is not a number (a breaker that never opened has no time) is the same as before, and !=
+/// says it is not.
 bool differs(std::vector<double> const& a, std::vector<double> const& b) {
     return a.size() != b.size() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) != 0;
 }
 
 } // namespace
 
-Result<std::unique_ptr<SignalOutput>> SignalOutput::create(bus::Node& node, Engine const& engine, SimConfig const& config) {
+Result<std::unique_ptr<SignalOutput>> SignalOutput::create(bus::Node& node, Engine const& engine,
+                                                           SimConfig const& config) {
     auto output = std::unique_ptr<SignalOutput>{new SignalOutput};
     SignalOutput& out = *output;
     out.engine_ = &engine;
@@ -34,7 +36,8 @@ Result<std::unique_ptr<SignalOutput>> SignalOutput::create(bus::Node& node, Engi
         (jumps ? switching : sampled).push_back({all[i].name, all[i].unit});
         (jumps ? out.switching_ : out.sampled_).signals.push_back(i);
     }
-    auto const open = [&](Group& group, char const* name, double rate_hz, std::vector<bus::SignalColumn> columns) -> Result<void> {
+    auto const open = [&](Group& group, char const* name, double rate_hz,
+                          std::vector<bus::SignalColumn> columns) -> Result<void> {
         group.row.resize(group.signals.size());
         auto publisher = bus::SignalPublisher::create(node, name, rate_hz, std::move(columns));
         if (!publisher) {
@@ -77,7 +80,8 @@ void SignalOutput::Group::put(SimTime t) {
 void SignalOutput::drain(SimTime until) {
     for (Group* group : {&sampled_, &switching_}) {
         if (group->publisher != nullptr) {
-            group->outbox->drain(until, [&](std::vector<double> const& row, SimTime time) { group->publisher->row(time, row); });
+            group->outbox->drain(
+                until, [&](std::vector<double> const& row, SimTime time) { group->publisher->row(time, row); });
         }
     }
 }

@@ -15,7 +15,8 @@ namespace gridspace::sim {
 /// The engine's signals on the topics `signal_catalog` and `signals`.
 class SignalOutput {
   public:
-    [[nodiscard]] static Result<std::unique_ptr<SignalOutput>> create(bus::Node& node, Engine const& engine, SimConfig const& config);
+    [[nodiscard]] static Result<std::unique_ptr<SignalOutput>> create(bus::Node& node, Engine const& engine,
+                                                                      SimConfig const& config);
     ~SignalOutput();
 
     void announce(SimTime now);

@@ -240,8 +240,8 @@ class SimApp {
         while (next_hold_ < config_.holds_s.size() &&
                SimTime{} + node_.time_base().nearest(config_.holds_s[next_hold_]) <= acknowledged) {
             if (node_.lockstep()) {
-                // A lost datagram is sent again within a heartbeat of 100 ms, but not by a process that is killed before:
-                // what it sent would then reach some and not others.
+                // A lost datagram is sent again within a heartbeat of 100 ms, but not by a process that is killed
+                // before: what it sent would then reach some and not others.
                 std::this_thread::sleep_for(std::chrono::milliseconds{250});
             }
             auto const answers = run_.status.hold(next_hold_, node_.lockstep());

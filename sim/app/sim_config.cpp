@@ -27,7 +27,9 @@ Rational SimulationConfig::duration() const {
     return duration_s ? *duration_s : duration_h ? *duration_h * Rational{3600} : Rational{0};
 }
 
-bool is_switching_signal(std::string_view name) { return name.starts_with("breaker."); }
+bool is_switching_signal(std::string_view name) {
+    return name.starts_with("breaker.");
+}
 
 Rational signal_rate_hz(SimulationConfig const& simulation) {
     Rational const steps = Rational{1} / simulation.step_s;
@@ -45,7 +47,8 @@ void describe(config::Fields& f, SimulationConfig& s) {
     f.raw("network_changes", s.network_changes, {.doc = "laid over the network file, key by key"});
     f.choice<SolverKind>("solver", s.solver, {{"phasor", SolverKind::phasor}, {"emt", SolverKind::emt}},
                          {.doc = "balanced phasors, or waveforms", .required = true});
-    f.fraction("step_s", s.step_s, {.doc = "time step; fractions like 1/48000 are exact", .required = true, .above = 0});
+    f.fraction("step_s", s.step_s,
+               {.doc = "time step; fractions like 1/48000 are exact", .required = true, .above = 0});
     f.choice<bool>("integration", s.fixed_step, {{"adaptive", false}, {"fixed_step", true}},
                    {.doc = "phasor: steps chosen by the integrator, or of step_s with bounded work, for real time"});
     if (s.fixed_step && s.solver == SolverKind::emt) {
@@ -60,15 +63,18 @@ void describe(config::Fields& f, SimulationConfig& s) {
     f.raw("gateways", s.gateways, {.doc = "per_bus, or a map of line gateways"});
     f.raw("sampling", s.sampling, {.doc = "sampled values of line gateways"});
     if (s.duration_s.has_value() == s.duration_h.has_value()) {
-        f.error(s.duration_s ? "duration_s" : "", s.duration_s ? "the simulation has both duration_s and duration_h" : "the simulation has no duration",
+        f.error(s.duration_s ? "duration_s" : "",
+                s.duration_s ? "the simulation has both duration_s and duration_h" : "the simulation has no duration",
                 "give one of duration_s and duration_h");
     }
 }
 
 void describe(config::Fields& f, SimConfig& c) {
-    f.object("simulation", {.doc = "what is simulated", .required = true}, [&](config::Fields& s) { describe(s, c.simulation); });
+    f.object("simulation", {.doc = "what is simulated", .required = true},
+             [&](config::Fields& s) { describe(s, c.simulation); });
     f.number("speed", c.speed, {.doc = "simulated seconds per second; 0: as fast as it goes", .min = 0});
-    f.flag("start_on_utc_second", c.start_on_utc_second, {.doc = "real time: simulated time 0 is a whole second of UTC"});
+    f.flag("start_on_utc_second", c.start_on_utc_second,
+           {.doc = "real time: simulated time 0 is a whole second of UTC"});
     describe_events(f, c.events);
     f.map("members", {.doc = "lockstep members"}, [&](config::Ref const& name, config::Fields& m) {
         bus::MemberPlan plan;

@@ -13,19 +13,19 @@
 
 namespace gridspace::sim {
 
-/// One entry of a scenario's `events:`, physical or cyber. All of them stand on one timeline; file order decides at equal
-/// times.
+/// One entry of a scenario's `events:`, physical or cyber. All of them stand on one timeline; file order decides at
+/// equal times.
 struct Event {
     Ref name;
     std::optional<Rational> at_s;
-    std::vector<std::pair<Ref, double>> set; ///< parameter paths of the network and their new values
+    std::vector<std::pair<Ref, double>> set;             ///< parameter paths of the network and their new values
     std::vector<std::pair<Ref, double>> set_impairments; ///< the same of `impairments:`; true is 1
-    std::vector<Ref> open, close;            ///< breakers
+    std::vector<Ref> open, close;                        ///< breakers
     std::optional<ApplyFault> fault;
     Ref fault_line, fault_bus;
     std::optional<Rational> clear_after_ms;
     Ref disconnect;
-    std::vector<Ref> fail_to_open; ///< breakers that no command opens from then on
+    std::vector<Ref> fail_to_open;    ///< breakers that no command opens from then on
     Ref desynchronise, resynchronise; ///< merging units whose clock is lost, and found again
     std::int64_t shift_samples{0};    ///< desynchronise: how far the clock runs ahead
     Ref kill, pause, resume, restart; ///< processes

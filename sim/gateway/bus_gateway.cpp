@@ -27,11 +27,15 @@ Result<std::unique_ptr<BusGateway>> BusGateway::create(bus::Node& node, Engine& 
     }
     g.sample_->bus(bus.c_str());
     std::string const prefix = "bus." + bus;
-    for (auto [signal, name] : {std::pair{&g.v_, ".v_pu"}, {&g.angle_, ".angle_deg"}, {&g.frequency_, ".frequency_hz"},
-                                {&g.p_, ".p_kw"}, {&g.q_, ".q_kvar"}}) {
+    for (auto [signal, name] : {std::pair{&g.v_, ".v_pu"},
+                                {&g.angle_, ".angle_deg"},
+                                {&g.frequency_, ".frequency_hz"},
+                                {&g.p_, ".p_kw"},
+                                {&g.q_, ".q_kvar"}}) {
         *signal = engine.find_signal(prefix + name);
         if (*signal == engine.signals().size()) {
-            return fail(ExitCode::usage, fmt::format("the solver has no signal '{}{}' for the gateway of the bus", prefix, name));
+            return fail(ExitCode::usage,
+                        fmt::format("the solver has no signal '{}{}' for the gateway of the bus", prefix, name));
         }
     }
     std::vector<std::string> names;
@@ -48,8 +52,8 @@ Result<std::unique_ptr<BusGateway>> BusGateway::create(bus::Node& node, Engine& 
         }
     }
     if (g.evs_.size() > MAX_EVS_PER_BUS) {
-        return fail(ExitCode::usage, fmt::format("bus '{}' has {} EVs, and {} fit into a measurement", bus, g.evs_.size(),
-                                                 MAX_EVS_PER_BUS));
+        return fail(ExitCode::usage, fmt::format("bus '{}' has {} EVs, and {} fit into a measurement", bus,
+                                                 g.evs_.size(), MAX_EVS_PER_BUS));
     }
     g.orders_ = std::make_unique<ChargingOrders>(node.time_base(), names);
     if (!g.evs_.empty()) {
@@ -88,7 +92,9 @@ void BusGateway::drain(SimTime until) {
     outbox_->drain(until, [this](BusMeasurement const& sample, SimTime time) { measurements_->write(sample, time); });
 }
 
-std::uint64_t BusGateway::lost() const { return outbox_ == nullptr ? 0 : outbox_->lost(); }
+std::uint64_t BusGateway::lost() const {
+    return outbox_ == nullptr ? 0 : outbox_->lost();
+}
 
 void BusGateway::take_commands(Simulation& simulation, SimTime until) {
     if (decisions_ == nullptr) {
@@ -101,11 +107,12 @@ void BusGateway::take_commands(Simulation& simulation, SimTime until) {
             continue; // for an EV at another bus
         }
         // In real time a command acts when it arrives; its delay is what it is.
-        SimTime const effect = node_->lockstep() ? received.origin.time : std::max(received.origin.time, simulation.now());
+        SimTime const effect =
+            node_->lockstep() ? received.origin.time : std::max(received.origin.time, simulation.now());
         auto const fault = orders_->take(simulation, effect, ev, decision.current_a(), decision.valid_for_s());
         if (fault && on_refusal_) {
-            on_refusal_(effect, fmt::format("decision of {} for {}: {}, ignored", node_->process_name(received.origin), ev,
-                                            *fault));
+            on_refusal_(effect, fmt::format("decision of {} for {}: {}, ignored", node_->process_name(received.origin),
+                                            ev, *fault));
         }
     }
     orders_->expire(simulation, until);

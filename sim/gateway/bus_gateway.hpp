@@ -47,7 +47,7 @@ class BusGateway {
     std::unique_ptr<bus::Writer<BusMeasurement>> measurements_;
     std::shared_ptr<bus::Reader<ChargingDecision>> decisions_; ///< only where there are EVs
     std::unique_ptr<BusMeasurement> sample_;
-    std::unique_ptr<Outbox<BusMeasurement>> outbox_; ///< real time
+    std::unique_ptr<Outbox<BusMeasurement>> outbox_;           ///< real time
     std::size_t v_{0}, angle_{0}, frequency_{0}, p_{0}, q_{0}; ///< signals
     std::vector<EvPort> evs_;
     std::unique_ptr<ChargingOrders> orders_; ///< for the same EVs

@@ -106,8 +106,7 @@ void generator(Fields& f, Generator& g) {
     f.number("q_min_kvar", g.q_min_kvar, any("least reactive power"));
     f.number("q_max_kvar", g.q_max_kvar, any("most reactive power"));
     if (g.q_min_kvar && g.q_max_kvar && *g.q_min_kvar > *g.q_max_kvar) {
-        f.error("q_min_kvar",
-                fmt::format("generator '{}' has a least reactive power above its most", g.name.name),
+        f.error("q_min_kvar", fmt::format("generator '{}' has a least reactive power above its most", g.name.name),
                 "q_min_kvar is negative where it takes reactive power");
     }
 }

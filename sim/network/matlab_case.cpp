@@ -19,12 +19,13 @@ namespace {
 // The constants that idx_bus, idx_brch and idx_gen of MATPOWER define (column numbers from 1).
 std::map<std::string, double> const& column_names() {
     static std::map<std::string, double> const names{
-        {"PQ", 1},       {"PV", 2},       {"REF", 3},     {"NONE", 4},    {"BUS_I", 1},    {"BUS_TYPE", 2}, {"PD", 3},
-        {"QD", 4},       {"GS", 5},       {"BS", 6},      {"BUS_AREA", 7}, {"VM", 8},      {"VA", 9},       {"BASE_KV", 10},
-        {"ZONE", 11},    {"VMAX", 12},    {"VMIN", 13},   {"F_BUS", 1},   {"T_BUS", 2},    {"BR_R", 3},     {"BR_X", 4},
-        {"BR_B", 5},     {"RATE_A", 6},   {"RATE_B", 7},  {"RATE_C", 8},  {"TAP", 9},      {"SHIFT", 10},   {"BR_STATUS", 11},
-        {"GEN_BUS", 1},  {"PG", 2},       {"QG", 3},      {"QMAX", 4},    {"QMIN", 5},     {"VG", 6},       {"MBASE", 7},
-        {"GEN_STATUS", 8}, {"PMAX", 9},   {"PMIN", 10},
+        {"PQ", 1},     {"PV", 2},       {"REF", 3},    {"NONE", 4},       {"BUS_I", 1},    {"BUS_TYPE", 2},
+        {"PD", 3},     {"QD", 4},       {"GS", 5},     {"BS", 6},         {"BUS_AREA", 7}, {"VM", 8},
+        {"VA", 9},     {"BASE_KV", 10}, {"ZONE", 11},  {"VMAX", 12},      {"VMIN", 13},    {"F_BUS", 1},
+        {"T_BUS", 2},  {"BR_R", 3},     {"BR_X", 4},   {"BR_B", 5},       {"RATE_A", 6},   {"RATE_B", 7},
+        {"RATE_C", 8}, {"TAP", 9},      {"SHIFT", 10}, {"BR_STATUS", 11}, {"GEN_BUS", 1},  {"PG", 2},
+        {"QG", 3},     {"QMAX", 4},     {"QMIN", 5},   {"VG", 6},         {"MBASE", 7},    {"GEN_STATUS", 8},
+        {"PMAX", 9},   {"PMIN", 10},
     };
     return names;
 }
@@ -38,11 +39,16 @@ struct Mistake : std::runtime_error {
 
 using Matrix = std::vector<std::vector<double>>;
 
-Matrix scalar(double v) { return {{v}}; }
-bool is_scalar(Matrix const& m) { return m.size() == 1 && m[0].size() == 1; }
+Matrix scalar(double v) {
+    return {{v}};
+}
+bool is_scalar(Matrix const& m) {
+    return m.size() == 1 && m[0].size() == 1;
+}
 
 /// Element by element; a scalar goes with everything.
-template <class Op> Matrix combine(Matrix const& a, Matrix const& b, Op const& op) {
+template <class Op>
+Matrix combine(Matrix const& a, Matrix const& b, Op const& op) {
     Matrix const& shape = is_scalar(a) ? b : a;
     if (!is_scalar(a) && !is_scalar(b) && (a.size() != b.size() || a[0].size() != b[0].size())) {
         throw Mistake{"matrices of different size"};
@@ -356,11 +362,16 @@ class Statement {
     }
 
     static double (*function_of(std::string const& word))(double) {
-        if (word == "sin") return [](double v) { return std::sin(v); };
-        if (word == "cos") return [](double v) { return std::cos(v); };
-        if (word == "tan") return [](double v) { return std::tan(v); };
-        if (word == "acos") return [](double v) { return std::acos(v); };
-        if (word == "sqrt") return [](double v) { return std::sqrt(v); };
+        if (word == "sin")
+            return [](double v) { return std::sin(v); };
+        if (word == "cos")
+            return [](double v) { return std::cos(v); };
+        if (word == "tan")
+            return [](double v) { return std::tan(v); };
+        if (word == "acos")
+            return [](double v) { return std::acos(v); };
+        if (word == "sqrt")
+            return [](double v) { return std::sqrt(v); };
         return nullptr;
     }
 
@@ -455,7 +466,8 @@ MatlabCase read_matlab_case(std::string_view text, std::shared_ptr<config::Sourc
         bool continued = false;
         for (std::size_t i = 0; i < line.size(); ++i) {
             char const c = line[i];
-            if (c == '\'' && (in_text || statement.empty() || std::isalnum(static_cast<unsigned char>(statement.back())) == 0)) {
+            if (c == '\'' &&
+                (in_text || statement.empty() || std::isalnum(static_cast<unsigned char>(statement.back())) == 0)) {
                 in_text = !in_text;
             }
             if (!in_text && (c == '%' || c == '#')) {

@@ -27,7 +27,8 @@ struct MatlabCase {
     std::string name;                           ///< of the function
 };
 
-[[nodiscard]] MatlabCase read_matlab_case(std::string_view text, std::shared_ptr<config::SourceText const> const& source,
+[[nodiscard]] MatlabCase read_matlab_case(std::string_view text,
+                                          std::shared_ptr<config::SourceText const> const& source,
                                           config::Diagnostics& diagnostics);
 
 } // namespace gridspace::sim

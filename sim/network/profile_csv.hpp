@@ -14,8 +14,8 @@ struct ProfilePoints {
     std::vector<double> hours, values;
 };
 
-/// Reads the columns `hours` (or `h`, `time_h`) and `column` of a comma-separated file with one header row: at least one
-/// row of finite numbers, with increasing hours. Errors name the line.
+/// Reads the columns `hours` (or `h`, `time_h`) and `column` of a comma-separated file with one header row: at least
+/// one row of finite numbers, with increasing hours. Errors name the line.
 [[nodiscard]] Result<ProfilePoints> read_profile_csv(std::filesystem::path const& file, std::string const& column);
 
 } // namespace gridspace::sim

@@ -13,17 +13,17 @@
 namespace gridspace::sim {
 
 struct PowerFlowOptions {
-    double tolerance_pu{1e-10};  ///< largest power mismatch of a bus, on the network's base
+    double tolerance_pu{1e-10}; ///< largest power mismatch of a bus, on the network's base
     int max_iterations{40};
     bool enforce_q_limits{false}; ///< a generator at its limit gives up its voltage
-    double hours{0};             ///< time at which profiles are read
-    double start_hour_of_day{0}; ///< of simulated time 0
+    double hours{0};              ///< time at which profiles are read
+    double start_hour_of_day{0};  ///< of simulated time 0
 };
 
 struct PowerFlow {
     struct BusValue {
-        Complex v;                   ///< p.u.; |v| and angle
-        double p_kw{0}, q_kvar{0};   ///< net injection: generation minus load
+        Complex v;                 ///< p.u.; |v| and angle
+        double p_kw{0}, q_kvar{0}; ///< net injection: generation minus load
     };
     struct BranchValue {
         TwoPort::Kind kind{TwoPort::Kind::line};
@@ -36,7 +36,7 @@ struct PowerFlow {
     };
     int iterations{0};
     double mismatch_pu{0};
-    std::vector<BusValue> buses;     ///< by bus of the network
+    std::vector<BusValue> buses;       ///< by bus of the network
     std::vector<BranchValue> branches; ///< lines and transformers in service
     std::vector<UnitValue> sources, machines, generators;
     double losses_kw{0};

@@ -14,8 +14,8 @@ enum class NodeKind { slack, pv, pq, dead };
 struct PowerFlowProblem {
     struct Node {
         NodeKind kind{NodeKind::pq};
-        double v{1}, angle{0};   ///< held or initial
-        double p{0}, q{0};       ///< generation, p.u. (q: pq nodes only)
+        double v{1}, angle{0}; ///< held or initial
+        double p{0}, q{0};     ///< generation, p.u. (q: pq nodes only)
         double q_min{-1e30}, q_max{1e30};
     };
     struct BusLoad {
@@ -24,8 +24,8 @@ struct PowerFlowProblem {
         double p{0}, q{0}; ///< at 1 p.u., scaled
     };
     std::vector<Node> nodes;
-    std::vector<TwoPort> branches;      ///< with the source impedances at the end
-    std::vector<Complex> shunts;        ///< admittance by node
+    std::vector<TwoPort> branches; ///< with the source impedances at the end
+    std::vector<Complex> shunts;   ///< admittance by node
     std::vector<BusLoad> loads;
     std::vector<std::size_t> source_node; ///< by source: its internal node
 };

@@ -37,9 +37,9 @@ struct ThreePhaseOptions {
 };
 
 /// Unbalanced power flow of a distribution network: phase impedance matrices, transformers with their connections,
-/// loads by phase between phase and earth; converters inject currents of positive sequence. Sources and slack generators hold the voltage. Fixed point on the factored
-/// nodal admittance [Chen et al., IEEE Trans. Power Deliv. 6(3), 1991]. Fails when it does not converge, or on machines
-/// and regulated generators.
+/// loads by phase between phase and earth; converters inject currents of positive sequence. Sources and slack
+/// generators hold the voltage. Fixed point on the factored nodal admittance [Chen et al., IEEE Trans. Power Deliv.
+/// 6(3), 1991]. Fails when it does not converge, or on machines and regulated generators.
 [[nodiscard]] Result<ThreePhaseFlow> solve_three_phase(Network const& network, SwitchState const& state,
                                                        ThreePhaseOptions const& options = {});
 

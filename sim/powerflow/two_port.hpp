@@ -15,15 +15,15 @@ using Complex = std::complex<double>;
 /// Which breakers are closed now; starts as the network file says.
 struct SwitchState {
     explicit SwitchState(Network const& network);
-    std::vector<bool> breaker_closed;                 ///< by breaker
-    std::vector<bool> line_out, transformer_out;      ///< taken out of service as a whole
+    std::vector<bool> breaker_closed;            ///< by breaker
+    std::vector<bool> line_out, transformer_out; ///< taken out of service as a whole
     [[nodiscard]] bool closed(Network const& network, std::string const& line, LineEnd end) const;
 };
 
 /// A branch in positive sequence, p.u. on the network's base: i_from = ff v_from + ft v_to, i_to = tf v_from + tt v_to.
 struct TwoPort {
     enum class Kind { line, transformer } kind{Kind::line};
-    std::size_t element{0};   ///< index in the network's lines or transformers
+    std::size_t element{0};     ///< index in the network's lines or transformers
     std::size_t from{0}, to{0}; ///< bus indices
     Complex ff, ft, tf, tt;
 };

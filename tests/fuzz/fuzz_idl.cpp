@@ -13,7 +13,9 @@
 extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
     using namespace gridspace::idl;
     struct Count final : Visitor {
-        void leaf(std::string_view path, Type const&, Value const& value) override { octets += path.size() + to_text(value).size(); }
+        void leaf(std::string_view path, Type const&, Value const& value) override {
+            octets += path.size() + to_text(value).size();
+        }
         std::size_t octets{0};
     } count;
     std::string_view const all{reinterpret_cast<char const*>(data), size};

@@ -17,10 +17,11 @@ extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size
         std::abort();
     }
     std::uint64_t seen = 0;
-    auto const outcome = gridspace::mcap::read_messages("/proc/self/fd/" + std::to_string(fd), [&](gridspace::mcap::Message const& m) {
-        ++seen;
-        return m.channel.topic != "stop" && m.data.size() <= size + (256U << 20U);
-    });
+    auto const outcome =
+        gridspace::mcap::read_messages("/proc/self/fd/" + std::to_string(fd), [&](gridspace::mcap::Message const& m) {
+            ++seen;
+            return m.channel.topic != "stop" && m.data.size() <= size + (256U << 20U);
+        });
     if (outcome && (outcome->messages != seen || (!outcome->complete && outcome->note.empty()))) {
         std::abort(); // what was lost must be said
     }

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text is read as a configuration: parsed, merged with itself, printed, and read back to the same tree; every diagnostic is rendered.
+// Any text is read as a configuration: parsed, merged with itself, printed, and read back to the same tree; every
+// diagnostic is rendered.
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Runs a fuzz function on the files that are given, or on all files of a folder: the corpus as a unit test, without libFuzzer.
+// Runs a fuzz function on the files that are given, or on all files of a folder: the corpus as a unit test, without
+// libFuzzer.
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>

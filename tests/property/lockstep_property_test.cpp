@@ -26,11 +26,14 @@ std::vector<std::uint32_t> interleaving(std::vector<std::uint32_t> const& length
     return order;
 }
 
-bool holds(std::string const& what, std::function<void()> const& property) { return rc::check(what, property); }
+bool holds(std::string const& what, std::function<void()> const& property) {
+    return rc::check(what, property);
+}
 
 TEST(LedgerProperty, IsCompleteExactlyWhenAllThatWasAnnouncedHasArrived) {
     EXPECT_TRUE(holds("complete <=> arrived", [] {
-        auto const lengths = *rc::gen::container<std::vector<std::uint32_t>>(*rc::gen::inRange<std::size_t>(1, 4), rc::gen::inRange<std::uint32_t>(0, 6));
+        auto const lengths = *rc::gen::container<std::vector<std::uint32_t>>(*rc::gen::inRange<std::size_t>(1, 4),
+                                                                             rc::gen::inRange<std::uint32_t>(0, 6));
         std::uint64_t total = 0;
         for (std::uint32_t const n : lengths) {
             total += n;

@@ -6,8 +6,8 @@
 
 namespace gridspace {
 
-/// How often the program has asked for memory so far, with `new` of any kind. Linking this replaces operator new of the whole
-/// program: tests that count are programs of their own.
+/// How often the program has asked for memory so far, with `new` of any kind. Linking this replaces operator new of the
+/// whole program: tests that count are programs of their own.
 [[nodiscard]] std::size_t allocations() noexcept;
 
 /// The same while `work` runs.

@@ -2,8 +2,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * strange_writers DOMAIN: writers over CycloneDDS that not every reader hears, each on a topic of its own: `xcdr2` in
- * another representation, `parted` in two partitions, `owned` with exclusive ownership, `patient` with a latency budget,
- * and `kept`, of a participant without a name, which writes once, for those who come late too. Says "written" then. Until its standard input ends.
+ * another representation, `parted` in two partitions, `owned` with exclusive ownership, `patient` with a latency
+ * budget, and `kept`, of a participant without a name, which writes once, for those who come late too. Says "written"
+ * then. Until its standard input ends.
  */
 #include "weather.h"
 
@@ -41,9 +42,9 @@ int main(int argc, char** argv) {
         return 2;
     }
     const dds_domainid_t domain = (dds_domainid_t)atoi(argv[1]);
-    made(dds_create_domain(domain,
-                           "<General><Interfaces><NetworkInterface address=\"127.0.0.1\" multicast=\"true\"/></Interfaces>"
-                           "<AllowMulticast>true</AllowMulticast></General>"),
+    made(dds_create_domain(
+             domain, "<General><Interfaces><NetworkInterface address=\"127.0.0.1\" multicast=\"true\"/></Interfaces>"
+                     "<AllowMulticast>true</AllowMulticast></General>"),
          "domain");
     dds_qos_t* qos = dds_create_qos();
     dds_qset_entity_name(qos, "stranger");

@@ -42,7 +42,9 @@ int main(int argc, char** argv) {
     for (int i = 0; i < topics; ++i) {
         const dds_entity_t topic =
             made(dds_create_topic(participant, &std_msgs_msg_dds__String__desc, argv[3 + i], NULL, NULL), argv[3 + i]);
-        ends[i] = made(talks ? dds_create_writer(participant, topic, qos, NULL) : dds_create_reader(participant, topic, qos, NULL), "endpoint");
+        ends[i] = made(talks ? dds_create_writer(participant, topic, qos, NULL)
+                             : dds_create_reader(participant, topic, qos, NULL),
+                       "endpoint");
     }
     dds_delete_qos(qos);
     for (unsigned n = 0;; ++n) {

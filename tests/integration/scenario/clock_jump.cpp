@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Preloaded by clock_jump_test.py: for the process that GRIDSPACE_TEST_CLOCK_PROCESS names, the wall clock is an hour ahead
-// as soon as the file of GRIDSPACE_TEST_CLOCK exists.
+// Preloaded by clock_jump_test.py: for the process that GRIDSPACE_TEST_CLOCK_PROCESS names, the wall clock is an hour
+// ahead as soon as the file of GRIDSPACE_TEST_CLOCK exists.
 #include <cstdlib>
 #include <cstring>
 #include <ctime>

@@ -109,8 +109,8 @@ TEST(SvForger, ManInTheMiddleAltersTheAttackedPhaseOfTheAttackedSamplesOnly) {
     EXPECT_EQ(sut->forged(), 480U);
 }
 
-/// In real time frames pass on one thread, and another says how many were forged: for the thread sanitizer. Relaxed, so that
-/// nothing here puts the two in an order.
+/// In real time frames pass on one thread, and another says how many were forged: for the thread sanitizer. Relaxed, so
+/// that nothing here puts the two in an order.
 template <class Sut, class Forge>
 void count_from_another_thread(Sut const& sut, Forge const& forge) {
     std::atomic<bool> done{false};
@@ -124,7 +124,8 @@ void count_from_another_thread(Sut const& sut, Forge const& forge) {
         }
     }};
     auto const wait_for_looks = [&](int more) {
-        for (int const until = looks.load(std::memory_order_relaxed) + more; looks.load(std::memory_order_relaxed) < until;) {
+        for (int const until = looks.load(std::memory_order_relaxed) + more;
+             looks.load(std::memory_order_relaxed) < until;) {
             std::this_thread::yield();
         }
     };

@@ -8,7 +8,8 @@ namespace gridspace::bus {
 namespace {
 
 bool push(CdrReader& reader, std::int64_t quanta, std::size_t octets) {
-    return reader.push(std::vector<std::byte>(octets), Origin{{quanta}, 0, 0, static_cast<std::uint64_t>(quanta)}, TimeBase{});
+    return reader.push(std::vector<std::byte>(octets), Origin{{quanta}, 0, 0, static_cast<std::uint64_t>(quanta)},
+                       TimeBase{});
 }
 
 TEST(CdrReader, WithoutABoundKeepsEverythingUntilItsTime) {

@@ -42,7 +42,8 @@ Relay read(std::string_view text, Diagnostics& diagnostics) {
 
 TEST(Fields, ReadWhatIsGivenAndKeepDefaults) {
     Diagnostics diagnostics;
-    Relay const r = read("relay: {pickup_a: 30, kind: rms, step_s: 1/48000, points: [0, 1/2], streams: [A, B]}", diagnostics);
+    Relay const r =
+        read("relay: {pickup_a: 30, kind: rms, step_s: 1/48000, points: [0, 1/2], streams: [A, B]}", diagnostics);
     ASSERT_TRUE(diagnostics.ok()) << diagnostics.render();
     EXPECT_EQ(r.pickup_a, 30);
     EXPECT_EQ(r.cycles, 1);
@@ -79,8 +80,9 @@ TEST(Fields, AnotherUnitOfTheSameQuantityIsRecognised) {
 
 TEST(Fields, ReportEveryMistakeInOnePass) {
     Diagnostics diagnostics;
-    (void)read("relay: {pickup_a: -1, window_cycles: 1.5, kind: fast, seal_in: yes, step_s: 1/0, points: 3, streams: [[]]}",
-               diagnostics);
+    (void)read(
+        "relay: {pickup_a: -1, window_cycles: 1.5, kind: fast, seal_in: yes, step_s: 1/0, points: 3, streams: [[]]}",
+        diagnostics);
     EXPECT_EQ(diagnostics.errors(), 7) << diagnostics.render();
 }
 
@@ -99,8 +101,8 @@ TEST(Fields, QuotedNumbersAreText) {
 }
 
 TEST(Fields, NotANumberAndInfinityAreRefused) {
-    for (char const* text : {"relay: {pickup_a: .nan}", "relay: {pickup_a: nan}", "relay: {pickup_a: inf}",
-                             "relay: {pickup_a: 1e999}"}) {
+    for (char const* text :
+         {"relay: {pickup_a: .nan}", "relay: {pickup_a: nan}", "relay: {pickup_a: inf}", "relay: {pickup_a: 1e999}"}) {
         Diagnostics diagnostics;
         (void)read(text, diagnostics);
         EXPECT_EQ(diagnostics.errors(), 1) << text;

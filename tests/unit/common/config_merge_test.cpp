@@ -46,7 +46,8 @@ TEST(ApplySet, OverridesAtAPathAndMakesWhatIsMissing) {
     apply_set(root, "processes.ev1.requested_h=4.5", 2, diagnostics);
     apply_set(root, "record={samples: all}", 3, diagnostics);
     EXPECT_TRUE(diagnostics.ok());
-    EXPECT_EQ(to_yaml(root), "clock:\n  speed: 60\nprocesses:\n  ev1:\n    requested_h: 4.5\nrecord:\n  samples: all\n");
+    EXPECT_EQ(to_yaml(root),
+              "clock:\n  speed: 60\nprocesses:\n  ev1:\n    requested_h: 4.5\nrecord:\n  samples: all\n");
     EXPECT_EQ(root.find("clock")->find("speed")->where.to_string(), "--set #1:1:13");
 }
 

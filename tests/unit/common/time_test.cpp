@@ -23,8 +23,8 @@ TEST(TimeBase, RoundsNanosecondsAndNeverAccumulatesThem) {
 
 TEST(TimeBase, LatenciesRoundUpToWholeQuanta) {
     TimeBase const sut{Rational{1, 48000}};
-    EXPECT_EQ(sut.ceil(Rational{120, 1'000'000}).quanta, 6);  // 5.76
-    EXPECT_EQ(sut.ceil(Rational{1, 48000}).quanta, 1);        // exact stays
+    EXPECT_EQ(sut.ceil(Rational{120, 1'000'000}).quanta, 6);       // 5.76
+    EXPECT_EQ(sut.ceil(Rational{1, 48000}).quanta, 1);             // exact stays
     EXPECT_EQ(sut.ceil(*Rational::parse("1111.2e-6")).quanta, 54); // 53.3376
 }
 

@@ -50,7 +50,8 @@ std::unique_ptr<Made> make(std::string const& mappings) {
     return out;
 }
 
-std::string mapping_of(std::string const& from, std::string const& to, std::string const& fields, std::string const& more = "") {
+std::string mapping_of(std::string const& from, std::string const& to, std::string const& fields,
+                       std::string const& more = "") {
     return "mappings:\n  m:\n    from: " + from + "\n    to: " + to + "\n    fields: " + fields + "\n" + more;
 }
 
@@ -58,7 +59,9 @@ std::string const kBus = "{topic: bus_measurements, type: BusMeasurement, where:
 std::string const kFeeder = "{topic: feeders, type: \"example::FeederState\"}";
 
 TEST(Route, TakesAUsersOwnTypeFromItsIdlFileAlone) {
-    auto const sut = make(mapping_of("{stream: GO}", kFeeder, "{energised: st, position: pos, \"angles_mrad[1]\": {value: -7}, source: {value: SOURCE_ESTIMATED}}"));
+    auto const sut = make(mapping_of(
+        "{stream: GO}", kFeeder,
+        "{energised: st, position: pos, \"angles_mrad[1]\": {value: -7}, source: {value: SOURCE_ESTIMATED}}"));
     ASSERT_EQ(sut->said, "");
     Route& route = sut->routes.front();
     std::vector<Value> in(route.from.size()), out;
@@ -90,11 +93,14 @@ TEST(Route, TakesUnitsFromTheNamesOfTopicFields) {
 }
 
 TEST(Route, SaysEverythingThatIsWrongAtItsPlace) {
-    auto const sut = make(mapping_of(kBus, "{stream: SV}", "{Ia: v_puu, q: {value: goood}, X: v_pu, P: {from: p_kw, to_unit: V}}"));
-    EXPECT_THAT(sut->said, AllOf(HasSubstr("gw.yaml:11:18: error: there is no field 'v_puu'"), HasSubstr("did you mean 'v_pu'?"),
-                                 HasSubstr("gw.yaml:11:36: error: 'goood' is no value of 'q', which is quality"), HasSubstr("expected good, invalid"),
-                                 HasSubstr("gw.yaml:11:44: error: there is no field 'X'"), HasSubstr("there are: Ia, q, P"),
-                                 HasSubstr("'p_kw' is in kW, 'P' in V: they measure different things"), HasSubstr("4 errors")))
+    auto const sut =
+        make(mapping_of(kBus, "{stream: SV}", "{Ia: v_puu, q: {value: goood}, X: v_pu, P: {from: p_kw, to_unit: V}}"));
+    EXPECT_THAT(sut->said,
+                AllOf(HasSubstr("gw.yaml:11:18: error: there is no field 'v_puu'"), HasSubstr("did you mean 'v_pu'?"),
+                      HasSubstr("gw.yaml:11:36: error: 'goood' is no value of 'q', which is quality"),
+                      HasSubstr("expected good, invalid"), HasSubstr("gw.yaml:11:44: error: there is no field 'X'"),
+                      HasSubstr("there are: Ia, q, P"),
+                      HasSubstr("'p_kw' is in kW, 'P' in V: they measure different things"), HasSubstr("4 errors")))
         << sut->said;
 }
 
@@ -113,33 +119,54 @@ TEST_P(Mistakes, AreRefusedWithAReason) {
 INSTANTIATE_TEST_SUITE_P(
     Route, Mistakes,
     testing::Values(
-        Mistake{"BothTopics", mapping_of(kBus, kFeeder, "{position: v_pu}"), "mapping 'm' goes from a topic to a topic"},
-        Mistake{"NeitherTopicNorStream", mapping_of("{}", "{stream: SV}", "{Ia: x}"), "a mapping needs a topic or a stream here"},
-        Mistake{"TopicWithoutType", mapping_of("{topic: x}", "{stream: SV}", "{Ia: x}"), "the type of topic 'x' is missing"},
-        Mistake{"UnknownType", mapping_of("{topic: x, type: Foo}", "{stream: SV}", "{Ia: x}"), "no IDL file of this build defines the type 'Foo'"},
+        Mistake{"BothTopics", mapping_of(kBus, kFeeder, "{position: v_pu}"),
+                "mapping 'm' goes from a topic to a topic"},
+        Mistake{"NeitherTopicNorStream", mapping_of("{}", "{stream: SV}", "{Ia: x}"),
+                "a mapping needs a topic or a stream here"},
+        Mistake{"TopicWithoutType", mapping_of("{topic: x}", "{stream: SV}", "{Ia: x}"),
+                "the type of topic 'x' is missing"},
+        Mistake{"UnknownType", mapping_of("{topic: x, type: Foo}", "{stream: SV}", "{Ia: x}"),
+                "no IDL file of this build defines the type 'Foo'"},
         Mistake{"UnknownStream", mapping_of(kBus, "{stream: SW}", "{Ia: v_pu}"), "there is no stream 'SW'"},
         Mistake{"NumberToBoolean", mapping_of(kBus, "{stream: GO}", "{st: v_pu}"), "what is true is a decision"},
-        Mistake{"DerivedInGoose", mapping_of(kBus, "{stream: GQ}", "{q: {value: 0x2003}}"), "a number up to 0x1fff: GOOSE has no bit for 'derived'"},
-        Mistake{"LongTextToAShortOne", mapping_of(kBus, "{stream: GO}", "{id: bus}"), "32 characters do not fit into 8"},
-        Mistake{"TimeIsTheGateways", mapping_of("{stream: GO}", kFeeder, "{time_ns: $t}"), "'time_ns' is written by the gateway itself"},
-        Mistake{"SamplesWithoutIndex", mapping_of("{topic: TL_21, type: LineCurrents}", "{stream: SV}", "{P: samples.ia}", "    each: samples\n"),
-                "samples of a sequence need their place in time"},
-        Mistake{"NotASequence", mapping_of("{topic: TL_21, type: LineCurrents}", "{stream: SV}", "{P: samples.ia}", "    each: sample\n"),
-                "'sample' is not a sequence of the type 'LineCurrents'"},
-        Mistake{"TextAsIndex", mapping_of("{topic: TL_21, type: LineCurrents}", "{stream: SV}", "{P: samples.ia}", "    each: samples\n    index: transformer\n"),
+        Mistake{"DerivedInGoose", mapping_of(kBus, "{stream: GQ}", "{q: {value: 0x2003}}"),
+                "a number up to 0x1fff: GOOSE has no bit for 'derived'"},
+        Mistake{"LongTextToAShortOne", mapping_of(kBus, "{stream: GO}", "{id: bus}"),
+                "32 characters do not fit into 8"},
+        Mistake{"TimeIsTheGateways", mapping_of("{stream: GO}", kFeeder, "{time_ns: $t}"),
+                "'time_ns' is written by the gateway itself"},
+        Mistake{
+            "SamplesWithoutIndex",
+            mapping_of("{topic: TL_21, type: LineCurrents}", "{stream: SV}", "{P: samples.ia}", "    each: samples\n"),
+            "samples of a sequence need their place in time"},
+        Mistake{
+            "NotASequence",
+            mapping_of("{topic: TL_21, type: LineCurrents}", "{stream: SV}", "{P: samples.ia}", "    each: sample\n"),
+            "'sample' is not a sequence of the type 'LineCurrents'"},
+        Mistake{"TextAsIndex",
+                mapping_of("{topic: TL_21, type: LineCurrents}", "{stream: SV}", "{P: samples.ia}",
+                           "    each: samples\n    index: transformer\n"),
                 "'transformer' cannot hold an index"},
-        Mistake{"EveryOfGoose", mapping_of("{stream: GO}", kFeeder, "{energised: st}", "    every: 2\n"), "`every`, which is for sampled values"},
-        Mistake{"FieldTwice", mapping_of("{stream: GO}", kFeeder, "{angles_mrad.0: $st_num, \"angles_mrad[0]\": $sq_num}"), "field 'angles_mrad.0' is written twice"},
-        Mistake{"FieldOfTheOtherKind", mapping_of("{stream: GO}", kFeeder, "{energised: st, angles_mrad.0: $smp_cnt}"), "there is no field '$smp_cnt'"},
-        Mistake{"FromAndValue", mapping_of(kBus, "{stream: SV}", "{P: {from: v_pu, value: 1}}"), "`from` and `value` at once"},
+        Mistake{"EveryOfGoose", mapping_of("{stream: GO}", kFeeder, "{energised: st}", "    every: 2\n"),
+                "`every`, which is for sampled values"},
+        Mistake{"FieldTwice",
+                mapping_of("{stream: GO}", kFeeder, "{angles_mrad.0: $st_num, \"angles_mrad[0]\": $sq_num}"),
+                "field 'angles_mrad.0' is written twice"},
+        Mistake{"FieldOfTheOtherKind", mapping_of("{stream: GO}", kFeeder, "{energised: st, angles_mrad.0: $smp_cnt}"),
+                "there is no field '$smp_cnt'"},
+        Mistake{"FromAndValue", mapping_of(kBus, "{stream: SV}", "{P: {from: v_pu, value: 1}}"),
+                "`from` and `value` at once"},
         Mistake{"UnknownKey", mapping_of(kBus, "{stream: SV}", "{P: {from: v_pu, sclae: 2}}"), "unknown key 'sclae'"},
         Mistake{"FieldIsAList", mapping_of(kBus, "{stream: SV}", "{P: [v_pu]}"), "field 'P' is a list"},
         Mistake{"NoFields", mapping_of(kBus, "{stream: SV}", "{}"), "the fields are"},
-        Mistake{"FilterOfAnotherType", mapping_of("{topic: b, type: BusMeasurement, where: {v_pu: high}}", "{stream: SV}", "{P: v_pu}"),
+        Mistake{"FilterOfAnotherType",
+                mapping_of("{topic: b, type: BusMeasurement, where: {v_pu: high}}", "{stream: SV}", "{P: v_pu}"),
                 "'high' is no value of 'v_pu' to choose samples by"},
-        Mistake{"WatchedText", mapping_of("{stream: GO}", kFeeder, "{feeder: id}", "    watch: [feeder]\n"), "a signal is a number"},
+        Mistake{"WatchedText", mapping_of("{stream: GO}", kFeeder, "{feeder: id}", "    watch: [feeder]\n"),
+                "a signal is a number"},
         Mistake{"TwoForOneStream",
-                mapping_of(kBus, "{stream: SV}", "{P: v_pu}") + "  n: {from: " + kBus + ", to: {stream: SV}, fields: {P: v_pu}}\n",
+                mapping_of(kBus, "{stream: SV}", "{P: v_pu}") + "  n: {from: " + kBus +
+                    ", to: {stream: SV}, fields: {P: v_pu}}\n",
                 "stream 'SV' is sent by mapping 'm' already"}),
     [](auto const& mistake) { return mistake.param.name; });
 
@@ -153,8 +180,10 @@ TEST(Route, CallsTheChannelsInvalidThatNobodyWrites) {
         }
         return out;
     };
-    EXPECT_THAT(invalid("{Ia: v_pu, Ib: v_pu, Ic: v_pu}"), testing::ElementsAre("In_q", "Va_q", "Vb_q", "Vc_q", "Vn_q"));
-    EXPECT_THAT(invalid("{Ia: v_pu, Ib: v_pu, Ic: {value: 0}, In_q: {value: good}, Va: v_pu, Vb: v_pu, Vc: v_pu}"), testing::ElementsAre("Vn_q"));
+    EXPECT_THAT(invalid("{Ia: v_pu, Ib: v_pu, Ic: v_pu}"),
+                testing::ElementsAre("In_q", "Va_q", "Vb_q", "Vc_q", "Vn_q"));
+    EXPECT_THAT(invalid("{Ia: v_pu, Ib: v_pu, Ic: {value: 0}, In_q: {value: good}, Va: v_pu, Vb: v_pu, Vc: v_pu}"),
+                testing::ElementsAre("Vn_q"));
     auto const held = make(mapping_of("{stream: GO}", kFeeder, "{energised: st}"));
     EXPECT_TRUE(held->routes.front().invalid.empty()) << "a topic says what it says";
 }

@@ -18,7 +18,8 @@ bool same(SvFrame const& a, SvFrame const& b) {
                return x.sv_id == y.sv_id && x.dat_set == y.dat_set && x.sample.data() == y.sample.data() &&
                       x.sample.size() == y.sample.size() && x.refr_tm == y.refr_tm && x.gm_identity == y.gm_identity &&
                       x.conf_rev == y.conf_rev && x.smp_cnt == y.smp_cnt && x.smp_rate == y.smp_rate &&
-                      x.smp_mod == y.smp_mod && x.fields == y.fields && x.smp_synch == y.smp_synch && x.offset == y.offset;
+                      x.smp_mod == y.smp_mod && x.fields == y.fields && x.smp_synch == y.smp_synch &&
+                      x.offset == y.offset;
            });
 }
 

@@ -116,8 +116,8 @@ TEST(GoosePublisher, LeavesOutTheBitOfAQualityThatOnlySampledValuesHave) {
 
 TEST(GoosePublisher, BeginsNoStateForAValueThatCameBack) {
     GooseDescription description = one_boolean();
-    description.data_set = {{DataNode::leaf("trip", BasicType::boolean),
-                             DataNode::leaf("name", BasicType::visible_string, 8)}};
+    description.data_set = {
+        {DataNode::leaf("trip", BasicType::boolean), DataNode::leaf("name", BasicType::visible_string, 8)}};
     GoosePublisher sut{*GooseTemplate::create(sv_address(), description), 1, {}};
     sut.set(1, Value::visible("a"));
     sut.start(0, kUtc);

@@ -182,7 +182,8 @@ TEST(SvSubscriber, TakesFramesThatComeTwiceForCopiesHoweverManySamplesTheyHold) 
         for (int first = 0; first < 9600; first += samples) {
             for (int copy = 0; copy < (first % 5 == 0 ? 2 : 1); ++copy) {
                 for (int k = 0; k < samples; ++k) {
-                    SvArrival const arrival = sut.receive(static_cast<std::uint16_t>((first + k) % 4800), (first + samples) * kPeriod);
+                    SvArrival const arrival =
+                        sut.receive(static_cast<std::uint16_t>((first + k) % 4800), (first + samples) * kPeriod);
                     ASSERT_EQ(arrival.accepted, copy == 0);
                     ASSERT_EQ(arrival.event == SvEvent::duplicate, copy == 1) << first + k;
                 }

@@ -126,7 +126,9 @@ TEST_F(CaptureStatisticsOf, FramesThatCameBeforeMakeNoIntervals) {
 }
 
 TEST_F(CaptureStatisticsOf, FramesOfManySamplesThatComeTwiceAreDuplicatesAndOvertakenOnesOutOfOrder) {
-    auto const frame = [](int first) { return sv({{"MU", first}, {"MU", first + 1}, {"MU", first + 2}, {"MU", first + 3}}); };
+    auto const frame = [](int first) {
+        return sv({{"MU", first}, {"MU", first + 1}, {"MU", first + 2}, {"MU", first + 3}});
+    };
     for (int n = 0; n < 800; n += 4) {
         put(n * kPeriod, frame(n % 80 == 40 ? n + 4 : n % 80 == 44 ? n - 4 : n));
         if (n % 80 == 0) {

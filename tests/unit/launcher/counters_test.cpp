@@ -66,14 +66,17 @@ TEST(Counters, WhatWentWithAProcessMeetsNoUpperLimit) {
     signals["stream.S.lost"] = {"", {0, 3 * kSecond}, {0, 0}};
     CounterGaps const gaps = continue_counters(signals, kPublished, kRestart);
 
-    for (char const* settings : {"{last_of: \"stream.S*.lost\", is: 0}", "{max_of: stream.S.lost, below: 3}", "{always: stream.S.lost == 0}"}) {
+    for (char const* settings : {"{last_of: \"stream.S*.lost\", is: 0}", "{max_of: stream.S.lost, below: 3}",
+                                 "{always: stream.S.lost == 0}"}) {
         ExpectationResult const sut = judged(settings, signals, gaps);
         EXPECT_EQ(sut.status, Status::failed) << settings;
-        EXPECT_THAT(sut.detail, HasSubstr("cannot be judged: what relay1 counted from 0 s to 2.4 s went with it")) << settings;
+        EXPECT_THAT(sut.detail, HasSubstr("cannot be judged: what relay1 counted from 0 s to 2.4 s went with it"))
+            << settings;
         EXPECT_EQ(sut.value, std::nullopt);
     }
     signals["stream.S.lost"].values = {0, 40};
-    EXPECT_EQ(judged("{last_of: stream.S.lost, at_least: 40}", signals, gaps).status, Status::passed) << "it was no less";
+    EXPECT_EQ(judged("{last_of: stream.S.lost, at_least: 40}", signals, gaps).status, Status::passed)
+        << "it was no less";
     EXPECT_EQ(judged("{last_of: stream.S.lost, is: 0}", signals, gaps).value, 40) << "it was no less";
     EXPECT_EQ(judged("{last_of: stream.S.lost, is: 40}", signals, {}).status, Status::passed);
 }

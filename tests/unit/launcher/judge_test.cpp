@@ -64,7 +64,8 @@ TEST(Judge, ADelayBelowZeroIsNotMeasurableAndMeetsNothing) {
     EXPECT_THAT(judged("{p99_of: relay.r.sample_to_decision_ms, below: 3}", store).detail,
                 HasSubstr("relay.r.sample_to_decision_ms is below 0 (-199.8 ms) at 1 s"));
     EXPECT_EQ(judged("{p99_of: stream.S.wire_delay_ms, below: 3}", store).status, Status::passed);
-    EXPECT_EQ(judged("{max_of: relay.r.sample_to_decision_ms, below: 3, until: fault - 3.5 s}", store).status, Status::passed);
+    EXPECT_EQ(judged("{max_of: relay.r.sample_to_decision_ms, below: 3, until: fault - 3.5 s}", store).status,
+              Status::passed);
     EXPECT_EQ(judged("{min_of: relay.r.sample_to_decision_ms, between: [-200, 3]}", store).value, -199.8)
         << "asked for";
 }
@@ -117,20 +118,26 @@ TEST(Judge, AnEventThatNeverCameFailsAndSaysSo) {
 
 TEST(Judge, NothingHoldsAfterTheEndOfTheRun) {
     Moments const moments{{"fault", 4}, {"later", 1800}};
-    for (char const* verb : {"always: ramp.R.value >= 0", "never: ramp.R.value < 0", "eventually: ramp.R.value >= 0", "min_of: ramp.R.value, at_least: 0",
-                             "mean_of: ramp.R.value, at_least: 0", "last_of: ramp.R.value, at_least: 0", "last_of: ramp.R.value + 1, at_least: 0",
-                             "count_of: state.S.on rises, is: 0, tolerance: 0", "time_of: ramp.R.value >= 0, at_least: 0"}) {
+    for (char const* verb :
+         {"always: ramp.R.value >= 0", "never: ramp.R.value < 0", "eventually: ramp.R.value >= 0",
+          "min_of: ramp.R.value, at_least: 0", "mean_of: ramp.R.value, at_least: 0",
+          "last_of: ramp.R.value, at_least: 0", "last_of: ramp.R.value + 1, at_least: 0",
+          "count_of: state.S.on rises, is: 0, tolerance: 0", "time_of: ramp.R.value >= 0, at_least: 0"}) {
         for (char const* from : {"later", "fault + 3 h"}) {
             auto const sut = judged(std::string{"{"} + verb + ", from: " + from + "}", signals(), moments);
             EXPECT_EQ(sut.status, Status::failed) << verb << " from " << from;
             EXPECT_EQ(sut.value, std::nullopt) << verb;
         }
     }
-    EXPECT_EQ(judged("{min_of: ramp.R.value, at_least: 0, from: fault + 2 h}").detail, "the run ended at 10 s, before 'fault + 7200 s'");
+    EXPECT_EQ(judged("{min_of: ramp.R.value, at_least: 0, from: fault + 2 h}").detail,
+              "the run ended at 10 s, before 'fault + 7200 s'");
     EXPECT_EQ(judged("{time_of: state.S.on == 1, since: later, below: 5}", signals(), moments).status, Status::failed);
-    EXPECT_EQ(judged("{last_of: ramp.R.value, at_least: 0, from: later, show_only: true}", signals(), moments).status, Status::shown);
-    EXPECT_EQ(judged("{last_of: ramp.R.value, is: 10, tolerance: 0, from: fault + 6 s}").status, Status::passed) << "the end itself belongs to the run";
-    EXPECT_EQ(judged("{never: ramp.R.value > 10, until: later}", signals(), moments).status, Status::passed) << "as far as the run went";
+    EXPECT_EQ(judged("{last_of: ramp.R.value, at_least: 0, from: later, show_only: true}", signals(), moments).status,
+              Status::shown);
+    EXPECT_EQ(judged("{last_of: ramp.R.value, is: 10, tolerance: 0, from: fault + 6 s}").status, Status::passed)
+        << "the end itself belongs to the run";
+    EXPECT_EQ(judged("{never: ramp.R.value > 10, until: later}", signals(), moments).status, Status::passed)
+        << "as far as the run went";
 }
 
 TEST(Judge, AWindowThatEndsBeforeItBeginsIsNoWindow) {
@@ -150,31 +157,40 @@ TEST(Judge, NothingIsCountedWhereNothingWasRecordedYet) {
 TEST(Judge, WhatWasTrueBeforeTheEventIsNoAnswerToIt) {
     Moments const moments{{"fault", 4}, {"open", 3}, {"second", 6}};
     for (char const* window : {"since: fault", "from: fault, since: fault"}) {
-        auto const sut = judged(std::string{"{time_of: state.S.on == 1, unit: ms, below: 20, "} + window + "}", signals(), moments);
+        auto const sut =
+            judged(std::string{"{time_of: state.S.on == 1, unit: ms, below: 20, "} + window + "}", signals(), moments);
         EXPECT_EQ(sut.status, Status::failed) << window;
         EXPECT_EQ(sut.detail, "was already true at 3 s, before 'fault'") << window;
     }
-    EXPECT_EQ(judged("{time_of: state.S.on == 1, from: fault, below: 5}", signals(), moments).value, 4) << "the first time of the window";
-    EXPECT_EQ(judged("{time_of: state.S.on == 1, since: open, below: 1}", signals(), moments).value, 0) << "at the instant itself is not before";
+    EXPECT_EQ(judged("{time_of: state.S.on == 1, from: fault, below: 5}", signals(), moments).value, 4)
+        << "the first time of the window";
+    EXPECT_EQ(judged("{time_of: state.S.on == 1, since: open, below: 1}", signals(), moments).value, 0)
+        << "at the instant itself is not before";
     EXPECT_EQ(judged("{time_of: state.S.on rises, since: open, below: 1}", signals(), moments).value, 0);
-    EXPECT_EQ(judged("{time_of: state.S.on == 1, since: second, below: 3}", signals(), moments).value, 2) << "the one after it counts, not the one before";
-    EXPECT_EQ(judged("{time_of: state.S.on rises, since: fault, below: 5}", signals(), moments).value, 4) << "the next edge";
-    EXPECT_EQ(judged("{time_of: state.S.on == 1, from: open - 1 s, since: fault, below: 5}", signals(), moments).status, Status::failed);
-    EXPECT_EQ(judged("{time_of: state.S.on == 1, since: fault, between: [-2, 0]}", signals(), moments).value, -1) << "that is what was asked";
+    EXPECT_EQ(judged("{time_of: state.S.on == 1, since: second, below: 3}", signals(), moments).value, 2)
+        << "the one after it counts, not the one before";
+    EXPECT_EQ(judged("{time_of: state.S.on rises, since: fault, below: 5}", signals(), moments).value, 4)
+        << "the next edge";
+    EXPECT_EQ(judged("{time_of: state.S.on == 1, from: open - 1 s, since: fault, below: 5}", signals(), moments).status,
+              Status::failed);
+    EXPECT_EQ(judged("{time_of: state.S.on == 1, since: fault, between: [-2, 0]}", signals(), moments).value, -1)
+        << "that is what was asked";
     EXPECT_EQ(judged("{time_of: ramp.R.value >= 0, below: 1}").value, 0) << "true from the start";
 }
 
 TEST(Judge, ADivisionByZeroFulfilsNothing) {
-    for (char const* settings :
-         {"{last_of: ramp.R.value / 0, above: 1}", "{max_of: 1 / ramp.R.value, above: 1}", "{p99_of: 1 / ramp.R.value, above: 0}",
-          "{always: 1 / ramp.R.value > 0.01}", "{never: 0 / ramp.R.value > 1}", "{eventually: ramp.R.value / 0 > 1000}"}) {
+    for (char const* settings : {"{last_of: ramp.R.value / 0, above: 1}", "{max_of: 1 / ramp.R.value, above: 1}",
+                                 "{p99_of: 1 / ramp.R.value, above: 0}", "{always: 1 / ramp.R.value > 0.01}",
+                                 "{never: 0 / ramp.R.value > 1}", "{eventually: ramp.R.value / 0 > 1000}"}) {
         auto const sut = judged(settings);
         EXPECT_EQ(sut.status, Status::failed) << settings;
         EXPECT_THAT(sut.detail, HasSubstr("division by zero")) << settings;
     }
     EXPECT_THAT(judged("{always: 1 / ramp.R.value > 0.01}").detail, HasSubstr("at 0 s"));
-    EXPECT_EQ(judged("{always: ramp.R.value == 0 or 1 / ramp.R.value > 0.01}").status, Status::passed) << "it does not divide there";
-    EXPECT_EQ(judged("{last_of: 1 / ramp.R.value, is: 0.1, tolerance: 0.001}").status, Status::passed) << "the last value is one";
+    EXPECT_EQ(judged("{always: ramp.R.value == 0 or 1 / ramp.R.value > 0.01}").status, Status::passed)
+        << "it does not divide there";
+    EXPECT_EQ(judged("{last_of: 1 / ramp.R.value, is: 0.1, tolerance: 0.001}").status, Status::passed)
+        << "the last value is one";
 }
 
 TEST(Judge, ShowsWithoutJudgingWhenAsked) {

@@ -53,7 +53,8 @@ TEST(MonitorClient, AnAnswerIsThereWhenItIsWhole) {
 }
 
 TEST(MonitorClient, AMonitorThatIsSilentIsNotTakenForSomebodyElse) {
-    EXPECT_THAT(ask("", false, 200ms), AllOf(HasSubstr("has not answered within 0.2 s"), Not(HasSubstr("not a monitor"))));
+    EXPECT_THAT(ask("", false, 200ms),
+                AllOf(HasSubstr("has not answered within 0.2 s"), Not(HasSubstr("not a monitor"))));
     EXPECT_THAT(ask("HTTP/1.1 200 OK\r\nContent-Length: 10\r\n\r\n{", false, 5s),
                 HasSubstr("has not answered within 5 s: 40 octets of its answer came"));
 }
@@ -86,8 +87,8 @@ TEST(DomainLock, AFolderThatCannotBeWrittenIsNamedAndAFullOneToo) {
     std::ofstream{folder.path() / "file"} << "x";
     auto const refused = DomainLock::take(folder.path() / "file");
     ASSERT_FALSE(refused);
-    EXPECT_THAT(describe(refused.error()),
-                AllOf(HasSubstr((folder.path() / "file/2").string()), HasSubstr("Not a directory"), Not(HasSubstr("at once"))));
+    EXPECT_THAT(describe(refused.error()), AllOf(HasSubstr((folder.path() / "file/2").string()),
+                                                 HasSubstr("Not a directory"), Not(HasSubstr("at once"))));
     std::vector<DomainLock> all;
     auto one = DomainLock::take(folder.path());
     for (; one; one = DomainLock::take(folder.path())) {

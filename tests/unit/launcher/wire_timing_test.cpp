@@ -121,7 +121,8 @@ TEST(WireTiming, TheChainIsCountedFromTheFaultAndNotFromWhatElseHappened) {
         if (relay.chain[i].what == "command takes effect") { // simulated time behind the wall clock
             EXPECT_EQ(relay.chain[i].since_before_ms, std::nullopt);
         } else {
-            EXPECT_NEAR(relay.chain[i].since_before_ms.value_or(-1), expected[i].second - (i == 0 ? 0 : expected[i - 1].second), 1e-6)
+            EXPECT_NEAR(relay.chain[i].since_before_ms.value_or(-1),
+                        expected[i].second - (i == 0 ? 0 : expected[i - 1].second), 1e-6)
                 << relay.chain[i].what;
         }
         EXPECT_FALSE(relay.chain[i].method.empty());
@@ -171,18 +172,21 @@ TEST(WireTiming, TripsAfterTheFirstAreNotKeptQuiet) {
     WireTiming const timing = measure_wire_timing(r, scenario());
     std::vector<ReportTable> const sut = wire_timing_tables(timing, {});
 
-    EXPECT_NE(sut[0].note.find("first of 2 trips; not shown: that of the sample at 1.598 s"), std::string::npos) << sut[0].note;
+    EXPECT_NE(sut[0].note.find("first of 2 trips; not shown: that of the sample at 1.598 s"), std::string::npos)
+        << sut[0].note;
     EXPECT_NE(wire_timing_json(timing).find(R"("trips_s":[1.001,1.598])"), std::string::npos);
 }
 
 TEST(WireTiming, ACommandBeforeTheFaultIsNotOfTheChain) {
     Results r = run();
     r.signals["breaker_ied.breaker2.command"] = {"", {0, ns(0.3), ns(0.4), ns(1.0045)}, {0, 1, 0, 1}};
-    r.signals["breaker_ied.breaker2.commanded_after_ms"] = {"ms", {0, ns(0.3), ns(0.4), ns(1.0045)}, {0, 300, 400, 1004.5}};
+    r.signals["breaker_ied.breaker2.commanded_after_ms"] = {
+        "ms", {0, ns(0.3), ns(0.4), ns(1.0045)}, {0, 300, 400, 1004.5}};
     r.signals["breaker_ied.breaker2.effect_ms"] = {"ms", {0, ns(0.3), ns(0.4), ns(1.0045)}, {0, 301, 401, 1005.5}};
 
     auto const chain = measure_wire_timing(r, scenario()).relays[0].chain;
-    auto const step = std::find_if(chain.begin(), chain.end(), [](auto const& s) { return s.what.starts_with("command of"); });
+    auto const step =
+        std::find_if(chain.begin(), chain.end(), [](auto const& s) { return s.what.starts_with("command of"); });
     ASSERT_NE(step, chain.end());
     EXPECT_NEAR(step->after_ms, 104.5, 1e-6);
 }
@@ -197,7 +201,8 @@ TEST(WireTiming, ClocksAreNotMixedAndThereIsNoNegativeZero) {
     EXPECT_NE(sut.find("command takes effect|104.170|– (another clock)|"), std::string::npos) << sut;
     EXPECT_EQ(sut.find("-0.000"), std::string::npos) << sut;
     r.mode = "lockstep";
-    EXPECT_NEAR(measure_wire_timing(r, scenario()).relays[0].chain[5].since_before_ms.value_or(-1), -0.33, 1e-6) << "one clock";
+    EXPECT_NEAR(measure_wire_timing(r, scenario()).relays[0].chain[5].since_before_ms.value_or(-1), -0.33, 1e-6)
+        << "one clock";
 }
 
 TEST(WireTiming, RefusedFramesHaveAColumnOfTheirOwn) {
@@ -206,7 +211,9 @@ TEST(WireTiming, RefusedFramesHaveAColumnOfTheirOwn) {
 
     WireTiming const timing = measure_wire_timing(r, scenario());
 
-    EXPECT_NE(cells(wire_timing_tables(timing, {}), "Sampled values").find("|2000|<span class=\"bad\">3</span>|<span class=\"bad\">2000</span>|0|0|"), std::string::npos);
+    EXPECT_NE(cells(wire_timing_tables(timing, {}), "Sampled values")
+                  .find("|2000|<span class=\"bad\">3</span>|<span class=\"bad\">2000</span>|0|0|"),
+              std::string::npos);
     EXPECT_NE(wire_timing_json(timing).find("\"refused\":2000"), std::string::npos);
 }
 
@@ -237,20 +244,24 @@ TEST(WireTiming, CountersOfARelayThatWasStartedAgainSayThatTheyAreNoLess) {
     WireTiming const timing = measure_wire_timing(r, scenario());
     std::string const sut = cells(wire_timing_tables(timing, {}), "Sampled values");
 
-    EXPECT_NE(sut.find("SMV21|at least 2000|<span class=\"bad\">at least 3</span>|at least 0|at least 0|at least 0|"), std::string::npos) << sut;
-    EXPECT_NE(wire_timing_json(timing).find("\"not_counted\":\"what relay2 counted from 0 s to 0.4 s\""), std::string::npos);
+    EXPECT_NE(sut.find("SMV21|at least 2000|<span class=\"bad\">at least 3</span>|at least 0|at least 0|at least 0|"),
+              std::string::npos)
+        << sut;
+    EXPECT_NE(wire_timing_json(timing).find("\"not_counted\":\"what relay2 counted from 0 s to 0.4 s\""),
+              std::string::npos);
 }
 
 TEST(WireTiming, WithSomebodyElsesRelayTheCaptureAndTheBreakerIedTell) {
     config::Node settings = scenario();
     settings.find("processes")->erase("relay2");
     config::Diagnostics none;
-    constexpr char const* kStreams = "SMV21: {kind: smv, sv_id: MU1, app_id: 0x4021}\nTRIP2: {kind: goose, control_block: R1}\nGONE: {kind: smv, sv_id: X}";
+    constexpr char const* kStreams = "SMV21: {kind: smv, sv_id: MU1, app_id: 0x4021}\nTRIP2: {kind: goose, "
+                                     "control_block: R1}\nGONE: {kind: smv, sv_id: X}";
     settings.set("streams", *config::parse_yaml(kStreams, config::make_source("streams", kStreams), none));
     Results r = run();
-    for (char const* gone : {"stream.SMV21.received", "stream.SMV21.arrival_age_ms", "stream.TRIP2.st_num", "stream.TRIP2.interval_ms",
-                             "stream.TRIP2.sent_after_ms", "relay.relay2.trip", "relay.relay2.pickup", "relay.relay2.sample_s",
-                             "relay.relay2.sample_to_decision_ms"}) {
+    for (char const* gone : {"stream.SMV21.received", "stream.SMV21.arrival_age_ms", "stream.TRIP2.st_num",
+                             "stream.TRIP2.interval_ms", "stream.TRIP2.sent_after_ms", "relay.relay2.trip",
+                             "relay.relay2.pickup", "relay.relay2.sample_s", "relay.relay2.sample_to_decision_ms"}) {
         r.signals.erase(gone);
     }
     wire::StreamStatistics smv, fake, goose;
@@ -282,7 +293,8 @@ TEST(WireTiming, WithSomebodyElsesRelayTheCaptureAndTheBreakerIedTell) {
     for (ChainStep const& step : timing.relays[0].chain) {
         steps.push_back(step.what);
     }
-    EXPECT_THAT(steps, testing::ElementsAre("trip GOOSE received", "command of breaker2 in DDS", "command takes effect", "CB3: last pole open"));
+    EXPECT_THAT(steps, testing::ElementsAre("trip GOOSE received", "command of breaker2 in DDS", "command takes effect",
+                                            "CB3: last pole open"));
     auto const tables = wire_timing_tables(timing, {});
     EXPECT_FALSE(timing.relays[0].chain[0].communication) << "nobody knows when it was sent";
     EXPECT_NE(cells(tables, "Sampled values").find("SMV21, in the capture|"), std::string::npos);
@@ -344,12 +356,16 @@ TEST(WireTiming, ADelayBelowZeroIsNotMeasurableAndGetsNoVerdict) {
     WireTiming const timing = measure_wire_timing(r, scenario());
     auto const sut = cells(wire_timing_tables(timing, published), "One-way delays");
 
-    EXPECT_NE(sut.find("transfer|relay2|2|not measurable: 1 of 2 below 0, the lowest -199.858||||||not measurable|not measurable|"),
-              std::string::npos) << sut;
-    EXPECT_NE(sut.find("wire_delay|TRIP2|1|not measurable: 1 of 1 below 0, the lowest -0.500|"), std::string::npos) << sut;
+    EXPECT_NE(sut.find("transfer|relay2|2|not measurable: 1 of 2 below 0, the lowest -199.858||||||not measurable|not "
+                       "measurable|"),
+              std::string::npos)
+        << sut;
+    EXPECT_NE(sut.find("wire_delay|TRIP2|1|not measurable: 1 of 1 below 0, the lowest -0.500|"), std::string::npos)
+        << sut;
     EXPECT_NE(sut.find("wire_delay|SMV21|1|0.250|"), std::string::npos) << sut;
     std::string const json = wire_timing_json(timing);
-    EXPECT_NE(json.find(R"("transfer_ms":{"n":2,"not_measurable":{"below_zero":1,"min":-199.858}})"), std::string::npos) << json;
+    EXPECT_NE(json.find(R"("transfer_ms":{"n":2,"not_measurable":{"below_zero":1,"min":-199.858}})"), std::string::npos)
+        << json;
     auto const figures = wire_timing_figures(timing, r, {});
     auto const delays = std::find_if(figures.begin(), figures.end(), [](Figure const& f) { return f.id == "delays"; });
     ASSERT_NE(delays, figures.end());

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The clock path of a tick takes nothing from the heap once everybody has been heard: decoding clock and acknowledgements, ledgers,
-// the gate, the barrier. A program of its own: it counts allocations.
+// The clock path of a tick takes nothing from the heap once everybody has been heard: decoding clock and
+// acknowledgements, ledgers, the gate, the barrier. A program of its own: it counts allocations.
 #include "bus/codec.hpp"
 #include "bus/lockstep/barrier.hpp"
 #include "bus/lockstep/tick_gate.hpp"
@@ -39,7 +39,8 @@ class ClockPath {
         clock_.awaited() = barrier_.awaited_bits();
         clock_.ledger()[0].sent(2 * (k + 1));
         bool good = pass(clock_, heard_clock_);
-        book_.announced(book_.process_index("sim"), 0, heard_clock_.ledger()[0].topic().c_str(), heard_clock_.ledger()[0].sent());
+        book_.announced(book_.process_index("sim"), 0, heard_clock_.ledger()[0].topic().c_str(),
+                        heard_clock_.ledger()[0].sent());
         gate_.on_clock(heard_clock_.tick(), heard_clock_.awaited(), false);
         good = good && !gate_.granted(); // nothing has arrived yet
         for (std::uint32_t writer = 0; writer < 2; ++writer) {
@@ -63,14 +64,16 @@ class ClockPath {
                 good = good && book_.acknowledged(process, 0, now).empty();
             }
             gate_.on_ack(process, heard_ack_.tick());
-            (void)barrier_.on_ack(barrier_.member_index(heard_ack_.member().c_str()), heard_ack_.tick(), heard_ack_.next_tick_needed());
+            (void)barrier_.on_ack(barrier_.member_index(heard_ack_.member().c_str()), heard_ack_.tick(),
+                                  heard_ack_.next_tick_needed());
         }
         return good && barrier_.complete();
     }
 
   private:
     /// Over the wire: encoded, and decoded into a sample that is used again and again.
-    template <class T> bool pass(T const& sent, T& heard) {
+    template <class T>
+    bool pass(T const& sent, T& heard) {
         std::size_t const size = codec_of<T>().encode(&sent, wire_);
         return size > 0 && codec_of<T>().decode(std::span{wire_}.first(size), &heard);
     }

@@ -81,7 +81,9 @@ TEST_F(LedgerBookTest, WithTwoWritersWhatOvertookIsNotLate) {
     EXPECT_EQ(sut.arrived(ev1, 0, requests, 7, 1, 10), Arrival::expected);
 }
 
-TEST_F(LedgerBookTest, ALostFirstSampleIsAGap) { EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 2), Arrival::gap); }
+TEST_F(LedgerBookTest, ALostFirstSampleIsAGap) {
+    EXPECT_EQ(sut.arrived(ev1, 0, requests, 0, 2), Arrival::gap);
+}
 
 TEST_F(LedgerBookTest, ARestartedProcessCountsFromZeroAndItsOldSelfIsIgnored) {
     sut.announced(ev1, 0, "requests", 5);

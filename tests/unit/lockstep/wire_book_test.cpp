@@ -18,13 +18,15 @@ std::vector<std::byte> frame(std::initializer_list<int> tail) {
 struct Sut {
     WireBook book{2, {{"process_bus", 0x88ba}, {"process_bus", 0x88b8}}};
     std::vector<WireBook::Match> matches;
-    void announce(std::size_t process, std::vector<WireBook::Record> const& records, std::uint32_t incarnation = 0, std::size_t channel = 0) {
+    void announce(std::size_t process, std::vector<WireBook::Record> const& records, std::uint32_t incarnation = 0,
+                  std::size_t channel = 0) {
         book.announced(process, incarnation, channel, records, [&](WireBook::Match const& m) { matches.push_back(m); });
     }
 };
 
 TEST(FrameIdentity, LeavesTheVlanTagOut) {
-    EXPECT_EQ(frame_identity(frame({0x81, 0x00, 0x80, 0x05, 0x88, 0xba, 1, 2})), frame_identity(frame({0x88, 0xba, 1, 2})));
+    EXPECT_EQ(frame_identity(frame({0x81, 0x00, 0x80, 0x05, 0x88, 0xba, 1, 2})),
+              frame_identity(frame({0x88, 0xba, 1, 2})));
     EXPECT_NE(frame_identity(frame({0x88, 0xba, 1, 2})), frame_identity(frame({0x88, 0xba, 1, 3})));
 }
 

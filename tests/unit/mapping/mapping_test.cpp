@@ -115,7 +115,8 @@ TEST(Mapping, TreatsAQualityAsBitsAndNeverAsAQuantity) {
     Field const sampled{"b", BasicType::quality}, goose{"b", BasicType::quality, 13};
     for (std::uint64_t const bits : {0x2000U, 0x2003U, 0x2800U, 0x1FFFU}) {
         One to_sampled{{"a", BasicType::uint16}, sampled}, to_goose{{"a", BasicType::uint16}, goose},
-            from_sampled{{"a", BasicType::quality}, goose}, to_number{{"a", BasicType::quality}, {"b", BasicType::uint16}};
+            from_sampled{{"a", BasicType::quality}, goose},
+            to_number{{"a", BasicType::quality}, {"b", BasicType::uint16}};
         EXPECT_EQ(to_sampled({BasicType::uint16, 0, bits, {}}).bits, bits) << "with 'derived'";
         EXPECT_EQ(to_goose({BasicType::uint16, 0, bits, {}}).bits, bits & 0x1FFF) << "validity and test are kept";
         EXPECT_EQ(from_sampled({BasicType::quality, 0, bits, {}}).bits, bits & 0x1FFF);

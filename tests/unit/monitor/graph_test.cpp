@@ -47,36 +47,50 @@ TEST(Match, HasNothingToSayAboutEqualQos) {
 
 TEST(Match, AllowsAWriterToOfferMoreThanIsAsked) {
     auto writer = endpoint("w", "p", true), reader = endpoint("r", "q", false);
-    writer.qos = {true, bus::Durability::transient_local, 1.0, bus::Liveliness::manual_by_topic, 2.0, false, {"site*"},
-                  bus::PresentationScope::group, true, true, true, {bus::Representation::xcdr2}};
-    reader.qos = {false, bus::Durability::volatile_, 1.5, bus::Liveliness::automatic, -1, false, {"site1"},
-                  bus::PresentationScope::topic, false, false, false,
-                  {bus::Representation::xcdr1, bus::Representation::xcdr2}};
+    writer.qos = {true,      bus::Durability::transient_local,
+                  1.0,       bus::Liveliness::manual_by_topic,
+                  2.0,       false,
+                  {"site*"}, bus::PresentationScope::group,
+                  true,      true,
+                  true,      {bus::Representation::xcdr2}};
+    reader.qos = {false,     bus::Durability::volatile_,
+                  1.5,       bus::Liveliness::automatic,
+                  -1,        false,
+                  {"site1"}, bus::PresentationScope::topic,
+                  false,     false,
+                  false,     {bus::Representation::xcdr1, bus::Representation::xcdr2}};
     EXPECT_THAT(mismatch(writer, reader), IsEmpty());
 }
 
 TEST(Match, NamesEveryReasonForWhichTwoDoNotMeet) {
     auto writer = endpoint("w", "p", true), reader = endpoint("r", "q", false);
-    writer.qos = {false, bus::Durability::volatile_, -1, bus::Liveliness::automatic, -1, false, {"a"},
-                  bus::PresentationScope::instance, false, false, false,
-                  {bus::Representation::xcdr2, bus::Representation::xcdr1}}; // a writer uses the first
-    reader.qos = {true, bus::Durability::transient_local, 0.5, bus::Liveliness::manual_by_topic, 3, true, {"b"},
-                  bus::PresentationScope::topic, true, true, true,
-                  {bus::Representation::xcdr1, bus::Representation::xml}};
+    writer.qos = {false, bus::Durability::volatile_,
+                  -1,    bus::Liveliness::automatic,
+                  -1,    false,
+                  {"a"}, bus::PresentationScope::instance,
+                  false, false,
+                  false, {bus::Representation::xcdr2, bus::Representation::xcdr1}}; // a writer uses the first
+    reader.qos = {true,  bus::Durability::transient_local,
+                  0.5,   bus::Liveliness::manual_by_topic,
+                  3,     true,
+                  {"b"}, bus::PresentationScope::topic,
+                  true,  true,
+                  true,  {bus::Representation::xcdr1, bus::Representation::xml}};
     reader.type = "Other";
-    EXPECT_THAT(mismatch(writer, reader), ElementsAre("type: written is ChargingRequest, read is Other",
-                                                      "reliability: offered is best effort, requested is reliable",
-                                                      "durability: offered is volatile, requested is transient local",
-                                                      "deadline: offered is infinite, requested is 0.5 s",
-                                                      "liveliness: offered is automatic, requested is manual by topic",
-                                                      "liveliness lease: offered is infinite, requested is 3 s",
-                                                      "ownership: offered is shared, requested is exclusive",
-                                                      "destination order: offered is by reception timestamp, requested is by source timestamp",
-                                                      "presentation: offered is access by instance, requested is by topic",
-                                                      "presentation: coherent access is requested and not offered",
-                                                      "presentation: ordered access is requested and not offered",
-                                                      "data representation: written is XCDR2, read is XCDR1 or XML",
-                                                      "partition: written to [a], read from [b]"));
+    EXPECT_THAT(mismatch(writer, reader),
+                ElementsAre("type: written is ChargingRequest, read is Other",
+                            "reliability: offered is best effort, requested is reliable",
+                            "durability: offered is volatile, requested is transient local",
+                            "deadline: offered is infinite, requested is 0.5 s",
+                            "liveliness: offered is automatic, requested is manual by topic",
+                            "liveliness lease: offered is infinite, requested is 3 s",
+                            "ownership: offered is shared, requested is exclusive",
+                            "destination order: offered is by reception timestamp, requested is by source timestamp",
+                            "presentation: offered is access by instance, requested is by topic",
+                            "presentation: coherent access is requested and not offered",
+                            "presentation: ordered access is requested and not offered",
+                            "data representation: written is XCDR2, read is XCDR1 or XML",
+                            "partition: written to [a], read from [b]"));
 }
 
 TEST(Graph, JoinsWhatTheScenarioSaysWithWhatIsDiscovered) {

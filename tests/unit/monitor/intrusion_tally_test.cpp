@@ -95,7 +95,8 @@ TEST(IntrusionTally, AgreesWithTheReportWhetherLabelsOrVerdictsComeFirst) {
             auto const bit = [&](std::uint8_t phases) { return ((phases >> p) & 1U) != 0; };
             auto const index = static_cast<std::int64_t>(i);
             if (bit(said[i].judged)) {
-                report.add(ids::ScoredVerdict{"s", index, p, 0, 0, 0, 0, bit(said[i].flagged), bit(said[i].open_flagged)});
+                report.add(
+                    ids::ScoredVerdict{"s", index, p, 0, 0, 0, 0, bit(said[i].flagged), bit(said[i].open_flagged)});
             }
             if (below(120) == 0) {
                 fakes.insert({i, p});

@@ -50,12 +50,16 @@ TEST(SampleJson, NamesWhatItCannotDecodeAndDoesNotBlameTheSample) {
                             "struct Inherits : Maybe { long b; };\n"
                             "struct Good { octet a[LENGTH]; };\n";
     for (auto const& [type, why] :
-         {std::pair{"HasUnion", "line 4: 'union' is not supported"}, {"HasMask", "line 5: 'bitmask' is not supported"},
-          {"HasSet", "line 6: 'bitset' is not supported"}, {"HasWide", "line 8: 'wstring' is not supported"},
+         {std::pair{"HasUnion", "line 4: 'union' is not supported"},
+          {"HasMask", "line 5: 'bitmask' is not supported"},
+          {"HasSet", "line 6: 'bitset' is not supported"},
+          {"HasWide", "line 8: 'wstring' is not supported"},
           {"HasMap", "line 9: 'map' is not supported"},
           {"HasFar", "line 11: the type 'far::Thing' is not known, and #include is not followed"},
-          {"Changing", "line 12: @mutable is not supported"}, {"Maybe", "line 13: @optional is not supported"},
-          {"Inherits", "line 13: @optional is not supported"}, {"U", "line 4: 'union' is not supported"}}) {
+          {"Changing", "line 12: @mutable is not supported"},
+          {"Maybe", "line 13: @optional is not supported"},
+          {"Inherits", "line 13: @optional is not supported"},
+          {"U", "line 4: 'union' is not supported"}}) {
         EXPECT_EQ(sample_to_json(idl, type, cdr({1, 2, 3, 4, 5, 6, 7, 8}))["error"],
                   std::string{"samples of "} + type + " cannot be decoded: its IDL, " + why);
     }

@@ -49,7 +49,8 @@ TEST(SignalWindow, TellsExtremesAtTheirOwnTimes) {
         sut.append(i * 1'000'000LL, std::array{i == 5500 ? 0.33 : i == 5600 ? 1.1 : 1.0});
     }
     Plot const plot = sut.plot(0, 0, 8'000'000'000, 3, Ends::inside);
-    EXPECT_THAT(plot.times_s, ElementsAre(0, DoubleEq(2.666), DoubleEq(5.5), DoubleEq(5.6))) << "of what never changes one point is enough";
+    EXPECT_THAT(plot.times_s, ElementsAre(0, DoubleEq(2.666), DoubleEq(5.5), DoubleEq(5.6)))
+        << "of what never changes one point is enough";
     EXPECT_THAT(plot.values, ElementsAre(1, 1, testing::DoubleNear(0.33, 1e-6), testing::DoubleNear(1.1, 1e-6)));
 }
 

@@ -25,7 +25,7 @@ TEST(Profile, TheSunFollowsTheHourOfTheDay) {
     sut.half_sine = Profile::HalfSine{6, 20, 1.2};
     EXPECT_DOUBLE_EQ(profile_value(sut, 4, 9), 1); // 13:00, the middle of the day
     EXPECT_NEAR(profile_value(sut, 0, 9), std::pow(std::sin(std::numbers::pi * 3 / 14), 1.2), 1e-12);
-    EXPECT_DOUBLE_EQ(profile_value(sut, 12, 9), 0); // 21:00
+    EXPECT_DOUBLE_EQ(profile_value(sut, 12, 9), 0);   // 21:00
     EXPECT_NEAR(profile_value(sut, 28, 9), 1, 1e-12); // 13:00 of the next day
 }
 

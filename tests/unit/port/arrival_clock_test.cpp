@@ -57,7 +57,8 @@ TEST(ArrivalClock, AClockThatIsSetBackMakesNoFrameComeLaterThanItIsRead) {
     machine.steady += 10 * kMs;
     EXPECT_EQ(sut.arrival(stamp, machine.read()), machine.steady);
     machine.steady += 10 * kMs;
-    EXPECT_EQ(sut.arrival(machine.stamp() - 2 * kMs, machine.read()), machine.steady - 2 * kMs) << "and the next one is as exact as ever";
+    EXPECT_EQ(sut.arrival(machine.stamp() - 2 * kMs, machine.read()), machine.steady - 2 * kMs)
+        << "and the next one is as exact as ever";
 }
 
 TEST(ArrivalClock, AClockThatIsSetForwardMakesNoFrameOlderThanTheLastLookWithoutIt) {
@@ -69,7 +70,8 @@ TEST(ArrivalClock, AClockThatIsSetForwardMakesNoFrameOlderThanTheLastLookWithout
     machine.utc_is_ahead += 3600 * kS;
     machine.steady += 10 * kMs;
     EXPECT_EQ(sut.arrival(stamp, machine.read()), 5 * kS);
-    EXPECT_EQ(sut.arrival(machine.stamp() - 2 * kMs, machine.read()), machine.steady - 2 * kMs) << "and the next one is as exact as ever";
+    EXPECT_EQ(sut.arrival(machine.stamp() - 2 * kMs, machine.read()), machine.steady - 2 * kMs)
+        << "and the next one is as exact as ever";
 }
 
 TEST(ArrivalClock, NothingCameBeforeThePortWasOpened) {

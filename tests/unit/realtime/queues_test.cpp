@@ -89,7 +89,8 @@ TEST(Outbox, HandsOutUpToTheEndOfATickInOrderAndCountsWhatDidNotFit) {
     std::vector<std::pair<int, std::int64_t>> out;
     auto const write = [&](int value, SimTime time) { out.emplace_back(value, time.quanta); };
     sut.drain(SimTime{20}, write);
-    EXPECT_EQ(out, (std::vector<std::pair<int, std::int64_t>>{{1, 10}, {2, 20}})) << "what belongs to the next tick waits";
+    EXPECT_EQ(out, (std::vector<std::pair<int, std::int64_t>>{{1, 10}, {2, 20}}))
+        << "what belongs to the next tick waits";
     sut.drain(SimTime{20}, write);
     EXPECT_EQ(out.size(), 2U);
     sut.put(SimTime{70}, 7);

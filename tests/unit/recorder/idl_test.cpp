@@ -19,16 +19,19 @@ std::vector<std::byte> octets(std::initializer_list<int> list) {
 }
 
 struct Collect final : Visitor {
-    void leaf(std::string_view path, Type const&, Value const& value) override { leaves[std::string{path}] = to_text(value); }
+    void leaf(std::string_view path, Type const&, Value const& value) override {
+        leaves[std::string{path}] = to_text(value);
+    }
     void sequence(std::string_view path, std::size_t length) override { lengths[std::string{path}] = length; }
     std::map<std::string, std::string> leaves;
     std::map<std::string, std::size_t> lengths;
 };
 
 TEST(Idl, ReadsTheConstructsOfOurInterfaces) {
-    auto const sut = parse("// c\nconst unsigned long N = 4; /* x */\nmodule m { enum E { A, @value(7) B, C };\n"
-                           "@final struct S { @key string<16> id; sequence<double, N> v; long a[2][3]; E e; };\n"
-                           "typedef sequence<octet> Bytes; struct T : S { Bytes raw; unsigned long long n; boolean ok; }; };\n");
+    auto const sut =
+        parse("// c\nconst unsigned long N = 4; /* x */\nmodule m { enum E { A, @value(7) B, C };\n"
+              "@final struct S { @key string<16> id; sequence<double, N> v; long a[2][3]; E e; };\n"
+              "typedef sequence<octet> Bytes; struct T : S { Bytes raw; unsigned long long n; boolean ok; }; };\n");
     ASSERT_TRUE(sut) << sut.error().message;
     auto const s = sut->find("m::S"), t = sut->find("m::T"), e = sut->find("m::E");
     ASSERT_TRUE(s && t && e);
@@ -68,18 +71,22 @@ TEST(Idl, NestingCannotOverflowTheStack) {
 TEST(Cdr, IsReadWithItsAlignmentInBothByteOrders) {
     auto const model = parse("struct S { octet o; long long n; string s; sequence<short> v; boolean b; double d; };");
     ASSERT_TRUE(model);
-    auto const little = octets({0, 1, 0, 0, /*o*/ 9, 0, 0, 0, 0, 0, 0, 0, /*n*/ 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff,
-                                /*s*/ 3, 0, 0, 0, 'h', 'i', 0, 0, /*v*/ 2, 0, 0, 0, 1, 0, 0xff, 0xff, /*b*/ 1, 0, 0, 0,
-                                0, 0, 0, 0, /*d*/ 0, 0, 0, 0, 0, 0, 0xf8, 0x3f});
-    auto const big = octets({0, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xfe,
-                             0, 0, 0, 3, 'h', 'i', 0, 0, 0, 0, 0, 2, 0, 1, 0xff, 0xff, 1, 0, 0, 0,
-                             0, 0, 0, 0, 0x3f, 0xf8, 0, 0, 0, 0, 0, 0});
+    auto const little =
+        octets({0,       1,    0,    0,    /*o*/ 9, 0,   0, 0, 0,       0, 0, 0, /*n*/ 0xfe, 0xff, 0xff, 0xff,
+                0xff,    0xff, 0xff, 0xff,
+                /*s*/ 3, 0,    0,    0,    'h',     'i', 0, 0, /*v*/ 2, 0, 0, 0, 1,          0,    0xff, 0xff,
+                /*b*/ 1, 0,    0,    0,    0,       0,   0, 0, /*d*/ 0, 0, 0, 0, 0,          0,    0xf8, 0x3f});
+    auto const big = octets({0,    0,    0, 0, 9, 0, 0,   0,   0,    0,    0, 0, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff,
+                             0xff, 0xfe, 0, 0, 0, 3, 'h', 'i', 0,    0,    0, 0, 0,    2,    0,    1,    0xff, 0xff,
+                             1,    0,    0, 0, 0, 0, 0,   0,   0x3f, 0xf8, 0, 0, 0,    0,    0,    0});
     for (auto const& cdr : {little, big}) {
         Collect sut;
         auto const result = visit(*model, *model->find("S"), cdr, sut);
         ASSERT_TRUE(result) << result.error().message;
-        EXPECT_EQ(sut.leaves, (std::map<std::string, std::string>{
-                                  {"o", "9"}, {"n", "-2"}, {"s", "hi"}, {"v[0]", "1"}, {"v[1]", "-1"}, {"b", "true"}, {"d", "1.5"}}));
+        EXPECT_EQ(
+            sut.leaves,
+            (std::map<std::string, std::string>{
+                {"o", "9"}, {"n", "-2"}, {"s", "hi"}, {"v[0]", "1"}, {"v[1]", "-1"}, {"b", "true"}, {"d", "1.5"}}));
         EXPECT_EQ(sut.lengths.at("v"), 2U);
         EXPECT_EQ(find_integer(*model, *model->find("S"), cdr, "n"), -2);
         for (std::size_t size = 0; size < cdr.size(); ++size) { // cut anywhere, it is refused
@@ -90,12 +97,15 @@ TEST(Cdr, IsReadWithItsAlignmentInBothByteOrders) {
 }
 
 TEST(Cdr, LengthsThatCannotBeAreRefused) {
-    auto const model = parse("struct S { sequence<octet, 3> v; }; struct T { sequence<octet> v; }; struct U { string s; };");
+    auto const model =
+        parse("struct S { sequence<octet, 3> v; }; struct T { sequence<octet> v; }; struct U { string s; };");
     ASSERT_TRUE(model);
     Collect sut;
-    EXPECT_FALSE(visit(*model, *model->find("S"), octets({0, 1, 0, 0, 4, 0, 0, 0, 1, 2, 3, 4}), sut)); // above its bound
+    EXPECT_FALSE(
+        visit(*model, *model->find("S"), octets({0, 1, 0, 0, 4, 0, 0, 0, 1, 2, 3, 4}), sut)); // above its bound
     EXPECT_FALSE(visit(*model, *model->find("T"), octets({0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff, 1}), sut));
-    EXPECT_FALSE(visit(*model, *model->find("U"), octets({0, 1, 0, 0, 0, 0, 0, 0}), sut)); // a string has at least its NUL
+    EXPECT_FALSE(
+        visit(*model, *model->find("U"), octets({0, 1, 0, 0, 0, 0, 0, 0}), sut)); // a string has at least its NUL
     EXPECT_FALSE(visit(*model, *model->find("U"), octets({0, 7, 0, 0, 1, 0, 0, 0, 0}), sut)); // another encapsulation
 }
 

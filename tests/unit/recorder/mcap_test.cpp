@@ -7,8 +7,8 @@
 #include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <malloc.h>
 #include <iterator>
+#include <malloc.h>
 
 namespace gridspace::mcap {
 namespace {
@@ -52,8 +52,9 @@ class Recording : public ::testing::TestWithParam<bool> {
         bool as_written = true;
         auto const outcome = read_messages(file_, [&](Message const& m) {
             std::uint32_t const n = out.good;
-            as_written = as_written && m.channel.topic == "topic" && m.schema.name == "T" && m.sequence == n / 2 + 1 && m.time_ns == 1000 + n &&
-                         m.channel.metadata.at("process") == (n % 2 == 0 ? "a" : "b") && std::ranges::equal(m.data, sample(n));
+            as_written = as_written && m.channel.topic == "topic" && m.schema.name == "T" && m.sequence == n / 2 + 1 &&
+                         m.time_ns == 1000 + n && m.channel.metadata.at("process") == (n % 2 == 0 ? "a" : "b") &&
+                         std::ranges::equal(m.data, sample(n));
             out.good += as_written ? 1 : 0;
             return true;
         });
@@ -206,7 +207,8 @@ TEST(LongRecording, MemoryDoesNotGrowWithItsLength) {
     EXPECT_EQ(next, kChunks);
 }
 
-INSTANTIATE_TEST_SUITE_P(Compressed, Recording, ::testing::Bool(), [](auto const& p) { return p.param ? "zstd" : "plain"; });
+INSTANTIATE_TEST_SUITE_P(Compressed, Recording, ::testing::Bool(),
+                         [](auto const& p) { return p.param ? "zstd" : "plain"; });
 
 } // namespace
 } // namespace gridspace::mcap

@@ -68,7 +68,8 @@ TEST(EventReport, HoldsTheSamplesAroundTheTripAndTheLog) {
     EXPECT_NE(cfg.find("4800,145\r\n"), std::string::npos) << cfg;
     EXPECT_NE(cfg.find("01/12/2019,00:00:00.090"), std::string::npos) << "first sample: 432 of 4800\n" << cfg;
     EXPECT_NE(cfg.find("01/12/2019,00:00:00.100"), std::string::npos) << "the trip: sample 480\n" << cfg;
-    // Phase a of SMV21: crest 100 sqrt(2) A at multiples of 80 samples, so in row 48 (sample 480), at the end of the scale.
+    // Phase a of SMV21: crest 100 sqrt(2) A at multiples of 80 samples, so in row 48 (sample 480), at the end of the
+    // scale.
     EXPECT_EQ(stored(dat, 48, 0), 32767);
     EXPECT_NE(content(folder.path() / "relay2_1.hdr").find("sample 480: trip\r\n"), std::string::npos);
     EXPECT_FALSE(fs::exists(folder.path() / "relay2_2.cfg"));

@@ -345,12 +345,11 @@ TEST(Scl, NotesControlBlocksThatAReceiverCannotTellApart) {
       <SMV ldInst="L" cbName="t"><Address><P type="MAC-Address">01-0C-CD-04-00-01</P><P type="APPID">4001</P></Address></SMV></ConnectedAP>)";
     auto const notes = [&](std::string const& second) {
         std::string const sv = R"(" datSet="d" smpRate="4000" smpMod="SmpPerSec" nofASDU="1" confRev="1" smvID=")";
-        auto const imported =
-            import_streams(file_with("<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="q")") +
-                                         "</DataSet><SampledValueControl name=\"s" + sv + "MU\"/>" +
-                                         "<SampledValueControl name=\"t" + sv + second + "\"/>",
-                                     kMeter, kMeterTypes, kTwo),
-                           "f.scd", {});
+        auto const imported = import_streams(file_with("<DataSet name=\"d\">" + fcda(R"(doName="A.phsA" daName="q")") +
+                                                           "</DataSet><SampledValueControl name=\"s" + sv + "MU\"/>" +
+                                                           "<SampledValueControl name=\"t" + sv + second + "\"/>",
+                                                       kMeter, kMeterTypes, kTwo),
+                                             "f.scd", {});
         EXPECT_EQ(imported->streams.entries.size(), 2U);
         return imported->notes;
     };
