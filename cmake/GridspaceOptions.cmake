@@ -20,16 +20,25 @@ endif()
 # Every clone of a machine shares one compiler cache: paths below the root count as relative ones, and no path reaches the objects.
 find_program(GRIDSPACE_CCACHE ccache)
 if(GRIDSPACE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 "${GRIDSPACE_CCACHE}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER env "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" CCACHE_NOHASHDIR=1 CCACHE_INODECACHE=1
+      CCACHE_SLOPPINESS=pch_defines,time_macros # what it needs to keep sources that use a precompiled header
+      "${GRIDSPACE_CCACHE}")
   set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
 add_library(gridspace_flags INTERFACE)
+find_package(fmt REQUIRED)
+target_link_libraries(gridspace_flags INTERFACE fmt::fmt)
 # Results must not depend on the compiler's freedom to fuse a multiply and an add (docs/design/determinism.md).
-target_compile_options(gridspace_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror=return-type
+target_compile_options(gridspace_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor
                                                  -ffp-contract=off -fno-math-errno)
+option(GRIDSPACE_WERROR "A warning in our own code is an error (OFF for compilers that nobody has tried)" ON)
+if(GRIDSPACE_WERROR)
+  target_compile_options(gridspace_flags INTERFACE -Werror)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  target_compile_options(gridspace_flags INTERFACE -Wno-restrict) # false alarms on std::string (GCC bug 105651)
+  # False alarms on std::string and std::optional (GCC bugs 105329, 105651, 105562, 80635).
+  target_compile_options(gridspace_flags INTERFACE -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds -Wno-maybe-uninitialized)
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(gridspace_flags INTERFACE -Wno-deprecated-declarations) # libstdc++ 12 uses its own std::get_temporary_buffer

@@ -78,10 +78,10 @@ bool IntrusionView::on_verdict(std::span<std::byte const> cdr, Signals& signals)
             for (std::size_t i = 0; i < values.size(); ++i) {
                 row[3 * i + p] = values[i];
             }
-            auto const bit = static_cast<std::uint8_t>(1U << p);
-            said.judged |= known ? bit : 0;
-            said.flagged |= bad ? bit : 0;
-            said.open_flagged |= (v.flags() & VERDICT_OPEN_FLAGGED) != 0 ? bit : 0;
+            std::uint8_t const bit = static_cast<std::uint8_t>(1U << p), none_of_them = 0;
+            said.judged |= known ? bit : none_of_them;
+            said.flagged |= bad ? bit : none_of_them;
+            said.open_flagged |= (v.flags() & VERDICT_OPEN_FLAGGED) != 0 ? bit : none_of_them;
         }
         track.samples->append(std::llround(static_cast<double>(index) * period_ns), row);
         track.tally.verdict(index, said);

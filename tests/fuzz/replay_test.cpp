@@ -14,22 +14,15 @@
 #include <vector>
 
 namespace gridspace::fuzz {
-namespace {
 
-struct Target {
-    char const* name;
-    void (*run)(std::uint8_t const*, std::size_t);
-};
-void PrintTo(Target const& target, std::ostream* out) {
+static void PrintTo(Target const& target, std::ostream* out) {
     *out << target.name;
 }
 
+namespace {
+
 class Corpus : public testing::TestWithParam<Target> {};
-INSTANTIATE_TEST_SUITE_P(Of, Corpus,
-                         testing::Values(Target{"sv", sv}, Target{"goose", goose}, Target{"ber", ber},
-                                         Target{"pcapng", pcapng}, Target{"streams", streams}, Target{"scl", scl},
-                                         Target{"mapping", mapping}),
-                         [](auto const& p) { return p.param.name; });
+INSTANTIATE_TEST_SUITE_P(Of, Corpus, testing::ValuesIn(kTargets), [](auto const& p) { return p.param.name; });
 
 TEST_P(Corpus, IsSurvivedWholeCutShortAndDamaged) {
     std::filesystem::path const folder = std::filesystem::path{source_tree("tests/fuzz/corpus")} / GetParam().name;

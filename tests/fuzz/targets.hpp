@@ -6,17 +6,43 @@
 #include <cstdint>
 
 /// What is fuzzed, each as a function of any octets. The same functions replay the kept corpus in the ordinary tests
-/// (tests/fuzz/replay_test.cpp) and are libFuzzer targets in the preset `fuzz`.
+/// (replay_test.cpp) and are targets of libFuzzer in the preset `asan` (fuzzer_main.cpp). A new one: a line here, a
+/// function, and a folder of its name in corpus/.
+// clang-format off
+#define GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)                                                       \
+    X(sv)      /* a frame: decoded, re-encoded, decoded again */                                    \
+    X(goose)   /* a frame: decoded, given to a subscriber */                                        \
+    X(ber)     /* allData: walked and read as every type */                                         \
+    X(pcapng)  /* a capture file */                                                                 \
+    X(streams) /* a `streams:` map as YAML text */                                                  \
+    X(scl)     /* an SCL file: imported, read as streams, and exported */                           \
+    X(mapping) /* the table of a gateway as YAML text, applied when it is valid */                  \
+    X(yaml)    /* a configuration: parsed, merged with itself, printed, read back to the same tree */ \
+    X(idl)     /* a type description, then (after a NUL) a sample */                                \
+    X(mcap)    /* a recording */
+
+#ifdef GRIDSPACE_DEVICES_ONLY
+#define GRIDSPACE_FUZZ_TARGETS(X) GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)
+#else
+#define GRIDSPACE_FUZZ_TARGETS(X)                                                                  \
+    GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)                                                           \
+    X(matlab_case) /* a MATPOWER case */
+#endif
+// clang-format on
+
 namespace gridspace::fuzz {
 
-void sv(std::uint8_t const* data, std::size_t size);      ///< a frame: decoded, re-encoded, decoded again
-void goose(std::uint8_t const* data, std::size_t size);   ///< a frame: decoded, given to a subscriber
-void ber(std::uint8_t const* data, std::size_t size);     ///< allData: walked and read as every type
-void pcapng(std::uint8_t const* data, std::size_t size);  ///< a capture file
-void streams(std::uint8_t const* data, std::size_t size); ///< a `streams:` map as YAML text
-void scl(std::uint8_t const* data, std::size_t size);     ///< an SCL file: imported, read as streams, and exported
-void mapping(std::uint8_t const* data,
-             std::size_t size); ///< the table of a gateway as YAML text, applied when it is valid
+#define GRIDSPACE_DECLARE(name) void name(std::uint8_t const* data, std::size_t size);
+GRIDSPACE_FUZZ_TARGETS(GRIDSPACE_DECLARE)
+#undef GRIDSPACE_DECLARE
+
+struct Target {
+    char const* name;
+    void (*run)(std::uint8_t const*, std::size_t);
+};
+#define GRIDSPACE_LIST(name) {#name, name},
+inline constexpr Target kTargets[] = {GRIDSPACE_FUZZ_TARGETS(GRIDSPACE_LIST)};
+#undef GRIDSPACE_LIST
 
 /// Ends the program with a message when `ok` is false, also in a build without assertions.
 void require(bool ok, char const* what);

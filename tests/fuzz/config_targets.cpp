@@ -1,29 +1,27 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-//
-// Any text is read as a configuration: parsed, merged with itself, printed, and read back to the same tree; every
-// diagnostic is rendered.
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
+#include "targets.hpp"
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
-extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size) {
-    using namespace gridspace::config;
+namespace gridspace::fuzz {
+
+void yaml(std::uint8_t const* data, std::size_t size) {
+    using namespace config;
     std::string_view const text{reinterpret_cast<char const*>(data), size};
     // yaml-cpp 0.7 needs seconds for some hundred explicit keys ("? ? ? …"): slow, not wrong, and not ours.
     if (size > 4096 || std::count(text.begin(), text.end(), '?') > 8) {
-        return 0;
+        return;
     }
     Diagnostics diagnostics;
     auto const root = parse_yaml(text, make_source("f.yaml", text), diagnostics);
     (void)diagnostics.render();
     if (!root || !diagnostics.ok()) {
-        return 0;
+        return;
     }
     if (root->is_map()) {
         Node merged = *root;
@@ -37,5 +35,6 @@ extern "C" int LLVMFuzzerTestOneInput(std::uint8_t const* data, std::size_t size
     if (!back || !again.ok() || to_yaml(*back) != printed) {
         std::abort(); // what is written as scenario.resolved.yaml must read back
     }
-    return 0;
 }
+
+} // namespace gridspace::fuzz
