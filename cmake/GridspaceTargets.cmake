@@ -36,6 +36,9 @@ gridspace_precompiled(standard_headers HEADERS ${GRIDSPACE_STANDARD_HEADERS})
 # third less time than -O3. No result depends on it: floating point is strict at every level.
 macro(gridspace_compile_quickly)
   add_compile_options($<$<CONFIG:Release>:-O1>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    add_compile_options(-Wno-stringop-overread) # at -O1 GCC bug 105651 goes by this name
+  endif()
 endmacro()
 
 # gridspace_library(NAME SOURCES a.cpp ... [PUBLIC deps ...] [PRIVATE deps ...])

@@ -317,8 +317,8 @@ int simulate(SimulateArguments const& a) {
         }
     }
     if (!a.comtrade.empty()) {
-        if (auto ok =
-                output.open_comtrade(a.comtrade, frequency_hz, 1 / step->to_double() / a.every, trigger_s, ratios);
+        if (auto ok = output.open_comtrade(a.comtrade, frequency_hz,
+                                           1 / step->to_double() / static_cast<double>(a.every), trigger_s, ratios);
             !ok) {
             return print_error(ok.error());
         }

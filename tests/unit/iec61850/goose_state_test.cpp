@@ -315,7 +315,7 @@ TEST(GooseSubscriber, TakesARestartedPublisherAtOnceUnlessItIsStrict) {
 }
 
 TEST(GooseSubscriber, TakesARestartedPublisherThatHasNoClockYetAndSaysSo) {
-    for (std::uint8_t const quality : {0x0A, 0x3F, 0x4A}) {
+    for (std::uint8_t const quality : std::initializer_list<std::uint8_t>{0x0A, 0x3F, 0x4A}) {
         for (std::uint32_t const held : {2U, 50U}) {
             GooseSubscriber sut{subscription()};
             give(sut, message(held, 7, true), 0);

@@ -272,8 +272,9 @@ TEST(SvSubscriber, IsMovedByNoSingleCounterThatIsForgedOrDamaged) {
         EXPECT_TRUE(arrival.accepted);
         EXPECT_EQ(arrival.index, i);
         if (i % 100 == 50) {
-            for (std::uint16_t const forged : {60000, 65535, i + 2000, i + 100, i + 4700}) {
-                EXPECT_EQ(sut.receive(forged, time + 1000).event, SvEvent::unconfirmed) << i << ' ' << forged;
+            for (int const forged : {60000, 65535, i + 2000, i + 100, i + 4700}) {
+                EXPECT_EQ(sut.receive(static_cast<std::uint16_t>(forged), time + 1000).event, SvEvent::unconfirmed)
+                    << i << ' ' << forged;
             }
         }
     }
