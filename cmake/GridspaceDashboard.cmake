@@ -25,23 +25,16 @@ function(gridspace_dashboard result)
   set(source "${PROJECT_SOURCE_DIR}/monitor/dashboard")
   set(work "${PROJECT_BINARY_DIR}/dashboard")
   file(GLOB files CONFIGURE_DEPENDS "${source}/src/*")
-  foreach(file IN ITEMS package.json package-lock.json)
-    configure_file("${source}/${file}" "${work}/${file}" COPYONLY)
-  endforeach()
-  file(SHA256 "${source}/package-lock.json" lock)
-  if(NOT EXISTS "${work}/node_modules/${lock}")
-    message(STATUS "Dashboard: installing its packages (npm ci)")
-    execute_process(
-      COMMAND "${GRIDSPACE_NPM}" ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error
-      WORKING_DIRECTORY "${work}"
-      TIMEOUT 180
-      RESULT_VARIABLE failed
-      OUTPUT_QUIET ERROR_QUIET)
-    if(failed)
-      message(${complain} "Dashboard: npm ci failed (no network?); the monitor has a plain page. Configure again to retry")
-      return()
-    endif()
-    file(TOUCH "${work}/node_modules/${lock}")
+  file(MAKE_DIRECTORY "${work}")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${source}/package.json" "${source}/package-lock.json")
+  execute_process(
+    COMMAND "${PROJECT_SOURCE_DIR}/scripts/npm_packages.sh" "${source}" "${work}"
+    TIMEOUT 180
+    RESULT_VARIABLE failed
+    OUTPUT_QUIET ERROR_QUIET)
+  if(failed)
+    message(${complain} "Dashboard: npm ci failed (no network?); the monitor has a plain page. Configure again to retry")
+    return()
   endif()
   set(outputs "")
   foreach(name IN ITEMS index.html app.js app.css)
@@ -49,7 +42,7 @@ function(gridspace_dashboard result)
   endforeach()
   add_custom_command(
     OUTPUT ${outputs}
-    COMMAND "${CMAKE_COMMAND}" -E copy "${source}/build.mjs" "${work}/build.mjs"
+    COMMAND "${CMAKE_COMMAND}" -E copy "${source}/build.mjs" "${source}/package.json" "${work}"
     COMMAND "${CMAKE_COMMAND}" -E rm -rf "${work}/src"
     COMMAND "${CMAKE_COMMAND}" -E copy_directory "${source}/src" "${work}/src"
     COMMAND "${CMAKE_COMMAND}" -E chdir "${work}" "${GRIDSPACE_NODE}" build.mjs dist

@@ -6,6 +6,7 @@ option(GRIDSPACE_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(GRIDSPACE_DEVICES_ONLY "Only what runs on a board: agents, gateways, detector, recorder; no simulator, monitor, launcher" OFF)
 option(GRIDSPACE_BENCH "Build the benchmarks" OFF)
 option(GRIDSPACE_FUZZ "Build the libFuzzer targets (needs clang)" OFF)
+option(GRIDSPACE_COVERAGE "Count the lines of the frame decoder that run" OFF)
 set(GRIDSPACE_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 
 set(CMAKE_CXX_STANDARD 23)
@@ -41,7 +42,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   target_compile_options(gridspace_flags INTERFACE -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds -Wno-maybe-uninitialized)
 endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-  target_compile_options(gridspace_flags INTERFACE -Wno-deprecated-declarations) # libstdc++ 12 uses its own std::get_temporary_buffer
+  target_compile_options(gridspace_flags INTERFACE -Wno-deprecated-declarations # libstdc++ 12 uses its own std::get_temporary_buffer
+                                                   -Wno-sign-conversion) # not part of g++'s -Wconversion
 endif()
 if(NOT GRIDSPACE_SANITIZE)
   target_compile_options(gridspace_flags INTERFACE -fstack-protector-strong -fstack-clash-protection
@@ -53,6 +55,10 @@ target_compile_definitions(gridspace_flags INTERFACE _GLIBCXX_ASSERTIONS)
 if(GRIDSPACE_SANITIZE)
   add_compile_options(-fsanitize=${GRIDSPACE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g1)
   add_link_options(-fsanitize=${GRIDSPACE_SANITIZE})
+endif()
+
+if(GRIDSPACE_COVERAGE)
+  add_link_options(--coverage)
 endif()
 
 if(GRIDSPACE_FUZZ)

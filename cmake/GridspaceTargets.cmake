@@ -77,6 +77,7 @@ function(gridspace_program name)
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
+add_custom_target(unit_tests) # builds the test programs with the label unit, and what they need
 # gridspace_test(NAME SOURCES ... [PRIVATE deps ...] [LABELS l ...] [TIMEOUT seconds]): GoogleTest cases, one CTest test each.
 function(gridspace_test name)
   cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;PRIVATE;LABELS" ${ARGN})
@@ -98,6 +99,9 @@ function(gridspace_test name)
     endforeach()
   endif()
   add_executable(${name} ${arg_SOURCES})
+  if("unit" IN_LIST arg_LABELS)
+    add_dependencies(unit_tests ${name})
+  endif()
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE gridspace_flags ${arg_PRIVATE} GTest::gmock GTest::gtest_main)
   gridspace_use_precompiled(${name} test_headers)

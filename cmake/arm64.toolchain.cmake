@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-# Debian's cross compiler for ARM64 against packages unpacked in build/arm64-sysroot (scripts/arm64.sh makes that folder).
+# Debian's cross compiler for ARM64 against packages unpacked in build/arm64-sysroot (scripts/arm64.sh makes that link).
 # Programs of the target (tests) run under qemu-user.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
@@ -8,7 +8,7 @@ set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
 set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
 
-get_filename_component(GRIDSPACE_ARM64_SYSROOT "${CMAKE_CURRENT_LIST_DIR}/../build/arm64-sysroot" ABSOLUTE)
+get_filename_component(GRIDSPACE_ARM64_SYSROOT "${CMAKE_CURRENT_LIST_DIR}/../build/arm64-sysroot" REALPATH)
 set(CMAKE_SYSROOT "${GRIDSPACE_ARM64_SYSROOT}")
 set(CMAKE_FIND_ROOT_PATH "${GRIDSPACE_ARM64_SYSROOT}")
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)

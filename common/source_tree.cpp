@@ -4,8 +4,12 @@
 
 namespace gridspace {
 
-std::string source_tree(std::string_view file) { return std::string{GRIDSPACE_SOURCE_DIR "/"}.append(file); }
+std::string source_tree(std::string_view file) {
+    return std::string{GRIDSPACE_SOURCE_DIR "/"}.append(file);
+}
 
-std::string build_tree(std::string_view file) { return std::string{GRIDSPACE_BINARY_DIR "/"}.append(file); }
+std::string build_tree(std::string_view file) {
+    return std::string{GRIDSPACE_BINARY_DIR "/"}.append(file);
+}
 
 } // namespace gridspace

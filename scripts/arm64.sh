@@ -61,7 +61,7 @@ run_unit_tests() {
 # The scenarios with emulated processes, each compared with its native twin.
 run_scenarios() {
   local log=$root/build/arm64-scenarios.log status=0 began=$SECONDS
-  python3 "$root/tests/scenarios/run_scenarios.py" --gridspace "$root/build/release/bin/gridspace" --arm64 >"$log" 2>&1 || status=$?
+  python3 "$root/tests/scenarios/run_scenarios.py" --gridspace "$root/build/release/bin/gridspace" --tier arm64 >"$log" 2>&1 || status=$?
   cat "$log"
   echo "ARM64 scenarios: $(tail -n 1 "$log"), $(grep -c identical: "$log") compared as identical, $((SECONDS - began)) s"
   return "$status"

@@ -19,7 +19,7 @@ make_board_image() {
   # shellcheck disable=SC2086 # a list of names
   arm64_unpack "$board/root" $board_packages && arm64_unpack "$board/kernel" linux-image-cloud-arm64 || return
   local image=$board/initramfs stage module file
-  if [ -f "$image" ] && [ -z "$(find "$root/build/arm64/bin" "$root/scripts/board" "$root/scripts/arm64_board.sh" "$board/root/.packages" -newer "$image" -print -quit)" ]; then return 0; fi
+  if [ -f "$image" ] && [ ! "$(readlink -f "$board/root")" -nt "$image" ] && [ -z "$(find "$root/build/arm64/bin" "$root/scripts/board" "$root/scripts/arm64_board.sh" -newer "$image" -print -quit)" ]; then return 0; fi
   stage=$(mktemp -d "$root/build/board.XXXX")
   mkdir -p "$stage"/{bin,dev,proc,sys,tmp,run,gridspace,usr/lib/modules} && ln -s usr/lib "$stage/lib"
   cp -a "$board/root/usr/lib/aarch64-linux-gnu" "$stage/usr/lib/" && rm -rf "$stage/usr/lib/aarch64-linux-gnu"/{gconv,perl*,engines-3,ossl-modules}

@@ -5,10 +5,12 @@
 # shellcheck disable=SC2154 # root
 # Debian's arm64 packages, unpacked into a folder. Sourced by scripts/arm64.sh and the scripts of the board image, which set `root`.
 #
-# They are never installed: apt keeps books of its own in build/arm64/apt, so that no root is needed, no package of this machine is
-# touched, and packages that cannot stand beside their amd64 twins do no harm.
-
-arm64_cache=$root/build/arm64-packages
+# They are never installed: apt keeps books of its own, so that no root is needed, no package of this machine is touched, and packages
+# that cannot stand beside their amd64 twins do no harm. Books, packages and what is unpacked from them are in the cache of the user;
+# the build folder holds links to them.
+# shellcheck source=scripts/cache.sh
+source "$root/scripts/cache.sh"
+arm64_cache=$(gridspace_cache)/arm64
 
 # What is needed to compile and link the agents, the gateways, the detector, their tests, and what these need to run.
 # shellcheck disable=SC2034 # used by who sources this
@@ -67,23 +69,33 @@ arm64_closure() {
   awk -v folder="$arm64_cache/cache/archives/" 'NF >= 2 { print folder $2 }' <<<"$wanted"
 }
 
-# arm64_unpack FOLDER PACKAGE...: a root file system of the packages and what they depend on; nothing is done where it is there already.
+# arm64_unpack LINK PACKAGE...: LINK leads to a root file system of the packages and what they depend on.
 arm64_unpack() {
-  local folder=$1 stamp files
+  local link=$1 folder
   shift
-  stamp=$(printf '%s\n' "$@" | sha256sum)
-  [ "$(cat "$folder/.packages" 2>/dev/null)" != "$stamp" ] || return 0
-  arm64_update || return
-  files=$(arm64_closure "$@") || return
-  say "unpacking $(wc -l <<<"$files") arm64 packages into $folder"
-  rm -rf "$folder"
+  folder=$arm64_cache/root-$(printf '%s\n' "$@" "$(cat /etc/debian_version)" | sha256sum | cut -c 1-24)
+  cached "$folder" arm64_unpack_into "$folder" "$@" || return
+  mkdir -p "$(dirname "$link")" "$root/build"
+  ln -sfn "$arm64_cache" "$root/build/arm64-packages"
+  [ -L "$link" ] || rm -rf "$link"
+  ln -sfn "$folder" "$link"
+}
+
+# arm64_unpack_into NAME PACKAGE... FOLDER: the same into an empty folder that will be called NAME. One at a time: apt has one set of books.
+arm64_unpack_into() {
+  local name=$1 folder=${*: -1} files file
+  set -- "${@:2:$#-2}"
+  mkdir -p "$arm64_cache"
+  {
+    flock 6
+    arm64_update && files=$(arm64_closure "$@") || return
+  } 6>"$arm64_cache/apt.lock"
+  say "unpacking $(wc -l <<<"$files") arm64 packages into $name"
   mkdir -p "$folder"/usr/{bin,sbin,lib} && ln -s usr/bin usr/sbin usr/lib "$folder/" || return
-  local file
   for file in $files; do
     dpkg-deb --fsys-tarfile "$file" | tar -x -C "$folder" --keep-directory-symlink --no-same-owner \
       --exclude='./usr/share/doc/*' --exclude='./usr/share/man/*' --exclude='./usr/share/locale/*' --exclude='./usr/share/info/*' || return
   done
   # Some CMake files name where Debian installs them.
-  find "$folder/usr/lib" -name '*.cmake' -exec sed -i "s|\\([\" ;]\\)/usr/|\\1$folder/usr/|g" {} +
-  echo "$stamp" >"$folder/.packages"
+  find "$folder/usr/lib" -name '*.cmake' -exec sed -i "s|\\([\" ;]\\)/usr/|\\1$name/usr/|g" {} +
 }

@@ -29,15 +29,28 @@ configure() {
   echo "$wanted" >"$stamp"
 }
 
-# build PRESET TARGET...: ninja's own progress line on a terminal, its tail when it fails.
+# told_every SECONDS PID PRESET LOG: while the build runs, how far it is: "412 of 703 steps, about 3 min left".
+told_every() {
+  local interval=$1 pid=$2 preset=$3 log=$4 began=$SECONDS done_steps all_steps
+  while kill -0 "$pid" 2>/dev/null; do
+    timeout "$interval" tail --pid="$pid" -s 0.2 -f /dev/null && break
+    read -r done_steps all_steps < <(tail -n 5 "$log" | sed -nE 's|^\[([0-9]+)/([0-9]+)\].*|\1 \2|p' | tail -n 1) || continue
+    say "compiling ($preset): $done_steps of $all_steps steps, about $(((SECONDS - began) * (all_steps - done_steps) / (done_steps + 1) / 60 + 1)) min left"
+  done
+}
+
+# build PRESET TARGET...: ninja's own progress line on a terminal, a line every 30 s elsewhere, the errors when it fails.
 build() {
-  local preset=$1
+  local preset=$1 pid
   shift
   local log="$root/build/build-$preset.log"
   if [ -t 2 ]; then
     cmake --build "$root/build/$preset" -j "$(build_jobs)" --target "$@" >&2 && return 0
   else
-    cmake --build "$root/build/$preset" -j "$(build_jobs)" --target "$@" >"$log" 2>&1 && return 0
+    cmake --build "$root/build/$preset" -j "$(build_jobs)" --target "$@" >"$log" 2>&1 &
+    pid=$!
+    told_every 30 "$pid" "$preset" "$log"
+    wait "$pid" && return 0
     grep -E -A 12 'error:|FAILED' "$log" | head -n 80 >&2 || tail -n 40 "$log" >&2
   fi
   say "the build of $* ($preset) failed${log:+; the whole output: $log}"

@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 #
-# scripts/fuzz.sh [SECONDS]: every libFuzzer target for so long each (default 60), on the corpus that is kept in tests/fuzz/corpus.
-# What it finds is written to build/fuzz/findings and fails the command.
+# scripts/fuzz.sh [SECONDS [TARGET...]]: every libFuzzer target (or those) for so long each (default 60), as many at once as there are
+# processors, beginning with the corpus that is kept in tests/fuzz/corpus. What it finds is in build/asan/findings and fails the command.
 set -uo pipefail
 root=$(dirname "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")")
 # shellcheck source=scripts/packages.sh
@@ -12,18 +12,18 @@ source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 
 seconds=${1:-60}
+shift
 ensure_packages build all || exit
-configure fuzz -DGRIDSPACE_TESTS=ON && build fuzz fuzz_targets || exit
-findings="$root/build/fuzz/findings"
+configure asan -DGRIDSPACE_TESTS=ON && build asan gridspace-fuzz || exit
+fuzzer=$root/build/asan/tests/gridspace-fuzz
+findings=$root/build/asan/findings
 mkdir -p "$findings"
-failed=0 count=0
+
 run_target() {
-  local target=$1 name
-  name=$(basename "$target")
-  local corpus="$root/tests/fuzz/corpus/${name#fuzz_}" fresh
+  local name=$1 corpus=$root/tests/fuzz/corpus/$1 fresh
+  [ -d "$corpus" ] || { echo "$name FAILED: there is no corpus in tests/fuzz/corpus/$name"; return 1; }
   fresh=$(mktemp -d)
-  mkdir -p "$corpus"
-  if ASAN_OPTIONS=detect_leaks=1 "$target" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2048 -print_final_stats=1 \
+  if ASAN_OPTIONS=detect_leaks=1 "$fuzzer" "$name" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2048 -print_final_stats=1 \
     -artifact_prefix="$findings/$name-" "$fresh" "$corpus" >"$findings/$name.log" 2>&1; then
     printf '%-24s ok, %s runs\n' "$name" "$(sed -n 's/stat::number_of_executed_units: *//p' "$findings/$name.log")"
   else
@@ -33,12 +33,21 @@ run_target() {
   fi
   rm -rf "$fresh"
 }
-for target in "$root"/build/fuzz/fuzz/fuzz_*; do
-  [ -x "$target" ] || continue
-  count=$((count + 1))
-  run_target "$target" & # two at a time: as many as this machine's processors, roughly
-  if [ $((count % $(nproc))) -eq 0 ]; then for job in $(jobs -p); do wait "$job" || failed=1; done; fi
+
+[ $# -gt 0 ] || mapfile -t targets < <("$fuzzer")
+[ $# -eq 0 ] || targets=("$@")
+[ "${#targets[@]}" -gt 0 ] || { say "there is no fuzz target"; exit 1; }
+failed=0 running=0
+for name in "${targets[@]}"; do
+  run_target "$name" &
+  running=$((running + 1))
+  if [ "$running" -ge "$(nproc)" ]; then
+    wait -n || failed=1
+    running=$((running - 1))
+  fi
 done
-for job in $(jobs -p); do wait "$job" || failed=1; done
-[ "$count" -gt 0 ] || { say "no fuzz target was built"; exit 1; }
+while [ "$running" -gt 0 ]; do
+  wait -n || failed=1
+  running=$((running - 1))
+done
 exit "$failed"

@@ -3,7 +3,7 @@
 //
 // The dashboard on real runs of the three case studies, live and recorded, as a user sees it, and the Foxglove protocol as an outside
 // client sees it. Needs chromium and a build with the dashboard:
-//   cd tests/e2e && npm ci && node dashboard.mjs ../../build/release [case_1|case_2|case_3|foxglove|assets ...]
+//   cd tests/e2e && ../../scripts/npm_packages.sh . && node dashboard.mjs ../../build/release [case_1|case_2|case_3|foxglove|assets ...]
 // Screenshots go to tests/e2e/shots. Exit code 0: everything was as expected.
 import { assets } from "./assets.mjs";
 import { case_1 } from "./case_1.mjs";

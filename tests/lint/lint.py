@@ -7,7 +7,9 @@
   lint.py --self-test  checks the checks: each rule must find the mistake that it is for, in a tree made up for it
 """
 import argparse
+import concurrent.futures
 import fnmatch
+import os
 import pathlib
 import re
 import shutil
@@ -51,6 +53,12 @@ PURE_BUT = {  # a reason for each exception
     "ids/evaluation/evaluate.cpp": "it reports nanoseconds per sample beside the results, which do not depend on them",
     "ids/training/*": "training is an offline job that uses all processors; its result does not depend on how many",
 }
+
+# Folders that still include each other, to be parted. Nothing is added here.
+CIRCLES = [
+    ("launcher/cli", "launcher/ids", "launcher/report"),
+    ("launcher/expect", "launcher/run", "launcher/scenario"),
+]
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
@@ -106,6 +114,44 @@ def check_includes(root, path, text):
             yield f"{path}:{line_of(text, match.start())}: a pure core uses {match.group()}: results depend on state and input alone"
 
 
+def folder_of(path):
+    return path.rpartition("/")[0]
+
+
+def circles(includes):
+    """Groups of folders that include each other, directly or round about: strongly connected parts of {folder: {folder: where}}."""
+    reach = {}
+    for start in includes:
+        seen, todo = set(), [start]
+        while todo:
+            for other in includes.get(todo.pop(), {}):
+                if other not in seen:
+                    seen.add(other)
+                    todo.append(other)
+        reach[start] = seen
+    groups = {frozenset(b for b in reach[a] if a in reach.get(b, ())) for a in includes if a in reach[a]}
+    return sorted(groups, key=sorted)
+
+
+def check_circles(files):
+    """Folders must not include each other: {path: text} of the sources. CIRCLES holds those that are still there."""
+    includes = {}
+    for path, text in files.items():
+        for match in INCLUDE.finditer(text):
+            kind, header = match.groups()
+            a, b = folder_of(path), folder_of(header)
+            if kind == '"' and header in files and a != b:
+                includes.setdefault(a, {}).setdefault(b, f"{path}:{line_of(text, match.start())}")
+    known = {frozenset(group) for group in CIRCLES}
+    for group in circles(includes):
+        if group not in known:
+            places = sorted(where for a in group for b, where in includes[a].items() if b in group)
+            yield f"{places[0]}: the folders {', '.join(sorted(group))} include each other ({'; '.join(places[1:6])})"
+    for group in known - set(circles(includes)):
+        if all(folder in {folder_of(p) for p in files} for folder in group):
+            yield f"tests/lint/lint.py: {', '.join(sorted(group))} include each other no more: take them out of CIRCLES"
+
+
 def check_conventions(path, text):
     head = text.split("\n", 4)[:4]
     if not any("SPDX-License-Identifier: Apache-2.0" in line for line in head):
@@ -125,8 +171,21 @@ def check_shell(root, scripts):
         yield from done.stdout.splitlines()
 
 
+def check_layout(root, sources):
+    """clang-format with the tree's file, and no other version than the one that laid it out."""
+    program = shutil.which("clang-format-19")
+    if not program:
+        return
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        chunks = [sources[i:i + 40] for i in range(0, len(sources), 40)]
+        runs = pool.map(lambda files: subprocess.run([program, "--dry-run", *files], cwd=root, capture_output=True, text=True), chunks)
+        places = [line for run in runs for line in run.stderr.splitlines() if "clang-format-violations" in line]
+    for path in sorted({line.split(":")[0] for line in places}):
+        yield f"{path}: not laid out as .clang-format says: clang-format-19 -i {path}"
+
+
 def lint(root):
-    mistakes, scripts = [], []
+    mistakes, scripts, sources = [], [], []
     for path in project_files(root):
         is_source = path.endswith(SOURCES)
         is_script = path.endswith((".sh", ".py")) or path in ("gridspace", ".ci/run")
@@ -135,9 +194,13 @@ def lint(root):
         text = (pathlib.Path(root) / path).read_text(errors="replace")
         mistakes += check_conventions(path, text)
         if is_source:
+            sources.append(path)
             mistakes += check_includes(root, path, text)
         elif not path.endswith(".py"):
             scripts.append(path)
+    mistakes += check_circles({s: (pathlib.Path(root) / s).read_text(errors="replace") for s in sources if not s.startswith(("tests/", "bench/"))})
+    if (pathlib.Path(root) / ".clang-format").exists():
+        mistakes += check_layout(root, sources)
     if scripts:
         mistakes += check_shell(root, scripts)
     return mistakes
@@ -184,11 +247,18 @@ def self_test():
             print(f"self-test: {path} with {text!r}: expected {expected}, found {found}")
             wrong += 1
     with tempfile.TemporaryDirectory() as folder:
+        for path, header in (("sim/a/x.hpp", "sim/b/y.hpp"), ("sim/b/y.hpp", "sim/c/z.hpp"), ("sim/c/z.hpp", "sim/a/x.hpp")):
+            (pathlib.Path(folder) / path).parent.mkdir(parents=True)
+            (pathlib.Path(folder) / path).write_text(f'{HEAD}#pragma once\n#include "{header}"\n')
+        if not any("include each other" in m for m in lint(folder)):
+            print("self-test: a circle of three folders is not found")
+            wrong += 1
+    with tempfile.TemporaryDirectory() as folder:
         (pathlib.Path(folder) / "a.py").write_text("x = 1\n")
         if not any("SPDX" in m for m in lint(folder)):
             print("self-test: a missing licence is not found")
             wrong += 1
-    print(f"{len(SELF_TESTS) + 1} checks of the checks, {wrong} failed")
+    print(f"{len(SELF_TESTS) + 2} checks of the checks, {wrong} failed")
     return wrong
 
 

@@ -18,23 +18,17 @@ EPOCH_NS = 1575190800 * 10**9  # 2019-12-01T09:00:00Z, of case 1
 
 
 def prepare_modules():
-    """The packages of package-lock.json, in the build tree; from npm's cache when there is no network."""
-    wanted = (JS / "package-lock.json").read_text()
-    if (MODULES / "node_modules").is_dir() and (MODULES / "installed").exists() and (MODULES / "installed").read_text() == wanted:
-        return
+    """The packages of package-lock.json beside the judge, in the build tree."""
     MODULES.mkdir(parents=True, exist_ok=True)
-    for name in ("package.json", "package-lock.json"):
-        shutil.copy(JS / name, MODULES)
-    subprocess.run(["npm", "ci", "--prefer-offline", "--no-audit", "--no-fund", "--ignore-scripts"], cwd=MODULES, check=True,
-                   capture_output=True, timeout=240)
-    (MODULES / "installed").write_text(wanted)
+    subprocess.run([SOURCE / "scripts/npm_packages.sh", JS, MODULES], check=True, capture_output=True, timeout=240)
 
 
 class Recording(ScenarioTest):
     @classmethod
     def setUpClass(cls):
         prepare_modules()
-        shutil.copy(JS / "judge_recording.mjs", MODULES)
+        for name in ("judge_recording.mjs", "package.json"):
+            shutil.copy(JS / name, MODULES)
 
     def judge(self, file):
         """(exit code, what it found, what it says)"""

@@ -71,11 +71,10 @@ TEST(Idl, NestingCannotOverflowTheStack) {
 TEST(Cdr, IsReadWithItsAlignmentInBothByteOrders) {
     auto const model = parse("struct S { octet o; long long n; string s; sequence<short> v; boolean b; double d; };");
     ASSERT_TRUE(model);
-    auto const little =
-        octets({0,       1,    0,    0,    /*o*/ 9, 0,   0, 0, 0,       0, 0, 0, /*n*/ 0xfe, 0xff, 0xff, 0xff,
-                0xff,    0xff, 0xff, 0xff,
-                /*s*/ 3, 0,    0,    0,    'h',     'i', 0, 0, /*v*/ 2, 0, 0, 0, 1,          0,    0xff, 0xff,
-                /*b*/ 1, 0,    0,    0,    0,       0,   0, 0, /*d*/ 0, 0, 0, 0, 0,          0,    0xf8, 0x3f});
+    auto const little = octets(
+        {0,       1, 0, 0, /*o*/ 9, 0,   0, 0, 0,       0, 0, 0, /*n*/ 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff,
+         /*s*/ 3, 0, 0, 0, 'h',     'i', 0, 0, /*v*/ 2, 0, 0, 0, 1,          0,    0xff, 0xff,
+         /*b*/ 1, 0, 0, 0, 0,       0,   0, 0, /*d*/ 0, 0, 0, 0, 0,          0,    0xf8, 0x3f});
     auto const big = octets({0,    0,    0, 0, 9, 0, 0,   0,   0,    0,    0, 0, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff,
                              0xff, 0xfe, 0, 0, 0, 3, 'h', 'i', 0,    0,    0, 0, 0,    2,    0,    1,    0xff, 0xff,
                              1,    0,    0, 0, 0, 0, 0,   0,   0x3f, 0xf8, 0, 0, 0,    0,    0,    0});

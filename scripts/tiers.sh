@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=bash
+#
+# shellcheck disable=SC2154 # root, tier, everything
+# The tiers of the tests, a function each. Sourced by scripts/test.sh, which sets `root` and `tier`. A tier prints what failed, returns
+# a status, and leaves a few words for the table in `note` and the times of its tests in the file `times` (seconds, name).
+
+# run_ctest PRESET arguments...: CTest with the counts that the table needs.
+run_ctest() {
+  local preset=$1 log status=0
+  shift
+  log="$root/build/ctest-$preset-$tier.log"
+  ctest --test-dir "$root/build/$preset" --output-on-failure --no-tests=error --timeout 300 -j "$(nproc)" "$@" >"$log" 2>&1 || status=$?
+  local total failed skipped
+  total=$(sed -n 's/^\([0-9]*\)% tests passed, \([0-9]*\) tests\? failed out of \([0-9]*\).*/\3/p' "$log")
+  failed=$(sed -n 's/^\([0-9]*\)% tests passed, \([0-9]*\) tests\? failed out of \([0-9]*\).*/\2/p' "$log")
+  skipped=$(grep -c '\*\*\*Skipped' "$log")
+  note="${total:-0} tests, ${failed:-all} failed, $skipped skipped"
+  sed -nE 's/^ *[0-9]+\/[0-9]+ +Test +#[0-9]+: ([^ ]+) .* ([0-9.]+) sec.*/\2 \1/p' "$log" >>"$times"
+  if [ "$status" -ne 0 ]; then
+    grep -vE '^ *[0-9]+/[0-9]+ Test +#.*Passed|^ +Start +[0-9]+:' "$log" | head -n 200
+    echo "the whole output: $log"
+  fi
+  # A skip would hide what this machine cannot do: CI counts it as a failure, but for the few with a stated reason.
+  if [ "$skipped" -ne 0 ]; then
+    local unexpected
+    unexpected=$(sed -nE 's/.*Test +#[0-9]+: ([^ ]+) \.*\*\*\*Skipped.*/\1/p' "$log" | grep -vxFf <(awk '!/^#/ {print $1}' "$root/tests/allowed_skips.txt"))
+    printf 'skipped: %s\n' "$(sed -nE 's/.*Test +#[0-9]+: ([^ ]+) \.*\*\*\*Skipped.*/\1/p' "$log" | tr '\n' ' ')"
+    [ -z "$everything" ] || [ -z "$unexpected" ] || { echo "not expected to be skipped: $unexpected"; status=1; }
+  fi
+  return "$status"
+}
+
+# run_scenarios PRESET options...: the scenarios of configs/ and tests/scenarios as tests.
+run_scenarios() {
+  local preset=$1 log=$root/build/scenarios-$tier.log status=0
+  shift
+  python3 "$root/tests/scenarios/run_scenarios.py" --gridspace "$root/build/$preset/bin/gridspace" "$@" >"$log" 2>&1 || status=$?
+  note=$(tail -n 1 "$log")
+  sed -nE 's/^([^ ]+) +exit .*, ([0-9.]+) s .*/\2 \1/p' "$log" >>"$times"
+  [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
+
+tier_lint() { python3 "$root/tests/lint/lint.py"; }
+
+tier_build() { configure release -DGRIDSPACE_TESTS=ON && build release all && touch "$root/build/release/.programs_built"; }
+
+tier_unit() { run_ctest release -L unit; }
+
+tier_integration() { run_ctest release -L integration -LE 'slow|long'; }
+
+tier_scenarios() { run_scenarios release --tier short; }
+
+tier_slow() { run_ctest release -L slow; }
+
+tier_more_scenarios() { run_scenarios release --tier all; }
+
+tier_e2e() {
+  local log=$root/build/e2e.log status=0
+  "$root/scripts/npm_packages.sh" "$root/tests/e2e" && (cd "$root/tests/e2e" && node dashboard.mjs "$root/build/release") >"$log" 2>&1 || status=$?
+  note="$(grep -c '^ok ' "$log") as expected, $(grep -c '^FAILED' "$log") not; screenshots in tests/e2e/shots"
+  [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
+
+tier_arm64() {
+  local log=$root/build/arm64-tier.log status=0
+  "$root/scripts/arm64.sh" test >"$log" || status=$?
+  note=$(grep '^ARM64' "$log" | sed 's/^ARM64 //' | paste -sd';')
+  [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
+
+build_sanitizers() { configure asan -DGRIDSPACE_TESTS=ON && build asan programs unit_tests gridspace-fuzz; }
+
+tier_sanitizers() {
+  build_sanitizers || return
+  run_ctest asan -L unit || return
+  local counts=$note
+  run_scenarios asan --sanitizer || return
+  note="$counts; $note"
+}
+
+tier_fuzz() { build_sanitizers && "$root/scripts/fuzz.sh" "${GRIDSPACE_FUZZ_SECONDS:-20}"; }
+
+tier_coverage() {
+  local log=$root/build/coverage.log status=0
+  "$root/scripts/coverage.sh" >"$log" 2>&1 || status=$?
+  note=$(sed -n 's/^together *//p' "$log")
+  [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
+
+tier_tidy() {
+  local log=$root/build/tidy.log status=0
+  configure asan -DGRIDSPACE_TESTS=ON && python3 "$root/scripts/tidy.py" --seconds "${GRIDSPACE_TIDY_SECONDS:-120}" >"$log" 2>&1 || status=$?
+  note=$(tail -n 1 "$log")
+  [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
+
+tier_long_tests() { run_ctest release -L long --timeout 7200; }
+
+tier_long_scenarios() { run_scenarios release --tier long; }
+
+tier_long_sanitizers() {
+  build_sanitizers && run_scenarios asan --tier short || return
+  local counts=$note
+  configure tsan -DGRIDSPACE_TESTS=ON && build tsan unit_lockstep unit_realtime unit_bus unit_launcher property_lockstep || return
+  run_ctest tsan -R '^(unit_lockstep|unit_realtime|unit_bus|unit_launcher|property_lockstep)\.' || return
+  note="ASan: $counts; TSan: $note"
+}
+
+tier_long_fuzz() { build_sanitizers && "$root/scripts/fuzz.sh" "${GRIDSPACE_FUZZ_SECONDS:-600}"; }
+
+tier_long_tidy() { GRIDSPACE_TIDY_SECONDS=14400 tier_tidy; }
