@@ -20,6 +20,14 @@ function(gridspace_precompiled name)
     endif()
     target_link_libraries(gridspace_${name} PRIVATE gridspace_flags ${arg_UNPARSED_ARGUMENTS})
     target_precompile_headers(gridspace_${name} PRIVATE ${arg_HEADERS})
+    # g++ never writes the same precompiled header twice. ccache takes this for its hash: what it is made of.
+    file(GLOB parts /usr/include/fmt/core.h /usr/include/gmock/gmock.h /usr/include/gtest/gtest.h)
+    set(sum "${CMAKE_CXX_COMPILER_VERSION} ${CMAKE_SYSTEM_PROCESSOR} ${arg_HEADERS} ${arg_PIE}")
+    foreach(part IN LISTS parts)
+      file(SHA256 "${part}" hash)
+      string(APPEND sum " ${hash}")
+    endforeach()
+    file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/gridspace_${name}.dir/cmake_pch.hxx.gch.sum" "${sum}")
   endif()
 endfunction()
 function(gridspace_use_precompiled target name)
@@ -78,9 +86,10 @@ function(gridspace_program name)
 endfunction()
 
 add_custom_target(unit_tests) # builds the test programs with the label unit, and what they need
-# gridspace_test(NAME SOURCES ... [PRIVATE deps ...] [LABELS l ...] [TIMEOUT seconds]): GoogleTest cases, one CTest test each.
+# gridspace_test(NAME SOURCES ... [PRIVATE deps ...] [LABELS l ...] [TIMEOUT seconds] [ALONE]): GoogleTest cases, one CTest test each.
+# ALONE: they measure time, so nothing runs beside them.
 function(gridspace_test name)
-  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;PRIVATE;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "ALONE" "TIMEOUT" "SOURCES;PRIVATE;LABELS" ${ARGN})
   if(NOT arg_LABELS)
     set(arg_LABELS unit)
   endif()
@@ -108,5 +117,5 @@ function(gridspace_test name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/tests")
   gridspace_sanitizer_options(${name})
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 TEST_PREFIX "${name}."
-                       PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
+                       PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT} RUN_SERIAL "${arg_ALONE}")
 endfunction()

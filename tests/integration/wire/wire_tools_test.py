@@ -70,7 +70,7 @@ class WireTools(unittest.TestCase):
             done = self.while_publishing(publisher, *subscriber)
             self.assertEqual(done.returncode, 0, done.stderr)
             table = (lines(done.stdout) or [{"streams": []}])[-1]
-            if table.get("dropped") == 0:
+            if table.get("dropped") == 0 and self.sent.get("worst_late_us", 0) < 50_000:
                 self.assertEqual([(s["lost"], s["restarts"], s["duplicates"]) for s in table["streams"]], [(0, 0, 0)] * len(table["streams"]), table)
             if seen(table):
                 break
