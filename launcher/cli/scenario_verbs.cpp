@@ -90,8 +90,9 @@ Json power_flow_json(sim::Network const& n, sim::PowerFlow const& flow) {
                             {"q_to_mvar", b.q_to_kvar / 1e3},
                             {"loss_mw", (b.p_from_kw + b.p_to_kw) / 1e3}});
     }
-    return {{"converged", true}, {"iterations", flow.iterations}, {"mismatch_pu", flow.mismatch_pu},
-            {"buses", buses},    {"branches", branches},          {"losses_mw", flow.losses_kw / 1e3}};
+    return {{"converged", true},    {"iterations", flow.iterations}, {"mismatch_pu", flow.mismatch_pu},
+            {"buses", buses},       {"branches", branches},          {"losses_mw", flow.losses_kw / 1e3},
+            {"doubts", flow.doubts}};
 }
 
 int three_phase(sim::Network const& n, bool json) {
@@ -243,6 +244,9 @@ int powerflow(PowerFlowArguments const& arguments) {
     sim::PowerFlowOptions options;
     options.enforce_q_limits = arguments.enforce_q_limits;
     auto const flow = solve_power_flow(*network, sim::SwitchState{*network}, options);
+    for (std::size_t i = 0; flow && i < flow->doubts.size(); ++i) {
+        fmt::print(stderr, "warning: hard to believe: {}\n", flow->doubts[i]);
+    }
     if (!flow) {
         if (arguments.json) {
             fmt::print(

@@ -318,6 +318,35 @@ class Statement {
         ++depth_;
         Matrix rows{{}};
         std::vector<std::size_t> begins{at_};
+        // Nearly all of a case is plain numbers, each followed by a separator: no expression is made of these.
+        auto const digit_at = [&](std::size_t at) {
+            return at < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at])) != 0;
+        };
+        auto const begins_number = [&](std::size_t at) {
+            return digit_at(at) || (at < text_.size() && text_[at] == '-' && digit_at(at + 1));
+        };
+        auto const plain = [&]() -> std::optional<double> {
+            double v = 0;
+            if (!begins_number(at_)) {
+                return std::nullopt;
+            }
+            auto const [stop, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), v);
+            if (error != std::errc{}) {
+                return std::nullopt;
+            }
+            auto const end = static_cast<std::size_t>(stop - text_.data());
+            std::size_t next = end;
+            while (next < text_.size() && (text_[next] == ' ' || text_[next] == '\t')) {
+                ++next;
+            }
+            bool const ends =
+                next < text_.size() && std::string_view{"\n;,]"}.find(text_[next]) != std::string_view::npos;
+            if (!ends && !(next > end && begins_number(next))) {
+                return std::nullopt;
+            }
+            at_ = end;
+            return v;
+        };
         while (true) {
             skip();
             char const c = peek();
@@ -341,6 +370,10 @@ class Statement {
                 if (rows.back().empty()) {
                     begins.back() = at_;
                 }
+                if (auto const v = plain()) {
+                    rows.back().push_back(*v);
+                    continue;
+                }
                 Matrix const element = expression();
                 rows.back().insert(rows.back().end(), element[0].begin(), element[0].end());
             }
@@ -350,13 +383,18 @@ class Statement {
             rows.pop_back();
         }
         rows_at_.clear();
+        std::size_t counted = 0;
+        int line = line_;
         for (std::size_t r = 0; r < rows.size(); ++r) {
             if (rows[r].size() != rows.front().size()) {
                 at_ = begins[r];
                 throw Mistake{
                     fmt::format("the matrix has rows of {} and of {} numbers", rows.front().size(), rows[r].size())};
             }
-            rows_at_.push_back(line_of(begins[r]));
+            for (; counted < begins[r]; ++counted) { // as line_of, but each character once
+                line += text_[counted] == '\n' || text_[counted] == kContinued ? 1 : 0;
+            }
+            rows_at_.push_back(line);
         }
         return rows;
     }

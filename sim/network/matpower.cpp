@@ -76,8 +76,8 @@ class Converter {
     Ref ref(std::string name, int line) const { return {std::move(name), {text_, line, 1}}; }
     static std::string bus_name(double number) { return fmt::format("B{}", static_cast<std::int64_t>(number)); }
     double bus_v(double number) const {
-        Bus const* bus = find(network_.buses, bus_name(number));
-        return bus == nullptr ? 1000 : bus->voltage_v;
+        auto const it = voltages_.find(number);
+        return it == voltages_.end() ? 1000 : it->second;
     }
 
     void buses() {
@@ -115,6 +115,9 @@ class Converter {
             bus.name = ref(bus_name(number), line);
             double const kv = table.at(r, 10);
             bus.voltage_v = kv > 0 ? kv * 1e3 : 1e3;
+            if (table.at(r, 8) > 0) {
+                bus.start = {table.at(r, 8), table.at(r, 9)};
+            }
             types_[number] = type;
             if (type == 3) {
                 slack_angle_[number] = table.at(r, 9);
@@ -136,6 +139,7 @@ class Converter {
                 shunt.q_kvar = b * 1e3;
                 network_.shunts.push_back(shunt);
             }
+            voltages_[number] = bus.voltage_v;
             network_.buses.push_back(bus);
         }
     }
@@ -218,7 +222,7 @@ class Converter {
     double base_mva_{100};
     std::map<double, int> seen_; ///< line of each bus
     std::map<double, int> types_;
-    std::map<double, double> slack_angle_;
+    std::map<double, double> slack_angle_, voltages_;
     std::set<double> isolated_;
 };
 

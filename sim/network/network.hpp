@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 /// The network as a user writes it: plain data in SI units of the file, no behaviour. Each engine converts what it
@@ -24,9 +25,16 @@ struct Element {
     std::string label; ///< display text; the name when empty
 };
 
+/// A voltage phasor.
+struct Polar {
+    double v_pu{1}, angle_deg{0};
+};
+
 struct Bus : Element {
     double voltage_v{0}; ///< nominal, line to line, r.m.s.
     std::optional<double> diagram_x, diagram_y;
+    /// Where a power flow begins, when the network came with a solution (MATPOWER's VM and VA).
+    std::optional<Polar> start;
 };
 
 /// Ideal three-phase source behind an impedance.
@@ -322,6 +330,26 @@ template <class T>
     T const* found = find(elements, name);
     return found == nullptr ? elements.size() : static_cast<std::size_t>(found - elements.data());
 }
+
+/// The positions of elements by their names, for who asks often: index_of reads the list each time. The elements must
+/// outlive it.
+class NameIndex {
+  public:
+    template <class T>
+    explicit NameIndex(std::vector<T> const& elements) {
+        for (std::size_t i = 0; i < elements.size(); ++i) {
+            at_.try_emplace(elements[i].name.name, i);
+        }
+    }
+    /// The number of elements when there is none of that name.
+    [[nodiscard]] std::size_t operator[](std::string_view name) const {
+        auto const it = at_.find(name);
+        return it == at_.end() ? at_.size() : it->second;
+    }
+
+  private:
+    std::unordered_map<std::string_view, std::size_t> at_;
+};
 
 /// A line's totals, whichever way it was written.
 struct LineTotals {

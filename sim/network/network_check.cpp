@@ -20,15 +20,31 @@ int width(Ref const& ref) {
     return static_cast<int>(ref.name.size());
 }
 
-/// `ref`, which `owner` uses, must name one of `elements`.
+/// Elements by name, for lists that are as long as the network.
 template <class T>
-bool must_exist(std::vector<T> const& elements, Ref const& ref, std::string_view kind, std::string const& owner,
+class ByName {
+  public:
+    explicit ByName(std::vector<T> const& elements) : elements_{elements}, index_{elements} {}
+    [[nodiscard]] T const* find(std::string_view name) const {
+        std::size_t const i = index_[name];
+        return i < elements_.size() ? &elements_[i] : nullptr;
+    }
+    [[nodiscard]] std::vector<T> const& elements() const { return elements_; }
+
+  private:
+    std::vector<T> const& elements_;
+    NameIndex index_;
+};
+
+/// `ref`, which `owner` uses, must name one of `known`.
+template <class T>
+bool must_exist(ByName<T> const& known, Ref const& ref, std::string_view kind, std::string const& owner,
                 Diagnostics& diagnostics) {
-    if (find(elements, ref.name) != nullptr) {
+    if (known.find(ref.name) != nullptr) {
         return true;
     }
     std::vector<std::string> names;
-    for (T const& element : elements) {
+    for (T const& element : known.elements()) {
         names.push_back(element.name.name);
     }
     std::string const hint = spelling_hint(ref.name, names, fmt::format("the network has no {}", kind));
@@ -38,14 +54,14 @@ bool must_exist(std::vector<T> const& elements, Ref const& ref, std::string_view
 }
 
 template <class T>
-bool at_bus(Network const& n, std::vector<T> const& elements, std::string_view kind, Diagnostics& diagnostics) {
+bool at_bus(ByName<Bus> const& buses, std::vector<T> const& elements, std::string_view kind, Diagnostics& diagnostics) {
     bool ok = true;
     for (T const& e : elements) {
         if (e.bus.empty()) {
             ok = false; // "lacks the key 'bus'" was said when it was read
             continue;
         }
-        ok = must_exist(n.buses, e.bus, "bus", fmt::format("{} '{}'", kind, e.name.name), diagnostics) && ok;
+        ok = must_exist(buses, e.bus, "bus", fmt::format("{} '{}'", kind, e.name.name), diagnostics) && ok;
     }
     return ok;
 }
@@ -82,7 +98,7 @@ void check_names(Network const& n, Diagnostics& diagnostics) {
 
 /// Below this share of the base impedance the current of a branch is a difference of voltages that agree in nearly all
 /// of their digits: rounding errors would be amperes.
-constexpr double kLeastImpedancePu = 1e-9;
+constexpr double kLeastImpedancePu = 1e-10;
 
 /// Impedances in ohm, `positive` and `zero` sequence, of something at a bus.
 void check_least_impedance(Network const& n, std::string const& owner, Ref const& name, Bus const* bus,
@@ -103,15 +119,17 @@ void check_least_impedance(Network const& n, std::string const& owner, Ref const
 
 void check_branches(Network const& n, Diagnostics& diagnostics) {
     double const omega = 2 * std::numbers::pi * n.frequency_hz;
+    ByName const buses{n.buses};
+    ByName const line_types{n.line_types};
     for (Line const& line : n.lines) {
         std::string const owner = fmt::format("line '{}'", line.name.name);
-        must_exist(n.buses, line.from, "bus", owner, diagnostics);
-        must_exist(n.buses, line.to, "bus", owner, diagnostics);
-        if (!line.type.empty() && !must_exist(n.line_types, line.type, "line type", owner, diagnostics)) {
+        must_exist(buses, line.from, "bus", owner, diagnostics);
+        must_exist(buses, line.to, "bus", owner, diagnostics);
+        if (!line.type.empty() && !must_exist(line_types, line.type, "line type", owner, diagnostics)) {
             continue;
         }
-        Bus const* from = find(n.buses, line.from.name);
-        Bus const* to = find(n.buses, line.to.name);
+        Bus const* from = buses.find(line.from.name);
+        Bus const* to = buses.find(line.to.name);
         if (line.from == line.to) {
             diagnostics.error(line.to.where, fmt::format("{} starts and ends at bus '{}'", owner, line.to.name), "",
                               width(line.to));
@@ -144,15 +162,15 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
                                           impedance ? "zero" : "positive"),
                               "give both, or neither", width(s.name));
         }
-        check_least_impedance(n, fmt::format("source '{}'", s.name.name), s.name, find(n.buses, s.bus.name),
+        check_least_impedance(n, fmt::format("source '{}'", s.name.name), s.name, buses.find(s.bus.name),
                               std::hypot(s.r_ohm, omega * s.l_mh * 1e-3),
                               std::hypot(s.r0_ohm.value_or(s.r_ohm), omega * s.l0_mh.value_or(s.l_mh) * 1e-3),
                               diagnostics);
     }
     for (Transformer const& t : n.transformers) {
         std::string const owner = fmt::format("transformer '{}'", t.name.name);
-        must_exist(n.buses, t.from, "bus", owner, diagnostics);
-        must_exist(n.buses, t.to, "bus", owner, diagnostics);
+        must_exist(buses, t.from, "bus", owner, diagnostics);
+        must_exist(buses, t.to, "bus", owner, diagnostics);
         if (t.from == t.to) {
             diagnostics.error(t.to.where, fmt::format("{} starts and ends at bus '{}'", owner, t.to.name), "",
                               width(t.to));
@@ -225,9 +243,10 @@ void check_ideal_sources(Network const& n, Diagnostics& diagnostics) {
 template <class T>
 void check_line_ends(Network const& n, std::vector<T> const& devices, std::string_view kind, Diagnostics& diagnostics) {
     std::map<std::pair<std::string, LineEnd>, std::string> seen;
+    ByName const lines{n.lines};
     for (T const& d : devices) {
         std::string const owner = fmt::format("{} '{}'", kind, d.name.name);
-        if (!must_exist(n.lines, d.line, "line", owner, diagnostics)) {
+        if (!must_exist(lines, d.line, "line", owner, diagnostics)) {
             continue;
         }
         auto const [it, fresh] = seen.try_emplace({d.line.name, d.end}, d.name.name);
@@ -242,6 +261,7 @@ void check_line_ends(Network const& n, std::vector<T> const& devices, std::strin
 /// Which buses something that holds voltage reaches, over transformers and over the lines that `joins`.
 template <class Joins>
 std::vector<bool> fed_buses(Network const& n, Joins joins) {
+    NameIndex const buses{n.buses};
     std::vector<std::size_t> root(n.buses.size());
     std::iota(root.begin(), root.end(), std::size_t{0});
     auto const top = [&](std::size_t i) {
@@ -250,9 +270,7 @@ std::vector<bool> fed_buses(Network const& n, Joins joins) {
         }
         return i;
     };
-    auto const join_buses = [&](Ref const& a, Ref const& b) {
-        root[top(index_of(n.buses, a.name))] = top(index_of(n.buses, b.name));
-    };
+    auto const join_buses = [&](Ref const& a, Ref const& b) { root[top(buses[a.name])] = top(buses[b.name]); };
     for (Line const& line : n.lines) {
         if (joins(line)) {
             join_buses(line.from, line.to);
@@ -262,7 +280,7 @@ std::vector<bool> fed_buses(Network const& n, Joins joins) {
         join_buses(t.from, t.to);
     }
     std::vector<bool> fed_roots(n.buses.size(), false), fed(n.buses.size());
-    auto const feed = [&](Ref const& bus) { fed_roots[top(index_of(n.buses, bus.name))] = true; };
+    auto const feed = [&](Ref const& bus) { fed_roots[top(buses[bus.name])] = true; };
     for (Source const& s : n.sources) {
         feed(s.bus);
     }
@@ -324,31 +342,35 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     check_loads(n, diagnostics);
     check_line_ends(n, n.breakers, "breaker", diagnostics);
     check_line_ends(n, n.cts, "CT", diagnostics);
-    at_bus(n, n.sources, "source", diagnostics);
-    at_bus(n, n.vts, "VT", diagnostics);
-    at_bus(n, n.machines, "machine", diagnostics);
-    at_bus(n, n.generators, "generator", diagnostics);
-    at_bus(n, n.loads, "load", diagnostics);
-    at_bus(n, n.shunts, "shunt", diagnostics);
-    at_bus(n, n.pv, "PV", diagnostics);
-    at_bus(n, n.evs, "EV", diagnostics);
-    at_bus(n, n.batteries, "battery", diagnostics);
+    ByName const buses{n.buses};
+    at_bus(buses, n.sources, "source", diagnostics);
+    at_bus(buses, n.vts, "VT", diagnostics);
+    at_bus(buses, n.machines, "machine", diagnostics);
+    at_bus(buses, n.generators, "generator", diagnostics);
+    at_bus(buses, n.loads, "load", diagnostics);
+    at_bus(buses, n.shunts, "shunt", diagnostics);
+    at_bus(buses, n.pv, "PV", diagnostics);
+    at_bus(buses, n.evs, "EV", diagnostics);
+    at_bus(buses, n.batteries, "battery", diagnostics);
     for (Breaker const& b : n.breakers) {
-        must_exist(n.breaker_types, b.type, "breaker type", fmt::format("breaker '{}'", b.name.name), diagnostics);
+        must_exist(ByName{n.breaker_types}, b.type, "breaker type", fmt::format("breaker '{}'", b.name.name),
+                   diagnostics);
     }
     for (Ct const& c : n.cts) {
-        must_exist(n.ct_types, c.type, "CT type", fmt::format("CT '{}'", c.name.name), diagnostics);
+        must_exist(ByName{n.ct_types}, c.type, "CT type", fmt::format("CT '{}'", c.name.name), diagnostics);
     }
     for (Vt const& v : n.vts) {
-        must_exist(n.vt_types, v.type, "VT type", fmt::format("VT '{}'", v.name.name), diagnostics);
+        must_exist(ByName{n.vt_types}, v.type, "VT type", fmt::format("VT '{}'", v.name.name), diagnostics);
     }
     for (Machine const& m : n.machines) {
-        must_exist(n.machine_types, m.type, "machine type", fmt::format("machine '{}'", m.name.name), diagnostics);
+        must_exist(ByName{n.machine_types}, m.type, "machine type", fmt::format("machine '{}'", m.name.name),
+                   diagnostics);
     }
     auto const scaled = [&](auto const& elements, std::string_view kind) {
         for (auto const& e : elements) {
             if (!e.scale.empty()) {
-                must_exist(n.profiles, e.scale, "profile", fmt::format("{} '{}'", kind, e.name.name), diagnostics);
+                must_exist(ByName{n.profiles}, e.scale, "profile", fmt::format("{} '{}'", kind, e.name.name),
+                           diagnostics);
             }
         }
     };

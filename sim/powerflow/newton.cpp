@@ -49,14 +49,14 @@ std::vector<Row> admittance(PowerFlowProblem const& problem) {
 
 class Solver {
   public:
-    Solver(PowerFlowProblem const& problem, PowerFlowOptions const& options, double scale)
+    Solver(PowerFlowProblem const& problem, PowerFlowOptions const& options, double scale, PowerFlowStart const* start)
         : problem_{problem}, options_{options}, scale_{scale}, y_{admittance(problem)}, kind_(problem.nodes.size()),
           held_q_(problem.nodes.size()) {
         for (std::size_t i = 0; i < problem.nodes.size(); ++i) {
             kind_[i] = problem.nodes[i].kind;
             held_q_[i] = problem.nodes[i].q;
-            out_.v.push_back(problem.nodes[i].v);
-            out_.angle.push_back(problem.nodes[i].angle);
+            out_.v.push_back(start != nullptr ? start->v[i] : problem.nodes[i].v);
+            out_.angle.push_back(start != nullptr ? start->angle[i] : problem.nodes[i].angle);
         }
     }
 
@@ -72,6 +72,7 @@ class Solver {
   private:
     void iterate() {
         number_unknowns();
+        analysed_ = false;
         out_.converged = false;
         for (int i = 0; i <= options_.max_iterations; ++i) {
             mismatches();
@@ -195,13 +196,16 @@ class Solver {
         Sparse jacobian(size, size);
         jacobian.setFromTriplets(triplets_.begin(), triplets_.end());
         jacobian.makeCompressed();
-        Eigen::SparseLU<Sparse> lu;
-        lu.compute(jacobian);
-        if (lu.info() != Eigen::Success) {
+        if (!analysed_) { // its pattern stays
+            lu_.analyzePattern(jacobian);
+            analysed_ = true;
+        }
+        lu_.factorize(jacobian);
+        if (lu_.info() != Eigen::Success) {
             out_.singular = true;
             return false;
         }
-        Eigen::VectorXd const change = lu.solve(rhs_);
+        Eigen::VectorXd const change = lu_.solve(rhs_);
         for (std::size_t i = 0; i < kind_.size(); ++i) {
             if (angle_index_[i] != kNone) {
                 out_.angle[i] -= change[static_cast<Eigen::Index>(angle_index_[i])];
@@ -247,12 +251,15 @@ class Solver {
     std::vector<std::pair<double, double>> slopes_;
     std::vector<Triplet> triplets_;
     Eigen::VectorXd rhs_;
+    Eigen::SparseLU<Sparse> lu_;
+    bool analysed_{false};
 };
 
 } // namespace
 
-NewtonOutcome newton(PowerFlowProblem const& problem, PowerFlowOptions const& options, double scale) {
-    return Solver{problem, options, scale}.run();
+NewtonOutcome newton(PowerFlowProblem const& problem, PowerFlowOptions const& options, double scale,
+                     PowerFlowStart const* start) {
+    return Solver{problem, options, scale, start}.run();
 }
 
 } // namespace gridspace::sim

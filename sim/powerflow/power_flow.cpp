@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/powerflow/power_flow.hpp"
 
-#include "sim/powerflow/problem.hpp"
+#include "sim/powerflow/search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,61 +26,46 @@ std::string apparent_power(double kva) {
     return kva < 1 ? fmt::format("{:.4g} VA", kva * 1e3) : fmt::format("{:.4g} kVA", kva);
 }
 
-/// Why there is no solution: usually the network is asked for more than it can carry. The largest share of all powers
-/// that still has a solution, and the weakest bus there, say where to look.
-Error explain(Network const& n, PowerFlowProblem const& problem, PowerFlowOptions const& options,
-              NewtonOutcome const& failed) {
-    std::string message = fmt::format("the power flow {} after {} iterations: at {} {} do not balance",
-                                      failed.singular ? "is singular" : "does not converge", failed.iterations,
-                                      node_name(n, failed.worst_node), apparent_power(failed.mismatch * n.power_kva));
+/// What is known where there is no solution: the power that does not balance, and how much of all powers still has a
+/// solution.
+Error explain(Network const& n, PowerFlowProblem const& problem, SearchOutcome const& found) {
+    NewtonOutcome const& failed = found.solution;
     if (!std::isfinite(failed.mismatch)) {
         return {ExitCode::usage,
                 fmt::format("the power flow has no solution in numbers: at {} they overflow",
                             node_name(n, failed.worst_node)),
                 "look for an extreme impedance, rating or power near that bus"};
     }
-    PowerFlowOptions rough = options;
-    rough.tolerance_pu = 1e-6;
-    if (!newton(problem, rough, 0).converged) {
-        return {ExitCode::usage, message + ", not even without any load",
-                "look for a zero or extreme impedance, or a transformer with a wrong rating, near that bus"};
+    std::string message = fmt::format("the power flow {} after {} iterations: at {} {} do not balance",
+                                      failed.singular ? "is singular" : "does not converge", failed.iterations,
+                                      node_name(n, failed.worst_node), apparent_power(failed.mismatch * n.power_kva));
+    if (found.v_reached.empty()) {
+        return {ExitCode::usage, message + ", nor without any load", ""};
     }
-    double low = 0, high = 1;
-    NewtonOutcome best;
-    for (int i = 0; i < 10; ++i) {
-        double const middle = (low + high) / 2;
-        NewtonOutcome const tried = newton(problem, rough, middle);
-        (tried.converged ? low : high) = middle;
-        if (tried.converged) {
-            best = tried;
-        }
-    }
-    if (best.v.empty()) {
-        return {ExitCode::usage, std::move(message), ""};
-    }
-    std::size_t weakest = 0;
+    std::size_t weakest = n.buses.size();
     for (std::size_t i = 0; i < n.buses.size(); ++i) {
-        if (problem.nodes[i].kind != NodeKind::dead && best.v[i] < best.v[weakest]) {
+        if (problem.nodes[i].kind != NodeKind::dead &&
+            (weakest == n.buses.size() || found.v_reached[i] < found.v_reached[weakest])) {
             weakest = i;
         }
     }
-    return {
-        ExitCode::usage, std::move(message),
-        fmt::format("it has a solution up to {:.0f} % of all powers, where {} is lowest at {:.3f} p.u.: the network is "
-                    "asked for more than it can carry there",
-                    low * 100, node_name(n, weakest), best.v[weakest])};
+    return {ExitCode::usage, std::move(message),
+            fmt::format("it has a solution up to {:.0f} % of all powers, where {} is lowest at {:.3f} p.u.",
+                        std::floor(found.reached * 100), node_name(n, weakest), found.v_reached[weakest])};
 }
 
 } // namespace
 
 Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, PowerFlowOptions const& options) {
     PowerFlowProblem const problem = make_problem(n, state, options);
-    NewtonOutcome const solved = newton(problem, options);
+    SearchOutcome const found = search(n, problem, options);
+    NewtonOutcome const& solved = found.solution;
     if (!solved.converged) {
-        return std::unexpected{explain(n, problem, options, solved)};
+        return std::unexpected{explain(n, problem, found)};
     }
     double const base = n.power_kva;
     PowerFlow out;
+    out.doubts = found.doubts;
     out.iterations = solved.iterations;
     out.mismatch_pu = solved.mismatch;
     std::vector<Complex> v;
@@ -110,6 +95,7 @@ Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, P
         out.buses.push_back({v[i], net.real(), net.imag()});
     }
     // Units: what a bus injects beyond its loads and fixed injections is shared by the units that hold it.
+    NameIndex const buses{n.buses};
     std::vector<Complex> needed(n.buses.size());
     for (std::size_t i = 0; i < n.buses.size(); ++i) {
         needed[i] = {out.buses[i].p_kw, out.buses[i].q_kvar};
@@ -123,7 +109,7 @@ Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, P
         Complex const delivered = node >= n.buses.size() ? from_source[node] : Complex{};
         out.sources.push_back({delivered.real(), delivered.imag()});
         if (node >= n.buses.size()) {
-            needed[index_of(n.buses, n.sources[s].bus.name)] -= delivered;
+            needed[buses[n.sources[s].bus.name]] -= delivered;
         }
     }
     // Fixed injections (PV inverters, PQ generators) are in node.p and node.q together with scheduled powers; take what
@@ -131,8 +117,8 @@ Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, P
     std::vector<double> holders(n.buses.size(), 0);
     std::vector<Complex> scheduled(n.buses.size());
     auto const count = [&](Ref const& bus, double p) {
-        holders[index_of(n.buses, bus.name)] += 1;
-        scheduled[index_of(n.buses, bus.name)] += p;
+        holders[buses[bus.name]] += 1;
+        scheduled[buses[bus.name]] += p;
     };
     for (Generator const& g : n.generators) {
         if (g.role != GeneratorRole::pq) {
@@ -143,7 +129,7 @@ Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, P
         count(m.bus, m.p_kw);
     }
     auto const share = [&](Ref const& bus, double p, bool scheduled_p) -> PowerFlow::UnitValue {
-        std::size_t const i = index_of(n.buses, bus.name);
+        std::size_t const i = buses[bus.name];
         PowerFlowProblem::Node const& node = problem.nodes[i];
         Complex const fixed{node.p * base - scheduled[i].real(), node.q * base};
         Complex const rest = needed[i] - fixed;

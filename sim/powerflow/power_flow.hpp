@@ -40,12 +40,14 @@ struct PowerFlow {
     std::vector<BranchValue> branches; ///< lines and transformers in service
     std::vector<UnitValue> sources, machines, generators;
     double losses_kw{0};
+    std::vector<std::string> doubts; ///< what an operator would not believe of the solution, with numbers
 };
 
 /// Balanced power flow by Newton-Raphson in polar coordinates with voltage-dependent loads
 /// [Tinney and Hart 1967; MATPOWER User's Manual, power flow]. A source with an impedance is an ideal one behind it. A
 /// machine holds its power and terminal voltage; the largest machine of an island without a source or slack generator
-/// holds the angle instead of the power. Fails with the bus at which the solution breaks down, and why.
+/// holds the angle instead of the power. Several starts are tried (search.hpp). Fails with the bus at which most power
+/// does not balance, and the share of all powers that has a solution.
 [[nodiscard]] Result<PowerFlow> solve_power_flow(Network const& network, SwitchState const& state,
                                                  PowerFlowOptions const& options = {});
 

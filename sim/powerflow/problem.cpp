@@ -58,23 +58,13 @@ void hold_angles(Network const& network, PowerFlowProblem& problem) {
     }
 }
 
-/// By how much the voltage at `to` leads that at `from` without load: minus the shift of a transformer.
-double lead(TwoPort const& b) {
-    if (b.ft == b.tf || b.ft == Complex{} || b.tt == Complex{}) {
-        return 0;
-    }
-    double const twice = std::arg(b.tf / b.ft), angle = twice / 2;
-    bool const opposite = std::cos(std::arg(-b.tf / b.tt) - angle) < 0;
-    return opposite ? angle + std::numbers::pi : angle;
-}
-
 /// Begins the iteration with the angles of the network without load, from the nodes that hold theirs outwards: from
 /// angles that are far away Newton's method finds no way.
 void start_angles(PowerFlowProblem& problem) {
     std::vector<std::vector<std::pair<std::size_t, double>>> next(problem.nodes.size());
     for (TwoPort const& b : problem.branches) {
         if (b.ft != Complex{} && b.tf != Complex{}) {
-            double const turn = lead(b);
+            double const turn = lead_of(b);
             next[b.from].emplace_back(b.to, turn);
             next[b.to].emplace_back(b.from, -turn);
         }
@@ -99,6 +89,24 @@ void start_angles(PowerFlowProblem& problem) {
     }
 }
 
+/// The solution that came with the network, where every live bus has one; whose voltage is held begins with the held
+/// one.
+void given_start(Network const& network, PowerFlowProblem& problem) {
+    PowerFlowStart start;
+    for (std::size_t i = 0; i < problem.nodes.size(); ++i) {
+        PowerFlowProblem::Node const& node = problem.nodes[i];
+        bool const live = node.kind != NodeKind::dead;
+        if (live && (i >= network.buses.size() || !network.buses[i].start || network.buses[i].start->v_pu <= 0)) {
+            return;
+        }
+        bool const free = node.kind == NodeKind::pq;
+        start.v.push_back(free ? network.buses[i].start->v_pu : node.v);
+        start.angle.push_back(free || node.kind == NodeKind::pv ? network.buses[i].start->angle_deg * kDegree
+                                                                : node.angle);
+    }
+    problem.given = std::move(start);
+}
+
 } // namespace
 
 PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerFlowOptions const& options) {
@@ -106,7 +114,8 @@ PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerF
     problem.nodes.resize(n.buses.size());
     problem.branches = two_ports(n, state);
     double const base = n.power_kva;
-    auto const bus_of = [&](Ref const& bus) { return index_of(n.buses, bus.name); };
+    NameIndex const buses{n.buses};
+    auto const bus_of = [&](Ref const& bus) { return buses[bus.name]; };
     auto const hold = [&](std::size_t node, NodeKind kind, double v) {
         PowerFlowProblem::Node& at = problem.nodes[node];
         if (at.kind == NodeKind::pq || (at.kind == NodeKind::pv && kind == NodeKind::slack)) {
@@ -181,6 +190,7 @@ PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerF
     }
     hold_angles(n, problem);
     start_angles(problem);
+    given_start(n, problem);
     return problem;
 }
 

@@ -5,9 +5,17 @@
 #include "sim/powerflow/load_power.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
+#include <optional>
+#include <vector>
+
 namespace gridspace::sim {
 
 enum class NodeKind { slack, pv, pq, dead };
+
+/// Where an iteration begins, by node: p.u. and radians.
+struct PowerFlowStart {
+    std::vector<double> v, angle;
+};
 
 /// The power flow as equations see it: nodes, p.u. on the base. The first nodes are the buses; the others are the ideal
 /// sources behind impedances.
@@ -28,6 +36,7 @@ struct PowerFlowProblem {
     std::vector<Complex> shunts;   ///< admittance by node
     std::vector<BusLoad> loads;
     std::vector<std::size_t> source_node; ///< by source: its internal node
+    std::optional<PowerFlowStart> given;  ///< a solution that came with the network
 };
 
 [[nodiscard]] PowerFlowProblem make_problem(Network const& network, SwitchState const& state,
@@ -43,7 +52,12 @@ struct NewtonOutcome {
     std::vector<Complex> injection; ///< net, computed, p.u.
 };
 
-/// Solves with all loads and generation multiplied by `scale`.
-[[nodiscard]] NewtonOutcome newton(PowerFlowProblem const& problem, PowerFlowOptions const& options, double scale = 1);
+/// Solves with all loads and generation multiplied by `scale`, from the nodes' own voltages or from `start`.
+[[nodiscard]] NewtonOutcome newton(PowerFlowProblem const& problem, PowerFlowOptions const& options, double scale = 1,
+                                   PowerFlowStart const* start = nullptr);
+
+/// Angles that a lossless network would have under its power, phase shifters included, in meshes as well: one linear
+/// system [Stott, Jardim and Alsac 2009, "DC power flow revisited"].
+[[nodiscard]] PowerFlowStart linear_start(PowerFlowProblem const& problem);
 
 } // namespace gridspace::sim

@@ -8,13 +8,13 @@
 namespace gridspace::sim {
 namespace {
 
-TwoPort line_port(Network const& n, SwitchState const& state, std::size_t index) {
+TwoPort line_port(Network const& n, NameIndex const& buses, SwitchState const& state, std::size_t index) {
     Line const& line = n.lines[index];
     TwoPort port;
     port.kind = TwoPort::Kind::line;
     port.element = index;
-    port.from = index_of(n.buses, line.from.name);
-    port.to = index_of(n.buses, line.to.name);
+    port.from = buses[line.from.name];
+    port.to = buses[line.to.name];
     double const omega = 2 * std::numbers::pi * n.frequency_hz;
     double const z_base = base_impedance(n, n.buses[port.from]);
     LineTotals const t = line_totals(n, line);
@@ -32,14 +32,14 @@ TwoPort line_port(Network const& n, SwitchState const& state, std::size_t index)
     return port;
 }
 
-TwoPort transformer_port(Network const& n, std::size_t index) {
+TwoPort transformer_port(Network const& n, NameIndex const& buses, std::size_t index) {
     // MATPOWER User's Manual, branch model: an ideal transformer at the `from` end of a pi.
     Transformer const& t = n.transformers[index];
     TwoPort port;
     port.kind = TwoPort::Kind::transformer;
     port.element = index;
-    port.from = index_of(n.buses, t.from.name);
-    port.to = index_of(n.buses, t.to.name);
+    port.from = buses[t.from.name];
+    port.to = buses[t.to.name];
     double const to_system = n.power_kva / t.rating_kva;
     Complex const series = 100.0 / (to_system * Complex{t.r_percent, t.x_percent});
     Complex const half{0, t.charging_percent / 200 / to_system};
@@ -75,16 +75,26 @@ double base_impedance(Network const& network, Bus const& bus) {
     return bus.voltage_v * bus.voltage_v / (network.power_kva * 1e3);
 }
 
+double lead_of(TwoPort const& b) {
+    if (b.ft == b.tf || b.ft == Complex{} || b.tt == Complex{}) {
+        return 0;
+    }
+    double const twice = std::arg(b.tf / b.ft), angle = twice / 2;
+    bool const opposite = std::cos(std::arg(-b.tf / b.tt) - angle) < 0;
+    return opposite ? angle + std::numbers::pi : angle;
+}
+
 std::vector<TwoPort> two_ports(Network const& network, SwitchState const& state) {
+    NameIndex const buses{network.buses};
     std::vector<TwoPort> ports;
     for (std::size_t i = 0; i < network.lines.size(); ++i) {
         if (!state.line_out[i]) {
-            ports.push_back(line_port(network, state, i));
+            ports.push_back(line_port(network, buses, state, i));
         }
     }
     for (std::size_t i = 0; i < network.transformers.size(); ++i) {
         if (!state.transformer_out[i]) {
-            ports.push_back(transformer_port(network, i));
+            ports.push_back(transformer_port(network, buses, i));
         }
     }
     return ports;

@@ -31,6 +31,9 @@ struct TwoPort {
 /// Lines and transformers in service. A line that is open at one end still draws its charging current from the other.
 [[nodiscard]] std::vector<TwoPort> two_ports(Network const& network, SwitchState const& state);
 
+/// By how much the voltage at `to` leads that at `from` without load, radians: minus the shift of a transformer.
+[[nodiscard]] double lead_of(TwoPort const& b);
+
 /// Base impedance of a bus, ohm.
 [[nodiscard]] double base_impedance(Network const& network, Bus const& bus);
 

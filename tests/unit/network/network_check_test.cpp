@@ -46,12 +46,12 @@ TEST(NetworkCheck, NamesImpedancesThatAreMissingInOneSequenceOrInATransformer) {
 
 TEST(NetworkCheck, NamesAnImpedanceThatIsTooSmallToComputeACurrentThrough) {
     EXPECT_THAT(mistakes("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
-                         "lines: {L: {from: A, to: B, r_ohm: 1e-9}}\n"
+                         "lines: {L: {from: A, to: B, r_ohm: 1e-10}}\n"
                          "generators: {G: {bus: A, role: slack}}\n"),
-                ::testing::HasSubstr("n.yaml:5:9: error: line 'L' has 1e-09 ohm, too little to compute its current: at "
-                                     "least 2.3e-09 ohm are needed here"));
+                ::testing::HasSubstr("n.yaml:5:9: error: line 'L' has 1e-10 ohm, too little to compute its current: at "
+                                     "least 2.3e-10 ohm are needed here"));
     EXPECT_EQ(mistakes("buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
-                       "lines: {L: {from: A, to: B, r_ohm: 2.4e-9}}\n"
+                       "lines: {L: {from: A, to: B, r_ohm: 2.4e-10}}\n"
                        "generators: {G: {bus: A, role: slack}}\n"),
               "");
 }
