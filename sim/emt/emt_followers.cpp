@@ -140,7 +140,9 @@ std::vector<EmtEngine::BusPhases> EmtEngine::start_followers(std::vector<BusPhas
         Follower const& f = parts_.followers[i];
         double const peak = parts_.bus_peak_v[f.bus];
         BusPhases v = bus_v[f.bus];
-        followers_.emplace_back(network_.frequency_hz, peak, f.max_peak_a);
+        bool const is_source =
+            f.kind == Follower::Kind::pv || f.kind == Follower::Kind::generator || f.kind == Follower::Kind::battery;
+        followers_.emplace_back(network_.frequency_hz, peak, f.max_peak_a, is_source);
         phase_followers_.emplace_back(network_.frequency_hz, peak);
         if (f.by_phase) {
             PhaseFollowing::Powers power;
@@ -173,7 +175,10 @@ void EmtEngine::step_followers(double t_end, double h) {
         if (parts_.followers[f].by_phase) {
             phase_followers_[f].step({a, b, c}, wanted_by_phase(f, t_end, h), h);
         } else {
-            followers_[f].step(to_space(a, b, c), wanted(f, t_end, followers_[f].voltage_pu(), demand_[f][0], h), h);
+            // One that has ceased regulates and ages nothing.
+            auto const power = followers_[f].ceased() ? std::complex<double>{}
+                                                      : wanted(f, t_end, followers_[f].voltage_pu(), demand_[f][0], h);
+            followers_[f].step(to_space(a, b, c), power, h);
         }
     }
 }

@@ -11,10 +11,16 @@ namespace {
 /// Below this share of nominal voltage the current no longer rises to hold the power.
 constexpr double kLeastVoltage = 0.5;
 
+// When a source ceases and comes back (grid_following.hpp): p.u., shares of nominal frequency, seconds.
+constexpr double kUnfitBelow = 0.5, kUnfitAbove = 1.2, kUnfitFrequency = 0.1, kUnfitS = 0.16;
+constexpr double kFitBelow = 1.1, kFitAbove = 0.88, kFitFrequency = 0.01, kFitS = 0.2, kRampS = 0.4;
+constexpr double kDead = 0.05; ///< p.u.: nothing to lock on
+
 } // namespace
 
-GridFollowing::GridFollowing(double frequency_hz, double nominal_peak_v, double max_peak_a)
-    : pll_{frequency_hz}, nominal_{nominal_peak_v}, max_peak_a_{max_peak_a} {}
+GridFollowing::GridFollowing(double frequency_hz, double nominal_peak_v, double max_peak_a, bool ceases)
+    : pll_{frequency_hz}, nominal_{nominal_peak_v}, max_peak_a_{max_peak_a}, frequency_hz_{frequency_hz},
+      ceases_{ceases} {}
 
 std::complex<double> GridFollowing::reference(std::complex<double> power) const {
     std::complex<double> i = std::conj(power) / (1.5 * std::max(voltage_, kLeastVoltage * nominal_));
@@ -40,7 +46,27 @@ void GridFollowing::step(Space const& v, std::complex<double> power, double h) {
         return;
     }
     voltage_ += (std::sqrt(v.alpha * v.alpha + v.beta * v.beta) - voltage_) * h / (kVoltageLagS + h);
-    current_ += (reference(power) - current_) * (h / (kCurrentLagS + h));
+    if (ceases_) {
+        watch_grid(h);
+    }
+    std::complex<double> const wanted = ceased_ ? 0 : reference(power);
+    current_ += ((share_ < 1 ? share_ * wanted : wanted) - current_) * (h / (kCurrentLagS + h));
+}
+
+void GridFollowing::watch_grid(double h) {
+    double const v = voltage_pu(), off = std::abs(pll_.frequency_hz() / frequency_hz_ - 1);
+    outside_s_ = v < kUnfitBelow || v > kUnfitAbove || off > kUnfitFrequency ? outside_s_ + h : 0;
+    inside_s_ = v > kFitAbove && v < kFitBelow && off < kFitFrequency ? inside_s_ + h : 0;
+    if (outside_s_ >= kUnfitS) {
+        ceased_ = true;
+        share_ = 0;
+    } else if (ceased_ && inside_s_ >= kFitS) {
+        ceased_ = false;
+    }
+    if (ceased_ && v < kDead) {
+        pll_.rest();
+    }
+    share_ = ceased_ ? 0 : std::min(1.0, share_ + h / kRampS);
 }
 
 void GridFollowing::trip() {

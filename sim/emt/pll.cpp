@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/emt/pll.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gridspace::sim::emt {
@@ -12,6 +13,9 @@ constexpr double kProportional = 2 * 0.70710678118654752 * kNatural;
 constexpr double kIntegral = kNatural * kNatural;
 /// Below this (V) there is nothing to lock on: the loop runs on.
 constexpr double kNoVoltage = 1e-6;
+
+/// Share of nominal frequency by which the loop's own frequency may be off: what it follows on a dead bus is noise.
+constexpr double kMostOff = 0.25;
 
 /// Sine and cosine of a small angle by their series (|x| < 0.5: exact to rounding), without the library.
 void small_rotation(double x, double& s, double& c) {
@@ -50,7 +54,8 @@ void Pll::step(double alpha, double beta, double h) {
     sin_ = s * length;
     double const size = std::sqrt(alpha * alpha + beta * beta);
     double const error = size > kNoVoltage ? (beta * cos_ - alpha * sin_) / size : 0;
-    integral_ += kIntegral * error * h;
+    double const most = kMostOff * w0_;
+    integral_ = std::clamp(integral_ + kIntegral * error * h, -most, most);
     w_ = w0_ + integral_ + kProportional * error;
 }
 

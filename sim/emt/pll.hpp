@@ -6,7 +6,8 @@
 
 namespace gridspace::sim::emt {
 
-/// Phase-locked loop in the synchronous reference frame on a bus voltage; natural frequency 10 Hz, damping 0.707.
+/// Phase-locked loop in the synchronous reference frame on a bus voltage; natural frequency 10 Hz, damping 0.707. Its
+/// integral part stays within a quarter of nominal frequency, so that it locks again after an outage of any length.
 /// [Kaura and Blasko, IEEE Trans. Ind. Appl. 33(1), 1997]
 class Pll {
   public:
@@ -19,6 +20,8 @@ class Pll {
     void step(double alpha, double beta, double h);
     /// Cosine and sine of the angle that it will have h from now.
     [[nodiscard]] std::pair<double, double> ahead(double h) const;
+    /// Runs on at nominal frequency from now.
+    void rest() { integral_ = 0; }
     [[nodiscard]] double frequency_hz() const { return w_ / 6.283185307179586477; }
 
   private:

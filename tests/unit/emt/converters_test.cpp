@@ -61,6 +61,47 @@ TEST(EmtConverters, AGeneratorThatHoldsItsVoltageStartsSettledAndBringsItBack) {
     EXPECT_NEAR(read(*sut, "generator.G.q_kvar") - q, (40 - 9.686) * 1.02 * 1.02, 0.5);
 }
 
+/// A line to a PV and a load, opened at 0.5 s for `outage_s`; then two seconds more.
+void survives_an_outage(double outage_s, std::string const& load) {
+    auto const sut = started(network_of("buses: {A: {voltage_v: 400}, B: {voltage_v: 400}}\n"
+                                        "sources: {S: {bus: A, r_ohm: 0.01, l_mh: 0.1}}\n"
+                                        "lines: {L: {from: A, to: B, r_ohm: 0.05, l_mh: 0.3}}\n"
+                                        "breaker_types: {T: {opens: each_pole_at_current_zero}}\n"
+                                        "breakers: {CB: {line: L, end: from, type: T}}\n"
+                                        "pv: {P: {bus: B, p_kw: 30, rating_kva: 40}}\n" +
+                                        load),
+                             kBase, Rational{1, 24000});
+    double const p_before = read(*sut, "pv.P.p_kw");
+    std::int64_t const opened = 12000, closed = opened + std::llround(outage_s * 48000), end = closed + 96000;
+    double fastest = 0, energised = 0;
+    for (std::int64_t n = 2; n <= end; n += 2) {
+        if (n == opened || n == closed) {
+            apply(*sut, SwitchBreaker{"CB", n == closed});
+        }
+        advance(*sut, SimTime{n});
+        if (n > opened + 24000 && n < closed) { // half a second after the grid went
+            energised = std::max(energised, read(*sut, "bus.B.v_pu"));
+        }
+        if (n > closed + 24000) {
+            fastest = std::max(fastest, std::abs(read(*sut, "bus.B.frequency_hz") - 60));
+        }
+    }
+    EXPECT_LT(energised, 0.05) << "a dead bus is energised by nobody";
+    EXPECT_LT(fastest, 0.5) << outage_s;
+    EXPECT_NEAR(read(*sut, "pv.P.p_kw"), p_before, 0.01 * p_before) << outage_s;
+    EXPECT_NEAR(read(*sut, "bus.B.frequency_hz"), 60, 0.01);
+}
+
+TEST(EmtConverters, APhotovoltaicComesBackAfterAnOutageOfAnyLength) {
+    for (double const outage_s : {0.1, 1.0, 3.0, 10.0}) {
+        survives_an_outage(outage_s, "loads: {D: {bus: B, p_kw: 20, power_factor: 0.9, model: constant_impedance}}\n");
+    }
+}
+
+TEST(EmtConverters, APhotovoltaicAloneOnADeadBusEnergisesNothing) {
+    survives_an_outage(3.0, "loads: {D: {bus: B, p_kw: 1, model: constant_impedance}}\n");
+}
+
 TEST(EmtConverters, AGeneratorThatWouldStartBeyondItsConverterIsRefusedByName) {
     auto const sut =
         make_emt_engine(network_of("buses: {A: {voltage_v: 400}, B: {voltage_v: 400}}\nsources: {S: {bus: A}}\n"
