@@ -356,7 +356,9 @@ class AttackerAgent {
 
     void hear(iec61850::Octets octets, std::int64_t at_ns) {
         for (auto const& attack : attacks_) {
-            attack->now_ns = attack->between() || attack->topic ? attack->now_ns : at_ns;
+            if (!attack->between() && !attack->topic) { // those have a time of their own, on the thread of the cable
+                attack->now_ns = at_ns;
+            }
             if (attack->values && !attack->between()) {
                 attack->values->hear(octets, at_ns, [&](auto forged) { send(forged, at_ns); }, attack->tell);
             } else if (attack->messages && !attack->between()) {

@@ -80,9 +80,10 @@ bool Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_
 
 void Barrier::drop(std::size_t member) {
     State& state = members_[member];
-    if (!state.dropped && state.awaited && state.acked < static_cast<std::int64_t>(tick_)) {
+    if (state.awaited && state.acked < static_cast<std::int64_t>(tick_)) {
         --open_acks_;
     }
+    state.awaited = false; // its acknowledgement may still come, and counts for nothing
     state.dropped = true;
 }
 
@@ -96,7 +97,7 @@ std::vector<std::size_t> Barrier::missing() const {
     std::vector<std::size_t> out;
     for (std::size_t i = 0; i < members_.size(); ++i) {
         State const& state = members_[i];
-        if (state.awaited && !state.dropped && state.acked < static_cast<std::int64_t>(tick_)) {
+        if (state.awaited && state.acked < static_cast<std::int64_t>(tick_)) {
             out.push_back(i);
         }
     }

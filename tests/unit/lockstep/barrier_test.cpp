@@ -99,6 +99,27 @@ TEST_F(BarrierTest, ADroppedMemberIsNotAwaitedAndARejoinedOneIs) {
     EXPECT_EQ(missing(sut).size(), 4U);
 }
 
+TEST_F(BarrierTest, TheAcknowledgementOfADroppedMemberDoesNotStandForAnother) {
+    sut.open(0, true);
+    sut.drop(ev2);
+    (void)sut.on_ack(ev2, 0, 1); // it was on its way
+    (void)sut.on_ack(ev1, 0, 1);
+    (void)sut.on_ack(mcca, 0, 1);
+    EXPECT_EQ(missing(sut), (Names{"recorder"}));
+    EXPECT_FALSE(sut.complete());
+    (void)sut.on_ack(recorder, 0, 1);
+    EXPECT_TRUE(sut.complete());
+}
+
+TEST_F(BarrierTest, WhoIsDroppedAndComesBackInATickIsNotCountedTwice) {
+    sut.open(0, true);
+    sut.drop(ev2);
+    sut.rejoin(ev2);
+    (void)sut.on_ack(ev2, 0, 1);
+    EXPECT_FALSE(sut.complete());
+    EXPECT_EQ(missing(sut), (Names{"ev1", "mcca", "recorder"}));
+}
+
 TEST_F(BarrierTest, LateAcknowledgementsOfAnOldTickDoNotCount) {
     sut.open(0, true);
     acknowledge_all(0, 1);
