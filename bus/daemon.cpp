@@ -113,6 +113,21 @@ std::optional<int> parse(Daemon const& daemon, int argc, char** argv, Options& o
     return std::nullopt;
 }
 
+/// What came from outside and was kept out: for the events of the run and its report.
+void tell_of_strangers(bus::Node const& node, StatusReporter& status) {
+    double const now_s = node.lockstep() ? node.time_base().seconds(node.latest_time()) : 0;
+    for (auto const& [link, ethertype, frames] : node.foreign_frames_by_link()) {
+        if (frames.total() > 0) {
+            std::string const text =
+                fmt::format("{} frames of ethertype {:#06x} on '{}' that no process of the run has "
+                            "announced, and that nobody took: {}",
+                            frames.total(), ethertype, link, frames.text());
+            log::warning("{}", text);
+            status.event(now_s, node.config().process, "foreign_frames", text);
+        }
+    }
+}
+
 /// Reads the file: who the process is, its place on the bus, its settings.
 bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, config::Diagnostics& diagnostics) {
     auto const root = config::load_extended(options.config, diagnostics);
@@ -341,6 +356,7 @@ Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> 
     run.on_stop([&node] { (*node)->request_stop(); });
     auto result = body(**node);
     run.on_stop({});
+    tell_of_strangers(**node, run.status);
     return result;
 }
 

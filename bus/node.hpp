@@ -4,6 +4,7 @@
 
 #include "bus/codec.hpp"
 #include "bus/inbox.hpp"
+#include "bus/lockstep/foreign_frames.hpp"
 #include "bus/node_config.hpp"
 #include "bus/participant.hpp"
 #include "common/result.hpp"
@@ -112,6 +113,13 @@ class Node {
         std::uint64_t lost_samples{0};    ///< gaps in a writer's sequence (real time; in lockstep that ends the run)
     };
     [[nodiscard]] Counters counters() const;
+    /// Lockstep: the frames of `foreign_frames`, by the links and ethertypes that this process reads.
+    struct ForeignOnLink {
+        std::string link;
+        std::uint16_t ethertype{0};
+        lockstep::ForeignFrames frames;
+    };
+    [[nodiscard]] std::vector<ForeignOnLink> foreign_frames_by_link() const;
 
     struct Core; ///< shared with readers, writers and the clock server
 

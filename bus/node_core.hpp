@@ -115,7 +115,6 @@ struct Node::Core {
 
     std::atomic<std::uint64_t> foreign_samples{0};
     std::atomic<std::uint64_t> refused_writes{0};
-    std::atomic<std::uint64_t> foreign_frames{0};
     std::atomic<std::uint64_t> lost_samples{0};
 
     /// Somebody else is here under the name of this process.

@@ -498,8 +498,22 @@ SimTime Node::effect_time(SimTime input, SimSpan latency) const {
 }
 
 Node::Counters Node::counters() const {
-    return {core_->foreign_samples.load(), core_->refused_writes.load(), core_->foreign_frames.load(),
-            core_->lost_samples.load()};
+    std::uint64_t foreign_frames = 0;
+    for (ForeignOnLink const& link : foreign_frames_by_link()) {
+        foreign_frames += link.frames.total();
+    }
+    return {core_->foreign_samples.load(), core_->refused_writes.load(), foreign_frames, core_->lost_samples.load()};
+}
+
+std::vector<Node::ForeignOnLink> Node::foreign_frames_by_link() const {
+    std::vector<ForeignOnLink> out;
+    std::lock_guard const lock{core_->mutex};
+    for (auto const& reader : core_->wire_readers) {
+        if (core_->lockstep() && core_->wire_book != nullptr) {
+            out.push_back({reader->link, reader->ethertype, core_->wire_book->foreign(reader->channel)});
+        }
+    }
+    return out;
 }
 
 } // namespace gridspace::bus

@@ -18,9 +18,9 @@ constexpr std::size_t kept(std::size_t octets) {
 
 } // namespace
 
-void WireReader::Impl::due(std::size_t slot, SimTime time) {
-    slots[slot]->time = time;
-    waiting.push_back(slot);
+void WireReader::Impl::due(lockstep::FrameBuffer frame, SimTime time) {
+    frame->time = time;
+    waiting.push_back(std::move(frame));
 }
 
 WireReader::WireReader(Node& node, std::string link, std::uint16_t ethertype)
@@ -58,29 +58,26 @@ bool WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, 
         r.kept_octets += kept(frame.size());
     }
     if (r.free.empty()) {
-        r.slots.push_back(std::make_unique<WireFrame>());
-        r.free.push_back(r.slots.size() - 1);
+        r.free.push_back(std::make_unique<WireFrame>());
     }
-    std::size_t const slot = r.free.back();
+    lockstep::FrameBuffer stored = std::move(r.free.back());
     r.free.pop_back();
-    WireFrame& stored = *r.slots[slot];
-    stored.octets.assign(frame.begin(), frame.end());
-    stored.kernel_ns = kernel_ns;
-    stored.arrived_ns = arrived_ns;
-    stored.port = port;
+    stored->octets.assign(frame.begin(), frame.end());
+    stored->kernel_ns = kernel_ns;
+    stored->arrived_ns = arrived_ns;
+    stored->port = port;
     if (!core.lockstep()) {
-        r.due(slot, core.time_now());
+        r.due(std::move(stored), core.time_now());
         ++core.input_generation;
         core.changed.notify_all();
         return true;
     }
-    auto const arrival = core.wire_book->arrived(r.channel, lockstep::frame_identity(frame), slot);
-    if (arrival.evicted != lockstep::WireBook::kUnknown) {
-        r.free.push_back(arrival.evicted);
-        ++core.foreign_frames;
+    auto arrival = core.wire_book->arrived(r.channel, std::move(stored));
+    if (arrival.evicted != nullptr) {
+        r.free.push_back(std::move(arrival.evicted));
     }
-    if (arrival.matched) {
-        r.due(slot, core.base.from_nanoseconds(arrival.send_time_ns));
+    if (arrival.due != nullptr) {
+        r.due(std::move(arrival.due), core.base.from_nanoseconds(arrival.send_time_ns));
         if (core.gate->granted().has_value()) {
             core.changed.notify_all();
         }
@@ -91,18 +88,18 @@ bool WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, 
 std::span<WireFrame const* const> WireReader::take() {
     Impl& r = *impl_;
     std::lock_guard const lock{r.core.mutex};
-    for (std::size_t const slot : r.taken) {
-        r.kept_octets -= r.core.lockstep() ? 0 : kept(r.slots[slot]->octets.size());
-        r.free.push_back(slot);
+    for (lockstep::FrameBuffer& frame : r.taken) {
+        r.kept_octets -= r.core.lockstep() ? 0 : kept(frame->octets.size());
+        r.free.push_back(std::move(frame));
     }
     r.taken.clear();
     r.out.clear();
     auto const later = std::partition(r.waiting.begin(), r.waiting.end(),
-                                      [&](std::size_t slot) { return r.slots[slot]->time <= r.until; });
-    r.taken.insert(r.taken.end(), r.waiting.begin(), later);
+                                      [&](lockstep::FrameBuffer const& frame) { return frame->time <= r.until; });
+    r.taken.insert(r.taken.end(), std::make_move_iterator(r.waiting.begin()), std::make_move_iterator(later));
     r.waiting.erase(r.waiting.begin(), later);
-    for (std::size_t const slot : r.taken) {
-        r.out.push_back(r.slots[slot].get());
+    for (lockstep::FrameBuffer const& frame : r.taken) {
+        r.out.push_back(frame.get());
     }
     if (r.core.lockstep()) {
         std::sort(r.out.begin(), r.out.end(), [](WireFrame const* a, WireFrame const* b) {
@@ -116,9 +113,8 @@ std::optional<SimTime> WireReader::next() const {
     Impl const& r = *impl_;
     std::lock_guard const lock{r.core.mutex};
     std::optional<SimTime> out;
-    for (std::size_t const slot : r.waiting) {
-        SimTime const time = r.slots[slot]->time;
-        out = out ? std::min(*out, time) : time;
+    for (lockstep::FrameBuffer const& frame : r.waiting) {
+        out = out ? std::min(*out, frame->time) : frame->time;
     }
     return out;
 }
@@ -167,8 +163,8 @@ void Node::Core::take_wire_ledger(std::size_t process, ClockAck const& received)
         }
         WireReader::Impl& reader = *wire_readers[channel];
         wire_book->announced(process, received.incarnation(), channel, wire_records,
-                             [&](lockstep::WireBook::Match const& match) {
-                                 reader.due(match.slot, base.from_nanoseconds(match.send_time_ns));
+                             [&](lockstep::FrameBuffer frame, std::int64_t send_time_ns) {
+                                 reader.due(std::move(frame), base.from_nanoseconds(send_time_ns));
                              });
     }
 }

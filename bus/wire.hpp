@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bus/lockstep/wire_book.hpp"
 #include "bus/node.hpp"
 #include "common/time.hpp"
 
@@ -15,14 +16,7 @@
 
 namespace gridspace::bus {
 
-/// A raw Ethernet frame that has arrived on a link.
-struct WireFrame {
-    SimTime time;                  ///< lockstep: its simulated send time; real time: the newest clock when it arrived
-    std::int64_t kernel_ns{0};     ///< the kernel's receive stamp (CLOCK_REALTIME), 0 without one
-    std::int64_t arrived_ns{0};    ///< the same on the monotonic clock, as the receiver passed it to push()
-    std::uint32_t port{0};         ///< whatever the receiver passed to push()
-    std::vector<std::byte> octets; ///< from the destination address on, VLAN tag included
-};
+using lockstep::WireFrame;
 
 /// The receiving end of one ethertype on one link as far as the simulation clock is concerned; sockets are somebody
 /// else's. In lockstep a frame becomes visible in the tick that contains its send time, ordered by (send time, octets),

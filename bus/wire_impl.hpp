@@ -13,15 +13,14 @@ struct WireReader::Impl {
     std::string link;
     std::uint16_t ethertype{0};
     std::size_t channel{0}; ///< its index in the book
-    std::vector<std::unique_ptr<WireFrame>>
-        slots; ///< each is free, early (in the book), waiting for its time, or taken
-    std::vector<std::size_t> free, waiting, taken;
+    // A buffer is in exactly one of these, or in the book while nobody has announced its frame.
+    std::vector<lockstep::FrameBuffer> free, waiting, taken;
     std::vector<WireFrame const*> out;
     SimTime until{INT64_MAX};
     std::size_t kept_octets{0}, bound{SIZE_MAX}; ///< real time: of what is waiting or taken
     std::uint64_t dropped{0};
 
-    void due(std::size_t slot, SimTime time);
+    void due(lockstep::FrameBuffer frame, SimTime time);
 };
 
 } // namespace gridspace::bus

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bus/lockstep/foreign_frames.hpp"
+#include "common/time.hpp"
+
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,10 +19,22 @@ namespace gridspace::lockstep {
 /// left out, because the kernel takes it off and puts it back.
 [[nodiscard]] std::uint64_t frame_identity(std::span<std::byte const> frame);
 
+/// A raw Ethernet frame that has arrived on a link.
+struct WireFrame {
+    SimTime time;                  ///< lockstep: its simulated send time; real time: the newest clock when it arrived
+    std::int64_t kernel_ns{0};     ///< the kernel's receive stamp (CLOCK_REALTIME), 0 without one
+    std::int64_t arrived_ns{0};    ///< the same on the monotonic clock, as the receiver passed it
+    std::uint32_t port{0};         ///< whatever the receiver passed with it
+    std::vector<std::byte> octets; ///< from the destination address on, VLAN tag included
+};
+
+/// A frame in its buffer. It can only be moved, so it is in exactly one place: free, in the book, or at its reader.
+using FrameBuffer = std::unique_ptr<WireFrame>;
+
 /// Compares the raw frames that others say they have sent with those that have arrived. A wire knows no writer, so a
-/// frame is recognised by what is in it; its simulated send time is what its sender's ledger says. Pure bookkeeping:
-/// whoever receives keeps the octets, under the slot numbers that are his. Frames that nobody announces are foreign and
-/// never become due.
+/// frame is recognised by what is in it; its simulated send time is what its sender's ledger says. Frames that nobody
+/// announces are foreign and never become due. Channels share nothing: what comes on one of them moves no buffer of
+/// another. Pure bookkeeping.
 class WireBook {
   public:
     struct Channel {
@@ -29,63 +45,76 @@ class WireBook {
         std::int64_t send_time_ns{0};
         std::uint64_t identity{0};
     };
-    /// A frame that is announced and here.
-    struct Match {
-        std::size_t slot;
-        std::int64_t send_time_ns;
-    };
 
-    WireBook(std::size_t processes, std::vector<Channel> channels);
+    static constexpr std::size_t kMaxUnannounced = 1024;
+    /// `max_unannounced`: frames that wait for their ledger, on each channel.
+    WireBook(std::size_t processes, std::vector<Channel> const& channels,
+             std::size_t max_unannounced = kMaxUnannounced);
 
     static constexpr std::size_t kUnknown = static_cast<std::size_t>(-1);
     [[nodiscard]] std::size_t channel_index(std::string_view link, std::uint16_t ethertype) const;
 
-    /// A line of a sender's ledger. `on_match` is called for each frame that has already arrived.
+    /// A line of a sender's ledger. `on_match(FrameBuffer, send_time_ns)` gets each frame that has already arrived. The
+    /// ledger of an earlier incarnation than the newest is passed over.
     template <class OnMatch>
     void announced(std::size_t process, std::uint32_t incarnation, std::size_t channel, std::span<Record const> records,
                    OnMatch&& on_match) {
-        enter_incarnation(process, incarnation);
+        if (!enter_incarnation(process, incarnation)) {
+            return;
+        }
         for (Record const& record : records) {
-            if (std::size_t const slot = take_early(channel, record.identity); slot != kUnknown) {
-                on_match(Match{slot, record.send_time_ns});
+            if (FrameBuffer frame = take_early(channel, record.identity)) {
+                on_match(std::move(frame), record.send_time_ns);
             } else {
-                awaited_.push_back({process, channel, record});
+                channels_[channel].awaited.push_back({process, record});
+                ++awaited_of_[process];
             }
         }
     }
 
     struct Arrival {
-        bool matched{false};
+        FrameBuffer due; ///< the frame itself, when somebody has announced it
         std::int64_t send_time_ns{0};
-        std::size_t evicted{kUnknown}; ///< the slot of a foreign frame that had to make room
+        FrameBuffer evicted; ///< a foreign frame that had to make room; its buffer is free
     };
-    /// A frame is in `slot`. When nobody has announced it yet, the slot stays taken until somebody does.
-    [[nodiscard]] Arrival arrived(std::size_t channel, std::uint64_t identity, std::size_t slot);
+    /// A frame has come. When nobody has announced it yet, the book keeps it until somebody does, or until it has to
+    /// make room for newer ones: those from addresses that are not of this run go first.
+    [[nodiscard]] Arrival arrived(std::size_t channel, FrameBuffer frame);
 
     /// Every frame that `process` has announced is here.
-    [[nodiscard]] bool complete(std::size_t process) const;
+    [[nodiscard]] bool complete(std::size_t process) const { return awaited_of_[process] == 0; }
     /// "2 frames of ethertype 0x88ba on 'process_bus'"; empty when complete.
     [[nodiscard]] std::string missing(std::size_t process) const;
-    [[nodiscard]] std::size_t unannounced() const { return early_.size(); }
+    /// Frames that are here and not announced.
+    [[nodiscard]] std::size_t unannounced(std::size_t channel) const { return channels_[channel].early.size(); }
+    /// What nobody of the run has announced so far, by source address.
+    [[nodiscard]] ForeignFrames foreign(std::size_t channel) const;
 
   private:
-    static constexpr std::size_t kMaxUnannounced = 1024;
     struct Awaited {
-        std::size_t process, channel;
+        std::size_t process;
         Record record;
     };
     struct Early {
-        std::size_t channel;
         std::uint64_t identity;
-        std::size_t slot;
+        FrameBuffer frame;
     };
-    void enter_incarnation(std::size_t process, std::uint32_t incarnation);
-    std::size_t take_early(std::size_t channel, std::uint64_t identity);
+    struct State {
+        Channel channel;
+        std::vector<Awaited> awaited;           ///< announced, not here
+        std::vector<Early> early;               ///< here, not announced; oldest first
+        std::vector<std::uint64_t> own_sources; ///< of frames that were announced
+        ForeignFrames evicted;
+    };
+    [[nodiscard]] bool enter_incarnation(std::size_t process, std::uint32_t incarnation);
+    [[nodiscard]] FrameBuffer take_early(std::size_t channel, std::uint64_t identity);
+    static void remember_source(State& state, WireFrame const& frame);
+    static bool is_own(State const& state, WireFrame const& frame);
 
-    std::vector<Channel> channels_;
+    std::size_t max_unannounced_;
+    std::vector<State> channels_;
     std::vector<std::uint32_t> incarnations_; ///< by process
-    std::vector<Awaited> awaited_;            ///< announced, not here
-    std::vector<Early> early_;                ///< here, not announced; oldest first
+    std::vector<std::size_t> awaited_of_;     ///< by process, over all channels
 };
 
 } // namespace gridspace::lockstep

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/addresses.hpp"
 
+#include "bus/lockstep/foreign_frames.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>
@@ -16,9 +17,11 @@ std::string dotted(std::uint32_t a) {
     return fmt::format("{}.{}.{}.{}", a >> 24, (a >> 16) & 255, (a >> 8) & 255, a & 255);
 }
 
-/// Locally administered: 02:47:53 ("GS"), link, host.
+/// The prefix of all runs, link, host.
 std::string mac_of(std::size_t link, std::size_t host) {
-    return fmt::format("02:47:53:{:02x}:{:02x}:{:02x}", link & 255, (host >> 8) & 255, host & 255);
+    constexpr auto kPrefix = lockstep::kRunAddressPrefix;
+    return fmt::format("{:02x}:{:02x}:{:02x}:{:02x}:{:02x}:{:02x}", kPrefix >> 16U, (kPrefix >> 8U) & 255U,
+                       kPrefix & 255U, link & 255, (host >> 8) & 255, host & 255);
 }
 
 } // namespace

@@ -34,6 +34,13 @@ bool is_outgoing(std::uint32_t place) {
     return place % 2 != 0;
 }
 
+/// What neither this framework nor the IP of its hosts sends.
+bool is_other(std::uint16_t ethertype) {
+    constexpr std::array<std::uint16_t, 5> kKnown{iec61850::kSvEthertype, iec61850::kGooseEthertype, 0x0800 /*IPv4*/,
+                                                  0x0806 /*ARP*/, 0x86dd /*IPv6*/};
+    return std::find(kKnown.begin(), kKnown.end(), ethertype) == kKnown.end();
+}
+
 /// GRIDSPACE_NETWORKS: "HOST=FILE HOST=FILE".
 std::map<std::string, std::filesystem::path> networks_of_hosts() {
     std::map<std::string, std::filesystem::path> out;
@@ -75,6 +82,7 @@ Result<std::unique_ptr<FrameCapture>> FrameCapture::open(bus::Node& node, Captur
     out->file_ = std::make_unique<pcapng::Writer>(std::move(*file));
     for (CaptureConfig::Port const& port : config.ports) {
         Port p;
+        p.name = port.name;
         p.interface = out->file_->add_interface(port.name, port.description);
         p.both_ways = port.both_ways;
         p.in = out->way_of(port.link);
@@ -175,15 +183,29 @@ void FrameCapture::capture() {
                 for (std::size_t k = 0; k < n; ++k) {
                     ethernet::ReceivedFrame const& frame = batch[k];
                     Way const& way = frame.outgoing ? ports_[i].out : ports_[i].in;
-                    if (auto* reader = way.reader_of(iec61850::ethertype_of(frame.octets))) {
+                    std::uint16_t const ethertype = iec61850::ethertype_of(frame.octets);
+                    if (auto* reader = way.reader_of(ethertype)) {
                         ports_[i].no_room +=
                             reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing)) ? 0
                                                                                                                    : 1;
+                    } else if (node_.lockstep() && is_other(ethertype)) {
+                        ports_[i].others.add(lockstep::source_of(std::as_bytes(frame.octets)));
                     }
                 }
             }
         }
     }
+}
+
+std::vector<std::string> FrameCapture::strangers() const {
+    std::vector<std::string> out;
+    for (Port const& port : ports_) {
+        if (port.others.total() > 0) {
+            out.push_back(fmt::format("{} frames that are neither SMV, GOOSE nor IP at '{}': {}", port.others.total(),
+                                      port.name, port.others.text()));
+        }
+    }
+    return out;
 }
 
 Result<void> FrameCapture::write_due() {

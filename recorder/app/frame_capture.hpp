@@ -30,6 +30,8 @@ class FrameCapture {
     [[nodiscard]] Result<void> close();
     /// Real time, after close(): frames that the kernel could not keep for us, or that waited too long for the disk.
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+    /// Lockstep, after close(): "31 frames that are neither SMV, GOOSE nor IP at 'process_bus_mu21': 31 from ...".
+    [[nodiscard]] std::vector<std::string> strangers() const;
 
   private:
     explicit FrameCapture(bus::Node& node) : node_{node} {}
@@ -48,7 +50,9 @@ class FrameCapture {
         std::uint32_t interface{0}; ///< in the file
         bool both_ways{false};
         Way in, out;
-        std::uint64_t no_room{0}; ///< frames that found none; of the capturing thread until it has ended
+        std::string name;
+        lockstep::ForeignFrames others; ///< lockstep: neither SMV nor GOOSE nor IP; of the capturing thread as well
+        std::uint64_t no_room{0};       ///< frames that found none; of the capturing thread until it has ended
     };
     Way way_of(std::string const& link);
     bus::WireReader* reader_of(Channel const& channel);

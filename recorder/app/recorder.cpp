@@ -319,6 +319,9 @@ class RecorderShell {
             log::warning("{}", text);
             status_.event(last_s_, node_.config().process, "frames_dropped", text);
         }
+        for (std::string const& text : frames_->strangers()) {
+            status_.event(last_s_, node_.config().process, "foreign_frames", text);
+        }
         return closed;
     }
 
