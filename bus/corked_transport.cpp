@@ -177,7 +177,12 @@ class CorkedTransport final : public fdds::ChainingTransport {
 
     void receive(fdds::TransportReceiverInterface* next, rtps::octet const* bytes, std::uint32_t size,
                  rtps::Locator_t const& local, rtps::Locator_t const& remote) override {
-        next->OnDataReceived(bytes, size, local, remote);
+        // The octets are the socket's own buffer, of its only thread, and may be changed (ChainingTransport::receive).
+        std::span<std::uint8_t> const datagram{const_cast<rtps::octet*>(bytes), size};
+        std::int64_t const now_ns = std::chrono::nanoseconds{Clock::now().time_since_epoch()}.count();
+        if (std::size_t const octets = descriptor_.gate->admit(datagram, now_ns); octets > 0) {
+            next->OnDataReceived(bytes, static_cast<std::uint32_t>(octets), local, remote);
+        }
     }
 
   private:

@@ -2,15 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bus/rtps_guard/gate.hpp"
+
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <memory>
 
 namespace gridspace::bus {
 
-/// Any transport with bus/cork.hpp on its sending side. Receivers need nothing: several submessages in a message are
-/// plain RTPS (DDSI-RTPS 2.2, clause 8.3).
+/// Any transport with bus/cork.hpp on its sending side and the gate of bus/rtps_guard on its receiving side. Receivers
+/// need nothing for the cork: several submessages in a message are plain RTPS (DDSI-RTPS 2.2, clause 8.3).
 struct CorkedTransportDescriptor : eprosima::fastdds::rtps::ChainingTransportDescriptor {
-    using ChainingTransportDescriptor::ChainingTransportDescriptor;
+    CorkedTransportDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low_level,
+                              std::shared_ptr<rtps_guard::Gate> g)
+        : ChainingTransportDescriptor{std::move(low_level)}, gate{std::move(g)} {}
+    std::shared_ptr<rtps_guard::Gate> gate;
     [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
 };
 

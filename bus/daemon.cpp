@@ -126,6 +126,10 @@ void tell_of_strangers(bus::Node const& node, StatusReporter& status) {
             status.event(now_s, node.config().process, "foreign_frames", text);
         }
     }
+    if (std::string const refused = node.refused_datagrams(); !refused.empty()) {
+        status.event(now_s, node.config().process, "foreign_datagrams",
+                     "datagrams that were kept from DDS: " + refused); // its participants log it
+    }
 }
 
 /// Reads the file: who the process is, its place on the bus, its settings.

@@ -120,6 +120,8 @@ class Node {
         lockstep::ForeignFrames frames;
     };
     [[nodiscard]] std::vector<ForeignOnLink> foreign_frames_by_link() const;
+    /// Of both participants; Participant::refused_datagrams.
+    [[nodiscard]] std::string refused_datagrams() const;
 
     struct Core; ///< shared with readers, writers and the clock server
 

@@ -505,6 +505,12 @@ Node::Counters Node::counters() const {
     return {core_->foreign_samples.load(), core_->refused_writes.load(), foreign_frames, core_->lost_samples.load()};
 }
 
+std::string Node::refused_datagrams() const {
+    std::string const management = core_->management->refused_datagrams();
+    std::string const data = core_->data != nullptr ? core_->data->refused_datagrams() : "";
+    return management + (management.empty() || data.empty() ? "" : "; on the data network ") + data;
+}
+
 std::vector<Node::ForeignOnLink> Node::foreign_frames_by_link() const {
     std::vector<ForeignOnLink> out;
     std::lock_guard const lock{core_->mutex};

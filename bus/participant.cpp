@@ -116,6 +116,9 @@ class FastDdsParticipant final : public Participant {
         participant_->set_listener(nullptr);
         participant_->delete_contained_entities();
         dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+        if (std::string const refused = refused_datagrams(); !refused.empty()) {
+            log::warning("datagrams that were kept from DDS: {}", refused);
+        }
     }
 
     Result<void> open(TcpLink const* link = nullptr) {
@@ -136,6 +139,7 @@ class FastDdsParticipant final : public Participant {
         std::string const user_data = user_data_of(options_);
         qos.user_data().setValue(std::vector<rtps::octet>{user_data.begin(), user_data.end()});
         prepare_transports(qos);
+        bound_the_others(qos);
         if (link != nullptr) {
             if (auto ok = apply(*link, qos); !ok) {
                 return ok;
@@ -189,6 +193,7 @@ class FastDdsParticipant final : public Participant {
 
     [[nodiscard]] Peer peer(std::uint32_t index) const override { return directory_.peer(index); }
     [[nodiscard]] bool hears(Peer const& peer) const override { return directory_.hears(peer); }
+    [[nodiscard]] std::string refused_datagrams() const override { return gate_->text(); }
     void on_change(std::function<void()> callback) override { directory_.on_change(std::move(callback)); }
     void on_departure(std::function<void(Peer const&, bool)> callback) override {
         directory_.on_departure(std::move(callback));
@@ -297,8 +302,19 @@ class FastDdsParticipant final : public Participant {
         return subscriber;
     }
 
+    /// However many participants and endpoints somebody invents: memory for so many, and no more.
+    static void bound_the_others(dds::DomainParticipantQos& qos) {
+        auto& allocation = qos.allocation();
+        allocation.participants.maximum = rtps_guard::KnownParticipants::kMost;
+        // The library bounds the sum over all participants: this times the above.
+        allocation.readers.maximum = allocation.writers.maximum = 16;
+    }
+
     /// The profile's transports, on the configured interfaces only, each with a cork.
-    void prepare_transports(dds::DomainParticipantQos& qos) const {
+    void prepare_transports(dds::DomainParticipantQos& qos) {
+        using eprosima::fastrtps::rtps::DiscoveryProtocol_t;
+        auto const protocol = qos.wire_protocol().builtin.discovery_config.discoveryProtocol;
+        gate_ = std::make_shared<rtps_guard::Gate>(rtps_guard::Rules{protocol == DiscoveryProtocol_t::SIMPLE});
         for (auto& transport : qos.transport().user_transports) {
             using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
             if (auto const udp = std::dynamic_pointer_cast<UDPv4TransportDescriptor>(transport); udp != nullptr) {
@@ -306,7 +322,7 @@ class FastDdsParticipant final : public Participant {
                 if (!options_.addresses.empty()) {
                     own->interfaceWhiteList = options_.addresses;
                 }
-                transport = std::make_shared<CorkedTransportDescriptor>(own);
+                transport = std::make_shared<CorkedTransportDescriptor>(own, gate_);
             }
         }
     }
@@ -335,6 +351,7 @@ class FastDdsParticipant final : public Participant {
     }
 
     ParticipantOptions options_;
+    std::shared_ptr<rtps_guard::Gate> gate_{std::make_shared<rtps_guard::Gate>()};
     Directory directory_;
     ParticipantListener listener_;
     dds::DomainParticipant* participant_{nullptr};

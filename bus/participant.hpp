@@ -94,6 +94,9 @@ class Participant {
     [[nodiscard]] virtual Peer peer(std::uint32_t index) const = 0;
     /// Whether another participant of this name, program and incarnation is here.
     [[nodiscard]] virtual bool hears(Peer const& peer) const = 0;
+    /// Datagrams that were no RTPS, or such as the library must not see (bus/rtps_guard): "12 (numbers that cannot
+    /// be)".
+    [[nodiscard]] virtual std::string refused_datagrams() const = 0;
     /// Called, from threads of DDS, whenever a peer appears or leaves or an endpoint is matched or unmatched.
     virtual void on_change(std::function<void()> callback) = 0;
     /// Called, from threads of DDS, when a participant is gone: `clean` when it said goodbye, not when its lease ran

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `gridspace doctor`: what this machine allows, tried rather than guessed.
+#include "bus/rtps_guard/known_participants.hpp"
 #include "common/realtime.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/installation.hpp"
@@ -104,6 +105,14 @@ Finding check_buffers() {
             enough ? "" : "bursts may be dropped: sysctl -w net.core.rmem_max=4194304 net.core.wmem_max=4194304"};
 }
 
+/// Not a matter of the machine, but of what a run may meet on its networks.
+Finding check_participants() {
+    return {Level::ok, "DDS participants",
+            fmt::format("at most {} of others on a bus, with 16384 readers and 16384 writers",
+                        rtps_guard::KnownParticipants::kMost),
+            ""};
+}
+
 Finding check_clock() {
     std::ifstream stream{"/sys/devices/system/clocksource/clocksource0/current_clocksource"};
     std::string source;
@@ -159,6 +168,7 @@ int doctor(bool json) {
                                         try_real_time(),
                                         check_locked_memory(),
                                         check_buffers(),
+                                        check_participants(),
                                         check_clock(),
                                         check_shared_memory(),
                                         check_profile_file(),

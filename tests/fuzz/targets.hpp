@@ -19,7 +19,8 @@
     X(mapping) /* the table of a gateway as YAML text, applied when it is valid */                  \
     X(yaml)    /* a configuration: parsed, merged with itself, printed, read back to the same tree */ \
     X(idl)     /* a type description, then (after a NUL) a sample */                                \
-    X(mcap)    /* a recording */
+    X(mcap)    /* a recording */                                                                    \
+    X(rtps)    /* a datagram for DDS: judged, and what is admitted judged again */
 
 #ifdef GRIDSPACE_DEVICES_ONLY
 #define GRIDSPACE_FUZZ_TARGETS(X) GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)

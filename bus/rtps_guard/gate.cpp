@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/rtps_guard/gate.hpp"
+
+#include <fmt/format.h>
+
+namespace gridspace::rtps_guard {
+
+Refusal Gate::judge(Examined const& examined, std::int64_t now_ns) {
+    if (examined.refusal != Refusal::none || !rules_.speaks_for_itself) {
+        return examined.refusal;
+    }
+    std::lock_guard const lock{mutex_};
+    if (examined.announced) {
+        return known_.announce(*examined.announced, now_ns) ? Refusal::none : Refusal::crowd;
+    }
+    return known_.hear(examined.source, now_ns) ? Refusal::none : Refusal::stranger;
+}
+
+std::size_t Gate::admit(std::span<std::uint8_t> datagram, std::int64_t now_ns) {
+    Examined const examined = examine(datagram, rules_);
+    Refusal const refusal = judge(examined, now_ns);
+    if (refusal == Refusal::none) {
+        return examined.octets;
+    }
+    refused_[static_cast<std::size_t>(refusal)].fetch_add(1, std::memory_order_relaxed);
+    return 0;
+}
+
+std::uint64_t Gate::refused() const {
+    std::uint64_t out = 0;
+    for (std::size_t i = 0; i < refused_.size(); ++i) {
+        out += i == static_cast<std::size_t>(Refusal::stranger) ? 0 : refused_[i].load(std::memory_order_relaxed);
+    }
+    return out;
+}
+
+std::string Gate::text() const {
+    std::string out;
+    for (std::size_t i = 0; i < refused_.size(); ++i) {
+        std::uint64_t const count = refused_[i].load(std::memory_order_relaxed);
+        if (count > 0 && i != static_cast<std::size_t>(Refusal::stranger)) {
+            out += fmt::format("{}{} ({})", out.empty() ? "" : ", ", count, to_string(static_cast<Refusal>(i)));
+        }
+    }
+    return out;
+}
+
+} // namespace gridspace::rtps_guard

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "bus/rtps_guard/known_participants.hpp"
+#include "bus/rtps_guard/message_guard.hpp"
+
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <string>
+
+namespace gridspace::rtps_guard {
+
+/// What stands between the sockets of a participant and the library. Thread-safe: each socket has a thread.
+class Gate {
+  public:
+    explicit Gate(Rules rules = {}, std::size_t most_participants = KnownParticipants::kMost)
+        : rules_{rules}, known_{most_participants} {}
+
+    /// How many octets of a datagram the library may see; 0: none of it.
+    [[nodiscard]] std::size_t admit(std::span<std::uint8_t> datagram, std::int64_t now_ns);
+
+    /// Datagrams that were kept away and should not have come. Not counted: those of participants that have not
+    /// announced themselves, which the library would ignore, and which come in every run that somebody joins late.
+    [[nodiscard]] std::uint64_t refused() const;
+    /// "12 (numbers that cannot be), 3 (not RTPS 2)"; empty when there are none.
+    [[nodiscard]] std::string text() const;
+
+  private:
+    [[nodiscard]] Refusal judge(Examined const& examined, std::int64_t now_ns);
+
+    Rules rules_;
+    std::mutex mutex_;
+    KnownParticipants known_; ///< under the mutex
+    std::array<std::atomic<std::uint64_t>, static_cast<std::size_t>(Refusal::count_)> refused_{};
+};
+
+} // namespace gridspace::rtps_guard

@@ -1,0 +1,272 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/rtps_guard/message_guard.hpp"
+
+#include "bus/rtps_guard/parameter_guard.hpp"
+
+#include <algorithm>
+
+namespace gridspace::rtps_guard {
+namespace {
+
+enum Kind : std::uint8_t {
+    kPad = 0x01,
+    kAckNack = 0x06,
+    kHeartbeat = 0x07,
+    kGap = 0x08,
+    kInfoTs = 0x09,
+    kInfoSrc = 0x0c,
+    kInfoReplyIp4 = 0x0d,
+    kInfoDst = 0x0e,
+    kInfoReply = 0x0f,
+    kNackFrag = 0x12,
+    kHeartbeatFrag = 0x13,
+    kData = 0x15,
+    kDataFrag = 0x16,
+    kSecurityFirst = 0x30,
+    kSecurityLast = 0x34,
+    kStatistics = 0x80, // of Fast DDS, at the end of each of its datagrams
+};
+
+constexpr std::size_t kHeader = 20, kStatisticsOctets = 56;
+constexpr EntityId kUnknownEntity = 0;
+constexpr EntityId kParticipantWriter = 0x000100c2, kPublicationsWriter = 0x000003c2, kSubscriptionsWriter = 0x000004c2,
+                   kLivelinessWriter = 0x000200c2;
+/// Sequence numbers count from 1. What is beyond this no writer reaches, and sums of it overflow.
+constexpr std::int64_t kLargestNumber = std::int64_t{1} << 48U;
+/// A gap is walked through, one number at a time.
+constexpr std::int64_t kLongestGap = std::int64_t{1} << 20U;
+constexpr std::uint32_t kLongestSet = 256;
+
+struct Submessage {
+    std::uint8_t kind, flags;
+    Octets body;
+};
+
+bool is_number(std::int64_t number, std::int64_t least = 1) {
+    return number >= least && number < kLargestNumber;
+}
+
+/// Built-in writers and readers carry discovery; 0xc0 in the last octet (9.3.1.2).
+bool is_builtin(EntityId id) {
+    return (id & 0xc0U) == 0xc0U;
+}
+bool describes_entities(EntityId writer) {
+    return writer == kParticipantWriter || writer == kPublicationsWriter || writer == kSubscriptionsWriter;
+}
+
+/// The bits of a set of sequence or fragment numbers that `base` has begun.
+bool skip_set(Octets& body) {
+    std::uint32_t const bits = body.u32();
+    body.skip(std::size_t{4} * ((std::min(bits, kLongestSet) + 31) / 32));
+    return body.ok() && bits <= kLongestSet;
+}
+
+class Walk {
+  public:
+    Walk(Examined& out, Rules rules) : out_{out}, rules_{rules} {}
+
+    Refusal of(Submessage s) {
+        switch (s.kind) {
+        case kData:
+        case kDataFrag:
+            return data(s);
+        case kHeartbeat:
+            return heartbeat(s.body);
+        case kAckNack:
+            return acknowledgement(s.body);
+        case kGap:
+            return gap(s.body);
+        case kNackFrag:
+            s.body.skip(8);
+            return is_number(s.body.sequence_number()) && s.body.u32() > 0 && skip_set(s.body) && enough(s.body, 4)
+                       ? Refusal::none
+                       : Refusal::content;
+        case kHeartbeatFrag:
+            s.body.skip(8);
+            return is_number(s.body.sequence_number()) && s.body.u32() > 0 && enough(s.body, 4) ? Refusal::none
+                                                                                                : Refusal::content;
+        case kInfoTs:
+            return (s.flags & 2U) != 0 || enough(s.body, 8) ? Refusal::none : Refusal::content;
+        case kInfoDst:
+            return enough(s.body, sizeof(GuidPrefix)) ? Refusal::none : Refusal::content;
+        case kInfoSrc: // for bridges between networks; here it would only hide who speaks
+            return Refusal::kind;
+        default:
+            return s.kind >= kSecurityFirst && s.kind <= kSecurityLast ? Refusal::kind : Refusal::none;
+        }
+    }
+
+  private:
+    static bool enough(Octets const& body, std::size_t octets) { return body.ok() && body.left() >= octets; }
+
+    static Refusal heartbeat(Octets body) {
+        body.skip(8);
+        std::int64_t const first = body.sequence_number(), last = body.sequence_number();
+        return is_number(first) && is_number(last, first - 1) && enough(body, 4) ? Refusal::none : Refusal::content;
+    }
+    static Refusal acknowledgement(Octets body) {
+        body.skip(8);
+        return is_number(body.sequence_number(), 0) && skip_set(body) && enough(body, 4) ? Refusal::none
+                                                                                         : Refusal::content;
+    }
+    static Refusal gap(Octets body) {
+        body.skip(8);
+        std::int64_t const first = body.sequence_number(), beyond = body.sequence_number();
+        return is_number(first) && is_number(beyond) && beyond - first <= kLongestGap && skip_set(body)
+                   ? Refusal::none
+                   : Refusal::content;
+    }
+
+    Refusal data(Submessage s) {
+        bool const fragment = s.kind == kDataFrag;
+        bool const has_qos = (s.flags & 2U) != 0;
+        bool const has_data = fragment ? (s.flags & 4U) == 0 : (s.flags & 4U) != 0;
+        bool const has_key = fragment ? (s.flags & 4U) != 0 : (s.flags & 8U) != 0;
+        s.body.skip(2);
+        std::size_t const to_qos = s.body.u16(), counted_from = s.body.at();
+        EntityId const reader = s.body.entity(), writer = s.body.entity();
+        if (!is_number(s.body.sequence_number()) || (has_data && has_key) ||
+            (fragment && !is_fragment(s.body, has_data, has_qos))) {
+            return Refusal::content;
+        }
+        std::size_t const read = s.body.at() - counted_from;
+        if (!s.body.ok() || to_qos < read || to_qos > INT16_MAX) {
+            return Refusal::content;
+        }
+        s.body.skip(to_qos - read);
+        bool const builtin = is_builtin(writer) || is_builtin(reader);
+        if (builtin && (fragment || !is_builtin(writer) || (reader != kUnknownEntity && !is_builtin(reader)))) {
+            return Refusal::content; // discovery is never so long, and never mixed with what users send
+        }
+        if (has_qos) {
+            auto const facts = examine_parameters(s.body, false);
+            if (!facts) {
+                return Refusal::parameters;
+            }
+            if (describes_entities(writer) && !is_from_source(facts->key)) {
+                return Refusal::identity;
+            }
+            s.body.skip(facts->octets);
+        }
+        if (!s.body.ok() || ((has_data || has_key) && s.body.left() == 0)) {
+            return Refusal::content;
+        }
+        if (writer == kLivelinessWriter && (has_data || has_key) && s.body.left() < 4 + sizeof(GuidPrefix) + 4) {
+            return Refusal::content;
+        }
+        return describes_entities(writer) && (has_data || has_key) ? entity(writer, s.body) : Refusal::none;
+    }
+
+    static bool is_fragment(Octets& body, bool has_data, bool has_qos) {
+        std::uint64_t const first = body.u32(), count = body.u16(), size = body.u16(), whole = body.u32();
+        bool const inside = first > 0 && count > 0 && size > 0 && whole > 0 && whole <= kLongestSample &&
+                            (first - 1 + count - 1) * size < whole;
+        return body.ok() && inside && has_data && (has_qos || body.left() <= count * size + 4);
+    }
+
+    /// A participant or an endpoint announces itself, or says that it goes.
+    Refusal entity(EntityId writer, Octets body) {
+        auto const encapsulation = body.take(4);
+        if (!body.ok() || encapsulation[0] != 0 || (encapsulation[1] != 2 && encapsulation[1] != 3)) {
+            return Refusal::parameters; // PL_CDR_BE or PL_CDR_LE
+        }
+        body.little(encapsulation[1] == 3);
+        auto const facts = examine_parameters(body, true);
+        if (!facts) {
+            return Refusal::parameters;
+        }
+        auto const& who = writer == kParticipantWriter ? facts->participant : facts->endpoint;
+        if (!is_from_source(who) || !is_from_source(facts->participant) || !is_from_source(facts->key)) {
+            return Refusal::identity;
+        }
+        if (writer == kParticipantWriter && who) {
+            if (out_.announced && *out_.announced != *who) {
+                return Refusal::identity;
+            }
+            out_.announced = who;
+        }
+        return Refusal::none;
+    }
+
+    [[nodiscard]] bool is_from_source(std::optional<GuidPrefix> const& prefix) const {
+        return !rules_.speaks_for_itself || !prefix || *prefix == out_.source;
+    }
+
+    Examined& out_;
+    Rules rules_;
+};
+
+Refusal walk(std::span<std::uint8_t> datagram, Rules rules, Examined& out) {
+    constexpr std::array<std::uint8_t, 5> kMagic{'R', 'T', 'P', 'S', 2};
+    Octets octets{datagram};
+    if (datagram.size() < kHeader || !std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) {
+        return Refusal::not_rtps;
+    }
+    octets.skip(8);
+    out.source = octets.prefix();
+    if (out.source == GuidPrefix{}) {
+        return Refusal::not_rtps;
+    }
+    out.octets = datagram.size();
+    Walk walk{out, rules};
+    while (octets.left() > 0) {
+        std::size_t const begin = octets.at();
+        std::uint8_t const kind = octets.u8(), flags = octets.u8();
+        octets.little((flags & 1U) != 0);
+        std::size_t size = octets.u16();
+        if (size == 0 && kind != kPad && kind != kInfoTs) {
+            size = octets.left(); // the last one may leave its length open (9.4.5.1.3)
+        }
+        auto const body = octets.take(size);
+        if (!octets.ok() || (size % 4 != 0 && octets.left() > 0)) {
+            return Refusal::submessage;
+        }
+        if (kind == kStatistics && size == kStatisticsOctets && octets.left() == 0) {
+            out.octets = begin; // nobody here asks for them, and the library ends itself over the least mistake in them
+            break;
+        }
+        if (kind == kStatistics) {
+            return Refusal::kind;
+        }
+        if (Refusal const refusal = walk.of({kind, flags, Octets{body, octets.little()}}); refusal != Refusal::none) {
+            return refusal;
+        }
+    }
+    return Refusal::none;
+}
+
+} // namespace
+
+std::string_view to_string(Refusal refusal) {
+    switch (refusal) {
+    case Refusal::not_rtps:
+        return "not RTPS 2";
+    case Refusal::submessage:
+        return "a submessage longer than the datagram";
+    case Refusal::kind:
+        return "a submessage that nobody sends here";
+    case Refusal::content:
+        return "numbers that cannot be";
+    case Refusal::parameters:
+        return "a damaged parameter list";
+    case Refusal::identity:
+        return "speaks for another participant";
+    case Refusal::stranger:
+        return "from a participant that has not announced itself";
+    case Refusal::crowd:
+        return "one participant too many";
+    case Refusal::none:
+    case Refusal::count_:
+        break;
+    }
+    return "";
+}
+
+Examined examine(std::span<std::uint8_t> datagram, Rules rules) {
+    Examined out;
+    out.refusal = walk(datagram, rules, out);
+    return out;
+}
+
+} // namespace gridspace::rtps_guard

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Datagrams of a stranger at the ports of a real participant.
+#include "bus/participant.hpp"
+#include "common/source_tree.hpp"
+#include "common/unique_fd.hpp"
+#include "tests/integration/veth/veth.hpp"
+#include "tests/support/rtps_message.hpp"
+
+#include <algorithm>
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <thread>
+
+namespace gridspace::bus {
+namespace {
+
+using namespace test;
+using testing::HasSubstr;
+
+class ForeignDatagrams : public ethernet::Veth {
+  protected:
+    void SetUp() override {
+        Veth::SetUp();
+        if (IsSkipped()) {
+            return;
+        }
+        auto joined =
+            Participant::create({"a", 0, "test", 0, source_tree("qos/member.xml"), "management", {"127.0.0.1"}});
+        ASSERT_TRUE(joined) << describe(joined.error());
+        sut_ = std::move(*joined);
+        ++joined_;
+        socket_ = UniqueFd{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+        ASSERT_TRUE(socket_);
+    }
+    void TearDown() override {
+        sut_.reset();
+        Veth::TearDown();
+    }
+    /// To the participant's unicast port for discovery in domain 0 (DDSI-RTPS 2.2, 9.6.1.1); Fast DDS numbers the
+    /// participants of a process on and on.
+    void send(Bytes const& datagram) const {
+        sockaddr_in to{};
+        to.sin_family = AF_INET;
+        to.sin_port = htons(static_cast<std::uint16_t>(7410 + 2 * (joined_ - 1)));
+        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        ASSERT_EQ(
+            ::sendto(socket_.get(), datagram.data(), datagram.size(), 0, reinterpret_cast<sockaddr*>(&to), sizeof to),
+            static_cast<ssize_t>(datagram.size()));
+    }
+    void wait_until_known(std::string const& process) const {
+        auto const hang = std::chrono::steady_clock::now() + std::chrono::seconds{60};
+        while (!sut_->hears({process, 0, ""}) && std::chrono::steady_clock::now() < hang) {
+            std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        }
+        EXPECT_TRUE(sut_->hears({process, 0, ""})) << "refused: " << sut_->refused_datagrams();
+    }
+
+    static inline int joined_ = 0;
+    std::unique_ptr<Participant> sut_;
+    UniqueFd socket_;
+};
+
+TEST_F(ForeignDatagrams, TheDatagramThatEndedProcessesIsCountedAndNothingElse) {
+    send(deadly_datagram());
+    send(message({announcement(7)}, 7)); // the participant lives, and reads on
+    wait_until_known("stranger");
+    EXPECT_EQ(sut_->refused_datagrams(), "1 (a submessage that nobody sends here)");
+}
+
+TEST_F(ForeignDatagrams, DamagedMessagesOfEveryKindAreSurvived) {
+    Bytes const whole = message({announcement(7), submessage(0x09, Bytes(8)), submessage(0x0e, guid_prefix(3)),
+                                 data(0, 0x102, {0, 1, 0, 0, 1, 2, 3, 4}), kStatistics},
+                                7);
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        for (int const octet : {0, 1, 0x7f, 0x80, 0xff}) {
+            Bytes damaged = whole;
+            damaged[i] = static_cast<std::uint8_t>(octet);
+            send(damaged);
+        }
+        send({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(i)});
+    }
+    send(message({announcement(8)}, 8));
+    wait_until_known("stranger");
+    EXPECT_THAT(sut_->refused_datagrams(), HasSubstr("a damaged parameter list"));
+}
+
+TEST_F(ForeignDatagrams, InventedParticipantsHaveABound) {
+    Bytes const mark = guid_prefix(0);
+    Bytes invented = message({announcement(0)}, 0);
+    for (int i = 0; sut_->refused_datagrams().empty() && i < 1'000'000; ++i) {
+        Bytes one = invented;
+        for (auto at = one.begin(); (at = std::search(at, one.end(), mark.begin(), mark.end())) != one.end(); ++at) {
+            *(at + 2) = static_cast<std::uint8_t>(i);
+            *(at + 3) = static_cast<std::uint8_t>(i >> 8);
+            *(at + 4) = static_cast<std::uint8_t>(i >> 16);
+        }
+        send(one);
+    }
+    EXPECT_THAT(sut_->refused_datagrams(), HasSubstr("one participant too many"));
+}
+
+} // namespace
+} // namespace gridspace::bus
