@@ -49,12 +49,17 @@ struct ClockServer::State {
         : node{n}, core{c}, plan{std::move(members)},
           barrier{barrier_members(plan), static_cast<std::uint64_t>(c.config.clock.max_lag_ticks)} {}
 
-    void on_status(std::span<std::byte const> cdr) {
+    void on_status(std::span<std::byte const> cdr, SampleHeader const& header) {
         MemberStatus received;
         if (!codec_of<MemberStatus>().decode(cdr, &received)) {
             return;
         }
+        Peer const writer = core.management->peer(header.peer);
         std::lock_guard const lock{core.mutex};
+        if (writer.process != received.process().c_str() ||
+            !core.is_from_member(*core.management, header.peer, writer.process, writer.incarnation)) {
+            return;
+        }
         Status& status = statuses[received.process().c_str()];
         if (received.incarnation() < status.incarnation) {
             return;
@@ -201,7 +206,7 @@ Result<void> ClockServer::start() {
     }
     s.clock_writer = std::move(*writer);
     auto reader = s.core.management->create_reader("member_status", codec_of<MemberStatus>(),
-                                                   [&s](auto cdr, auto const&) { s.on_status(cdr); });
+                                                   [&s](auto cdr, auto const& header) { s.on_status(cdr, header); });
     if (!reader) {
         return std::unexpected{reader.error()};
     }
@@ -333,6 +338,9 @@ Result<void> ClockServer::await_restarted(std::string const& process, std::uint3
     {
         std::lock_guard const lock{s.core.mutex};
         s.incarnations[process] = incarnation;
+        for (auto& [network, roster] : s.core.rosters) {
+            roster.expect_restart(process, incarnation);
+        }
         s.core.absent.erase(process);
         s.dropped.erase(process); // it is waited for from now on
         s.hold(process);
@@ -343,6 +351,7 @@ Result<void> ClockServer::await_restarted(std::string const& process, std::uint3
         return ok;
     }
     std::lock_guard const lock{s.core.mutex};
+    s.core.settle_rosters();
     if (std::size_t const member = s.barrier.member_index(process); member != lockstep::Barrier::kUnknown) {
         s.barrier.rejoin(member);
     }

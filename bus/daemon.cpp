@@ -126,6 +126,13 @@ void tell_of_strangers(bus::Node const& node, StatusReporter& status) {
             status.event(now_s, node.config().process, "foreign_frames", text);
         }
     }
+    for (auto const& [process, samples] : node.impostor_samples()) {
+        std::string const text =
+            fmt::format("{} samples of somebody who calls himself '{}', and is not the '{}' of this run: not obeyed",
+                        samples, process, process);
+        log::warning("{}", text);
+        status.event(now_s, node.config().process, "impostor", text);
+    }
     if (std::string const refused = node.refused_datagrams(); !refused.empty()) {
         status.event(now_s, node.config().process, "foreign_datagrams",
                      "datagrams that were kept from DDS: " + refused); // its participants log it

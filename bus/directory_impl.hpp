@@ -38,20 +38,29 @@ class Directory {
     }
     bool hears(Peer const& peer) const {
         std::lock_guard const lock{mutex_};
-        return std::any_of(here_.begin(), here_.end(), [&](std::uint32_t index) { return peers_[index] == peer; });
+        return std::any_of(here_.begin(), here_.end(), [&](std::uint32_t index) {
+            return peers_[index].process == peer.process && peers_[index].incarnation == peer.incarnation;
+        });
+    }
+    std::vector<std::uint32_t> here() const {
+        std::lock_guard const lock{mutex_};
+        return {here_.begin(), here_.end()};
+    }
+    bool is_here(std::uint32_t index) const {
+        std::lock_guard const lock{mutex_};
+        return here_.contains(index);
     }
     void depart(rtps::GuidPrefix_t const& prefix, bool clean) {
-        Peer who;
+        std::uint32_t index = 0;
         {
             std::lock_guard const lock{mutex_};
-            std::uint32_t const index = locked_index(prefix);
-            who = peers_[index];
+            index = locked_index(prefix);
             here_.erase(index);
         }
         {
             std::lock_guard const lock{callbacks_mutex_};
             if (on_departure_) {
-                on_departure_(who, clean);
+                on_departure_(index, clean);
             }
         }
         changed();
@@ -67,7 +76,7 @@ class Directory {
         std::lock_guard const lock{callbacks_mutex_};
         on_change_ = std::move(callback);
     }
-    void on_departure(std::function<void(Peer const&, bool)> callback) {
+    void on_departure(std::function<void(std::uint32_t, bool)> callback) {
         std::lock_guard const lock{callbacks_mutex_};
         on_departure_ = std::move(callback);
     }
@@ -89,7 +98,7 @@ class Directory {
     std::set<std::uint32_t> here_; ///< those that have not departed
     std::mutex callbacks_mutex_;   // guards the next two, also while they are called
     std::function<void()> on_change_;
-    std::function<void(Peer const&, bool)> on_departure_;
+    std::function<void(std::uint32_t, bool)> on_departure_;
 };
 
 /// The endpoints that one endpoint is matched with.

@@ -104,11 +104,15 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
     if (core->data) {
         core->data->on_change(notify);
     }
-    core->management->on_departure([raw](Peer const& peer, bool clean) {
+    core->management->on_departure([raw](std::uint32_t index, bool clean) {
         bool const is_debugged =
             !clean && raw->config.clock.member_timeout_s == 0; // without deadlines silence is no failure
+        Peer const peer = raw->management->peer(index);
         if (peer.process == raw->config.clock.simulator && !raw->is_simulator() && !is_debugged) {
             std::lock_guard const lock{raw->mutex};
+            if (!raw->is_from_member(*raw->management, index, peer.process, peer.incarnation)) {
+                return;
+            }
             raw->simulator_left = true;
             raw->changed.notify_all();
             bool const over = raw->clock_seen && raw->clock.state() == CLOCK_FINAL; // its work may not be done yet

@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -120,6 +121,8 @@ class Node {
         lockstep::ForeignFrames frames;
     };
     [[nodiscard]] std::vector<ForeignOnLink> foreign_frames_by_link() const;
+    /// Samples of somebody who is not the process of the run whose name he bears, by that name. Not obeyed.
+    [[nodiscard]] std::map<std::string, std::uint64_t> impostor_samples() const;
     /// Of both participants; Participant::refused_datagrams.
     [[nodiscard]] std::string refused_datagrams() const;
 

@@ -4,6 +4,7 @@
 
 #include "bus/clock_watch.hpp"
 #include "bus/lockstep/ledger_book.hpp"
+#include "bus/lockstep/roster.hpp"
 #include "bus/lockstep/tick_gate.hpp"
 #include "bus/lockstep/wire_book.hpp"
 #include "bus/node.hpp"
@@ -49,6 +50,7 @@ struct Node::Core {
             std::size_t process{0};
             std::uint32_t incarnation{0};
             std::string name;
+            bool unexpected{false}; ///< lockstep: the scenario does not say that it writes this topic
         };
         std::vector<Source> sources; ///< by SampleHeader::source; one receiving thread at a time
     };
@@ -64,6 +66,8 @@ struct Node::Core {
     std::unique_ptr<RawReader> clock_reader;
     std::unique_ptr<RawReader> ack_reader;
     std::vector<std::optional<Peer>> clock_sources, ack_sources; ///< by SampleHeader::source; one receiving thread each
+    std::map<Participant const*, lockstep::Roster> rosters;      ///< of management and data; under the mutex
+    std::map<std::string, std::uint64_t> impostor_samples;       ///< by the process that they claimed; under the mutex
     std::vector<std::string> catalogued_types;
     ClockAck ack; ///< reused for every acknowledgement
 
@@ -120,8 +124,7 @@ struct Node::Core {
     /// Somebody else is here under the name of this process.
     [[nodiscard]] bool has_namesake() const {
         bool const data_is_here = config.data && config.data->domain == config.management.domain;
-        return !data_is_here &&
-               management->hears({config.process, static_cast<std::uint32_t>(config.incarnation), config.program});
+        return !data_is_here && management->hears({config.process, static_cast<std::uint32_t>(config.incarnation), ""});
     }
     [[nodiscard]] bool is_simulator() const { return config.process == config.clock.simulator; }
     [[nodiscard]] bool has_clock() const { return !config.clock.simulator.empty(); } ///< otherwise time is UTC
@@ -135,6 +138,11 @@ struct Node::Core {
     void on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header);
     /// Who wrote a sample of the management network; looked up once per writer.
     Peer const& writer_of(std::vector<std::optional<Peer>>& sources, SampleHeader const& header) const;
+    /// Whether what came from a participant under the name of a process of the run is obeyed. Under the mutex.
+    [[nodiscard]] bool is_from_member(Participant const& network, std::uint32_t peer, std::string const& process,
+                                      std::uint32_t incarnation);
+    /// Everybody is READY: who is here now is who he says. Under the mutex.
+    void settle_rosters();
     /// Whether the clock counts as this process was configured to. Under the mutex.
     [[nodiscard]] bool clock_fits(SampleHeader const& header);
     void on_held_clock(); ///< under the mutex

@@ -78,6 +78,34 @@ Peer const& Node::Core::writer_of(std::vector<std::optional<Peer>>& sources, Sam
     return *source;
 }
 
+bool Node::Core::is_from_member(Participant const& network, std::uint32_t peer, std::string const& process,
+                                std::uint32_t incarnation) {
+    using Standing = lockstep::Roster::Standing;
+    auto const has_left = [&](std::uint32_t participant) { return !lockstep() && !network.is_here(participant); };
+    Standing const standing = rosters[&network].standing({process, incarnation, peer}, has_left);
+    if (standing == Standing::impostor) {
+        ++impostor_samples[process]; // names of this run only: bounded
+    }
+    return standing == Standing::member;
+}
+
+void Node::Core::settle_rosters() {
+    if (!has_clock()) {
+        return; // nobody says when a process begins again
+    }
+    for (Participant const* network : {management.get(), data.get()}) {
+        if (network == nullptr) {
+            continue;
+        }
+        std::vector<lockstep::Roster::Claim> here;
+        for (std::uint32_t const index : network->here()) {
+            Peer const peer = network->peer(index);
+            here.push_back({peer.process, peer.incarnation, index});
+        }
+        rosters[network].settle(here);
+    }
+}
+
 bool Node::Core::clock_fits(SampleHeader const& header) {
     if (clock.state() == CLOCK_ABORTED) {
         return true; // it may have ended before it began to count
@@ -107,11 +135,15 @@ bool Node::Core::clock_fits(SampleHeader const& header) {
 }
 
 void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
-    if (writer_of(clock_sources, header).process != config.clock.simulator) {
+    Peer const& writer = writer_of(clock_sources, header);
+    if (writer.process != config.clock.simulator) {
         ++foreign_samples; // of another run, or of somebody who looks on
         return;
     }
     std::lock_guard const lock{mutex};
+    if (!is_from_member(*management, header.peer, writer.process, writer.incarnation)) {
+        return;
+    }
     if (!codec_of<SimClock>().decode(cdr, &clock)) {
         fail_locked({ExitCode::environment,
                      "a clock sample cannot be decoded: another version of Gridspace on this domain?", ""});
@@ -164,6 +196,13 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
     if (simulator != lockstep::LedgerBook::kUnknown && (lockstep() || clock.state() == CLOCK_FINAL)) {
         take_ledger(simulator, 0, clock.ledger()); // in real time it only tells what was lost
     }
+    if (clock.state() == CLOCK_HELD) {
+        for (auto& [network, roster] : rosters) {
+            roster.expect_restarts();
+        }
+    } else if (rosters[management.get()].expects_restarts()) {
+        settle_rosters();
+    }
     if (lockstep()) {
         if (clock.state() == CLOCK_HELD) {
             on_held_clock();
@@ -207,6 +246,9 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
         ++foreign_samples;
         return;
     }
+    if (!is_from_member(*management, header.peer, writer.process, writer.incarnation)) {
+        return;
+    }
     bool const is_restated = received.next_tick_needed() == 0;
     if (ack_tap != nullptr && !is_restated) {
         ack_tap->push(cdr,
@@ -247,15 +289,10 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     ReaderSlot::Source& source = slot.sources[header.source];
     if (!source.known) {
         Peer const peer = slot.network->peer(header.peer);
-        source = {true, book->process_index(peer.process), peer.incarnation, peer.process};
+        source = {true, book->process_index(peer.process), peer.incarnation, peer.process, false};
         if (lockstep() && source.process != lockstep::LedgerBook::kUnknown && !slot.diagnostic) {
             auto const expected = config.expected_writers.find(slot.topic);
-            if (expected != config.expected_writers.end() && !expected->second.contains(peer.process)) {
-                fail({ExitCode::usage,
-                      fmt::format("{} writes '{}', which the scenario does not say", peer.process, slot.topic),
-                      "in lockstep the order of the processes follows from who writes what: add the topic to its "
-                      "`writes`"});
-            }
+            source.unexpected = expected != config.expected_writers.end() && !expected->second.contains(peer.process);
         }
     }
     std::size_t const process = source.process;
@@ -273,6 +310,17 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     }
     // Counted and stored under one lock: what the ledger calls complete must be there to be taken.
     std::lock_guard const lock{mutex};
+    if (process != lockstep::LedgerBook::kUnknown &&
+        !is_from_member(*slot.network, header.peer, source.name, source.incarnation)) {
+        return;
+    }
+    if (source.unexpected) {
+        fail_locked({ExitCode::usage,
+                     fmt::format("{} writes '{}', which the scenario does not say", source.name, slot.topic),
+                     "in lockstep the order of the processes follows from who writes what: add the topic to its "
+                     "`writes`"});
+        return;
+    }
     if (joining && config.incarnation > 0) {
         return; // sent before this incarnation was ready: part of the baseline
     }

@@ -114,7 +114,9 @@ std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
     MemberState const state = missing.empty() ? MEMBER_READY : state_when_incomplete;
     if (state == MEMBER_READY) {
         std::lock_guard const lock{mutex};
-        joining = false; // before anybody hears of it: the clock may come at once
+        if (std::exchange(joining, false)) { // before anybody hears of it: the clock may come at once
+            settle_rosters();
+        }
     }
     if (matched == status_matched && missing == status_missing) {
         return missing;
@@ -503,6 +505,11 @@ Node::Counters Node::counters() const {
         foreign_frames += link.frames.total();
     }
     return {core_->foreign_samples.load(), core_->refused_writes.load(), foreign_frames, core_->lost_samples.load()};
+}
+
+std::map<std::string, std::uint64_t> Node::impostor_samples() const {
+    std::lock_guard const lock{core_->mutex};
+    return core_->impostor_samples;
 }
 
 std::string Node::refused_datagrams() const {

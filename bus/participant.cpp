@@ -195,7 +195,9 @@ class FastDdsParticipant final : public Participant {
     [[nodiscard]] bool hears(Peer const& peer) const override { return directory_.hears(peer); }
     [[nodiscard]] std::string refused_datagrams() const override { return gate_->text(); }
     void on_change(std::function<void()> callback) override { directory_.on_change(std::move(callback)); }
-    void on_departure(std::function<void(Peer const&, bool)> callback) override {
+    [[nodiscard]] std::vector<std::uint32_t> here() const override { return directory_.here(); }
+    [[nodiscard]] bool is_here(std::uint32_t peer) const override { return directory_.is_here(peer); }
+    void on_departure(std::function<void(std::uint32_t, bool)> callback) override {
         directory_.on_departure(std::move(callback));
     }
 

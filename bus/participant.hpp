@@ -28,7 +28,7 @@ struct Peer {
 
 /// Where a received sample comes from.
 struct SampleHeader {
-    std::uint32_t peer{0};     ///< index for Participant::peer()
+    std::uint32_t peer{0};     ///< index for Participant::peer(): one for each participant
     std::uint32_t source{0};   ///< counts the writers that this reader has heard, from 0
     std::uint32_t writer{0};   ///< names the writer within its process; the same in every run
     std::uint64_t sequence{0}; ///< counts the samples of one writer, from 1
@@ -92,8 +92,11 @@ class Participant {
                                                                            SampleHandler handler) = 0;
 
     [[nodiscard]] virtual Peer peer(std::uint32_t index) const = 0;
-    /// Whether another participant of this name, program and incarnation is here.
+    /// Whether another participant of this name and incarnation is here.
     [[nodiscard]] virtual bool hears(Peer const& peer) const = 0;
+    /// The participants that are here, as indices for peer(), in the order in which they were found.
+    [[nodiscard]] virtual std::vector<std::uint32_t> here() const = 0;
+    [[nodiscard]] virtual bool is_here(std::uint32_t peer) const = 0;
     /// Datagrams that were no RTPS, or such as the library must not see (bus/rtps_guard): "12 (numbers that cannot
     /// be)".
     [[nodiscard]] virtual std::string refused_datagrams() const = 0;
@@ -101,7 +104,7 @@ class Participant {
     virtual void on_change(std::function<void()> callback) = 0;
     /// Called, from threads of DDS, when a participant is gone: `clean` when it said goodbye, not when its lease ran
     /// out.
-    virtual void on_departure(std::function<void(Peer const&, bool clean)> callback) = 0;
+    virtual void on_departure(std::function<void(std::uint32_t peer, bool clean)> callback) = 0;
 };
 
 } // namespace gridspace::bus

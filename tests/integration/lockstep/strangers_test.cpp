@@ -15,6 +15,8 @@
 #include <fmt/format.h>
 #include <future>
 #include <gmock/gmock.h>
+#include <map>
+#include <optional>
 #include <thread>
 #include <unistd.h>
 
@@ -150,6 +152,63 @@ TEST_F(Strangers, WhoSendsAClockOrAnAcknowledgementInAnotherNameIsNotHeard) {
     EXPECT_TRUE(member) << said(member);
     EXPECT_EQ(sim.said(), "nothing");
     EXPECT_GT(foreign, 3U) << "they did come";
+}
+
+/// Somebody who takes the name of a process while the run is under way.
+struct Impostor {
+    explicit Impostor(std::string const& name)
+        : participant{*Participant::create({name, 0, "test", 1, config("x").qos, "management", {"127.0.0.1"}})} {
+        EndpointQos like;
+        like.reliable = true;
+        like.durability = Durability::transient_local;
+        clocks = *create_writer_like(*participant, "simulation_clock", codec_of<SimClock>(), like);
+        acknowledgements = *create_writer_like(*participant, "clock_ack", codec_of<ClockAck>(), like);
+        states = *create_writer_like(*participant, "member_status", codec_of<MemberStatus>(), like);
+        for (auto const* writer : {clocks.get(), acknowledgements.get(), states.get()}) {
+            while (writer->matched().empty()) {
+                std::this_thread::sleep_for(std::chrono::milliseconds{1});
+            }
+        }
+    }
+    std::unique_ptr<Participant> participant;
+    std::unique_ptr<RawWriter> clocks, acknowledgements, states;
+};
+
+TEST_F(Strangers, WhoTakesTheNameOfAProcessDuringTheRunIsNotObeyedAndMayLeave) {
+    Simulator sim;
+    std::optional<Impostor> simulator, member;
+    std::map<std::string, std::uint64_t> impostors;
+    auto const ended = take_part(config("a"), [&](Node& node, Tick const& tick, auto&) {
+        // On a thread of its own: what this one sends is held back until the acknowledgement.
+        if (tick.number == 3) {
+            std::async(std::launch::async, [&] {
+                simulator.emplace("sim");
+                member.emplace("a");
+                SimClock clock;
+                clock.tick(3);
+                clock.state(CLOCK_ABORTED);
+                simulator->clocks->write(&clock, std::nullopt);
+                ClockAck ack;
+                ack.member("a");
+                ack.tick(299);
+                ack.next_tick_needed(300);
+                member->acknowledgements->write(&ack, std::nullopt);
+                MemberStatus status;
+                status.process("a");
+                status.incarnation(7);
+                status.state(MEMBER_FAILED);
+                member->states->write(&status, std::nullopt);
+                while ((impostors = node.impostor_samples()).empty()) {
+                    std::this_thread::sleep_for(std::chrono::milliseconds{1});
+                }
+                simulator.reset();
+                member.reset();
+            }).get();
+        }
+    });
+    EXPECT_TRUE(ended) << said(ended);
+    EXPECT_EQ(sim.said(), "nothing");
+    EXPECT_THAT(impostors, testing::ElementsAre(testing::Pair("sim", 1U)));
 }
 
 TEST_F(Strangers, AConfigurationOfAnotherStepTickOrEpochIsRefused) {
