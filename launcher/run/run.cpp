@@ -111,6 +111,9 @@ class Follower {
             if (line.value("code", 0) != 0 && !line.value("expected", false)) { // a planned kill is an event already
                 events_.write(time_s_, process, "exit", line.value("how", ""));
             }
+        } else if (kind == "returned") {
+            events_.write(time_s_, process, "started_again",
+                          fmt::format("incarnation {}; the run went on without it", line.value("incarnation", 0)));
         } else if (kind == "stroke") {
             std::string const text = fmt::format("{} {}", line.value("process", ""), line.value("what", ""));
             events_.write(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);

@@ -44,8 +44,9 @@ struct Watched {
     bool expected_to_die{false}; ///< killed by an event of the scenario
     bool paused{false};          ///< by an event of the scenario: it does not hear of the end
     std::int64_t incarnation{0};
-    std::string pending;           ///< status text without its line end yet
-    std::optional<Error> reported; ///< what it said before it ended
+    std::string pending;                         ///< status text without its line end yet
+    std::optional<Error> reported;               ///< what it said before it ended
+    std::optional<Clock::time_point> comes_back; ///< a monitor that has ended
 };
 
 class Supervisor {
@@ -53,7 +54,7 @@ class Supervisor {
     Supervisor(RunPlan const& plan, int channel, std::map<std::string, int> const& listen_fds)
         : plan_{plan}, channel_{channel}, output_{channel, kMostWaiting}, listen_fds_{listen_fds} {
         for (PlannedProcess const& process : plan.processes) {
-            watched_.push_back({process, {}, false, false, false, 0, {}, std::nullopt});
+            watched_.push_back({process, {}, false, false, false, 0, {}, std::nullopt, std::nullopt});
         }
     }
 
@@ -81,8 +82,10 @@ class Supervisor {
     }
 
   private:
+    static constexpr seconds kPauseOfMonitor{1}; ///< before it is started again; one that fails at once is no load
     static constexpr std::size_t kMostWaiting = std::size_t{16} << 20U; ///< some 100,000 lines
 
+    static bool only_looks(Watched const& w) { return w.plan.program == "gridspace-monitor"; }
     static bool is_external(Watched const& w) { return w.plan.run_on.kind == RunOn::Kind::external; }
 
     /// Who looks into the networks of other hosts finds them by descriptors of this process, which is process 1.
@@ -187,7 +190,27 @@ class Supervisor {
         }
     }
 
+    void bring_back_monitor() {
+        auto const now = Clock::now();
+        for (Watched& w : watched_) {
+            if (!w.comes_back || now < *w.comes_back || failure_ || simulator_done_) {
+                continue;
+            }
+            w.comes_back.reset();
+            ++w.incarnation;
+            w.plan.config.find("bus")->set("incarnation", config::Node::scalar(std::to_string(w.incarnation)));
+            w.reported.reset();
+            std::ofstream{w.plan.config_file} << to_yaml(w.plan.config);
+            if (!start(w)) {
+                w.comes_back = now + kPauseOfMonitor;
+                continue;
+            }
+            tell(Json{{"kind", "returned"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
+        }
+    }
+
     void step() {
+        bring_back_monitor();
         std::vector<pollfd> fds{{channel_, static_cast<short>(output_.waits() ? POLLIN | POLLOUT : POLLIN), 0}};
         std::vector<Watched*> owners{nullptr};
         for (Watched& w : watched_) {
@@ -317,6 +340,10 @@ class Supervisor {
                            fmt::format("the simulator '{}' ended: {}", w.plan.name, describe_end(wait_status)),
                            "see its log"});
             }
+            return;
+        }
+        if (only_looks(w)) { // it decides nothing: the run goes on without it, and later with it
+            w.comes_back = Clock::now() + kPauseOfMonitor;
             return;
         }
         if (clean && !simulator_done_) {
