@@ -111,6 +111,17 @@ TEST(MessageGuard, RefusesNumbersThatContradictEachOtherOrTheOctetsThatAreThere)
     EXPECT_EQ(refusal_of(message({beyond})), Refusal::content);
 }
 
+TEST(MessageGuard, RefusesNumbersThatTheLibraryWouldWalkUpToForMinutes) {
+    auto const past = [](std::uint32_t reader, std::uint32_t writer, std::int64_t first) {
+        return message(
+            {submessage(0x07, joined({entity(reader), entity(writer), number(first), number(first), little(1, 4)}))});
+    };
+    EXPECT_EQ(refusal_of(past(0x000003c7, 0x000003c2, 1 << 21)), Refusal::content);
+    EXPECT_EQ(refusal_of(past(0x000003c7, 0x000003c2, 1 << 19)), Refusal::none);
+    EXPECT_EQ(refusal_of(past(kReader, kWriter, 1 << 30)), Refusal::none);
+    EXPECT_EQ(refusal_of(past(kReader, kWriter, std::int64_t{1} << 32)), Refusal::content);
+}
+
 TEST(MessageGuard, RefusesAnotherSourceAndSecurityThatNobodyHas) {
     EXPECT_EQ(refusal_of(message({submessage(0x0c, Bytes(20)), heartbeat(1, 1)})), Refusal::kind);
     EXPECT_EQ(refusal_of(message({submessage(0x30, Bytes(20))})), Refusal::kind);
