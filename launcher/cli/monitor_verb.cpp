@@ -87,10 +87,10 @@ int monitor(MonitorArguments const& arguments) {
     }
     fmt::print("{}://{}\n", tls ? "https" : "http", socket->address);
     std::fflush(stdout);
-    if (socket->fd == kHandedSocket) {
+    if (socket->fd.get() == kHandedSocket) {
         ::fcntl(kHandedSocket, F_SETFD, 0);
     } else {
-        ::dup2(socket->fd, kHandedSocket); // the copy stays open over exec
+        ::dup2(socket->fd.get(), kHandedSocket); // the copy stays open over exec
     }
     std::string const program = launcher::program_file("gridspace-monitor").string();
     std::vector<std::string> words{program, "--config", *config, "--log-level", "warning"};

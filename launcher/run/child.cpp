@@ -4,12 +4,16 @@
 
 #include "common/realtime.hpp"
 #include "common/text.hpp"
+#include "common/unique_fd.hpp"
 
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fstream>
+#include <iterator>
+#include <optional>
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
@@ -21,6 +25,15 @@ namespace {
 
 constexpr int kStatusFd = 3; // in the child
 constexpr int kListenFd = 4;
+
+struct Pipe {
+    UniqueFd read, write;
+};
+
+std::optional<Pipe> make_pipe() {
+    int fds[2];
+    return ::pipe2(fds, O_CLOEXEC) == 0 ? std::optional{Pipe{UniqueFd{fds[0]}, UniqueFd{fds[1]}}} : std::nullopt;
+}
 
 /// In the child: becomes the program, which is looked for in PATH when its name is no path; returns only when it
 /// cannot, with errno. Not execvp: that gives what no processor here can run to the shell, which then reads it as a
@@ -46,8 +59,8 @@ void execute(std::vector<char*> const& arguments) {
 }
 
 /// In the child: never returns. Reports what fails as "step: reason" on `error_fd`, which closes by itself on success.
-[[noreturn]] void become(PlannedProcess const& process, SpawnOptions const& options, int control_read, int status_write,
-                         int log_fd, int error_fd) {
+[[noreturn]] void become(PlannedProcess const& process, SpawnOptions const& options, pid_t parent, int control_read,
+                         int status_write, int log_fd, int error_fd) {
     auto const stop = [&](char const* step) {
         std::string const text = errno == ENOEXEC ? fmt::format("{}: no program for this machine's processor, and no "
                                                                 "script that begins with #!",
@@ -58,6 +71,9 @@ void execute(std::vector<char*> const& arguments) {
     };
     ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) { // it died before that
+        ::_exit(127);
+    }
     sigset_t none;
     sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -118,33 +134,28 @@ void execute(std::vector<char*> const& arguments) {
 } // namespace
 
 Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options) {
-    int control[2], status[2], error[2];
-    if (::pipe2(control, O_CLOEXEC) != 0 || ::pipe2(status, O_CLOEXEC) != 0 || ::pipe2(error, O_CLOEXEC) != 0) {
+    std::optional<Pipe> control = make_pipe(), status = make_pipe(), error = make_pipe();
+    if (!control || !status || !error) {
         return fail(ExitCode::environment, fmt::format("no pipe for '{}': {}", process.name, std::strerror(errno)));
     }
-    int const log = ::open(process.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-    if (log < 0) {
+    UniqueFd log{::open(process.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644)};
+    if (!log) {
         return fail(ExitCode::environment,
                     fmt::format("cannot write '{}': {}", process.log_file.string(), std::strerror(errno)));
     }
+    pid_t const parent = ::getpid();
     pid_t const pid = ::fork();
     if (pid == 0) {
-        become(process, options, control[0], status[1], log, error[1]);
+        become(process, options, parent, control->read.get(), status->write.get(), log.get(), error->write.get());
     }
-    ::close(control[0]);
-    ::close(status[1]);
-    ::close(error[1]);
-    ::close(log);
     if (pid < 0) {
         return fail(ExitCode::environment, fmt::format("cannot start '{}': {}", process.name, std::strerror(errno)));
     }
+    error->write.reset(); // the child's alone: its end is the end of what can be read
     char reason[1024];
-    ssize_t const size = ::read(error[0], reason, sizeof reason);
-    ::close(error[0]);
+    ssize_t const size = ::read(error->read.get(), reason, sizeof reason);
     if (size > 0) {
         ::waitpid(pid, nullptr, 0);
-        ::close(control[1]);
-        ::close(status[0]);
         return fail(ExitCode::environment,
                     fmt::format("process '{}' cannot start: {}", process.name,
                                 std::string{reason, static_cast<std::size_t>(size)}),
@@ -154,8 +165,8 @@ Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options) 
     Child child;
     child.pid = pid;
     child.pidfd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
-    child.status_fd = status[0];
-    child.control_fd = control[1];
+    child.status_fd = status->read.release();
+    child.control_fd = control->write.release();
     ::fcntl(child.status_fd, F_SETFL, O_NONBLOCK);
     return child;
 }

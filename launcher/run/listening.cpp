@@ -12,7 +12,7 @@ Result<ListeningSocket> open_listening(std::string const& where) {
         return std::unexpected{socket.error()};
     }
     std::string address = web::address_of(*socket);
-    return ListeningSocket{socket->release(), std::move(address)};
+    return ListeningSocket{std::move(*socket), std::move(address)};
 }
 
 } // namespace gridspace::launcher

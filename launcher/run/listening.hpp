@@ -3,13 +3,14 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "common/unique_fd.hpp"
 
 #include <string>
 
 namespace gridspace::launcher {
 
 struct ListeningSocket {
-    int fd{-1};
+    UniqueFd fd;
     std::string address; ///< "127.0.0.1:40123"
 };
 

@@ -40,12 +40,12 @@ class Follower {
         : plan_{plan}, progress_{progress}, events_{events} {}
 
     RunOutcome follow(pid_t supervisor, int channel, InterruptWatch& interrupts) {
-        int const pidfd = static_cast<int>(::syscall(SYS_pidfd_open, supervisor, 0));
+        UniqueFd const pidfd{static_cast<int>(::syscall(SYS_pidfd_open, supervisor, 0))};
         int asked = 0;
         bool gone = false;
         while (!gone) {
             pollfd fds[] = {{channel, POLLIN, 0},
-                            {pidfd, POLLIN, 0},
+                            {pidfd.get(), POLLIN, 0},
                             {interrupts.fd(), POLLIN, 0},
                             {progress_.waits_for(), POLLOUT, 0}};
             ::poll(fds, 4, 1000);
@@ -66,7 +66,6 @@ class Follower {
         }
         while (read(channel)) {
         }
-        ::close(pidfd);
         int status = 0;
         ::waitpid(supervisor, &status, 0);
         progress_.finish();
@@ -281,30 +280,24 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
             process.environment["GRIDSPACE_OUTER_NETWORK"] = fmt::format("/proc/1/fd/{}", outer.get());
         }
     }
-    std::map<std::string, int> listen_fds;
-    auto const closer = [&] {
-        for (auto const& [name, fd] : listen_fds) {
-            ::close(fd);
-        }
-    };
+    std::map<std::string, UniqueFd> listen_fds;
     for (PlannedProcess& process : plan.processes) {
         if (!process.listen.empty()) {
             auto socket = open_listening(process.listen);
             if (!socket) {
-                closer();
                 return std::unexpected{socket.error()};
             }
-            listen_fds[process.name] = socket->fd;
+            listen_fds[process.name] = std::move(socket->fd);
             MonitorAddress const monitor{socket->address, setting(process, "tls_cert"), setting(process, "token_file")};
             progress.note(fmt::format("{}: {}", process.name, monitor.url()));
             note_monitor(*folder, monitor); // for `gridspace graph` and `topic`
         }
     }
-    int channel[2];
-    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, channel) != 0) {
-        closer();
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
         return fail(ExitCode::environment, fmt::format("no socket: {}", std::strerror(errno)));
     }
+    UniqueFd channel{ends[0]}, supervisors_end{ends[1]};
     progress.note(fmt::format("run folder: {}", folder->string()));
     for (PlannedProcess const& process : plan.processes) {
         if (process.run_on.kind == RunOn::Kind::external) {
@@ -316,12 +309,11 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     std::optional<DomainLock> domains;
     Result<pid_t> supervisor = fail(ExitCode::environment, "");
     auto const body = [&] {
-        ::close(channel[0]);
-        return supervise(plan, channel[1], listen_fds);
+        channel.reset();
+        return supervise(plan, supervisors_end.get(), listen_fds);
     };
     if (options.namespaces) {
         if (auto ok = write_inputs(scenario, plan, root); !ok) {
-            closer();
             return std::unexpected{ok.error()};
         }
         supervisor = start_in_namespaces(body);
@@ -333,7 +325,6 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         }
         auto taken = DomainLock::take();
         if (!taken) {
-            closer();
             return std::unexpected{taken.error()};
         }
         domains.emplace(std::move(*taken));
@@ -342,21 +333,19 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         plan = make_plan(scenario, plan_options);
         settle_scheduling(plan);
         if (auto ok = write_inputs(scenario, plan, root); !ok) {
-            closer();
             return std::unexpected{ok.error()};
         }
         supervisor = start_without_namespaces(body);
     }
-    ::close(channel[1]);
-    closer();
+    supervisors_end.reset();
+    listen_fds.clear();
     if (!supervisor) {
-        ::close(channel[0]);
         return std::unexpected{supervisor.error()};
     }
     FinishedRun finished;
     finished.folder = *folder;
-    finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel[0], interrupts);
-    ::close(channel[0]);
+    finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel.get(), interrupts);
+    channel.reset();
     finished.unread = progress.take_unread();
     finished.outcome.total_wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
     if (auto ok = write_outcome(*folder, finished.outcome);

@@ -51,7 +51,7 @@ struct Watched {
 
 class Supervisor {
   public:
-    Supervisor(RunPlan const& plan, int channel, std::map<std::string, int> const& listen_fds)
+    Supervisor(RunPlan const& plan, int channel, std::map<std::string, UniqueFd> const& listen_fds)
         : plan_{plan}, channel_{channel}, output_{channel, kMostWaiting}, listen_fds_{listen_fds} {
         for (PlannedProcess const& process : plan.processes) {
             watched_.push_back({process, {}, false, false, false, 0, {}, std::nullopt, std::nullopt});
@@ -109,7 +109,7 @@ class Supervisor {
         SpawnOptions options;
         options.netns = plan_.namespaces ? network_.host(w.plan.host) : -1;
         if (auto const it = listen_fds_.find(w.plan.name); it != listen_fds_.end()) {
-            options.listen_fd = it->second;
+            options.listen_fd = it->second.get();
         }
         auto child = spawn(w.plan, options);
         if (!child) {
@@ -533,7 +533,7 @@ class Supervisor {
     RunPlan const& plan_;
     int channel_;
     LineOutput output_; ///< to the channel
-    std::map<std::string, int> listen_fds_;
+    std::map<std::string, UniqueFd> const& listen_fds_;
     VirtualNetwork network_;
     std::vector<Watched> watched_;
     std::optional<Error> failure_;
@@ -545,7 +545,7 @@ class Supervisor {
 
 } // namespace
 
-int supervise(RunPlan const& plan, int channel, std::map<std::string, int> const& listen_fds) {
+int supervise(RunPlan const& plan, int channel, std::map<std::string, UniqueFd> const& listen_fds) {
     std::signal(SIGPIPE, SIG_IGN);
     return Supervisor{plan, channel, listen_fds}.run();
 }

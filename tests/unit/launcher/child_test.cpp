@@ -3,6 +3,7 @@
 #include "launcher/run/child.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
@@ -80,6 +81,19 @@ TEST_F(Spawn, ACommandThatIsNowhereIsSaidToBeMissing) {
         EXPECT_EQ(sut.error().code, ExitCode::environment);
         EXPECT_THAT(sut.error().message, HasSubstr("No such file or directory"));
     }
+}
+
+TEST_F(Spawn, NothingStaysOpenOfAProcessThatCannotStart) {
+    auto const open_files = [] {
+        return std::distance(fs::directory_iterator{"/proc/self/fd"}, fs::directory_iterator{});
+    };
+    auto const before = open_files();
+    EXPECT_FALSE(run("./gridspace_no_such_command"));
+    PlannedProcess process;
+    process.name = "p";
+    process.log_file = folder_ / "no_such_folder" / "p.log";
+    EXPECT_FALSE(spawn(process, {}));
+    EXPECT_EQ(open_files(), before);
 }
 
 } // namespace
