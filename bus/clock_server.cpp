@@ -5,6 +5,7 @@
 #include "bus/cork.hpp"
 #include "bus/deadline.hpp"
 #include "bus/node_core.hpp"
+#include "bus/start_patience.hpp"
 #include "common/text.hpp"
 #include "common/waited_time.hpp"
 
@@ -105,6 +106,15 @@ struct ClockServer::State {
         return absent.empty() ? out : absent;
     }
 
+    /// How far the others have come: each peer that one of them is matched with. Under the mutex.
+    std::size_t others_present() const {
+        std::size_t present = 0;
+        for (auto const& [process, status] : statuses) {
+            present += 1 + status.matched.size() + (status.state == MEMBER_READY ? 1 : 0);
+        }
+        return present;
+    }
+
     bool inputs_complete() const {
         return std::all_of(inputs.begin(), inputs.end(), [&](std::size_t p) { return core.book->complete(p); });
     }
@@ -155,7 +165,7 @@ struct ClockServer::State {
 
     /// Waits under the deadline of the start for everybody to be READY.
     Result<void> await_ready(std::string const& what) {
-        Deadline const deadline{core.config.clock.start_timeout_s};
+        StartPatience patience{core.config.clock.start_timeout_s};
         while (true) {
             std::string own_missing = core.refresh_status(MEMBER_STARTING);
             std::unique_lock lock{core.mutex};
@@ -176,13 +186,13 @@ struct ClockServer::State {
             if (own_missing.empty() && others.empty()) {
                 return {};
             }
-            if (deadline.passed()) {
+            if (patience.over(core.endpoints_present + others_present())) {
                 return fail(ExitCode::stall,
-                            fmt::format("{}: not everybody was ready after {} s: {}", what,
+                            fmt::format("{}: not everybody is ready, and nothing has advanced for {} s: {}", what,
                                         shortest(core.config.clock.start_timeout_s),
                                         others.empty() ? "the simulator waits for " + own_missing : others));
             }
-            core.changed.wait_for(lock, std::min(deadline.left(), std::chrono::milliseconds{100}));
+            core.changed.wait_for(lock, std::chrono::milliseconds{100});
         }
     }
 };
@@ -196,6 +206,7 @@ ClockServer::~ClockServer() {
     state_->core.on_ack = {};
     state_->core.server_waits_no_more = {};
     state_->core.who_is_missing = {};
+    state_->core.others_present = {};
 }
 
 Result<void> ClockServer::start() {
@@ -225,6 +236,7 @@ Result<void> ClockServer::start() {
         };
         s.core.server_waits_no_more = [&s] { return s.barrier.complete() && s.inputs_complete(); };
         s.core.who_is_missing = [&s] { return s.not_ready(); };
+        s.core.others_present = [&s] { return s.others_present(); };
     }
     if (auto ok = s.node.start(); !ok) {
         return ok;

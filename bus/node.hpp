@@ -70,7 +70,8 @@ class Node {
     [[nodiscard]] std::shared_ptr<CdrReader> tap_acknowledgements();
     [[nodiscard]] std::string process_name(Origin const& origin) const;
 
-    /// Waits, at most start_timeout_s, until all expected peers are matched and says READY.
+    /// Waits, as long as something advances within start_timeout_s, until all expected peers are matched and says
+    /// READY.
     [[nodiscard]] Result<void> start();
 
     /// Lockstep: the next tick that awaits this process, with all its input. Real time: whenever the clock has advanced

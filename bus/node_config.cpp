@@ -76,7 +76,7 @@ void describe(Fields& f, ClockConfig& clock) {
     f.number("member_timeout_s", clock.member_timeout_s,
              {.doc = "how long a wait inside a tick may last before the run is stalled; 0: no limit", .min = 0});
     f.number("start_timeout_s", clock.start_timeout_s,
-             {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
+             {.doc = "how long the start may stand still before everybody is ready; 0: no limit", .min = 0});
     f.integer("max_lag_ticks", clock.max_lag_ticks,
               {.doc = "an idle member still acknowledges this often", .min = 1, .max = 64});
     f.text("simulator", clock.simulator,

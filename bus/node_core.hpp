@@ -19,6 +19,12 @@
 
 namespace gridspace::bus {
 
+/// What is expected of others at the start: the text of what is still missing, and how many endpoints are there.
+struct Lookout {
+    std::string missing;
+    std::size_t present{0};
+};
+
 /// The inside of a Node, shared by its parts. `mutex` guards everything below it; receiving threads take it briefly.
 struct Node::Core {
     NodeConfig config;
@@ -116,6 +122,7 @@ struct Node::Core {
     std::function<void(ClockAck const&)> on_ack; ///< of the clock server; under the mutex
     std::function<bool()> server_waits_no_more;  ///< of the clock server; under the mutex
     std::function<std::string()> who_is_missing; ///< of the clock server, at the start; under the mutex
+    std::function<std::size_t()> others_present; ///< of the clock server: how far the others have come; under the mutex
 
     std::atomic<std::uint64_t> foreign_samples{0};
     std::atomic<std::uint64_t> refused_writes{0};
@@ -162,14 +169,15 @@ struct Node::Core {
     /// Writes the acknowledgement of a tick with the present ledger. Only the process's own thread calls it.
     [[nodiscard]] bool acknowledge(std::uint64_t tick, std::uint64_t next_tick_needed, SimTime time);
 
-    /// Peers with which everything expected is matched, and the text of what is still missing.
-    [[nodiscard]] std::vector<Peer> matched_peers(std::string& missing) const;
+    /// Peers with which everything expected is matched.
+    [[nodiscard]] std::vector<Peer> matched_peers(Lookout& lookout) const;
     /// Looks at the matches and publishes member_status if they changed; returns what is missing. Only the process's
     /// own thread calls it.
     std::string refresh_status(MemberState state_when_incomplete);
     void publish_status(MemberState state, std::string_view waiting_for);
     std::vector<Peer> status_matched;
     std::string status_missing{"-"};
+    std::size_t endpoints_present{0}; ///< at the last look; the process's own thread's
 };
 
 } // namespace gridspace::bus

@@ -7,6 +7,7 @@
 #include "bus/effect_time.hpp"
 #include "bus/node.hpp"
 #include "bus/node_core.hpp"
+#include "bus/start_patience.hpp"
 #include "bus/topics.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
@@ -29,7 +30,8 @@ void expect(ExpectedPeers& peers, char const* topic, std::string const& process)
 /// For each expected process: are so many endpoints of its newest incarnation matched?
 void check_matches(std::string_view kind, std::string const& topic, std::map<std::string, std::int64_t> const& expected,
                    std::vector<Peer> const& matched, std::map<std::string, std::uint32_t>& newest,
-                   std::set<std::string>& lacking, std::set<std::string> const& absent, std::string& missing) {
+                   std::set<std::string>& lacking, std::set<std::string> const& absent, Lookout& lookout) {
+    std::string& missing = lookout.missing;
     for (auto const& [process, count] : expected) {
         if (absent.contains(process)) {
             continue;
@@ -43,6 +45,7 @@ void check_matches(std::string_view kind, std::string const& topic, std::map<std
             endpoints = peer.incarnation > incarnation ? 1 : endpoints + 1;
             incarnation = peer.incarnation;
         }
+        lookout.present += static_cast<std::size_t>(std::min(endpoints, count));
         auto const [it, added] = newest.try_emplace(process, incarnation);
         if (endpoints < count) {
             lacking.insert(process);
@@ -64,13 +67,13 @@ void check_matches(std::string_view kind, std::string const& topic, std::map<std
 
 } // namespace
 
-std::vector<Peer> Node::Core::matched_peers(std::string& missing) const {
+std::vector<Peer> Node::Core::matched_peers(Lookout& lookout) const {
     std::map<std::string, std::uint32_t> newest;
     std::set<std::string> lacking;
     auto const look = [&](std::string_view kind, ExpectedPeers const& expected, std::string const& topic,
                           std::vector<Peer> const& matched) {
         if (auto const it = expected.find(topic); it != expected.end()) {
-            check_matches(kind, topic, it->second, matched, newest, lacking, absent, missing);
+            check_matches(kind, topic, it->second, matched, newest, lacking, absent, lookout);
         }
     };
     for (auto const& reader : readers) {
@@ -105,8 +108,10 @@ std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
         std::lock_guard const lock{mutex};
         matches_published = matches_generation;
     }
-    std::string missing;
-    std::vector<Peer> const matched = matched_peers(missing);
+    Lookout lookout;
+    std::vector<Peer> const matched = matched_peers(lookout);
+    std::string& missing = lookout.missing;
+    endpoints_present = lookout.present;
     if (missing.empty() && is_late_joiner()) {
         std::lock_guard const lock{mutex};
         missing = joining ? missing_ledgers() : "";
@@ -237,7 +242,7 @@ Result<void> Node::start() {
 
     // Twice the simulator's own patience, so that it can name the culprit while the others are still there.
     double const patience_s = (core.is_simulator() || !core.has_clock() ? 1 : 2) * clock.start_timeout_s;
-    Deadline const deadline{patience_s};
+    StartPatience patience{patience_s};
     auto const began = std::chrono::steady_clock::now();
     bool said = false;
     while (true) {
@@ -258,10 +263,10 @@ Result<void> Node::start() {
         if (core.stop_requested) {
             return fail(ExitCode::interrupted, "stopped while waiting for the others");
         }
-        if (deadline.passed()) {
+        if (patience.over(core.endpoints_present + (core.others_present ? core.others_present() : 0))) {
             std::string const who = core.who_is_missing ? core.who_is_missing() : "";
             return fail(ExitCode::stall,
-                        fmt::format("not ready after {} s: {}", shortest(patience_s),
+                        fmt::format("not ready, and nothing has advanced for {} s: {}", shortest(patience_s),
                                     who.empty() ? "still unmatched " + missing : who),
                         "is that process running, and on the same network and DDS domain?");
         }
@@ -270,7 +275,7 @@ Result<void> Node::start() {
             log::info("waits for {}", missing);
         }
         // Discovery callbacks notify; the short period only covers a change between the look and the wait.
-        core.changed.wait_for(lock, std::min(deadline.left(), std::chrono::milliseconds{100}));
+        core.changed.wait_for(lock, std::chrono::milliseconds{100});
     }
 }
 

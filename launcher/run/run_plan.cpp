@@ -50,7 +50,13 @@ bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Da
     clock.tick_s = scenario.tick_s();
     clock.epoch_unix_s = parse_utc(scenario.simulation.epoch).value_or(0);
     clock.member_timeout_s = scenario.clock.member_timeout_s * patience(scenario);
-    clock.start_timeout_s = scenario.clock.start_timeout_s * patience(scenario);
+    // The simulator starts last, hears from everybody how far they are, and names who is missing. The others wait as
+    // long as there is a simulator: what it waits for may have nothing to do with them.
+    if (&process == scenario.simulator() || is_external(process)) {
+        clock.start_timeout_s = scenario.clock.start_timeout_s * patience(scenario);
+    } else {
+        clock.start_timeout_s = 0;
+    }
     clock.simulator = scenario.simulator()->name.name;
     for (bus::MemberPlan const& member : flow.members) {
         clock.members.push_back(member.name);

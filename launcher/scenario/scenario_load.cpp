@@ -48,7 +48,7 @@ void describe_clock(Fields& f, ClockSettings& c) {
     f.number("member_timeout_s", c.member_timeout_s,
              {.doc = "how long a member may take for a tick before the run is stalled; 0: no limit", .min = 0});
     f.number("start_timeout_s", c.start_timeout_s,
-             {.doc = "how long everybody may take to become ready; 0: no limit", .min = 0});
+             {.doc = "how long the start may stand still before everybody is ready; 0: no limit", .min = 0});
     f.choice<bool>(
         "scheduling", c.fifo, {{"fifo", true}, {"normal", false}},
         {.doc = "realtime: processes of the chain under SCHED_FIFO where that is permitted, or as all others"});
