@@ -543,10 +543,25 @@ class Supervisor {
     std::optional<std::pair<Clock::time_point, std::string>> suspect_; ///< a member that has ended, and when
 };
 
+/// Hundreds of hosts and processes need more descriptors than the 1024 that are usual. In real time: to lock memory
+/// without CAP_IPC_LOCK, which the processes give up.
+void raise_limits(bool lockstep) {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_NOFILE, &limit) == 0) {
+        limit.rlim_cur = limit.rlim_max;
+        ::setrlimit(RLIMIT_NOFILE, &limit);
+    }
+    if (!lockstep) {
+        rlimit const unlimited{RLIM_INFINITY, RLIM_INFINITY};
+        ::setrlimit(RLIMIT_MEMLOCK, &unlimited); // only root may
+    }
+}
+
 } // namespace
 
 int supervise(RunPlan const& plan, int channel, std::map<std::string, UniqueFd> const& listen_fds) {
     std::signal(SIGPIPE, SIG_IGN);
+    raise_limits(plan.lockstep);
     return Supervisor{plan, channel, listen_fds}.run();
 }
 

@@ -34,6 +34,28 @@ void disable_ipv6() {
     }
 }
 
+/// Everybody on a link knows the MAC addresses of the others, so nobody asks: captures hold no ARP. The kernel's table
+/// of neighbours is one for all namespaces of a machine and holds `gc_thresh3` entries (1024), some 23 hosts who found
+/// each other by ARP; permanent entries do not count. A real board (`plugs:`) has an address of its own and is asked
+/// for it.
+std::string permanent_neighbours(std::vector<Port> const& ports, Port const& port) {
+    // The groups that every process joins or sends to are entries of each interface too: IGMP, DDS discovery, our
+    // topics.
+    std::string commands;
+    for (auto const& [group, mac] : {std::pair{"224.0.0.22", "01:00:5e:00:00:16"},
+                                     {"239.255.0.1", "01:00:5e:7f:00:01"},
+                                     {"239.255.0.2", "01:00:5e:7f:00:02"}}) {
+        commands += fmt::format("neigh replace {} lladdr {} nud permanent dev {}\n", group, mac, port.interface);
+    }
+    for (Port const& other : ports) {
+        if (other.link == port.link && other.host != port.host && !other.address.empty() && other.plug.empty()) {
+            commands += fmt::format("neigh replace {} lladdr {} nud permanent dev {}\n", other.address, other.mac,
+                                    port.interface);
+        }
+    }
+    return commands;
+}
+
 std::string bridge_name(std::size_t link) {
     return fmt::format("br{}", link);
 }
@@ -204,10 +226,11 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
         core += cable(plan, port, outer, inside);
         core += fmt::format("link set {} master {} up\n", outer, bridge_name(link));
         std::string& commands = inside[port.host];
+        commands += fmt::format("link set {} up\n", port.interface);
         if (!port.address.empty()) {
             commands += fmt::format("addr add {}/{} dev {}\n", port.address, port.prefix, port.interface);
+            commands += permanent_neighbours(plan.ports, port);
         }
-        commands += fmt::format("link set {} up\n", port.interface);
     }
     if (auto ok = ip(own_, core); !ok) {
         return ok;
