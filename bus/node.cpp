@@ -80,7 +80,8 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
 
     auto const join = [&](char const* profile, NetworkConfig const& network) {
         return Participant::create({c.process, static_cast<std::uint32_t>(c.incarnation), c.program,
-                                    static_cast<int>(network.domain), c.qos, profile, network.addresses});
+                                    static_cast<int>(network.domain), c.qos, profile, network.addresses,
+                                    std::chrono::seconds{30}, network.peers});
     };
     auto management = join("management", c.management);
     if (!management) {

@@ -23,6 +23,7 @@ void names(Fields& f, std::string_view key, std::vector<std::string>& out, std::
 void network(Fields& f, NetworkConfig& network) {
     f.integer("domain", network.domain, {.doc = "DDS domain", .min = 0, .max = 232});
     names(f, "addresses", network.addresses, "IPv4 addresses of the interfaces to use; all when not given");
+    names(f, "peers", network.peers, "whom to look for, as ADDRESS:PORT; everybody, by multicast, when not given");
 }
 
 void expected(Fields& f, std::string_view key, ExpectedPeers& peers, std::string_view doc) {
@@ -43,6 +44,13 @@ Node network_node(NetworkConfig const& network) {
     Node node = Node::map();
     node.set("domain", Node::scalar(std::to_string(network.domain)));
     node.set("addresses", name_list(network.addresses));
+    if (!network.peers.empty()) {
+        Node peers = Node::sequence();
+        for (std::string const& peer : network.peers) {
+            peers.items.push_back(Node::quoted_text(peer));
+        }
+        node.set("peers", std::move(peers));
+    }
     return node;
 }
 
@@ -59,6 +67,10 @@ Node expected_node(ExpectedPeers const& expected) {
 }
 
 } // namespace
+
+std::string discovery_address(std::string_view address, std::int64_t domain, int participant) {
+    return fmt::format("{}:{}", address, 7400 + 250 * domain + 10 + 2 * participant);
+}
 
 void describe(Fields& f, ClockConfig& clock) {
     f.choice<ClockMode>("mode", clock.mode, {{"realtime", ClockMode::realtime}, {"lockstep", ClockMode::lockstep}},

@@ -35,6 +35,9 @@ struct ClockConfig {
 struct NetworkConfig {
     std::int64_t domain{0};
     std::vector<std::string> addresses; ///< IPv4 of the interfaces to use; empty: all
+    /// Whom to look for, as "address:port" of UDP; empty: everybody, by multicast. Who announces itself by multicast is
+    /// heard in any case.
+    std::vector<std::string> peers{};
 };
 
 /// With how many endpoints of which process a topic's reader or writer must be matched before the process is ready.
@@ -56,6 +59,9 @@ struct NodeConfig {
     ExpectedPeers expected_writers; ///< by topic that this process reads
     ExpectedPeers expected_readers; ///< by topic that this process writes
 };
+
+/// Where a host's participant of that number, counted from 0, hears of others: "address:port" (DDSI-RTPS 2.2, 9.6.1.1).
+[[nodiscard]] std::string discovery_address(std::string_view address, std::int64_t domain, int participant);
 
 void describe(config::Fields& f, ClockConfig& clock);
 void describe(config::Fields& f, NodeConfig& node);

@@ -15,6 +15,7 @@
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 #include <map>
@@ -140,6 +141,9 @@ class FastDdsParticipant final : public Participant {
         qos.user_data().setValue(std::vector<rtps::octet>{user_data.begin(), user_data.end()});
         prepare_transports(qos);
         bound_the_others(qos);
+        if (auto ok = look_for_peers(qos); !ok) {
+            return ok;
+        }
         if (link != nullptr) {
             if (auto ok = apply(*link, qos); !ok) {
                 return ok;
@@ -327,6 +331,21 @@ class FastDdsParticipant final : public Participant {
                 transport = std::make_shared<CorkedTransportDescriptor>(own, gate_);
             }
         }
+    }
+
+    /// It announces itself to them instead of the multicast group, and hears that group all the same.
+    Result<void> look_for_peers(dds::DomainParticipantQos& qos) const {
+        auto& builtin = qos.wire_protocol().builtin;
+        for (std::string const& peer : options_.peers) {
+            std::vector<std::string> const parts = split(peer, ':');
+            rtps::Locator_t locator;
+            if (parts.size() != 2 || !rtps::IPLocator::setIPv4(locator, parts[0]) ||
+                !rtps::IPLocator::setPhysicalPort(locator, static_cast<std::uint16_t>(std::atoi(parts[1].c_str())))) {
+                return fail(ExitCode::usage, fmt::format("the peer '{}' is no ADDRESS:PORT", peer));
+            }
+            builtin.initialPeersList.push_back(locator);
+        }
+        return {};
     }
 
     Result<dds::Topic*> find_topic(std::string const& name, Codec const& codec) {

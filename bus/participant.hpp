@@ -47,6 +47,7 @@ struct ParticipantOptions {
     std::string profile{"management"};                  ///< participant profile in that file
     std::vector<std::string> addresses;                 ///< interfaces to use, by their IPv4 address; empty: all
     std::chrono::milliseconds address_patience{30'000}; ///< a board's interface may come up after its programs
+    std::vector<std::string> peers{}; ///< whom to look for, "address:port"; empty: everybody, by multicast
 };
 
 struct Endpoint {

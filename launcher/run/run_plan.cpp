@@ -4,6 +4,7 @@
 
 #include "common/realtime.hpp"
 #include "common/text.hpp"
+#include "launcher/run/discovery_peers.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/installation.hpp"
 #include "launcher/scenario/dataflow.hpp"
@@ -29,20 +30,20 @@ std::vector<std::string> addresses_of(std::vector<Port> const& ports, std::strin
     return out;
 }
 
-bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Dataflow const& flow, RunPlan const& plan,
-                            PlanOptions const& options) {
+bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Dataflow const& flow,
+                            DiscoveryPeers const& peers, RunPlan const& plan, PlanOptions const& options) {
     bus::NodeConfig node;
     node.process = process.name.name;
     node.program = process.program.name;
     node.qos = qos_file(process.qos.name);
     if (options.namespaces) {
-        node.management = {0, addresses_of(plan.ports, process.host.name, true)};
+        node.management = {0, addresses_of(plan.ports, process.host.name, true), peers.of(node.process, true, 0)};
         if (auto addresses = addresses_of(plan.ports, process.host.name, false); !addresses.empty()) {
-            node.data = bus::NetworkConfig{1, std::move(addresses)};
+            node.data = bus::NetworkConfig{1, std::move(addresses), peers.of(node.process, false, 1)};
         }
     } else {
-        node.management = {options.domain, {"127.0.0.1"}};
-        node.data = bus::NetworkConfig{options.domain + 1, {"127.0.0.1"}};
+        node.management = {options.domain, {"127.0.0.1"}, {}};
+        node.data = bus::NetworkConfig{options.domain + 1, {"127.0.0.1"}, {}};
     }
     bus::ClockConfig& clock = node.clock;
     clock.mode = scenario.clock.mode;
@@ -132,8 +133,8 @@ int fifo_priority(Scenario const& scenario, std::string_view program) {
     return 0;
 }
 
-PlannedProcess plan_process(Scenario const& scenario, Process const& process, Dataflow const& flow, RunPlan const& plan,
-                            PlanOptions const& options) {
+PlannedProcess plan_process(Scenario const& scenario, Process const& process, bus::NodeConfig const& node,
+                            RunPlan const& plan, PlanOptions const& options) {
     PlannedProcess out;
     out.name = process.name.name;
     out.program = process.program.name;
@@ -153,7 +154,7 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
     out.config = Node::map();
     out.config.set("process", Node::scalar(out.name));
     out.config.set("program", Node::scalar(out.program));
-    out.config.set("bus", to_node(node_config(scenario, process, flow, plan, options)));
+    out.config.set("bus", to_node(node));
     out.config.set("settings", process.settings->settings(scenario, process));
 
     if (options.allow_control && out.program == "gridspace-monitor") {
@@ -176,7 +177,6 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, Da
                                         bundle == options.boards.end() ? "BUNDLE" : bundle->second, plan.ports,
                                         plan.member_timeout_s);
     }
-    bus::NodeConfig const node = node_config(scenario, process, flow, plan, options);
     out.environment = environment_of(node);
     out.environment["GRIDSPACE_CONFIG"] = out.config_file.string();
     out.environment["GRIDSPACE_RUN_FOLDER"] = plan.folder.string();
@@ -202,8 +202,10 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
         plan.hosts.push_back(host.name.name);
     }
     Dataflow const flow = dataflow(scenario);
+    DiscoveryPeers const peers{scenario, flow, plan.ports};
     for (Process const& process : scenario.processes) {
-        plan.processes.push_back(plan_process(scenario, process, flow, plan, options));
+        bus::NodeConfig const node = node_config(scenario, process, flow, peers, plan, options);
+        plan.processes.push_back(plan_process(scenario, process, node, plan, options));
     }
     std::stable_partition(plan.processes.begin(), plan.processes.end(),
                           [](PlannedProcess const& p) { return !p.is_simulator; });
