@@ -171,6 +171,14 @@ Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options) 
     return child;
 }
 
+bool is_stopped(pid_t pid) {
+    std::ifstream stream{fmt::format("/proc/{}/stat", pid)};
+    std::string stat{std::istreambuf_iterator<char>{stream}, {}};
+    std::size_t const name_ends = stat.rfind(')'); // proc(5): pid (name) state ...; the name may hold anything
+    return name_ends != std::string::npos && name_ends + 2 < stat.size() &&
+           (stat[name_ends + 2] == 'T' || stat[name_ends + 2] == 't');
+}
+
 std::string describe_end(int wait_status) {
     if (WIFSIGNALED(wait_status)) {
         return fmt::format("killed by signal {} ({})", WTERMSIG(wait_status), ::strsignal(WTERMSIG(wait_status)));

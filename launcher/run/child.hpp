@@ -28,6 +28,10 @@ struct SpawnOptions {
 /// log. What stops it from starting (program missing, namespace refused) is in the error.
 [[nodiscard]] Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options);
 
+/// Stopped by a signal (SIGSTOP, SIGTSTP) or by a debugger: it does nothing at all, its leases on the bus run out, and
+/// others notice first.
+[[nodiscard]] bool is_stopped(pid_t pid);
+
 /// How a process ended: "exit code 4" or "killed by signal 9 (Killed)".
 [[nodiscard]] std::string describe_end(int wait_status);
 

@@ -43,6 +43,7 @@ struct Watched {
     bool running{false};
     bool expected_to_die{false}; ///< killed by an event of the scenario
     bool paused{false};          ///< by an event of the scenario: it does not hear of the end
+    bool asked_to_end{false};
     std::int64_t incarnation{0};
     std::string pending;                         ///< status text without its line end yet
     std::optional<Error> reported;               ///< what it said before it ended
@@ -54,7 +55,7 @@ class Supervisor {
     Supervisor(RunPlan const& plan, int channel, std::map<std::string, UniqueFd> const& listen_fds)
         : plan_{plan}, channel_{channel}, output_{channel, kMostWaiting}, listen_fds_{listen_fds} {
         for (PlannedProcess const& process : plan.processes) {
-            watched_.push_back({process, {}, false, false, false, 0, {}, std::nullopt, std::nullopt});
+            watched_.emplace_back().plan = process;
         }
     }
 
@@ -181,7 +182,8 @@ class Supervisor {
             simulator_cpu_ = total;
             simulator_still_.restart(now);
         }
-        double const patience_s = std::max(2 * plan_.member_timeout_s, 3.0); // its leases are renewed every second
+        // Its leases are renewed every second. Before they run out (10 s): the others would say that it is silent.
+        double const patience_s = std::clamp(2 * plan_.member_timeout_s, 3.0, 8.0);
         if (simulator_still_.look(now).count() > patience_s) {
             fail_with({ExitCode::stall,
                        fmt::format("the simulator '{}' stands still: it has used no processor time for {} s",
@@ -320,10 +322,14 @@ class Supervisor {
         ::close(w.child.control_fd);
         std::error_code ignored;
         std::filesystem::remove(pid_file(w), ignored);
+        // The usual end of a program that somebody else wrote and that runs until it is told to end.
+        bool const did_as_asked = w.asked_to_end && WIFSIGNALED(wait_status) && WTERMSIG(wait_status) == SIGTERM;
         tell(Json{{"kind", "exit"},
                   {"process", w.plan.name},
-                  {"how", describe_end(wait_status)},
-                  {"code", WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status)},
+                  {"how", did_as_asked ? "ended when asked" : describe_end(wait_status)},
+                  {"code", did_as_asked             ? 0
+                           : WIFEXITED(wait_status) ? WEXITSTATUS(wait_status)
+                                                    : 128 + WTERMSIG(wait_status)},
                   {"expected", w.expected_to_die},
                   {"cpu_s", seconds_of(used.ru_utime) + seconds_of(used.ru_stime)}});
         if (w.expected_to_die || failure_) {
@@ -470,7 +476,7 @@ class Supervisor {
     void end_all() {
         for (Watched& w : watched_) {
             if (w.running) {
-                w.expected_to_die = true;
+                w.expected_to_die = w.asked_to_end = true;
                 ::kill(-w.child.pid, SIGCONT);
                 ::kill(-w.child.pid, SIGTERM);
             }
@@ -497,10 +503,30 @@ class Supervisor {
                 "see its log; a member stays until the last tick"};
     }
 
+    /// A process that is stopped answers nobody, and the first who misses it may be missed by others in turn.
+    [[nodiscard]] std::optional<Error> stopped_ones() const {
+        std::vector<std::string> names;
+        for (Watched const& w : watched_) {
+            if (w.running && !w.paused && !w.plan.is_observer && is_stopped(w.child.pid)) {
+                names.push_back("'" + w.plan.name + "'");
+            }
+        }
+        if (names.empty()) {
+            return std::nullopt;
+        }
+        return Error{ExitCode::stall,
+                     fmt::format("{} {} stopped, by a signal (SIGSTOP, SIGTSTP) or a debugger",
+                                 names.size() == 1 ? "process" : "processes",
+                                 join(names, ", ") + (names.size() == 1 ? " is" : " are")),
+                     "`clock: {member_timeout_s: 0}` lets a run wait for a process in a debugger"};
+    }
+
     void fail_with(Error error) {
         if (!failure_) {
             if (error.code == ExitCode::stall && suspect_ && !simulator_done_) { // who has gone does not answer
                 error = suspicion();
+            } else if (error.code == ExitCode::stall) {
+                error = stopped_ones().value_or(std::move(error));
             }
             tell(Json{{"kind", "failed"},
                       {"code", static_cast<int>(error.code)},

@@ -96,5 +96,22 @@ TEST_F(Spawn, NothingStaysOpenOfAProcessThatCannotStart) {
     EXPECT_EQ(open_files(), before);
 }
 
+TEST_F(Spawn, AStoppedProcessIsToldFromOneThatWaits) {
+    pid_t const pid = ::fork();
+    if (pid == 0) {
+        ::raise(SIGSTOP);
+        ::pause();
+        ::_exit(0);
+    }
+    ASSERT_EQ(::waitpid(pid, nullptr, WUNTRACED), pid);
+    EXPECT_TRUE(is_stopped(pid));
+    ::kill(pid, SIGCONT);
+    ASSERT_EQ(::waitpid(pid, nullptr, WCONTINUED), pid);
+    EXPECT_FALSE(is_stopped(pid));
+    ::kill(pid, SIGKILL);
+    ::waitpid(pid, nullptr, 0);
+    EXPECT_FALSE(is_stopped(pid)) << "gone";
+}
+
 } // namespace
 } // namespace gridspace::launcher
