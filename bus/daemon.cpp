@@ -4,6 +4,7 @@
 
 #include "common/config/merge.hpp"
 #include "common/log.hpp"
+#include "common/privileges.hpp"
 #include "common/realtime.hpp"
 #include "common/version.hpp"
 
@@ -344,6 +345,10 @@ int run_daemon(Daemon const& daemon, int argc, char** argv) {
         log::info("{}; {}", scheduling_text(),
                   why_not.empty() ? "memory is locked" : "memory is not locked: " + why_not);
     }
+    if (!forbid_what_no_process_does()) {
+        log::debug("this kernel has no filters of system calls");
+    }
+    node.is_daemon = true;
     DaemonRun run{std::move(node), status,
                   [&signals](std::function<void()> stop) { signals.on_stop(std::move(stop)); }};
     Result<void> const result = daemon.run(run);

@@ -10,6 +10,7 @@
 #include "bus/start_patience.hpp"
 #include "bus/topics.hpp"
 #include "common/log.hpp"
+#include "common/privileges.hpp"
 #include "common/text.hpp"
 #include "common/waited_time.hpp"
 
@@ -151,6 +152,9 @@ Result<void> Node::start() {
     Core& core = *core_;
     NodeConfig& config = core.config;
     ClockConfig const& clock = config.clock;
+    if (config.is_daemon) {
+        (void)forbid_raw_sockets(); // all that it needs are open
+    }
 
     std::vector<std::string> processes = clock.members;
     processes.push_back(clock.simulator);

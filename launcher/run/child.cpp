@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/child.hpp"
 
+#include "common/privileges.hpp"
 #include "common/realtime.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
@@ -122,6 +123,9 @@ void execute(std::vector<char*> const& arguments) {
         arguments.push_back(word.data());
     }
     arguments.push_back(nullptr);
+    if (process.capabilities) {
+        keep_only_capabilities(*process.capabilities);
+    }
     std::filesystem::path const folder = process.config_file.parent_path();
     if (::chdir(folder.c_str()) != 0) {
         stop("entering the run folder");

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_plan.hpp"
 
+#include "common/privileges.hpp"
 #include "common/realtime.hpp"
 #include "common/text.hpp"
 #include "launcher/run/discovery_peers.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/installation.hpp"
+#include "launcher/scenario/cut_ins.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/run_on.hpp"
 
@@ -133,6 +135,27 @@ int fifo_priority(Scenario const& scenario, std::string_view program) {
     return 0;
 }
 
+/// Raw frames are for who sends, receives or sits between them, and for a user's program that has a link to do so on.
+std::optional<std::uint64_t> capabilities(Scenario const& scenario, Process const& process,
+                                          PlannedProcess const& plan) {
+    if (plan.run_on.kind != RunOn::Kind::native && plan.run_on.kind != RunOn::Kind::qemu_user) {
+        return std::nullopt;
+    }
+    std::vector<WireUse> const received = wires_received(scenario, process);
+    bool const raw_frames = !wires_sent(scenario, process).empty() || !received.empty() ||
+                            !process.settings->cut_ins(scenario, process).empty() || !process.interface.empty();
+    bool const elsewhere = !plan.networks.empty() || std::any_of(received.begin(), received.end(),
+                                                                 [](WireUse const& use) { return use.at_switch; });
+    auto const host = std::find_if(scenario.hosts.begin(), scenario.hosts.end(),
+                                   [&](Host const& h) { return h.name.name == plan.host; });
+    bool const users = plan.program == "exec" && host != scenario.hosts.end() && !host->links.empty();
+    std::uint64_t out = raw_frames || users || elsewhere ? kMayOpenRawSockets : 0;
+    if (elsewhere) { // the networks of switches and of other hosts are found in /proc, as the supervisor's
+        out |= kMayEnterNamespaces | kMayTrace;
+    }
+    return out;
+}
+
 PlannedProcess plan_process(Scenario const& scenario, Process const& process, bus::NodeConfig const& node,
                             RunPlan const& plan, PlanOptions const& options) {
     PlannedProcess out;
@@ -148,6 +171,7 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, bu
     out.listen = process.settings->listen();
     out.interface = process.interface;
     out.networks = process.settings->networks(scenario, process);
+    out.capabilities = capabilities(scenario, process, out);
     out.config_file = plan.folder / "processes" / (out.name + ".yaml");
     out.log_file = plan.folder / "logs" / (out.name + ".log");
 

@@ -32,6 +32,9 @@ struct PlannedProcess {
     std::string listen;                ///< address to serve on; the launcher opens the socket
     std::string interface;             ///< a real one, which is taken into its host for the run
     std::vector<std::string> networks; ///< hosts into whose networks it looks
+    /// All that it keeps of this process's capabilities; none given: everything, which emulators and ssh need that plug
+    /// a board into the network.
+    std::optional<std::uint64_t> capabilities;
 };
 
 /// Something that the launcher does to a process between two ticks.
