@@ -372,6 +372,9 @@ Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> 
     run.on_stop([&node] { (*node)->request_stop(); });
     auto result = body(**node);
     run.on_stop({});
+    if (!result && result.error().code != ExitCode::interrupted) {
+        run.status.failed(result.error()); // before its farewell on the bus ends the others, who would be blamed
+    }
     tell_of_strangers(**node, run.status);
     return result;
 }
