@@ -3,31 +3,35 @@
 #include "common/text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 
 namespace gridspace {
 namespace {
 
-/// Optimal string alignment distance: insert, delete, replace, swap neighbours.
+constexpr std::size_t kLongestWord = 64;     ///< that may be misspelt: longer texts are no names
+constexpr std::size_t kMostCandidates = 256; ///< that are compared: a hint is not worth more, in a file of mistakes
+
+/// Optimal string alignment distance of two short words: insert, delete, replace, swap neighbours.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i) {
-        d[i][0] = i;
-    }
+    std::array<std::array<std::size_t, kLongestWord + 1>, 3> rows; // the last three of the table
     for (std::size_t j = 0; j <= b.size(); ++j) {
-        d[0][j] = j;
+        rows[0][j] = j;
     }
     for (std::size_t i = 1; i <= a.size(); ++i) {
+        auto const &above = rows[(i - 1) % 3], &two_above = rows[(i + 1) % 3];
+        auto& row = rows[i % 3];
+        row[0] = i;
         for (std::size_t j = 1; j <= b.size(); ++j) {
             std::size_t const cost = a[i - 1] == b[j - 1] ? 0 : 1;
-            d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + cost});
+            row[j] = std::min({above[j] + 1, row[j - 1] + 1, above[j - 1] + cost});
             if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
-                d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+                row[j] = std::min(row[j], two_above[j - 2] + 1);
             }
         }
     }
-    return d[a.size()][b.size()];
+    return rows[a.size() % 3][b.size()];
 }
 
 std::string plain(std::string_view text) {
@@ -44,9 +48,19 @@ std::string plain(std::string_view text) {
 
 std::optional<std::string> nearest_spelling(std::string_view word, std::vector<std::string> const& candidates) {
     std::optional<std::string> best;
+    std::string const wanted = plain(word);
+    if (word.size() > kLongestWord) {
+        return best;
+    }
     std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
-    for (std::string const& candidate : candidates) {
-        std::size_t const distance = plain(word) == plain(candidate) ? 0 : edit_distance(plain(word), plain(candidate));
+    for (std::size_t i = 0; i < std::min(candidates.size(), kMostCandidates); ++i) {
+        std::string const& candidate = candidates[i];
+        std::string const offered = plain(candidate);
+        std::size_t const apart = std::max(wanted.size(), offered.size()) - std::min(wanted.size(), offered.size());
+        if (candidate.size() > kLongestWord || apart >= best_distance) {
+            continue;
+        }
+        std::size_t const distance = wanted == offered ? 0 : edit_distance(wanted, offered);
         if (distance < best_distance && distance < candidate.size()) {
             best_distance = distance;
             best = candidate;
@@ -132,6 +146,48 @@ bool is_identifier(std::string_view text) {
     auto const digit = [](char c) { return c >= '0' && c <= '9'; };
     return !text.empty() && letter(text.front()) &&
            std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || digit(c); });
+}
+
+std::string escape_markup(std::string_view text) {
+    std::string out;
+    for (char const c : text) {
+        bool const control = static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t'; // XML allows none
+        out += c == '<'    ? "&lt;"
+               : c == '&'  ? "&amp;"
+               : c == '>'  ? "&gt;"
+               : c == '"'  ? "&quot;"
+               : c == '\'' ? "&#39;"
+               : control   ? "?"
+                           : std::string{c};
+    }
+    return out;
+}
+
+std::string printable(std::string_view text) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size();) {
+        auto const c = static_cast<unsigned char>(text[i]);
+        std::size_t const length = c < 0x80                ? 1
+                                   : c >= 0xf0 && c < 0xf5 ? 4
+                                   : c >= 0xe0 && c < 0xf0 ? 3
+                                   : c >= 0xc2 && c < 0xe0 ? 2
+                                                           : 0;
+        bool complete = length > 0 && i + length <= text.size();
+        for (std::size_t k = 1; complete && k < length; ++k) {
+            complete = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+        }
+        bool const control =
+            c < 0x20 || c == 0x7f || (c == 0xc2 && complete && static_cast<unsigned char>(text[i + 1]) < 0xa0);
+        if (c == '\t') {
+            out += ' ';
+        } else if (!complete || control) {
+            out += '?';
+        } else {
+            out += text.substr(i, length);
+        }
+        i += complete ? length : 1;
+    }
+    return out;
 }
 
 std::string shortest(double value) {

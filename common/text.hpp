@@ -31,6 +31,13 @@ namespace gridspace {
 /// [A-Za-z_][A-Za-z0-9_]*: what a topic, process, host, link or element may be called (CycloneDDS refuses more).
 [[nodiscard]] bool is_identifier(std::string_view text);
 
+/// Text for an element or a quoted attribute of HTML, SVG or XML.
+[[nodiscard]] std::string escape_markup(std::string_view text);
+
+/// A text as it may be shown on a terminal: control characters (which could do anything to it) and incomplete UTF-8
+/// become '?', a tab a space. As many columns as the text has.
+[[nodiscard]] std::string printable(std::string_view text);
+
 /// The shortest decimal text that reads back as the same double ("0.1", "1e-06", "3").
 [[nodiscard]] std::string shortest(double value);
 

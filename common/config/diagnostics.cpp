@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/diagnostics.hpp"
 
+#include "common/text.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <tuple>
@@ -10,35 +12,7 @@ namespace gridspace::config {
 namespace {
 
 constexpr std::size_t kWidestLine = 160;
-
-/// A line of the source as it may be shown: what is not printable text must not reach a terminal, and a tab is one
-/// column wide, as columns count. Multi-byte characters stay when they are complete.
-std::string printable(std::string_view line) {
-    std::string out;
-    for (std::size_t i = 0; i < line.size();) {
-        auto const c = static_cast<unsigned char>(line[i]);
-        std::size_t const length = c < 0x80                ? 1
-                                   : c >= 0xf0 && c < 0xf5 ? 4
-                                   : c >= 0xe0 && c < 0xf0 ? 3
-                                   : c >= 0xc2 && c < 0xe0 ? 2
-                                                           : 0;
-        bool complete = length > 0 && i + length <= line.size();
-        for (std::size_t k = 1; complete && k < length; ++k) {
-            complete = (static_cast<unsigned char>(line[i + k]) & 0xc0) == 0x80;
-        }
-        bool const control =
-            c < 0x20 || c == 0x7f || (c == 0xc2 && complete && static_cast<unsigned char>(line[i + 1]) < 0xa0);
-        if (c == '\t') {
-            out += ' ';
-        } else if (!complete || control) {
-            out += '?';
-        } else {
-            out += line.substr(i, length);
-        }
-        i += complete ? length : 1;
-    }
-    return out;
-}
+constexpr std::size_t kMostKept = 1000;
 
 /// Two columns of one character each for "what the line says" and "what is wrong with it".
 std::string pointed_line(std::string_view raw, Diagnostic const& d) {
@@ -69,12 +43,21 @@ std::string SourceMark::to_string() const {
 }
 
 void Diagnostics::error(SourceMark where, std::string message, std::string hint, int width) {
-    items_.push_back({Severity::error, std::move(where), std::move(message), std::move(hint), width});
+    if (!full()) {
+        items_.push_back({Severity::error, std::move(where), std::move(message), std::move(hint), width});
+    }
     ++errors_;
 }
 
 void Diagnostics::warning(SourceMark where, std::string message, std::string hint, int width) {
-    items_.push_back({Severity::warning, std::move(where), std::move(message), std::move(hint), width});
+    if (!full()) {
+        items_.push_back({Severity::warning, std::move(where), std::move(message), std::move(hint), width});
+    }
+    ++warnings_;
+}
+
+bool Diagnostics::full() const {
+    return items_.size() >= kMostKept;
 }
 
 std::vector<Diagnostic> Diagnostics::sorted() const {
@@ -117,7 +100,8 @@ std::string Diagnostics::render() const {
         if (warnings > 0) {
             out += ", " + plural(warnings, "warning");
         }
-        out += ".";
+        out +=
+            full() ? fmt::format("; {} more are not shown.", errors_ + warnings_ - static_cast<int>(kMostKept)) : ".";
     }
     return out;
 }

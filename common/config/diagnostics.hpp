@@ -34,7 +34,7 @@ struct Diagnostic {
     int width{1};     ///< characters underlined
 };
 
-/// Collects everything that is wrong, so that a user sees all of it at once.
+/// Collects everything that is wrong, so that a user sees all of it at once; of a file of mistakes the first thousand.
 class Diagnostics {
   public:
     void error(SourceMark where, std::string message, std::string hint = {}, int width = 1);
@@ -42,7 +42,8 @@ class Diagnostics {
 
     [[nodiscard]] bool ok() const { return errors_ == 0; }
     [[nodiscard]] int errors() const { return errors_; }
-    [[nodiscard]] int warnings() const { return static_cast<int>(items_.size()) - errors_; }
+    [[nodiscard]] int warnings() const { return warnings_; }
+    [[nodiscard]] bool full() const;                      ///< what comes now is counted, and not kept
     [[nodiscard]] std::vector<Diagnostic> sorted() const; ///< by source, line, column; duplicates dropped
 
     /// The text for people: each item with its line and a caret, then "2 errors, 1 warning."
@@ -50,7 +51,7 @@ class Diagnostics {
 
   private:
     std::vector<Diagnostic> items_;
-    int errors_{0};
+    int errors_{0}, warnings_{0};
 };
 
 } // namespace gridspace::config

@@ -101,7 +101,8 @@ class NodeFields final : public Fields {
             }
             std::string const place = path_.empty() ? "" : fmt::format(" in {}", path_);
             diagnostics_.error(entry.where, fmt::format("unknown key '{}'{}", entry.key, place),
-                               unknown_hint(entry.key, suggested), static_cast<int>(entry.key.size()));
+                               diagnostics_.full() ? "" : unknown_hint(entry.key, suggested),
+                               static_cast<int>(entry.key.size()));
         }
         for (Missing const& missing : missing_) {
             if (std::find(suggested.begin(), suggested.end(), missing.key) == suggested.end()) { // said already
@@ -232,7 +233,8 @@ class NodeFields final : public Fields {
         }
         value.clear();
         for (Node const& item : node->items) {
-            if (item.is_scalar() && !item.text.empty()) {
+            bool const empty = spec.may_be_empty && item.quoted && item.text.empty();
+            if (empty || (item.is_scalar() && !item.text.empty())) {
                 value.push_back({item.text, item.where});
             } else {
                 wrong(key, item, "expected a name");

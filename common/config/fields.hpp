@@ -31,6 +31,7 @@ struct Ref {
 struct Spec {
     std::string_view doc{};
     bool required{false};
+    bool may_be_empty{false}; ///< of a list of texts: an empty one may be among them
 };
 
 struct NumberSpec {

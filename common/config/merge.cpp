@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <map>
 #include <set>
 
 namespace gridspace::config {
@@ -47,6 +48,23 @@ std::optional<Node> load_chain(std::filesystem::path const& file, SourceMark nam
     return base;
 }
 
+void erase(Node& map, std::set<std::string> const& keys) {
+    if (!keys.empty()) {
+        std::erase_if(map.entries, [&](Node::Entry const& entry) { return keys.contains(entry.key); });
+    }
+}
+
+std::size_t values_in(Node const& node) {
+    std::size_t out = 1;
+    for (Node const& item : node.items) {
+        out += values_in(item);
+    }
+    for (Node::Entry const& entry : node.entries) {
+        out += values_in(entry.value);
+    }
+    return out;
+}
+
 } // namespace
 
 void merge(Node& base, Node const& over) {
@@ -54,20 +72,24 @@ void merge(Node& base, Node const& over) {
         base = over;
         return;
     }
+    std::map<std::string, std::size_t> places; // no search from the first key on for each
+    for (std::size_t i = 0; i < base.entries.size(); ++i) {
+        places.emplace(base.entries[i].key, i);
+    }
+    std::set<std::string> erased;
     for (Node::Entry const& entry : over.entries) {
+        auto const place = places.find(entry.key);
         if (entry.value.is_null()) {
-            base.erase(entry.key);
-            continue;
-        }
-        auto const it = std::find_if(base.entries.begin(), base.entries.end(),
-                                     [&](Node::Entry const& e) { return e.key == entry.key; });
-        if (it == base.entries.end()) {
+            erased.insert(entry.key);
+        } else if (place == places.end()) {
             base.entries.push_back(entry);
         } else {
-            it->where = entry.where;
-            merge(it->value, entry.value);
+            Node::Entry& old = base.entries[place->second];
+            old.where = entry.where;
+            merge(old.value, entry.value);
         }
     }
+    erase(base, erased);
 }
 
 std::optional<Node> load_extended(std::filesystem::path const& file, Diagnostics& diagnostics, SourceMark named_at) {
@@ -117,52 +139,96 @@ void apply_set(Node& root, std::string const& assignment, int number, Diagnostic
     merge(root, over);
 }
 
-void resolve_likes(Node& section, Diagnostics& diagnostics) {
-    if (!section.is_map()) {
-        return;
+namespace {
+
+/// The entries of one section, each of which may be like another.
+class Likes {
+  public:
+    Likes(Node& section, Diagnostics& diagnostics)
+        : section_{section}, diagnostics_{diagnostics}, states_(section.entries.size(), State::unresolved) {
+        for (std::size_t i = 0; i < section.entries.size(); ++i) {
+            names_.push_back(section.entries[i].key);
+            places_.emplace(section.entries[i].key, i);
+        }
     }
-    std::set<std::string> done, open;
-    auto const resolve = [&](auto&& self, Node::Entry& entry) -> void {
-        Node const* like = entry.value.is_map() ? entry.value.find("like") : nullptr;
-        if (like == nullptr || done.contains(entry.key)) {
-            done.insert(entry.key);
+
+    void resolve() {
+        for (std::size_t i = 0; i < states_.size() && copied_ <= kMaxYamlValues; ++i) {
+            std::vector<std::pair<std::size_t, std::size_t>> chain; // who is like whom; the last is like nobody open
+            for (std::optional<std::size_t> at = i; at && states_[*at] == State::unresolved;) {
+                auto const other = like_of(*at);
+                states_[*at] = other ? State::open : State::resolved;
+                if (other) {
+                    chain.emplace_back(*at, *other);
+                }
+                if (other && states_[*other] == State::open) {
+                    diagnostics_.error(entry(*other).value.find("like")->where,
+                                       fmt::format("'{}' is like itself", entry(*other).key));
+                }
+                at = other;
+            }
+            for (; !chain.empty() && copied_ <= kMaxYamlValues; chain.pop_back()) {
+                take(entry(chain.back().first), entry(chain.back().second).value);
+                states_[chain.back().first] = State::resolved;
+            }
+        }
+    }
+
+  private:
+    enum class State : std::uint8_t { unresolved, open, resolved };
+
+    Node::Entry& entry(std::size_t i) { return section_.entries[i]; }
+
+    std::optional<std::size_t> like_of(std::size_t i) {
+        Node const* const like = entry(i).value.is_map() ? entry(i).value.find("like") : nullptr;
+        if (like == nullptr) {
+            return std::nullopt;
+        }
+        auto const other = like->is_scalar() ? places_.find(like->text) : places_.end();
+        if (other != places_.end()) {
+            return other->second;
+        }
+        diagnostics_.error(like->where,
+                           fmt::format("'{}' is like {}, which does not exist", entry(i).key, describe(*like)),
+                           did_you_mean(like->text, names_), static_cast<int>(like->text.size()));
+        entry(i).value.erase("like");
+        return std::nullopt;
+    }
+
+    /// `entry` becomes `other` with its own values over it.
+    void take(Node::Entry& entry, Node const& other) {
+        copied_ += values_in(other);
+        if (copied_ > kMaxYamlValues) {
+            diagnostics_.error(entry.value.find("like")->where,
+                               fmt::format("'like' stands for more than {} values here", kMaxYamlValues));
             return;
         }
-        if (open.contains(entry.key)) {
-            diagnostics.error(like->where, fmt::format("'{}' is like itself", entry.key));
-            entry.value.erase("like");
-            return;
+        Node own = std::move(entry.value);
+        own.erase("like");
+        SourceMark const where = own.where;
+        entry.value = &other == &entry.value ? Node::map() : other;
+        entry.value.where = where;
+        std::set<std::string> replaced{"like"}; // of one that is like itself
+        for (Node::Entry const& beside : own.entries) {
+            replaced.insert(beside.key); // a value is replaced whole: a data set is an order, not a heap to add to
         }
-        open.insert(entry.key);
-        auto const other = std::find_if(section.entries.begin(), section.entries.end(),
-                                        [&](Node::Entry const& e) { return like->is_scalar() && e.key == like->text; });
-        if (other == section.entries.end()) {
-            std::vector<std::string> names;
-            for (Node::Entry const& e : section.entries) {
-                names.push_back(e.key);
-            }
-            diagnostics.error(like->where,
-                              fmt::format("'{}' is like {}, which does not exist", entry.key, describe(*like)),
-                              did_you_mean(like->text, names), static_cast<int>(like->text.size()));
-            entry.value.erase("like");
-        } else {
-            self(self, *other);
-            Node own = std::move(entry.value);
-            own.erase("like");
-            SourceMark const where = own.where;
-            entry.value = other->value;
-            entry.value.where = where;
-            for (Node::Entry const& beside : own.entries) {
-                entry.value.erase(
-                    beside.key); // a value is replaced whole: a data set is an order, not a heap to add to
-            }
-            merge(entry.value, own);
-        }
-        open.erase(entry.key);
-        done.insert(entry.key);
-    };
-    for (Node::Entry& entry : section.entries) {
-        resolve(resolve, entry);
+        erase(entry.value, replaced);
+        merge(entry.value, own);
+    }
+
+    Node& section_;
+    Diagnostics& diagnostics_;
+    std::vector<State> states_;
+    std::vector<std::string> names_;
+    std::map<std::string, std::size_t> places_;
+    std::size_t copied_{0};
+};
+
+} // namespace
+
+void resolve_likes(Node& section, Diagnostics& diagnostics) {
+    if (section.is_map()) {
+        Likes{section, diagnostics}.resolve();
     }
 }
 

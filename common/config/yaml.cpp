@@ -16,9 +16,7 @@
 namespace gridspace::config {
 namespace {
 
-constexpr std::size_t kMaxDepth = 64;
-constexpr std::size_t kLongestKey = 256;     // YAML itself wants less than 1024 characters, after escapes
-constexpr std::size_t kMaxNodes = 1'000'000; // an alias bomb stops here
+constexpr std::size_t kLongestKey = 256; // YAML itself wants less than 1024 characters, after escapes
 
 /// Builds Nodes from parse events; a stack of open containers.
 class TreeBuilder final : public YAML::EventHandler {
@@ -44,8 +42,7 @@ class TreeBuilder final : public YAML::EventHandler {
             OnNull(mark, 0);
             return;
         }
-        count(it->second); // before the copy is made
-        add(it->second, 0);
+        add(copy(it->second), 0);
     }
     void OnScalar(YAML::Mark const& mark, std::string const& tag, YAML::anchor_t anchor,
                   std::string const& value) override {
@@ -77,15 +74,23 @@ class TreeBuilder final : public YAML::EventHandler {
         bool has_key{false};
         std::string key;
         SourceMark key_mark;
+        std::map<std::string, std::size_t> keys; ///< of a map, each with its place: no search from the first key on
     };
 
     SourceMark at(YAML::Mark const& mark) const {
         return {source_, mark.line + 1, mark.column + 1}; // yaml-cpp counts from 0
     }
 
+    /// Each value under an anchor is kept once more, and each alias is a copy of what it stands for.
+    Node copy(Node const& node) {
+        count(node); // before the copy is made
+        return node;
+    }
+
     void count(Node const& node) {
-        if (++nodes_ > kMaxNodes) {
-            throw YAML::ParserException({}, fmt::format("more than {} values", kMaxNodes));
+        if (++copies_ > kMaxYamlCopies) {
+            throw YAML::ParserException(
+                {}, fmt::format("anchors and aliases stand for more than {} values", kMaxYamlCopies));
         }
         for (Node const& item : node.items) {
             count(item);
@@ -96,10 +101,10 @@ class TreeBuilder final : public YAML::EventHandler {
     }
 
     void open(Node node, YAML::anchor_t anchor) {
-        if (stack_.size() >= kMaxDepth) {
-            throw YAML::ParserException({}, fmt::format("nested deeper than {} levels", kMaxDepth));
+        if (stack_.size() >= kMaxYamlDepth) {
+            throw YAML::ParserException({}, fmt::format("nested deeper than {} levels", kMaxYamlDepth));
         }
-        stack_.push_back({std::move(node), anchor, false, {}, {}});
+        stack_.push_back({std::move(node), anchor, false, {}, {}, {}});
     }
 
     void close() {
@@ -109,11 +114,11 @@ class TreeBuilder final : public YAML::EventHandler {
     }
 
     void add(Node node, YAML::anchor_t anchor) {
-        if (++nodes_ > kMaxNodes) {
-            throw YAML::ParserException({}, fmt::format("more than {} values", kMaxNodes));
+        if (++nodes_ > kMaxYamlValues) {
+            throw YAML::ParserException({}, fmt::format("more than {} values", kMaxYamlValues));
         }
         if (anchor != 0) {
-            anchors_[anchor] = node;
+            anchors_[anchor] = copy(node);
         }
         if (stack_.empty()) {
             if (documents_ == 1) {
@@ -128,11 +133,13 @@ class TreeBuilder final : public YAML::EventHandler {
             take_key(parent, node);
         } else {
             parent.has_key = false;
-            if (Node::Entry const* first = parent.node.find_entry(parent.key)) {
-                diagnostics_.error(parent.key_mark, fmt::format("duplicate key '{}'", parent.key),
-                                   "first given at " + first->where.to_string(), static_cast<int>(parent.key.size()));
-            } else {
+            auto const [place, fresh] = parent.keys.try_emplace(parent.key, parent.node.entries.size());
+            if (fresh) {
                 parent.node.entries.push_back({parent.key, parent.key_mark, std::move(node)});
+            } else {
+                diagnostics_.error(parent.key_mark, fmt::format("duplicate key '{}'", parent.key),
+                                   "first given at " + parent.node.entries[place->second].where.to_string(),
+                                   static_cast<int>(parent.key.size()));
             }
         }
     }
@@ -156,7 +163,7 @@ class TreeBuilder final : public YAML::EventHandler {
     std::vector<Open> stack_;
     std::map<YAML::anchor_t, Node> anchors_;
     int documents_{0};
-    std::size_t nodes_{0};
+    std::size_t nodes_{0}, copies_{0};
 };
 
 } // namespace
@@ -165,11 +172,12 @@ std::shared_ptr<SourceText const> make_source(std::string name, std::string_view
     auto source = std::make_shared<SourceText>();
     source->name = std::move(name);
     source->directory = std::move(directory);
-    for (std::string& line : split(text, '\n')) {
-        if (!line.empty() && line.back() == '\r') {
-            line.pop_back();
-        }
-        source->lines.push_back(std::move(line));
+    source->lines.reserve(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + 1);
+    for (std::size_t begin = 0; begin <= text.size();) {
+        std::size_t const end = std::min(text.find('\n', begin), text.size());
+        std::string_view const line = text.substr(begin, end - begin);
+        source->lines.emplace_back(line.ends_with('\r') ? line.substr(0, line.size() - 1) : line);
+        begin = end + 1;
     }
     return source;
 }
@@ -189,6 +197,10 @@ std::string yaml_hint(SourceText const& source, SourceMark const& where, std::st
     }
     if (message.find("end of sequence flow") != std::string::npos ||
         message.find("end of map flow") != std::string::npos) {
+        std::size_t const line = static_cast<std::size_t>(std::max(1, where.line)) - 1;
+        if (line < source.lines.size() && source.lines[line].find(" in [") != std::string::npos) {
+            return "an expression with '[' or ',' in it is a text: put it in quotes";
+        }
         return message.find("map") != std::string::npos ? "a '}' or a ',' is missing here or before"
                                                         : "a ']' or a ',' is missing here or before";
     }
@@ -199,10 +211,34 @@ std::string yaml_hint(SourceText const& source, SourceMark const& where, std::st
     return "";
 }
 
+/// What yaml-cpp would take much memory for before it says anything of it: it reads to the end of a line before it
+/// knows what a bracket begins. Quotes are not looked at: no text holds a thousand brackets that are not closed.
+std::string too_many_brackets(std::string_view text) {
+    constexpr std::size_t kOpen = 1000 + kMaxYamlDepth, kInALine = 400'000;
+    std::size_t open = 0, in_line = 0, line = 1;
+    for (char const c : text) {
+        bool const opens = c == '[' || c == '{', closes = c == ']' || c == '}';
+        open = opens ? open + 1 : closes && open > 0 ? open - 1 : open;
+        in_line = c == '\n' ? 0 : in_line + (opens || closes || c == ',' ? 1 : 0);
+        line += c == '\n' ? 1 : 0;
+        if (open > kOpen) {
+            return fmt::format("nested deeper than {} levels", kMaxYamlDepth);
+        }
+        if (in_line > kInALine) {
+            return fmt::format("line {} has more than {} brackets and commas", line, kInALine);
+        }
+    }
+    return "";
+}
+
 } // namespace
 
 std::optional<Node> parse_yaml(std::string_view text, std::shared_ptr<SourceText const> source,
                                Diagnostics& diagnostics) {
+    if (std::string const many = too_many_brackets(text); !many.empty()) {
+        diagnostics.error({source, 0, 0}, "not valid YAML: " + many);
+        return std::nullopt;
+    }
     std::istringstream stream{std::string{text}};
     TreeBuilder builder{source, diagnostics};
     try {
@@ -235,11 +271,20 @@ std::optional<Node> load_yaml(std::filesystem::path const& file, Diagnostics& di
                           std::filesystem::exists(file, ignored) ? "it is not a readable file" : "no such file");
         return std::nullopt;
     }
-    std::stringstream text;
-    text << stream.rdbuf();
+    std::string text;
+    for (char part[65536]; text.size() <= kMaxYamlOctets && (stream.read(part, sizeof part), stream.gcount() > 0);) {
+        text.append(part, static_cast<std::size_t>(stream.gcount()));
+    }
     std::filesystem::path const parent = file.parent_path();
-    auto source = make_source(file.string(), text.str(), parent.empty() ? "." : parent.string());
-    return parse_yaml(text.str(), source, diagnostics);
+    std::string const directory = parent.empty() ? "." : parent.string();
+    if (text.size() > kMaxYamlOctets) {
+        diagnostics.error({make_source(file.string(), "", directory), 0, 0},
+                          fmt::format("the file has more than {} octets", kMaxYamlOctets),
+                          "no configuration is that long: is it another file?");
+        return std::nullopt;
+    }
+    auto source = make_source(file.string(), text, directory);
+    return parse_yaml(text, source, diagnostics);
 }
 
 } // namespace gridspace::config

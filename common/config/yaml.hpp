@@ -4,10 +4,18 @@
 
 #include "common/config/node.hpp"
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 
 namespace gridspace::config {
+
+// What may be read at most, so that a file of a stranger costs no more than one of its size. Each is an error that
+// names the limit.
+inline constexpr std::size_t kMaxYamlOctets = 16U << 20U; ///< of a file
+inline constexpr std::size_t kMaxYamlDepth = 64;          ///< of lists and maps in each other
+inline constexpr std::size_t kMaxYamlValues = 500'000;    ///< in a text, and in place of `like`
+inline constexpr std::size_t kMaxYamlCopies = 100'000;    ///< values under anchors and in place of aliases
 
 /// Reads YAML text into a tree. Duplicate keys, syntax errors, several documents and non-text keys are errors;
 /// yaml-cpp accepts the first of these silently, so the tree is built from its parse events.

@@ -321,6 +321,11 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     if (!root) {
         return nullptr;
     }
+    if (config::Node::Entry const* version = root->find_entry("gridspace_network")) {
+        diagnostics.error(version->where, "this is a network file, and a scenario is expected",
+                          "run `gridspace powerflow` on it, or name it as simulation.network of a scenario");
+        return nullptr;
+    }
     apply_options(*root, options, diagnostics);
     if (Node* streams = root->find("streams")) {
         config::resolve_likes(*streams, diagnostics);

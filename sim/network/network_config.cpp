@@ -70,6 +70,12 @@ void describe(Fields& f, Network& n) {
 }
 
 std::optional<Network> read_network(config::Node const& root, config::Diagnostics& diagnostics) {
+    auto const* processes = root.find_entry("processes");
+    if (processes != nullptr && root.find("gridspace_network") == nullptr) {
+        diagnostics.error(processes->where, "this is a scenario file, and a network is expected",
+                          "give the file that its simulation.network names, or `gridspace run` the scenario");
+        return std::nullopt;
+    }
     Network network;
     int const before = diagnostics.errors();
     config::read_fields(root, "", diagnostics, [&](Fields& f) { describe(f, network); });

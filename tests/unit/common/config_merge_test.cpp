@@ -106,6 +106,34 @@ TEST(Like, AKeyBesideItReplacesTheWholeValueInItsOwnOrder) {
     EXPECT_EQ(section.find("s2")->find("vlan_id"), nullptr);
 }
 
+TEST(Like, ALongChainIsResolvedWithoutDepth) {
+    Node section = Node::map();
+    constexpr int kLast = 100'000;
+    for (int i = 0; i < kLast; ++i) {
+        section.entries.push_back({"s" + std::to_string(i), {}, tree("like: s" + std::to_string(i + 1) + "\n")});
+    }
+    section.entries.push_back({"s" + std::to_string(kLast), {}, tree("mac: a\n")});
+    Diagnostics diagnostics;
+    resolve_likes(section, diagnostics);
+    EXPECT_TRUE(diagnostics.ok());
+    EXPECT_EQ(section.entries.front().value.find("mac")->text, "a");
+}
+
+TEST(Like, StandsForNoMoreThanAFileMayHold) {
+    Node section = Node::map(), large = Node::map();
+    for (int i = 0; i < 1000; ++i) {
+        large.entries.push_back({"k" + std::to_string(i), {}, Node::scalar("1")});
+    }
+    section.entries.push_back({"large", {}, std::move(large)});
+    for (int i = 0; i < 1000; ++i) {
+        section.entries.push_back({"s" + std::to_string(i), {}, tree("like: large\n")});
+    }
+    Diagnostics diagnostics;
+    resolve_likes(section, diagnostics);
+    EXPECT_EQ(diagnostics.errors(), 1);
+    EXPECT_NE(diagnostics.render().find("'like' stands for more than 500000 values here"), std::string::npos);
+}
+
 TEST(Like, UnknownAndCircularAreErrors) {
     Node section = tree("a: {like: b}\nb: {like: a}\nc: {like: aa}\n");
     Diagnostics diagnostics;

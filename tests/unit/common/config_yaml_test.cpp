@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/yaml.hpp"
 
-#include <gtest/gtest.h>
+#include "common/config/merge.hpp"
+
+#include <gmock/gmock.h>
 
 namespace gridspace::config {
 namespace {
+
+using testing::HasSubstr;
 
 std::optional<Node> parse(std::string_view text, Diagnostics& diagnostics) {
     return parse_yaml(text, make_source("t.yaml", text), diagnostics);
@@ -70,6 +74,66 @@ TEST(Yaml, DeepNestingIsRefused) {
     Diagnostics diagnostics;
     EXPECT_FALSE(parse(std::string(200, '['), diagnostics).has_value());
     EXPECT_EQ(diagnostics.errors(), 1);
+}
+
+/// The one error of a text that costs too much.
+std::string refusal(std::string const& text) {
+    Diagnostics diagnostics;
+    EXPECT_FALSE(parse(text, diagnostics).has_value());
+    EXPECT_EQ(diagnostics.errors(), 1);
+    return diagnostics.render();
+}
+
+std::string repeated(std::string const& text, std::size_t times) {
+    std::string out;
+    for (std::size_t i = 0; i < times; ++i) {
+        out += text;
+    }
+    return out;
+}
+
+TEST(Yaml, EachLimitIsNamedWhereItIsReached) {
+    std::string nested; // each value under sixty anchors
+    for (int i = 0; i < 2000; ++i) {
+        nested += "- " + repeated("&a [", 60) + "x" + std::string(60, ']') + "\n";
+    }
+    EXPECT_THAT(refusal(nested), HasSubstr("anchors and aliases stand for more than 100000 values"));
+    EXPECT_THAT(refusal(repeated("- a\n", 500'001)), HasSubstr("more than 500000 values"));
+    EXPECT_THAT(refusal("a: " + std::string(1'000'000, '[')), HasSubstr("nested deeper than 64 levels"));
+    EXPECT_THAT(refusal("a: [" + std::string(1'000'000, ',')), HasSubstr("line 1 has more than 400000 brackets"));
+}
+
+TEST(Yaml, AFileThatIsTooLongIsNotReadToItsEnd) {
+    Diagnostics diagnostics;
+    EXPECT_FALSE(load_yaml("/dev/zero", diagnostics).has_value());
+    EXPECT_THAT(diagnostics.render(), HasSubstr("the file has more than 16777216 octets"));
+}
+
+TEST(Yaml, ManyKeysAreNotSearchedFromTheFirstOnForEach) { // with a search it takes minutes
+    std::string text;
+    for (int i = 0; i < 200'000; ++i) {
+        text += "k" + std::to_string(i) + ": 1\n";
+    }
+    Diagnostics diagnostics;
+    auto const root = parse(text, diagnostics);
+    ASSERT_TRUE(root && diagnostics.ok());
+    Node merged = *root;
+    merge(merged, *root);
+    EXPECT_EQ(merged.entries.size(), 200'000U);
+}
+
+TEST(Yaml, OfAFileOfMistakesTheFirstThousandAreShown) {
+    Diagnostics diagnostics;
+    (void)parse("a: 1\n" + repeated("a: 2\n", 5000), diagnostics);
+    EXPECT_EQ(diagnostics.errors(), 5000);
+    EXPECT_EQ(diagnostics.sorted().size(), 1000U);
+    EXPECT_THAT(diagnostics.render(), HasSubstr("; 4000 more are not shown."));
+}
+
+TEST(Yaml, AnExpressionWithABracketThatIsNotQuotedIsExplained) {
+    Diagnostics diagnostics;
+    EXPECT_FALSE(parse("expect:\n  v: {always: bus.B1.v_pu in [0.9, 1.1]}\n", diagnostics).has_value());
+    EXPECT_THAT(diagnostics.render(), HasSubstr("put it in quotes"));
 }
 
 TEST(Yaml, WhatIsWrittenReadsBackTheSame) {

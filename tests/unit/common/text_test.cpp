@@ -46,5 +46,14 @@ TEST(Shortest, WritesNoExponentWherePeopleWouldNot) {
     EXPECT_EQ(shortest(1e22), "1e+22");
 }
 
+TEST(EscapeMarkup, LeavesNothingThatIsMarkup) {
+    EXPECT_EQ(escape_markup("<a b=\"c\" d='e'>&\x1b[2J"), "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;?[2J");
+}
+
+TEST(Printable, KeepsTextAndTakesControlCharacters) {
+    EXPECT_EQ(printable("a\tb\x1b[2J\x7f \xc2\x9b \xff \xe2\x82"), "a b?[2J? ? ? ??");
+    EXPECT_EQ(printable("Größe µ €"), "Größe µ €");
+}
+
 } // namespace
 } // namespace gridspace
