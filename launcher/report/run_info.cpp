@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/report/run_info.hpp"
 
+#include "common/json_value.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
 #include "launcher/wire/capture_statistics.hpp"
-#include "recorder/mcap/mcap_reader.hpp"
+#include "recorder/mcap/mcap_index.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -26,81 +27,60 @@ Json read_json(fs::path const& file) {
     return out.is_object() ? out : Json::object();
 }
 
-/// A member that may be missing or of another kind: files of other versions are read too.
-template <class T>
-T value_of(Json const& object, char const* key, T otherwise) {
-    auto const it = object.find(key);
-    if (it == object.end()) {
-        return otherwise;
-    }
-    if constexpr (std::is_same_v<T, std::string>) {
-        return it->is_string() ? it->template get<T>() : otherwise;
-    } else if constexpr (std::is_same_v<T, Json>) {
-        return *it;
-    } else {
-        return it->is_number() ? it->template get<T>() : otherwise;
-    }
-}
-Json part_of(Json const& object, char const* key) {
-    Json const part = value_of(object, key, Json::object());
-    return part.is_object() ? part : Json::object();
+/// For a terminal.
+std::string shown(Json const& text) {
+    return printable(text.get<std::string>());
 }
 
 struct Topic {
     std::string type;
-    std::uint64_t samples{0}, octets{0};
-    std::int64_t first_ns{0}, last_ns{0};
+    std::uint64_t samples{0};
+    double first_s{0}, last_s{0};
     std::set<std::string> processes;
 };
 
 /// Topics of a recording with counts, rates and who wrote them. Times are from the epoch.
 Result<Json> recording_json(fs::path const& file, std::int64_t epoch_ns) {
+    auto const content = mcap::content_of(file);
+    if (!content) {
+        return std::unexpected{content.error()};
+    }
+    auto const seconds = [&](std::uint64_t time_ns) {
+        return static_cast<double>(static_cast<std::int64_t>(time_ns - static_cast<std::uint64_t>(epoch_ns))) / 1e9;
+    };
     std::map<std::string, Topic> topics;
-    auto const outcome = mcap::read_messages(file, [&](mcap::Message const& m) {
-        Topic& topic = topics[m.channel.topic];
-        auto const time = static_cast<std::int64_t>(m.time_ns);
-        topic.first_ns = topic.samples == 0 ? time : std::min(topic.first_ns, time);
-        topic.last_ns = topic.samples == 0 ? time : std::max(topic.last_ns, time);
-        ++topic.samples;
-        topic.octets += m.data.size();
-        if (topic.type.empty()) {
-            topic.type = m.schema.name;
-        }
-        if (auto const process = m.channel.metadata.find("process"); process != m.channel.metadata.end()) {
+    Json first = nullptr, last = nullptr;
+    for (mcap::ChannelContent const& c : content->channels) {
+        Topic& topic = topics[c.channel.topic];
+        double const from = seconds(c.first_ns), to = seconds(c.last_ns);
+        topic.first_s = topic.samples == 0 ? from : std::min(topic.first_s, from);
+        topic.last_s = topic.samples == 0 ? to : std::max(topic.last_s, to);
+        first = first.is_null() ? from : std::min(first.get<double>(), from);
+        last = last.is_null() ? to : std::max(last.get<double>(), to);
+        topic.samples += c.messages;
+        topic.type = topic.type.empty() ? c.type : topic.type;
+        if (auto const process = c.channel.metadata.find("process"); process != c.channel.metadata.end()) {
             topic.processes.insert(process->second);
         }
-        return true;
-    });
-    if (!outcome) {
-        return std::unexpected{outcome.error()};
     }
     Json list = Json::array();
-    std::uint64_t octets = 0;
-    Json first = nullptr, last = nullptr;
     for (auto const& [name, topic] : topics) {
-        double const from = static_cast<double>(topic.first_ns - epoch_ns) / 1e9,
-                     to = static_cast<double>(topic.last_ns - epoch_ns) / 1e9;
         // Intervals, not samples, by the time between the first and the last: 1 Hz is 1 Hz over any length.
-        double const rate = to > from ? static_cast<double>(topic.samples - 1) / (to - from) : 0;
+        double const length_s = topic.last_s - topic.first_s;
         list.push_back({{"name", name},
                         {"type", topic.type},
                         {"samples", topic.samples},
-                        {"rate_hz", rate},
-                        {"first_s", from},
-                        {"last_s", to},
-                        {"octets", topic.octets},
+                        {"rate_hz", length_s > 0 ? static_cast<double>(topic.samples - 1) / length_s : 0},
+                        {"first_s", topic.first_s},
+                        {"last_s", topic.last_s},
                         {"processes", topic.processes}});
-        octets += topic.octets;
-        first = first.is_null() ? Json(from) : Json(std::min(first.get<double>(), from));
-        last = last.is_null() ? Json(to) : Json(std::max(last.get<double>(), to));
     }
     std::error_code ignored;
     return Json{{"file", file.filename().string()},
                 {"file_octets", fs::file_size(file, ignored)},
-                {"complete", outcome->complete},
-                {"note", outcome->note},
-                {"samples", outcome->messages},
-                {"sample_octets", octets},
+                {"complete", content->complete},
+                {"note", content->note},
+                {"samples", content->messages},
                 {"first_s", first},
                 {"last_s", last},
                 {"topics", list}};
@@ -194,31 +174,30 @@ std::string size_text(double octets) {
 }
 
 std::string recording_text(Json const& r) {
-    std::string out = fmt::format("{}  {}, {} samples{}\n", r["file"].get<std::string>(),
-                                  size_text(r["file_octets"].get<double>()), r["samples"].get<std::uint64_t>(),
-                                  r["complete"].get<bool>() ? "" : "; incomplete: " + r["note"].get<std::string>());
+    std::string out = fmt::format("{}  {}, {} samples{}\n", shown(r["file"]), size_text(r["file_octets"].get<double>()),
+                                  r["samples"].get<std::uint64_t>(),
+                                  r["complete"].get<bool>() ? "" : "; incomplete: " + shown(r["note"]));
     if (r["topics"].empty()) {
         return out;
     }
     out += fmt::format("  {:<22} {:<20} {:>10} {:>11} {:>10} {:>12}  {}\n", "topic", "type", "samples", "rate Hz",
                        "from s", "to s", "processes");
     for (Json const& t : r["topics"]) {
-        out += fmt::format("  {:<22} {:<20} {:>10} {:>11.6g} {:>10.6g} {:>12.9g}  {}\n", t["name"].get<std::string>(),
-                           t["type"].get<std::string>(), t["samples"].get<std::uint64_t>(), t["rate_hz"].get<double>(),
+        out += fmt::format("  {:<22} {:<20} {:>10} {:>11.6g} {:>10.6g} {:>12.9g}  {}\n", shown(t["name"]),
+                           shown(t["type"]), t["samples"].get<std::uint64_t>(), t["rate_hz"].get<double>(),
                            t["first_s"].get<double>(), t["last_s"].get<double>(),
-                           join(t["processes"].get<std::vector<std::string>>(), " "));
+                           printable(join(t["processes"].get<std::vector<std::string>>(), " ")));
     }
     return out;
 }
 
 std::string capture_text(Json const& c) {
-    std::string out = fmt::format("{}  {}, {} frames at {} points{}\n", c["file"].get<std::string>(),
+    std::string out = fmt::format("{}  {}, {} frames at {} points{}\n", shown(c["file"]),
                                   size_text(c["file_octets"].get<double>()), c["frames"].get<std::uint64_t>(),
                                   c["points"].size(), c["complete"].get<bool>() ? "" : "; incomplete: it was cut");
     for (Json const& s : c["streams"]) {
-        out += fmt::format("  {:<5} {:<32} {:>10} frames {:>9.6g} Hz  from {}{}\n", s["kind"].get<std::string>(),
-                           s["id"].get<std::string>(), s["frames"].get<std::uint64_t>(), s["rate_hz"].get<double>(),
-                           s["source"].get<std::string>(),
+        out += fmt::format("  {:<5} {:<32} {:>10} frames {:>9.6g} Hz  from {}{}\n", shown(s["kind"]), shown(s["id"]),
+                           s["frames"].get<std::uint64_t>(), s["rate_hz"].get<double>(), shown(s["source"]),
                            s["lost"].get<std::uint64_t>() > 0 ? fmt::format(", {} lost", s["lost"].get<std::uint64_t>())
                                                               : "");
     }
@@ -232,17 +211,14 @@ std::string run_text(Json const& j) {
             out += fmt::format("{:<12} {}\n", what, text);
         }
     };
-    line("run", j["folder"].get<std::string>());
-    line("scenario",
-         j["scenario"].get<std::string>() +
-             (j["description"].get<std::string>().empty() ? "" : ": " + j["description"].get<std::string>()));
-    line("sha256", j["scenario_sha256"].get<std::string>());
-    line("network", j["network_sha256"].get<std::string>());
-    line("started", j["started"].get<std::string>());
-    line("gridspace", j["gridspace"].get<std::string>());
-    line("clock", fmt::format("{}, tick {} s, step {} s, epoch {}, seed {}", j["mode"].get<std::string>(),
-                              j["tick_s"].get<std::string>(), j["step_s"].get<std::string>(),
-                              j["epoch"].get<std::string>(), j["seed"].dump()));
+    line("run", shown(j["folder"]));
+    line("scenario", shown(j["scenario"]) + (shown(j["description"]).empty() ? "" : ": " + shown(j["description"])));
+    line("sha256", shown(j["scenario_sha256"]));
+    line("network", shown(j["network_sha256"]));
+    line("started", shown(j["started"]));
+    line("gridspace", shown(j["gridspace"]));
+    line("clock", fmt::format("{}, tick {} s, step {} s, epoch {}, seed {}", shown(j["mode"]), shown(j["tick_s"]),
+                              shown(j["step_s"]), shown(j["epoch"]), j["seed"].dump()));
     if (j["simulated_s"].is_number()) {
         line("duration",
              fmt::format("{} of {} simulated, in {} ({} overruns)", human_duration(j["simulated_s"].get<double>()),
@@ -251,10 +227,10 @@ std::string run_text(Json const& j) {
     } else {
         line("duration", fmt::format("{} planned", human_duration(j["duration_s"].get<double>())));
     }
-    line("verdict", j["verdict"].get<std::string>());
+    line("verdict", shown(j["verdict"]));
     Json const& e = j["expectations"];
     if (e["passed"].get<int>() + e["failed"].get<int>() + e["not_judged"].get<int>() > 0) {
-        std::string const failures = join(e["failures"].get<std::vector<std::string>>(), ", ");
+        std::string const failures = printable(join(e["failures"].get<std::vector<std::string>>(), ", "));
         line("expected",
              fmt::format("{} held, {} did not{}{}", e["passed"].dump(), e["failed"].dump(),
                          failures.empty() ? "" : ": " + failures,
@@ -262,8 +238,8 @@ std::string run_text(Json const& j) {
     }
     std::string processes;
     for (Json const& p : j["processes"]) {
-        std::string const end = value_of(p, "end", std::string{});
-        processes += fmt::format("{}{}", processes.empty() ? "" : ", ", p["name"].get<std::string>()) +
+        std::string const end = printable(value_of(p, "end", std::string{}));
+        processes += fmt::format("{}{}", processes.empty() ? "" : ", ", shown(p["name"])) +
                      (p["exit"].is_number() && p["exit"].get<int>() != 0
                           ? fmt::format(" ({})", end.empty() ? "exit " + p["exit"].dump() : end)
                           : "");
@@ -281,7 +257,8 @@ Result<RunInfo> run_info(fs::path const& run) {
         if (!recording) {
             return std::unexpected{recording.error()};
         }
-        return RunInfo{recording_text(*recording), Json{{"recording", *recording}}.dump() + "\n"};
+        return RunInfo{recording_text(*recording),
+                       Json{{"recording", *recording}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
     }
     if (!fs::exists(run / "manifest.json", ignored)) {
         return fail(ExitCode::usage, fmt::format("'{}' is not the folder of a run", run.string()),
@@ -332,7 +309,7 @@ Result<RunInfo> run_info(fs::path const& run) {
             text += "\n" + show(*part);
         } else { // the rest of the folder is worth showing
             j[key] = Json{{"file", name}, {"error", part.error().message}};
-            text += fmt::format("\n{}: {}\n", name, part.error().message);
+            text += fmt::format("\n{}: {}\n", name, printable(part.error().message));
         }
     };
     std::int64_t const epoch_ns = parse_utc(j["epoch"].get<std::string>()).value_or(0) * 1'000'000'000;
@@ -343,7 +320,7 @@ Result<RunInfo> run_info(fs::path const& run) {
     j["octets"] = total;
     text += fmt::format("\n{} in all:", size_text(static_cast<double>(total)));
     for (auto const& [name, octets] : parts.items()) {
-        text += fmt::format(" {} {}", name, size_text(octets.get<double>()));
+        text += fmt::format(" {} {}", printable(name), size_text(octets.get<double>()));
     }
     return RunInfo{text + "\n", j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
 }

@@ -2,85 +2,62 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/mcap/mcap_reader.hpp"
 
+#include "recorder/mcap/mcap_records.hpp"
+
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <fmt/format.h>
-#include <fstream>
 #include <map>
+#include <memory>
 #include <zlib.h>
 #include <zstd.h>
 
 namespace gridspace::mcap {
 namespace {
 
-constexpr std::uint64_t kLargestRecord = 256ULL << 20U;
+/// Octets at the beginning of a buffer that grows with what is decompressed into it.
+constexpr std::size_t kFirstPiece = 1U << 20U;
 
-/// Reads little-endian numbers and texts; after a read beyond the end, ok() is false and values are 0.
-class Decoder {
-  public:
-    explicit Decoder(std::span<std::byte const> bytes) : bytes_{bytes} {}
-    template <class T>
-    T number() {
-        std::uint64_t value = 0;
-        if (!need(sizeof(T))) {
-            return 0;
+/// Fills `out` with `size` octets of zstd; false when there are fewer or more, or they are damaged.
+bool decompress(ZSTD_DCtx* zstd, std::span<std::byte const> stored, std::size_t size, std::vector<std::byte>& out) {
+    ZSTD_DCtx_reset(zstd, ZSTD_reset_session_only);
+    ZSTD_DCtx_setParameter(zstd, ZSTD_d_windowLogMax, std::bit_width(kLargestChunk) - 1);
+    ZSTD_inBuffer in{stored.data(), stored.size(), 0};
+    std::size_t done = 0, left = 1;
+    out.resize(std::min(size, std::max(out.capacity(), kFirstPiece)));
+    while (left != 0) {
+        if (done == out.size() && done < size) {
+            out.resize(std::min(size, 2 * out.size()));
         }
-        for (std::size_t i = 0; i < sizeof(T); ++i) {
-            value |= static_cast<std::uint64_t>(bytes_[at_ + i]) << (8 * i);
+        ZSTD_outBuffer piece{out.data() + done, out.size() - done, 0};
+        std::size_t const read_before = in.pos;
+        left = ZSTD_decompressStream(zstd, &piece, &in);
+        done += piece.pos;
+        bool const stuck = piece.pos == 0 && in.pos == read_before; // it wants more octets or more room than there are
+        if (ZSTD_isError(left) != 0 || stuck) {
+            return false;
         }
-        at_ += sizeof(T);
-        return static_cast<T>(value);
     }
-    std::string text() {
-        std::span<std::byte const> const raw = take(number<std::uint32_t>());
-        return {reinterpret_cast<char const*>(raw.data()), raw.size()};
-    }
-    std::map<std::string, std::string> texts() {
-        Decoder inner{take(number<std::uint32_t>())};
-        std::map<std::string, std::string> out;
-        while (inner.ok() && inner.left() > 0) {
-            std::string key = inner.text();
-            out[std::move(key)] = inner.text();
-        }
-        ok_ = ok_ && inner.ok();
-        return out;
-    }
-    std::span<std::byte const> take(std::uint64_t size) {
-        if (!need(size)) {
-            return {};
-        }
-        auto const out = bytes_.subspan(at_, size);
-        at_ += size;
-        return out;
-    }
-    [[nodiscard]] std::uint64_t left() const { return bytes_.size() - at_; }
-    [[nodiscard]] bool ok() const { return ok_; }
-
-  private:
-    bool need(std::uint64_t size) {
-        ok_ = ok_ && size <= left();
-        return ok_;
-    }
-    std::span<std::byte const> bytes_;
-    std::size_t at_{0};
-    bool ok_{true};
-};
+    return done == size;
+}
 
 class Reader {
   public:
-    explicit Reader(std::function<bool(Message const&)> const& handler) : handler_{handler} {}
+    Reader(std::function<bool(Message const&)> const& handler, std::uint64_t file_octets)
+        : handler_{handler}, may_decompress_{kDecompressed + kDecompressedPerOctet * file_octets} {}
 
     /// One record. False to stop: the handler had enough, or the record is damaged (note_ says how).
     bool record(Op op, std::span<std::byte const> body) {
         Decoder d{body};
         switch (op) {
         case Op::schema: {
-            Schema s{d.number<std::uint16_t>(), d.text(), d.text(), d.text()};
+            Schema s = read_schema(d);
             return check(d, "schema") && (schemas_[s.id] = std::move(s), true);
         }
         case Op::channel: {
-            Channel c{d.number<std::uint16_t>(), d.number<std::uint16_t>(), d.text(), d.text(), d.texts()};
+            Channel c = read_channel(d);
             return check(d, "channel") && (channels_[c.id] = std::move(c), true);
         }
         case Op::message:
@@ -158,14 +135,19 @@ class Reader {
         if (!check(d, "chunk")) {
             return false;
         }
-        if (size > kLargestRecord) {
-            return leave_out(fmt::format("a chunk of {} octets", size));
+        if (size > kLargestChunk) {
+            return leave_out(fmt::format("a chunk of {} octets, more than {}", size, kLargestChunk));
         }
         std::span<std::byte const> records = stored;
         if (compression == "zstd") {
-            buffer_.resize(size);
-            std::size_t const got = ZSTD_decompress(buffer_.data(), buffer_.size(), stored.data(), stored.size());
-            if (ZSTD_isError(got) != 0 || got != size) {
+            if (size > may_decompress_) {
+                outcome.note = fmt::format("it decompresses to more than {} octets and {} times its size: no recording "
+                                           "of measurements does; what is behind is not read",
+                                           kDecompressed, kDecompressedPerOctet);
+                return false;
+            }
+            may_decompress_ -= size;
+            if (!decompress(zstd_.get(), stored, size, buffer_)) {
                 return leave_out("a chunk cannot be decompressed");
             }
             records = buffer_;
@@ -201,76 +183,42 @@ class Reader {
     std::map<std::uint16_t, Schema> schemas_;
     std::map<std::uint16_t, Channel> channels_;
     std::vector<std::byte> buffer_;
+    std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd_{ZSTD_createDCtx(), &ZSTD_freeDCtx};
     bool in_chunk_{false};
+    std::uint64_t may_decompress_;          ///< octets that are still believed
     std::uint64_t damaged_{0}, orphans_{0}; ///< chunks, messages of channels that were introduced in them
     std::string first_damage_;
 };
 
-/// The next record of a file. False at its end, or where it is cut or damaged: `note` says which.
-bool next_record(std::istream& stream, Op& op, std::vector<std::byte>& body, std::string& note) {
-    std::array<std::uint8_t, 9> head{};
-    stream.read(reinterpret_cast<char*>(head.data()), head.size());
-    if (stream.gcount() != static_cast<std::streamsize>(head.size())) {
-        note = "the file ends without an index: the recorder did not finish";
-        return false;
-    }
-    std::uint64_t size = 0;
-    for (std::size_t i = 0; i < 8; ++i) {
-        size |= static_cast<std::uint64_t>(head[1 + i]) << (8 * i);
-    }
-    if (size > kLargestRecord) {
-        note = fmt::format("a record of {} octets: the file is damaged", size);
-        return false;
-    }
-    body.resize(size);
-    stream.read(reinterpret_cast<char*>(body.data()), static_cast<std::streamsize>(size));
-    if (stream.gcount() != static_cast<std::streamsize>(size)) {
-        note = "the last record is cut: the recorder did not finish";
-        return false;
-    }
-    op = static_cast<Op>(head[0]);
-    return true;
-}
-
 /// The summary at the end repeats the schemas and channels: they are known then although the chunk that introduces them
 /// is damaged. Chunks have checksums and are believed more.
-void read_summary(std::istream& stream, Reader& reader) {
-    constexpr std::streamoff kFooter = 9 + 20;
+void read_summary(RecordFile& file, Reader& reader) {
     std::vector<std::byte> body;
     std::string ignored;
     Op op{};
-    stream.seekg(-(kFooter + static_cast<std::streamoff>(kMagic.size())), std::ios::end);
-    if (stream && next_record(stream, op, body, ignored) && op == Op::footer && body.size() == 20) {
-        auto const start = Decoder{body}.number<std::uint64_t>();
-        stream.seekg(static_cast<std::streamoff>(std::min<std::uint64_t>(start, INT64_MAX)));
-        while (start != 0 && stream && next_record(stream, op, body, ignored) &&
-               (op == Op::schema || op == Op::channel)) {
+    if (std::uint64_t const start = file.summary_start(); start != 0) {
+        file.go_to(start);
+        while (file.next(op, body, ignored) && (op == Op::schema || op == Op::channel)) {
             (void)reader.record(op, body);
         }
     }
-    stream.clear();
     reader.outcome = {};
-    stream.seekg(static_cast<std::streamoff>(kMagic.size()));
+    file.go_to(kMagic.size());
 }
 
 } // namespace
 
-Result<ReadOutcome> read_messages(std::filesystem::path const& file,
+Result<ReadOutcome> read_messages(std::filesystem::path const& name,
                                   std::function<bool(Message const&)> const& handler) {
-    std::ifstream stream{file, std::ios::binary};
-    if (!stream) {
-        return fail(ExitCode::usage, fmt::format("cannot read the recording '{}'", file.string()));
+    auto file = RecordFile::open(name);
+    if (!file) {
+        return std::unexpected{file.error()};
     }
-    std::array<std::uint8_t, kMagic.size()> magic{};
-    stream.read(reinterpret_cast<char*>(magic.data()), magic.size());
-    if (magic != kMagic) {
-        return fail(ExitCode::usage, fmt::format("'{}' is not an MCAP recording", file.string()));
-    }
-    Reader reader{handler};
-    read_summary(stream, reader);
+    Reader reader{handler, file->octets()};
+    read_summary(*file, reader);
     std::vector<std::byte> body;
     Op op{};
-    while (next_record(stream, op, body, reader.outcome.note) && reader.record(op, body)) {
+    while (file->next(op, body, reader.outcome.note) && reader.record(op, body)) {
     }
     return reader.finished();
 }

@@ -27,8 +27,8 @@ struct ReadOutcome {
 };
 
 /// Calls `handler` for every message in the order of the file. Works on files that were cut off. Records of unknown
-/// kinds are skipped. Memory is bounded by the largest chunk (at most 256 MiB is believed). `handler` returns false to
-/// stop.
+/// kinds are skipped. Memory is bounded by the largest chunk, and time by the size of the file: what is beyond the
+/// limits of mcap_format.hpp is not believed, and the note says so. `handler` returns false to stop.
 [[nodiscard]] Result<ReadOutcome> read_messages(std::filesystem::path const& file,
                                                 std::function<bool(Message const&)> const& handler);
 

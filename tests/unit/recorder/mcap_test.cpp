@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "recorder/mcap/mcap_index.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
 #include "recorder/mcap/mcap_writer.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <iterator>
 #include <malloc.h>
+#include <zstd.h>
 
 namespace gridspace::mcap {
 namespace {
@@ -209,6 +211,110 @@ TEST(LongRecording, MemoryDoesNotGrowWithItsLength) {
 
 INSTANTIATE_TEST_SUITE_P(Compressed, Recording, ::testing::Bool(),
                          [](auto const& p) { return p.param ? "zstd" : "plain"; });
+
+/// Records as octets, by hand: what no writer of ours makes.
+class Octets {
+  public:
+    template <class T>
+    Octets& number(T value) {
+        for (std::size_t i = 0; i < sizeof value; ++i) {
+            text_ += static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i));
+        }
+        return *this;
+    }
+    Octets& octets(std::string_view text) {
+        text_ += text;
+        return *this;
+    }
+    Octets& text(std::string_view text) { return number(static_cast<std::uint32_t>(text.size())).octets(text); }
+    Octets& record(Op op, std::string_view body) {
+        return number(static_cast<std::uint8_t>(op)).number(std::uint64_t{body.size()}).octets(body);
+    }
+    [[nodiscard]] std::string const& str() const { return text_; }
+
+  private:
+    std::string text_;
+};
+
+std::string const kHead{kMagic.begin(), kMagic.end()};
+
+/// What reading a file of these octets says, and how many octets of memory it took at its peak.
+struct Hostile : ::testing::Test {
+    std::string note_of(std::string const& content) const {
+        std::ofstream{file, std::ios::binary} << content;
+        auto const outcome = read_messages(file, [](Message const&) { return true; });
+        return outcome ? outcome->note : outcome.error().message;
+    }
+    TemporaryFolder const folder;
+    std::filesystem::path const file{folder.path() / "x.mcap"};
+};
+
+TEST_F(Hostile, APromiseOfARecordTakesNoMemory) {
+    std::string const promise = Octets{}.number(std::uint8_t{5}).number(std::uint64_t{200} << 20U).str();
+    struct mallinfo2 const before = ::mallinfo2();
+    EXPECT_EQ(note_of(kHead + promise + "xyz"), "the last record is cut: the recorder did not finish");
+    EXPECT_LT(::mallinfo2().uordblks + ::mallinfo2().hblkhd, before.uordblks + before.hblkhd + (1U << 20U));
+    EXPECT_NE(note_of(kHead + Octets{}.number(std::uint8_t{5}).number(std::uint64_t{1} << 40U).str())
+                  .find("a record of 1099511627776 octets, more than 268435456"),
+              std::string::npos);
+}
+
+std::string chunk(std::uint64_t promised, std::string_view stored) {
+    return Octets{}
+        .number(std::uint64_t{0})
+        .number(std::uint64_t{0})
+        .number(promised)
+        .number(std::uint32_t{0})
+        .text("zstd")
+        .number(std::uint64_t{stored.size()})
+        .octets(stored)
+        .str();
+}
+
+TEST_F(Hostile, AChunkThatPromisesTooMuchIsNotDecompressed) {
+    Octets sut;
+    sut.octets(kHead).record(Op::chunk, chunk(std::uint64_t{65} << 20U, "")).record(Op::data_end, "0000");
+    EXPECT_EQ(note_of(sut.str()), "1 damaged chunk was left out (a chunk of 68157440 octets, more than 67108864)");
+}
+
+TEST_F(Hostile, ManyChunksOfNothingAreNotDecompressedWithoutEnd) {
+    std::string const nothing =
+        Octets{}.record(Op{0x7F}, std::string((64U << 20U) - 9, '\0')).str(); // of a kind that nobody knows
+    std::string packed(::ZSTD_compressBound(nothing.size()), '\0');
+    packed.resize(::ZSTD_compress(packed.data(), packed.size(), nothing.data(), nothing.size(), 1));
+    Octets sut;
+    sut.octets(kHead);
+    std::string const body = chunk(nothing.size(), packed);
+    for (int i = 0; i < 20; ++i) {
+        sut.record(Op::chunk, body);
+    }
+    std::string const note = note_of(sut.str());
+    EXPECT_NE(note.find("it decompresses to more than"), std::string::npos) << note << packed.size();
+}
+
+TEST_P(Recording, ItsContentIsKnownWithoutReadingItsData) {
+    ASSERT_NO_FATAL_FAILURE(write(1000, true));
+    auto sut = content_of(file_);
+    ASSERT_TRUE(sut);
+    EXPECT_TRUE(sut->indexed && sut->complete);
+    EXPECT_EQ(sut->messages, 1000U);
+    ASSERT_EQ(sut->channels.size(), 2U);
+    EXPECT_EQ(sut->channels[1].channel.metadata.at("process"), "b");
+    EXPECT_EQ(sut->channels[1].type, "T");
+    EXPECT_EQ(sut->channels[1].messages, 500U);
+    EXPECT_EQ(sut->channels[1].first_ns, 1001U);
+    EXPECT_EQ(sut->channels[1].last_ns, 1999U);
+}
+
+TEST_P(Recording, ItsContentIsReadWhereItHasNoIndex) {
+    ASSERT_NO_FATAL_FAILURE(write(1000, false));
+    auto sut = content_of(file_);
+    ASSERT_TRUE(sut);
+    EXPECT_FALSE(sut->indexed || sut->complete);
+    EXPECT_EQ(sut->messages, 1000U);
+    ASSERT_EQ(sut->channels.size(), 2U);
+    EXPECT_EQ(sut->channels[0].last_ns, 1998U);
+}
 
 } // namespace
 } // namespace gridspace::mcap

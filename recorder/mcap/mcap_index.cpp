@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "recorder/mcap/mcap_index.hpp"
+
+#include "recorder/mcap/mcap_reader.hpp"
+#include "recorder/mcap/mcap_records.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+namespace gridspace::mcap {
+namespace {
+
+using Channels = std::map<std::uint16_t, ChannelContent>;
+
+void note_message(ChannelContent& content, std::uint64_t time_ns) {
+    content.first_ns = content.messages == 0 ? time_ns : std::min(content.first_ns, time_ns);
+    content.last_ns = content.messages == 0 ? time_ns : std::max(content.last_ns, time_ns);
+    ++content.messages;
+}
+
+/// Reads the message indexes of one chunk; false when they are not what the summary says.
+bool read_message_indexes(RecordFile& file, std::uint64_t from, std::uint64_t octets, Channels& channels) {
+    std::vector<std::byte> body;
+    std::string ignored;
+    Op op{};
+    file.go_to(from);
+    while (file.at() < from + octets) {
+        if (!file.next(op, body, ignored) || op != Op::message_index) {
+            return false;
+        }
+        Decoder d{body};
+        auto const channel = channels.find(d.number<std::uint16_t>());
+        Decoder entries{d.take(d.number<std::uint32_t>())};
+        if (!d.ok() || channel == channels.end()) {
+            return false;
+        }
+        while (entries.left() > 0) {
+            auto const time_ns = entries.number<std::uint64_t>();
+            entries.number<std::uint64_t>(); // its place in the chunk
+            if (!entries.ok()) {
+                return false;
+            }
+            note_message(channel->second, time_ns);
+        }
+    }
+    return true;
+}
+
+/// Where the message indexes of a chunk are: octets from the beginning of the file, and how many.
+struct IndexPlace {
+    std::uint64_t from{0}, octets{0};
+};
+
+std::optional<Content> content_by_index(RecordFile& file) {
+    std::uint64_t const start = file.summary_start();
+    if (start == 0) {
+        return std::nullopt;
+    }
+    Content out;
+    Channels channels;
+    std::map<std::uint16_t, std::string> types;
+    std::vector<IndexPlace> places;
+    std::uint64_t index_octets = 0;
+    std::optional<std::uint64_t> promised;
+    std::vector<std::byte> body;
+    std::string ignored;
+    Op op{};
+    file.go_to(start);
+    while (file.next(op, body, ignored) && op != Op::footer) {
+        Decoder d{body};
+        if (op == Op::schema) {
+            Schema schema = read_schema(d);
+            types[schema.id] = std::move(schema.name);
+        } else if (op == Op::channel) {
+            Channel channel = read_channel(d);
+            std::uint16_t const id = channel.id;
+            channels[id].channel = std::move(channel);
+        } else if (op == Op::statistics) {
+            promised = d.number<std::uint64_t>();
+        } else if (op == Op::chunk_index) {
+            d.number<std::uint64_t>(); // times
+            d.number<std::uint64_t>();
+            auto const chunk = d.number<std::uint64_t>(), length = d.number<std::uint64_t>();
+            d.take(d.number<std::uint32_t>()); // the place of each channel's
+            places.push_back({chunk + length, d.number<std::uint64_t>()});
+            index_octets += places.back().octets;
+            if (places.back().octets > file.octets() ||
+                index_octets > file.octets()) { // the same ones, again and again
+                return std::nullopt;
+            }
+        }
+        if (!d.ok()) {
+            return std::nullopt;
+        }
+    }
+    for (IndexPlace const& place : places) {
+        if (place.from > file.octets() || !read_message_indexes(file, place.from, place.octets, channels)) {
+            return std::nullopt;
+        }
+    }
+    for (auto& [id, content] : channels) {
+        out.messages += content.messages;
+        content.type = types[content.channel.schema_id];
+        if (content.messages > 0) {
+            out.channels.push_back(std::move(content));
+        }
+    }
+    out.indexed = out.complete = true;
+    return promised == out.messages ? std::optional{std::move(out)} : std::nullopt;
+}
+
+} // namespace
+
+Result<Content> content_of(std::filesystem::path const& name) {
+    auto file = RecordFile::open(name);
+    if (!file) {
+        return std::unexpected{file.error()};
+    }
+    if (auto content = content_by_index(*file)) {
+        return std::move(*content);
+    }
+    Channels channels;
+    auto const outcome = read_messages(name, [&](Message const& m) {
+        ChannelContent& content = channels[m.channel.id];
+        if (content.messages == 0) {
+            content.channel = m.channel;
+            content.type = m.schema.name;
+        }
+        note_message(content, m.time_ns);
+        return true;
+    });
+    if (!outcome) {
+        return std::unexpected{outcome.error()};
+    }
+    Content out;
+    for (auto& [id, content] : channels) {
+        out.channels.push_back(std::move(content));
+    }
+    out.messages = outcome->messages;
+    out.complete = outcome->complete;
+    out.note = outcome->note;
+    return out;
+}
+
+} // namespace gridspace::mcap
