@@ -142,7 +142,9 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
     }
     ObservedStream& s = *found;
     bool const first = s.frames++ == 0;
-    bool const same_state = !first && m.st_num == s.st_num;
+    std::uint64_t const since = std::uint64_t{m.t.seconds} << 24U | m.t.fraction;
+    bool const again = !first && m.st_num == s.st_num && since > s.since; // its number, and it began later: a restart
+    bool const same_state = !first && m.st_num == s.st_num && !again;
     double const interval_ms = static_cast<double>(time_ns - s.last_ns) * 1e-6;
     bool const duplicate = same_state && m.sq_num == s.sq_num;
     seen_.push_back({&s, duplicate});
@@ -168,9 +170,10 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
             }
         } else {
             ++s.states;
-            s.restarts += m.st_num < s.st_num && m.st_num != 1 ? 1 : 0;
-            s.restarts += m.st_num == 1 && s.st_num != 0xFFFFFFFF ? 1 : 0;
-            s.lost += m.sq_num;
+            bool const from_one = m.st_num == 1 && s.st_num != 0xFFFFFFFF; // no wrap
+            bool const restarted = again || m.st_num < s.st_num || from_one;
+            s.restarts += restarted ? 1 : 0;
+            s.lost += m.sq_num - (again && m.sq_num > 0 ? 1 : 0); // the first of a device that starts has sqNum 1
             s.burst_whole = true;
             if (s.bursts.size() < ObservedStream::kBursts) {
                 s.bursts.emplace_back();
@@ -179,6 +182,7 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
     }
     s.st_num = m.st_num;
     s.sq_num = m.sq_num;
+    s.since = since;
     s.live_ms = m.live_ms;
     s.conf_rev = m.conf_rev;
     s.simulated = m.simulated();

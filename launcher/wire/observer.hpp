@@ -35,6 +35,7 @@ struct ObservedStream {
 
     // GOOSE
     std::uint32_t st_num{0}, sq_num{0}, live_ms{0};
+    std::uint64_t since{0};                  ///< when its state began, as it says itself: UtcTime as it was sent
     std::uint64_t states{0}, late{0};        ///< late: came after timeAllowedToLive of the one before
     std::vector<MessageInterval> intervals;  ///< between messages, in order
     std::vector<std::vector<double>> bursts; ///< intervals behind each change of state, at most kBurst of each

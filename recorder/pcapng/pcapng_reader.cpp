@@ -11,7 +11,7 @@ namespace gridspace::pcapng {
 namespace {
 
 constexpr std::uint32_t kSection = 0x0A0D0D0A, kInterface = 1, kPacket = 2, kSimplePacket = 3, kEnhancedPacket = 6;
-constexpr std::uint32_t kMicro = 0xA1B2C3D4, kNano = 0xA1B23C4D, kOrder = 0x1A2B3C4D;
+constexpr std::uint32_t kMicro = 0xA1B2C3D4, kNano = 0xA1B23C4D, kModified = 0xA1B2CD34, kOrder = 0x1A2B3C4D;
 constexpr std::size_t kLargestBlock = 16U << 20U;
 
 constexpr std::size_t padded(std::size_t octets) {
@@ -86,13 +86,15 @@ Result<Reader> Reader::open(std::filesystem::path const& file) {
         out.begun_ = true;
         return out;
     }
-    if (magic != kMicro && magic != kNano && turned != kMicro && turned != kNano) {
+    bool const straight = magic == kMicro || magic == kNano || magic == kModified;
+    out.swapped_ = turned == kMicro || turned == kNano || turned == kModified;
+    if (!straight && !out.swapped_) {
         return fail(ExitCode::usage, fmt::format("'{}' is not a capture: it begins with 0x{:08x}", out.name_, magic),
                     "expected pcapng or pcap");
     }
     out.classic_ = true;
-    out.swapped_ = turned == kMicro || turned == kNano;
     bool const nano = magic == kNano || turned == kNano;
+    out.record_head_ = magic == kModified || turned == kModified ? 24 : 16;
     if (!out.read(20)) {
         return fail(ExitCode::usage, fmt::format("'{}' ends within its header", out.name_));
     }
@@ -106,7 +108,7 @@ Result<Reader> Reader::open(std::filesystem::path const& file) {
 }
 
 Result<std::optional<Frame>> Reader::next_classic() {
-    if (!read(16)) {
+    if (!read(record_head_)) {
         return std::nullopt;
     }
     Frame frame;
@@ -122,7 +124,7 @@ Result<std::optional<Frame>> Reader::next_classic() {
         truncated_ = true;
         return std::nullopt;
     }
-    offset_ += 16 + captured;
+    offset_ += record_head_ + captured;
     frame.octets = block_;
     return frame;
 }

@@ -38,8 +38,9 @@ struct Frame {
 };
 
 /// Reads captures frame by frame: pcapng (enhanced, simple and the old packet blocks) and classic pcap (micro- and
-/// nanoseconds), either byte order. Memory is bounded by one block, at most 16 MB. A file that was cut off in the
-/// middle (a crash, a full disk) gives its whole frames and `truncated()`.
+/// nanoseconds, and the "modified" one of A. Kuznetzov, 0xa1b2cd34), either byte order. Memory is bounded by one block,
+/// at most 16 MB. A file that was cut off in the middle (a crash, a full disk) gives its whole frames and
+/// `truncated()`.
 class Reader {
   public:
     [[nodiscard]] static Result<Reader> open(std::filesystem::path const& file);
@@ -71,6 +72,7 @@ class Reader {
     std::uint64_t offset_{0}, left_{0}; ///< octets of the file that were not read
     bool begun_{false};
     bool classic_{false}, swapped_{false}, truncated_{false};
+    std::size_t record_head_{16}; ///< of a classic file: the "modified" one says 8 octets more, which nobody needs
     std::vector<Interface> interfaces_;
     std::vector<std::uint8_t> block_;  ///< body of the current block, without its head and its trailing length
     std::uint32_t first_interface_{0}; ///< of the current section

@@ -35,7 +35,7 @@ Frame sv(std::vector<std::pair<std::string, int>> const& samples, std::uint8_t d
     return {octets.begin(), octets.end()};
 }
 
-Frame goose(std::uint32_t st_num, std::uint32_t sq_num) {
+Frame goose(std::uint32_t st_num, std::uint32_t sq_num, std::uint32_t since_s = 0) {
     GooseDescription description;
     description.gocb_ref = "A/LLN0$GO$g";
     description.dat_set = "A/LLN0$d";
@@ -45,6 +45,7 @@ Frame goose(std::uint32_t st_num, std::uint32_t sq_num) {
     GooseState state;
     state.st_num = st_num;
     state.sq_num = sq_num;
+    state.t.seconds = since_s;
     state.live_ms = 1000;
     Octets const octets = frame->frame(state);
     return {octets.begin(), octets.end()};
@@ -182,6 +183,21 @@ TEST_F(CaptureStatisticsOf, AnOutageIsLostAndNotARestart) {
     EXPECT_EQ(got.streams[0].stream.lost, 4800U);
     EXPECT_EQ(got.streams[0].stream.restarts, 0U);
     EXPECT_NEAR(got.streams[0].stream.rate_hz(), 4800, 0.1);
+}
+
+TEST_F(CaptureStatisticsOf, ADeviceThatStartsAgainIsARestartAndNotOutOfOrder) {
+    std::int64_t n = 0;
+    for (std::uint32_t const sq_num : {9U, 10U, 11U, 12U}) {
+        put(++n * 1'000'000'000, goose(1, sq_num, 1000));
+    }
+    for (std::uint32_t const sq_num : {1U, 2U, 3U}) { // stNum stays 1, and its state began 78 s later
+        put((++n + 78) * 1'000'000'000, goose(1, sq_num, 1078));
+    }
+    auto const got = read();
+    ASSERT_EQ(got.streams.size(), 1U);
+    EXPECT_EQ(got.streams[0].stream.restarts, 1U);
+    EXPECT_EQ(got.streams[0].stream.out_of_order, 0U);
+    EXPECT_EQ(got.streams[0].stream.lost, 0U);
 }
 
 TEST(Observer, CallsAStreamOfASingleFrameSilentSoon) {

@@ -130,6 +130,22 @@ TEST_F(Pcapng, ReadsClassicCapturesOfEitherByteOrder) {
     }
 }
 
+TEST_F(Pcapng, ReadsTheModifiedClassicCapture) { // A. Kuznetzov's, 0xa1b2cd34: eight octets more for each frame
+    std::vector<char> file;
+    for (std::uint32_t const v :
+         {0xA1B2CD34U, 0x00040002U, 0U, 0U, 65535U, 1U, 100U, 7U, 4U, 60U, 3U, 0x00000800U, 0x04030201U}) {
+        file.insert(file.end(), reinterpret_cast<char const*>(&v), reinterpret_cast<char const*>(&v) + 4);
+    }
+    put(file);
+    auto sut = Reader::open(file_);
+    ASSERT_TRUE(sut) << describe(sut.error());
+    auto const frame = sut->next();
+    ASSERT_TRUE(frame && *frame);
+    EXPECT_EQ((*frame)->time_ns, 100'000'007'000);
+    EXPECT_EQ((*frame)->octets, (Octets{1, 2, 3, 4}));
+    EXPECT_FALSE(*sut->next());
+}
+
 TEST_F(Pcapng, ReadsPacketBlocksOfOldFiles) {
     write_example();
     auto file = content();
