@@ -37,10 +37,11 @@ void read_end(Fields& f, EndConfig& end) {
     }
     std::int64_t listen = 0;
     std::string connect;
-    f.integer("listen", listen,
-              {.doc = "a link over TCP: the port at which this site waits for others, on all interfaces",
-               .min = 1,
-               .max = 65535});
+    f.integer(
+        "listen", listen,
+        {.doc = "a link over TCP: the port at which this site waits for others, on all interfaces; only with `tls`",
+         .min = 1,
+         .max = 65535});
     f.text("connect", connect, {.doc = "a link over TCP: address and port of the site that listens"});
     bool const has_link = f.has("listen") || f.has("connect");
     if (has_link) {
@@ -68,6 +69,12 @@ void read_end(Fields& f, EndConfig& end) {
         } else {
             f.error("tls", "only a link has TLS", "give `listen` or `connect`, or a `qos` file that says it");
         }
+    }
+    if (has_link && end.link->listens && !f.has("tls")) { // Fast DDS 2.9 listens on all interfaces, or not at all
+        f.error("listen",
+                fmt::format("whoever reaches port {} of this machine could take part: that needs TLS", listen),
+                "give `tls`: each side then shows a certificate of your authority "
+                "(docs/how_to/connect_two_sites.md makes them)");
     }
     f.file("qos", end.qos,
            {.doc = "Fast DDS XML file with the participant profile to use instead of plain UDP: "

@@ -12,52 +12,6 @@
 namespace gridspace::router {
 namespace {
 
-class Link : public ethernet::Veth {
-  protected:
-    static std::string site(std::string const& name, int domain, std::string const& link) {
-        return fmt::format("router: {}\nends: {{local: {{domain: {}, addresses: [127.0.0.1]}}, wan: {{{}}}}}\ntopics: "
-                           "{{x: {{}}, y: {{}}}}\n",
-                           name, domain, link);
-    }
-    static void hear(bus::RawWriter& writer, Program& reader, std::string const& topic) {
-        std::size_t const before = reader.heard(topic);
-        Signal pause;
-        ASSERT_TRUE(pause.wait([&] {
-            writer.write_cdr(sample(7), kStart);
-            return reader.heard(topic) > before;
-        })) << topic;
-    }
-};
-
-TEST_F(Link, SamplesCrossItInBothDirections) {
-    Program left{"left", 1}, right{"right", 2};
-    RunningRouter a{site("site_a", 1, "listen: 7411")}, b{site("site_b", 2, "connect: '127.0.0.1:7411'")};
-    auto &x = left.writes("x"), &y = right.writes("y");
-    left.reads("y");
-    right.reads("x");
-    hear(x, right, "x");
-    hear(y, left, "y");
-    EXPECT_TRUE(a.wait_for("connected wan site_b"));
-    EXPECT_TRUE(b.wait_for("connected wan site_a"));
-    b.stop();
-    EXPECT_TRUE(a.wait_for("left wan site_b"));
-}
-
-TEST_F(Link, EitherSideMayStartFirstAndComeBack) {
-    Program left{"left", 1}, right{"right", 2};
-    auto &x = left.writes("x"), &y = right.writes("y");
-    left.reads("y");
-    right.reads("x");
-    RunningRouter connecting{site("site_b", 2, "connect: '127.0.0.1:7411'")}; // nobody listens yet
-    for (std::size_t round = 1; round <= 3; ++round) {
-        RunningRouter listening{site("site_a", 1, "listen: 7411")};
-        ASSERT_TRUE(connecting.wait_for("connected wan site_a", round)) << "round " << round;
-        hear(x, right, "x");
-        hear(y, left, "y");
-    }
-    EXPECT_TRUE(connecting.wait_for("left wan site_a", 3));
-}
-
 /// Certificates of two sites of one authority, and of an impostor whom another one has signed.
 std::filesystem::path certificates() {
     static std::filesystem::path const folder = [] {
@@ -88,6 +42,53 @@ std::string tls(std::string const& name, std::string const& authority = "ca") {
                        name, authority);
 }
 
+class Link : public ethernet::Veth {
+  protected:
+    static std::string site(std::string const& name, int domain, std::string const& link) {
+        return fmt::format("router: {}\nends: {{local: {{domain: {}, addresses: [127.0.0.1]}}, wan: {{{}}}}}\ntopics: "
+                           "{{x: {{}}, y: {{}}}}\n",
+                           name, domain, link);
+    }
+    static void hear(bus::RawWriter& writer, Program& reader, std::string const& topic) {
+        std::size_t const before = reader.heard(topic);
+        Signal pause;
+        ASSERT_TRUE(pause.wait([&] {
+            writer.write_cdr(sample(7), kStart);
+            return reader.heard(topic) > before;
+        })) << topic;
+    }
+};
+
+TEST_F(Link, SamplesCrossItInBothDirections) {
+    Program left{"left", 1}, right{"right", 2};
+    RunningRouter a{site("site_a", 1, "listen: 7411" + tls("site_a"))},
+        b{site("site_b", 2, "connect: '127.0.0.1:7411'" + tls("site_b"))};
+    auto &x = left.writes("x"), &y = right.writes("y");
+    left.reads("y");
+    right.reads("x");
+    hear(x, right, "x");
+    hear(y, left, "y");
+    EXPECT_TRUE(a.wait_for("connected wan site_b"));
+    EXPECT_TRUE(b.wait_for("connected wan site_a"));
+    b.stop();
+    EXPECT_TRUE(a.wait_for("left wan site_b"));
+}
+
+TEST_F(Link, EitherSideMayStartFirstAndComeBack) {
+    Program left{"left", 1}, right{"right", 2};
+    auto &x = left.writes("x"), &y = right.writes("y");
+    left.reads("y");
+    right.reads("x");
+    RunningRouter connecting{site("site_b", 2, "connect: '127.0.0.1:7411'" + tls("site_b"))}; // nobody listens yet
+    for (std::size_t round = 1; round <= 3; ++round) {
+        RunningRouter listening{site("site_a", 1, "listen: 7411" + tls("site_a"))};
+        ASSERT_TRUE(connecting.wait_for("connected wan site_a", round)) << "round " << round;
+        hear(x, right, "x");
+        hear(y, left, "y");
+    }
+    EXPECT_TRUE(connecting.wait_for("left wan site_a", 3));
+}
+
 TEST_F(Link, TlsLetsInWhomTheAuthorityHasSignedAndNobodyElse) {
     Program left{"left", 1}, right{"right", 2}, stranger{"stranger", 3};
     RunningRouter a{site("site_a", 1, "listen: 7411" + tls("site_a"))};
@@ -112,9 +113,9 @@ TEST_F(Link, TlsLetsInWhomTheAuthorityHasSignedAndNobodyElse) {
 }
 
 TEST_F(Link, APortThatSomebodyHasIsNamed) {
-    RunningRouter first{site("site_a", 1, "listen: 7411")};
+    RunningRouter first{site("site_a", 1, "listen: 7411" + tls("site_a"))};
     try {
-        RunningRouter sut{site("other", 2, "listen: 7411")};
+        RunningRouter sut{site("other", 2, "listen: 7411" + tls("site_b"))};
         FAIL() << "it started";
     } catch (std::runtime_error const& e) {
         EXPECT_NE(std::string{e.what()}.find("wan: cannot listen at port 7411"), std::string::npos) << e.what();

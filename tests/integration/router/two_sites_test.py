@@ -129,13 +129,31 @@ class TwoSites(ScenarioTest):
             "clock": {"mode": "realtime", "speed": SPEED, "start_timeout_s": 120},
             "processes": {"ev4": ev4, "monitor": None, "mcca": {"request_timeout_s": 600}}, "expect": None, **changes})
 
+    def tls(self, name):
+        """The files of a site, as docs/how_to/connect_two_sites.md makes them."""
+        def openssl(*words):
+            subprocess.run(["openssl", *map(str, words)], check=True, capture_output=True)
+        ca, ca_key, cert, key, request = (self.folder / n for n in ("ca.pem", "ca.key", f"{name}.pem", f"{name}.key", f"{name}.csr"))
+        new_key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes")
+        if not ca.exists():
+            openssl("req", "-x509", *new_key, "-days", 2, "-subj", "/CN=ca", "-keyout", ca_key, "-out", ca)
+        openssl("req", *new_key, "-subj", f"/CN={name}", "-keyout", key, "-out", request)
+        openssl("x509", "-req", "-days", 2, "-in", request, "-CA", ca, "-CAkey", ca_key, "-CAcreateserial", "-out", cert)
+        return {"certificate": str(cert), "private_key": str(key), "authority": str(ca)}
+
+    def listening(self):
+        return {"listen": 7411, "tls": self.tls("here")}
+
+    def connecting(self):
+        return {"connect": f"{HERE}:7411", "tls": self.tls("there")}
+
     def router_here(self, wan, topics=("requests",)):
         carried = {"simulation_clock": {"from": ["management"], "to": ["wan"]}, "bus_measurements": {"from": ["data"], "to": ["wan"]}}
         carried.update({topic: {"from": ["wan"], "to": ["data"]} for topic in topics})
         return self.json_file("here.yaml", {"router": "ev4", "ends": {"management": {"run": "management"}, "data": {"run": "data"}, "wan": wan}, "topics": carried})
 
     def router_there(self, wan=None):
-        wan = wan or {"connect": f"{HERE}:7411"}
+        wan = wan or self.connecting()
         return self.json_file("there.yaml", {
             "router": "sim", "ends": {"site": {"domain": DOMAIN_THERE, "addresses": ["127.0.0.1"]}, "wan": wan},
             "topics": {"simulation_clock": {"from": ["wan"]}, "bus_measurements": {"from": ["wan"]}, "requests": {"from": ["site"]}}})
@@ -177,7 +195,7 @@ class TwoSites(ScenarioTest):
     def test_a_scenario_split_over_two_sites_charges_as_in_one_piece(self):
         there = self.launch([*self.on_the_other_site(), BIN / "gridspace", "router", "--json", self.router_there()])
         agent = self.agent({"management": {"domain": DOMAIN_THERE, "addresses": ["127.0.0.1"]}})
-        run = self.run_here(self.scenario(self.router_here({"listen": 7411})))
+        run = self.run_here(self.scenario(self.router_here(self.listening())))
         self.assertEqual(run.finish(), OK, run.stderr())
         self.assertEqual(agent.process.wait(HANG_S), OK, "".join(agent.errors))  # the last clock sample has reached it
         self.assertEqual(there.end(), OK, there.errors)
@@ -192,7 +210,7 @@ class TwoSites(ScenarioTest):
         """The negative control: the same two sites, but requests are on no list here."""
         there = self.launch([*self.on_the_other_site(), BIN / "gridspace", "router", "--json", self.router_there()])
         agent = self.agent({"management": {"domain": DOMAIN_THERE, "addresses": ["127.0.0.1"]}})
-        scenario = self.scenario(self.router_here({"listen": 7411}, topics=()))
+        scenario = self.scenario(self.router_here(self.listening(), topics=()))
         content = json.loads(scenario.read_text())
         content["processes"]["ev4"]["writes"] = {}  # or the run would wait for its writer
         scenario.write_text(json.dumps(content))
@@ -206,9 +224,9 @@ class TwoSites(ScenarioTest):
 
     def test_a_site_that_dies_is_named_and_taken_up_again_and_so_is_a_cut_cable(self):
         here = self.launch([BIN / "gridspace", "router", "--json", self.json_file("a.yaml", {
-            "router": "site_a", "ends": {"site": {"domain": 5, "addresses": ["127.0.0.1"]}, "wan": {"listen": 7411}}, "topics": {"x": {}}})])
+            "router": "site_a", "ends": {"site": {"domain": 5, "addresses": ["127.0.0.1"]}, "wan": self.listening()}, "topics": {"x": {}}})])
         command = [*self.on_the_other_site(), BIN / "gridspace", "router", "--json", self.json_file("b.yaml", {
-            "router": "site_b", "ends": {"site": {"domain": 5, "addresses": ["127.0.0.1"]}, "wan": {"connect": f"{HERE}:7411"}}, "topics": {"x": {}}})]
+            "router": "site_b", "ends": {"site": {"domain": 5, "addresses": ["127.0.0.1"]}, "wan": self.connecting()}, "topics": {"x": {}}})]
         there = self.launch(command)
         here.wait_for(event="connected", end="wan", site="site_b")
         there.wait_for(event="connected", end="wan", site="site_a")

@@ -33,7 +33,8 @@ RouterConfig valid(std::string const& text) {
 
 constexpr char const* kTwoDomainsAndALink =
     "router: r\n"
-    "ends: {a: {domain: 1}, b: {domain: 2}, wan: {connect: '192.0.2.7:7411'}, far: {listen: 7412}}\n"
+    "ends: {a: {domain: 1}, b: {domain: 2}, wan: {connect: '192.0.2.7:7411'}, far: {listen: 7412, tls: {certificate: "
+    "c, private_key: k, authority: a}}}\n"
     "topics: {x: {}, one_way: {from: [a], to: [b]}}\n";
 enum : std::size_t { a, b, wan, far };
 
@@ -195,6 +196,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"port_too_large", "router: r\nends: {a: {}, b: {listen: 70000}}\ntopics: {x: {}}\n", "65535"},
         Mistake{"both", "router: r\nends: {a: {}, b: {listen: 1, connect: '1.2.3.4:1'}}\ntopics: {x: {}}\n",
                 "either listens or connects"},
+        Mistake{"open_to_all", "router: r\nends: {a: {}, b: {listen: 7411}}\ntopics: {x: {}}\n",
+                "whoever reaches port 7411 of this machine could take part: that needs TLS"},
         Mistake{"tls_without_link",
                 "router: r\nends: {a: {}, b: {tls: {certificate: c, private_key: k, authority: a}}}\ntopics: {x: {}}\n",
                 "only a link has TLS"},
@@ -211,8 +214,8 @@ INSTANTIATE_TEST_SUITE_P(
     [](auto const& mistake) { return mistake.param.name; });
 
 TEST(RouterConfig, TakesTheNetworksOfTheRunThatHasStartedIt) {
-    RouterConfig sut =
-        valid("router: r\nends: {m: {run: management}, d: {run: data}, w: {listen: 1}}\ntopics: {x: {}}\n");
+    RouterConfig sut = valid("router: r\nends: {m: {run: management}, d: {run: data}, w: {listen: 1, tls: "
+                             "{certificate: c, private_key: k, authority: a}}}\ntopics: {x: {}}\n");
     EXPECT_FALSE(take_run_networks(sut, [](char const*) { return nullptr; }).has_value());
     ASSERT_TRUE(
         take_run_networks(sut, [](std::string const& name) {
