@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/signal_publisher.hpp"
 
+#include "bus/topics.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <signals.h>
 
 namespace gridspace::bus {
+
+static_assert(kMostSignals == MAX_SIGNALS);
 
 struct SignalPublisher::Writers {
     std::unique_ptr<Writer<SignalCatalog>> catalog;
@@ -15,9 +19,9 @@ struct SignalPublisher::Writers {
 
 Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std::string group, double rate_hz,
                                                                  std::vector<SignalColumn> columns) {
-    if (columns.size() > MAX_SIGNALS) {
+    if (columns.size() > kMostSignals) {
         return fail(ExitCode::usage,
-                    fmt::format("{} signals in group '{}', and {} fit", columns.size(), group, MAX_SIGNALS),
+                    fmt::format("{} signals in group '{}', and {} fit", columns.size(), group, kMostSignals),
                     "choose some with record.signals");
     }
     auto out = std::unique_ptr<SignalPublisher>{new SignalPublisher};

@@ -81,6 +81,8 @@ std::string binary_row(ComtradeRecord const& r, std::size_t row, bool floats) {
 }
 
 Result<void> write_file(std::filesystem::path const& file, std::string const& text) {
+    std::error_code ignored;
+    std::filesystem::remove(file, ignored); // never through a link to somewhere else
     std::ofstream stream{file, std::ios::binary | std::ios::trunc};
     stream << text;
     stream.close();

@@ -13,6 +13,11 @@
 
 namespace gridspace::cli {
 
+void leave_profiles_aside() {
+    ::setenv("SKIP_DEFAULT_XML_FILE", "1", 1);
+    ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+}
+
 int become(std::string_view program, std::string_view qos_role, std::vector<std::string> arguments) {
     std::string file = launcher::program_file(program).string();
     std::string qos = launcher::qos_file(qos_role).string();
@@ -22,8 +27,7 @@ int become(std::string_view program, std::string_view qos_role, std::vector<std:
         argv.push_back(word.data());
     }
     argv.push_back(nullptr);
-    ::setenv("SKIP_DEFAULT_XML_FILE", "1", 1); // a stray Fast DDS profile file must not change what it does
-    ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+    leave_profiles_aside();
     ::execv(file.c_str(), argv.data());
     return print_error({ExitCode::environment, fmt::format("cannot start '{}': {}", file, std::strerror(errno)),
                         "is Gridspace built completely?"});

@@ -12,4 +12,7 @@ namespace gridspace::cli {
 /// that fails: the exit code, the mistake printed.
 [[nodiscard]] int become(std::string_view program, std::string_view qos_role, std::vector<std::string> arguments);
 
+/// A stray Fast DDS profile file, such as one in the folder where this was called, must not change what a program does.
+void leave_profiles_aside();
+
 } // namespace gridspace::cli

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/cli/live_verbs.hpp"
 
+#include "common/text.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/run/monitor_client.hpp"
 #include "monitor/app/foreign_idl.hpp"
@@ -21,8 +22,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Result<std::string> ask(std::filesystem::path const& run, std::string const& path) {
-    std::filesystem::path const folder = run_folder(run);
-    auto address = launcher::monitor_address(std::filesystem::is_directory(folder) ? folder : run);
+    auto const folder = closed_run(run);
+    if (!folder) {
+        return std::unexpected{folder.error()};
+    }
+    auto address = launcher::monitor_address(std::filesystem::is_directory(*folder) ? *folder : run);
     return address ? launcher::ask_monitor(*address, path) : std::unexpected{address.error()};
 }
 
@@ -50,6 +54,11 @@ std::string text_of(Json const& value) {
     return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
+/// A name that somebody else has given, for a terminal.
+std::string name_in(Json const& object, char const* key) {
+    return printable(object.value(key, ""));
+}
+
 /// Why there may be fewer samples than are written.
 void print_not_heard(Json const& topic, std::FILE* where) {
     for (Json const& reason : topic.value("not_heard", Json::array())) {
@@ -63,23 +72,23 @@ void print_graph(Json const& graph, bool framework) {
         own[topic.value("name", "")] = topic.value("framework", false);
     }
     for (Json const& process : graph.at("processes")) {
-        fmt::print("{:<16} {:<22} {:<14} {}\n", process.value("name", ""), process.value("program", ""),
-                   process.value("host", ""), process.value("state", ""));
+        fmt::print("{:<16} {:<22} {:<14} {}\n", name_in(process, "name"), name_in(process, "program"),
+                   name_in(process, "host"), name_in(process, "state"));
         for (Json const& edge : graph.at("edges")) {
             if (edge.value("process", "") != process.value("name", "") ||
                 (own[edge.value("topic", "")] && !framework)) {
                 continue;
             }
-            fmt::print("  {} {}\n", edge.value("writes", false) ? "->" : "<-", edge.value("topic", ""));
+            fmt::print("  {} {}\n", edge.value("writes", false) ? "->" : "<-", name_in(edge, "topic"));
             for (Json const& problem : edge.at("problems")) {
-                fmt::print("     mismatch: {}\n", text_of(problem));
+                fmt::print("     mismatch: {}\n", printable(text_of(problem)));
             }
         }
         for (Json const& wire : graph.at("wires")) {
             if (wire.value("process", "") == process.value("name", "")) {
                 fmt::print("  {} {} ({} on {})\n",
-                           wire.value("publishes", false) ? "=>" : "<=", wire.value("stream", ""),
-                           wire.value("kind", ""), wire.value("link", ""));
+                           wire.value("publishes", false) ? "=>" : "<=", name_in(wire, "stream"), name_in(wire, "kind"),
+                           name_in(wire, "link"));
             }
         }
     }
@@ -87,7 +96,11 @@ void print_graph(Json const& graph, bool framework) {
 
 /// The graph of a finished run, if its monitor has kept it.
 std::optional<gridspace::graph::Snapshot> kept_graph(std::filesystem::path const& run) {
-    std::ifstream stream{run_folder(run) / "graph.json"};
+    auto const folder = closed_run(run);
+    if (!folder) {
+        return std::nullopt;
+    }
+    std::ifstream stream{*folder / "graph.json"};
     std::stringstream text;
     text << stream.rdbuf();
     return stream ? gridspace::graph::from_json(text.str()) : std::nullopt;
@@ -123,7 +136,11 @@ Result<void> decode_samples(Json& answer, std::filesystem::path const& file) {
 
 int control(ControlArguments const& arguments) {
     std::string const action = arguments.action == "step" ? fmt::format("step {}", arguments.ticks) : arguments.action;
-    auto const done = launcher::control_run(run_folder(arguments.run), action);
+    auto const folder = closed_run(arguments.run);
+    if (!folder) {
+        return print_error(folder.error());
+    }
+    auto const done = launcher::control_run(*folder, action);
     return done ? 0 : print_error(done.error());
 }
 

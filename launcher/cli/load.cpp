@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/cli/load.hpp"
 
+#include "launcher/run/closed_folder.hpp"
 #include "launcher/run/say.hpp"
 
 #include <fmt/format.h>
@@ -37,6 +38,17 @@ std::filesystem::path run_folder(std::filesystem::path const& written) {
         return "runs" / written;
     }
     return written;
+}
+
+Result<std::filesystem::path> closed_run(std::filesystem::path const& written) {
+    std::filesystem::path folder = run_folder(written);
+    std::error_code ignored;
+    if (std::filesystem::is_directory(folder, ignored)) {
+        if (auto ok = launcher::check_closed(folder); !ok) {
+            return std::unexpected{ok.error()};
+        }
+    }
+    return folder;
 }
 
 } // namespace gridspace::cli

@@ -3,6 +3,8 @@
 //
 // gridspace monitor RUN: the dashboard on a finished run; gridspace monitor --domain N: on whoever talks there.
 // gridspace-monitor takes the place of this process.
+#include "common/config/yaml.hpp"
+#include "launcher/cli/become.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/installation.hpp"
@@ -25,40 +27,86 @@ namespace {
 
 constexpr int kHandedSocket = 4; ///< where gridspace-monitor looks for a listening socket
 
-/// The configuration that a run has kept for its monitor.
+/// Names of what is shown, and no more, of what a run has kept for its monitor
+/// (launcher/scenario/monitor_settings.hpp): the folder may be a stranger's, and what else stands there is not obeyed.
+config::Node configuration_to_show(config::Node const& kept, std::filesystem::path const& folder) {
+    using config::Node;
+    Node const* const settings = kept.find("settings");
+    Node const* const scenario = settings == nullptr ? nullptr : settings->find("scenario");
+    Node const* const plan = settings == nullptr ? nullptr : settings->find("run");
+    Node run = plan != nullptr && plan->is_map() ? *plan : Node::map();
+    run.set("events", Node::quoted_text(folder / "events.ndjson"));
+    run.set("graph", Node::quoted_text(folder / "graph.json"));
+    if (Node* const processes = run.find("processes")) {
+        for (Node& process : processes->items) {
+            process.erase("pid_file");
+        }
+    }
+    Node management = Node::map(), bus = Node::map(), shown = Node::map(), out = Node::map();
+    management.set("domain", Node::scalar("0")); // it is not joined
+    bus.set("management", std::move(management));
+    shown.set("scenario", scenario == nullptr ? Node::quoted_text("") : Node::quoted_text(scenario->text));
+    shown.set("recording", Node::quoted_text(folder / "data.mcap"));
+    shown.set("run", std::move(run));
+    out.set("process", Node::scalar("monitor"));
+    out.set("program", Node::scalar("gridspace-monitor"));
+    out.set("bus", std::move(bus));
+    out.set("settings", std::move(shown));
+    return out;
+}
+
+/// A configuration in a file that is only in memory and goes with the process that reads it.
+Result<std::string> in_memory(std::string_view text) {
+    int const fd = ::memfd_create("gridspace-monitor.yaml", 0);
+    int const high = fd < 0 ? -1 : ::fcntl(fd, F_DUPFD, kHandedSocket + 1); // out of the way of the socket
+    for (std::size_t done = 0; high >= 0 && done < text.size();) {
+        ssize_t const size = ::write(high, text.data() + done, text.size() - done);
+        if (size < 0) {
+            return fail(ExitCode::environment,
+                        fmt::format("cannot keep a configuration in memory: {}", std::strerror(errno)));
+        }
+        done += static_cast<std::size_t>(size);
+    }
+    return high < 0 ? fail(ExitCode::environment,
+                           fmt::format("cannot keep a configuration in memory: {}", std::strerror(errno)))
+                    : Result<std::string>{fmt::format("/proc/self/fd/{}", high)};
+}
+
+/// The configuration of a monitor that shows a finished run.
 Result<std::string> configuration_of_run(std::filesystem::path const& run) {
-    std::filesystem::path const folder = run_folder(run);
+    auto const folder = closed_run(run);
+    if (!folder) {
+        return std::unexpected{folder.error()};
+    }
     std::error_code ignored;
     for (char const* name : {"monitor.yaml", "data.mcap"}) {
-        if (!std::filesystem::exists(folder / name, ignored)) {
-            bool const no_run = !std::filesystem::exists(folder / "manifest.json", ignored);
+        if (!std::filesystem::exists(*folder / name, ignored)) {
+            bool const no_run = !std::filesystem::exists(*folder / "manifest.json", ignored);
             return std::unexpected{
                 Error{ExitCode::usage,
-                      no_run ? fmt::format("'{}' is not the folder of a run", folder.string())
-                             : fmt::format("the run '{}' has no {}", folder.string(), name),
+                      no_run ? fmt::format("'{}' is not the folder of a run", folder->string())
+                             : fmt::format("the run '{}' has no {}", folder->string(), name),
                       no_run ? "give one that `gridspace run` has written, or latest"
                              : "only a run that was recorded (program: gridspace-recorder) can be looked at again"}};
         }
     }
-    return (folder / "monitor.yaml").string();
+    config::Diagnostics diagnostics;
+    auto const kept = config::load_yaml(*folder / "monitor.yaml", diagnostics);
+    if (!kept || !diagnostics.ok()) {
+        return fail(ExitCode::usage, diagnostics.render());
+    }
+    return in_memory(to_yaml(configuration_to_show(*kept, std::filesystem::absolute(*folder))));
 }
 
-/// A configuration for a DDS domain, in a file that is only in memory and goes with the process that reads it.
+/// The configuration of a monitor for a DDS domain.
 Result<std::string> configuration_of_domain(int domain, std::vector<std::string> const& addresses) {
-    std::string const text = nlohmann::json{{"process", "monitor"},
-                                            {"program", "gridspace-monitor"},
-                                            {"bus",
-                                             {{"qos", launcher::qos_file("monitor").string()},
-                                              {"management", {{"domain", domain}, {"addresses", addresses}}}}},
-                                            {"settings", {{"scenario", fmt::format("DDS domain {}", domain)}}}}
-                                 .dump();
-    int const fd = ::memfd_create("gridspace-monitor.yaml", 0);
-    int const high = fd < 0 ? -1 : ::fcntl(fd, F_DUPFD, kHandedSocket + 1); // out of the way of the socket
-    if (high < 0 || ::write(high, text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
-        return std::unexpected{Error{
-            ExitCode::environment, fmt::format("cannot keep a configuration in memory: {}", std::strerror(errno)), ""}};
-    }
-    return fmt::format("/proc/self/fd/{}", high);
+    return in_memory(nlohmann::json{{"process", "monitor"},
+                                    {"program", "gridspace-monitor"},
+                                    {"bus",
+                                     {{"qos", launcher::qos_file("monitor").string()},
+                                      {"management", {{"domain", domain}, {"addresses", addresses}}}}},
+                                    {"settings", {{"scenario", fmt::format("DDS domain {}", domain)}}}}
+                         .dump());
 }
 
 } // namespace
@@ -106,6 +154,7 @@ int monitor(MonitorArguments const& arguments) {
         argv.push_back(word.data());
     }
     argv.push_back(nullptr);
+    leave_profiles_aside();
     ::execv(program.c_str(), argv.data());
     return print_error({ExitCode::environment, fmt::format("cannot start '{}': {}", program, std::strerror(errno)),
                         "is Gridspace built completely?"});

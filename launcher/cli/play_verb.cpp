@@ -16,7 +16,11 @@ namespace gridspace::cli {
 namespace {
 
 int play(play::PlayOptions options) {
-    std::filesystem::path const folder = run_folder(options.run);
+    auto const run = closed_run(options.run);
+    if (!run) {
+        return print_error(run.error());
+    }
+    std::filesystem::path const& folder = *run;
     std::error_code ignored;
     bool const is_run = std::filesystem::is_directory(folder, ignored);
     if (!std::filesystem::exists(is_run ? folder / "data.mcap" : folder, ignored) && !options.no_samples) {

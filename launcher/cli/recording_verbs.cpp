@@ -3,6 +3,8 @@
 //
 // Verbs that look at finished runs: compare, report, info, export.
 #include "common/config/yaml.hpp"
+#include "common/json_value.hpp"
+#include "common/text.hpp"
 #include "common/time.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
@@ -13,9 +15,11 @@
 #include "recorder/compare/compare.hpp"
 #include "recorder/export/csv_export.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <unistd.h>
 
 namespace gridspace::cli {
@@ -28,32 +32,29 @@ Json manifest_of(std::filesystem::path const& folder) {
     return Json::parse(stream, nullptr, false);
 }
 
-std::string tick_of(Json const& manifest) {
-    return manifest.is_object() && manifest.contains("clock") ? manifest["clock"].value("tick_s", "") : "";
+std::string clock_of(Json const& manifest, char const* key) {
+    return value_of(part_of(manifest, "clock"), key, std::string{});
 }
 
-std::string mode_of(Json const& manifest) {
-    return manifest.is_object() && manifest.contains("clock") ? manifest["clock"].value("mode", "") : "";
+/// Seconds since 1970; nothing for a recording without a manifest.
+std::optional<std::int64_t> epoch_of(Json const& manifest) {
+    return parse_utc(clock_of(manifest, "epoch"));
 }
 
 /// How far a run came, simulated; 0 when it does not say.
 double reached_of(Json const& manifest) {
-    return manifest.is_object() ? manifest.value("simulated_s", 0.0) : 0.0;
-}
-
-std::filesystem::path capture_of(std::filesystem::path const& written) {
-    return run_folder(written) / "bus.pcapng";
+    return value_of(manifest, "simulated_s", 0.0);
 }
 
 /// A run folder's recording; a file is taken as it is.
-std::filesystem::path recording_of(std::filesystem::path const& written) {
-    std::filesystem::path const folder = run_folder(written);
-    return std::filesystem::is_directory(folder) ? folder / "data.mcap" : folder;
+std::filesystem::path recording_of(std::filesystem::path const& run) {
+    std::error_code ignored;
+    return std::filesystem::is_directory(run, ignored) ? run / "data.mcap" : run;
 }
 
 /// Disturbance records of a finished run, as the scenario asks for them or as the arguments say.
-int export_comtrade(ExportArguments const& arguments) {
-    auto const results = launcher::read_results(run_folder(arguments.run));
+int export_comtrade(ExportArguments const& arguments, std::filesystem::path const& folder) {
+    auto const results = launcher::read_results(folder);
     if (!results) {
         return print_error(results.error());
     }
@@ -81,10 +82,10 @@ int export_comtrade(ExportArguments const& arguments) {
         return print_error(written.error());
     }
     for (std::string const& note : written->notes) {
-        fmt::print(stderr, "note: {}\n", note);
+        fmt::print(stderr, "note: {}\n", printable(note));
     }
     for (std::filesystem::path const& file : written->files) {
-        fmt::print("{}\n", file.string());
+        fmt::print("{}\n", printable(file.string()));
     }
     return static_cast<int>(written->files.empty() ? ExitCode::usage : ExitCode::ok);
 }
@@ -92,12 +93,18 @@ int export_comtrade(ExportArguments const& arguments) {
 } // namespace
 
 int compare(CompareArguments const& arguments) {
-    Json const a = manifest_of(run_folder(arguments.a)), b = manifest_of(run_folder(arguments.b));
+    auto const run_a = closed_run(arguments.a), run_b = closed_run(arguments.b);
+    for (auto const* run : {&run_a, &run_b}) {
+        if (!*run) {
+            return print_error(run->error());
+        }
+    }
+    Json const a = manifest_of(*run_a), b = manifest_of(*run_b);
     CompareOptions options;
     options.tolerance = arguments.tolerance;
     options.signals = arguments.signals;
     for (auto const& [manifest, folder] : {std::pair{&a, arguments.a}, {&b, arguments.b}}) {
-        if (manifest->is_object() && !manifest->value("deterministic", true)) {
+        if (manifest->is_object() && !value_of(*manifest, "deterministic", true)) {
             fmt::print(stderr,
                        "note: '{}' ran in real time: its samples depend on the machine; --signals and --tolerance "
                        "compare what matters\n",
@@ -108,57 +115,74 @@ int compare(CompareArguments const& arguments) {
         fmt::print(stderr, "note: the runs ended at different times, at {} s and at {} s\n", reached_of(a),
                    reached_of(b));
     }
-    bool const ticks_known = !tick_of(a).empty() && !tick_of(b).empty(); // not of a file alone
-    bool const ticks_differ = ticks_known && tick_of(a) != tick_of(b);
+    bool const ticks_known = !clock_of(a, "tick_s").empty() && !clock_of(b, "tick_s").empty(); // not of a file alone
+    bool const ticks_differ = ticks_known && clock_of(a, "tick_s") != clock_of(b, "tick_s");
     if (ticks_differ) {
         options.skip_topics = {"simulation_clock", "clock_ack"};
     }
-    auto result = compare_recordings(recording_of(arguments.a), recording_of(arguments.b), options);
+    auto result = compare_recordings(recording_of(*run_a), recording_of(*run_b), options);
     if (!result) {
         return print_error(result.error());
     }
     // Frames too, where both runs have some; stamps of real time never repeat.
-    std::filesystem::path const frames_a = capture_of(arguments.a), frames_b = capture_of(arguments.b);
+    std::filesystem::path const frames_a = *run_a / "bus.pcapng", frames_b = *run_b / "bus.pcapng";
     std::string frames;
-    if (arguments.signals.empty() && mode_of(a) == "lockstep" && mode_of(b) == "lockstep" &&
+    std::uint64_t equal_frames = 0;
+    if (arguments.signals.empty() && clock_of(a, "mode") == "lockstep" && clock_of(b, "mode") == "lockstep" &&
         std::filesystem::exists(frames_a) && std::filesystem::exists(frames_b)) {
         auto const equal = compare_captures(frames_a, frames_b, *result);
         if (!equal) {
             return print_error(equal.error());
         }
+        equal_frames = *equal;
         frames = fmt::format(", {} frames", *equal);
     }
     for (std::string const& note : result->notes) {
-        fmt::print(stderr, "note: {}\n", note);
+        fmt::print(stderr, "note: {}\n", printable(note));
     }
     if (ticks_differ && arguments.signals.empty()) {
-        fmt::print("the ticks differ ({} s and {} s): the clock's own topics are left out\n", tick_of(a), tick_of(b));
+        fmt::print("the ticks differ ({} s and {} s): the clock's own topics are left out\n", clock_of(a, "tick_s"),
+                   clock_of(b, "tick_s"));
+    }
+    if (result->identical() && result->samples + equal_frames == 0) {
+        return print_error({ExitCode::usage, "neither run has recorded anything: nothing was compared",
+                            "record.samples of the scenario, and a process with program: gridspace-recorder"});
     }
     if (result->identical()) {
         fmt::print("identical: {} {}{}{}\n", result->samples, arguments.signals.empty() ? "samples" : "values", frames,
                    arguments.tolerance > 0 ? fmt::format(" within {}", arguments.tolerance) : "");
         return 0;
     }
+    if (arguments.signals.empty() && epoch_of(a) && epoch_of(b) && epoch_of(a) != epoch_of(b)) {
+        fmt::print(
+            stderr,
+            "note: the epochs differ ({} and {}), and so do all instants; --signals compares by simulated time\n",
+            clock_of(a, "epoch"), clock_of(b, "epoch"));
+    }
     Difference const& first = result->differences.front();
-    std::int64_t const epoch =
-        a.is_object() && a.contains("clock") ? parse_utc(a["clock"].value("epoch", "")).value_or(0) : 0;
+    std::int64_t const epoch = std::min(epoch_of(a).value_or(0), epoch_of(b).value_or(INT64_MAX)); // no time before it
     auto const seconds = [&](Difference const& d) {
         return arguments.signals.empty()
                    ? static_cast<double>(static_cast<std::int64_t>(d.time_ns) - epoch * 1'000'000'000) / 1e9
                    : static_cast<double>(d.time_ns) / 1e9;
     };
-    fmt::print("first divergence at {} s: {}{}: {}\n", seconds(first), first.topic,
-               first.process.empty() ? "" : " of " + first.process, first.what);
+    auto const place = [&](Difference const& d) { // names and values are the recording's
+        return printable(
+            fmt::format("{} s: {}{}: {}", seconds(d), d.topic, d.process.empty() ? "" : " of " + d.process, d.what));
+    };
+    fmt::print("first divergence at {}\n", place(first));
     for (std::size_t i = 1; i < result->differences.size(); ++i) {
-        Difference const& d = result->differences[i];
-        fmt::print("  then at {} s: {}{}: {}\n", seconds(d), d.topic, d.process.empty() ? "" : " of " + d.process,
-                   d.what);
+        fmt::print("  then at {}\n", place(result->differences[i]));
     }
     return static_cast<int>(ExitCode::expectation_failed);
 }
 
 int report(std::filesystem::path const& run, bool json) {
-    auto const results = launcher::read_results(run_folder(run));
+    auto const folder = closed_run(run);
+    if (!folder) {
+        return print_error(folder.error());
+    }
+    auto const results = launcher::read_results(*folder);
     if (!results) {
         return print_error(results.error());
     }
@@ -178,7 +202,11 @@ int report(std::filesystem::path const& run, bool json) {
 }
 
 int info(std::filesystem::path const& run, bool json) {
-    auto const found = launcher::run_info(run_folder(run));
+    auto const folder = closed_run(run);
+    if (!folder) {
+        return print_error(folder.error());
+    }
+    auto const found = launcher::run_info(*folder);
     if (!found) {
         return print_error(found.error());
     }
@@ -187,28 +215,28 @@ int info(std::filesystem::path const& run, bool json) {
 }
 
 int export_run(ExportArguments const& arguments) {
+    auto const folder = closed_run(arguments.run);
+    if (!folder) {
+        return print_error(folder.error());
+    }
     if (arguments.comtrade) {
-        int const code = export_comtrade(arguments);
+        int const code = export_comtrade(arguments, *folder);
         if (code != 0 || !arguments.csv) {
             return code;
         }
     }
-    std::filesystem::path const folder = run_folder(arguments.run);
-    Json const manifest = manifest_of(folder);
-    std::int64_t epoch = 0;
-    if (manifest.is_object() && manifest.contains("clock")) {
-        epoch = parse_utc(manifest["clock"].value("epoch", "")).value_or(0);
-    }
-    std::filesystem::path const out = arguments.out.empty() ? folder / "csv" : arguments.out;
-    auto const written = export_csv(recording_of(arguments.run), epoch * 1'000'000'000, out);
+    Json const manifest = manifest_of(*folder);
+    std::int64_t const epoch = epoch_of(manifest).value_or(0);
+    std::filesystem::path const out = arguments.out.empty() ? *folder / "csv" : arguments.out;
+    auto const written = export_csv(recording_of(*folder), epoch * 1'000'000'000, out);
     if (!written) {
         return print_error(written.error());
     }
     for (std::string const& note : written->notes) {
-        fmt::print(stderr, "note: {}\n", note);
+        fmt::print(stderr, "note: {}\n", printable(note));
     }
     for (std::filesystem::path const& file : written->files) {
-        fmt::print("{}\n", file.string());
+        fmt::print("{}\n", printable(file.string()));
     }
     return 0;
 }

@@ -134,6 +134,9 @@ int run(RunArguments const& arguments) {
         return static_cast<int>(ExitCode::usage);
     }
     if (arguments.dry_run) {
+        if (auto ok = check_isolation(*scenario, !arguments.no_namespaces); !ok) {
+            return print_error(ok.error());
+        }
         PlanOptions options;
         options.folder = "RUN";
         options.namespaces = !arguments.no_namespaces;

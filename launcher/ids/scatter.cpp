@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/ids/scatter.hpp"
 
+#include "common/text.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -65,14 +67,6 @@ Axis axis_of(std::vector<Scatter::Point> const& points, double Scatter::Point::*
     return a;
 }
 
-std::string escaped(std::string const& text) {
-    std::string out;
-    for (char const c : text) {
-        out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
-    }
-    return out;
-}
-
 } // namespace
 
 std::string to_svg(Scatter const& plot) {
@@ -85,7 +79,7 @@ std::string to_svg(Scatter const& plot) {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\" "
         "font-size=\"12\">\n"
         "<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n<text x=\"{2}\" y=\"22\" font-size=\"15\">{3}</text>\n",
-        kWidth, kHeight, kLeft, escaped(plot.title));
+        kWidth, kHeight, kLeft, escape_markup(plot.title));
     for (double const t : x.ticks()) {
         out += fmt::format("<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\" stroke=\"#ddd\"/><text "
                            "x=\"{0:.1f}\" y=\"{3}\" text-anchor=\"middle\">{4:g}</text>\n",
@@ -98,13 +92,14 @@ std::string to_svg(Scatter const& plot) {
     }
     out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n<text transform=\"translate(18 {}) "
                        "rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-                       kLeft + w / 2, kHeight - 14, escaped(plot.x_label), kTop + h / 2, escaped(plot.y_label));
+                       kLeft + w / 2, kHeight - 14, escape_markup(plot.x_label), kTop + h / 2,
+                       escape_markup(plot.y_label));
     std::map<int, std::string> lines;
     for (Scatter::Point const& p : plot.points) {
         char const* const colour = kColours[static_cast<std::size_t>(p.group) % kColours.size()];
         out += fmt::format("<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"4\" fill=\"{2}\"/><text x=\"{3:.1f}\" "
                            "y=\"{4:.1f}\" fill=\"{2}\">{5}</text>\n",
-                           px(p.x), py(p.y), colour, px(p.x) + 6, py(p.y) - 5, escaped(p.label));
+                           px(p.x), py(p.y), colour, px(p.x) + 6, py(p.y) - 5, escape_markup(p.label));
         lines[p.group] += fmt::format("{:.1f},{:.1f} ", px(p.x), py(p.y));
     }
     for (auto const& [group, line] : lines) {

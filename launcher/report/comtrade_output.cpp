@@ -67,15 +67,11 @@ sim::SimulationConfig simulation_of(Node const& scenario) {
     return simulation;
 }
 
-/// The network of a run as far as a record speaks of it: the copy of its file in the run folder, with what that
-/// extends and the scenario's changes. Empty where it is no YAML file.
+/// The network of a run as far as a record speaks of it: the copy of its file in the run folder, with the scenario's
+/// changes. Empty where it is no YAML file.
 Node network_of(fs::path const& folder, sim::SimulationConfig const& simulation) {
     config::Diagnostics ignored; // the run was started with it
     auto network = config::load_yaml(folder / "network.yaml", ignored);
-    if (network && network->find("extends") != nullptr) { // relative to where the file was, not to its copy
-        auto extended = config::load_extended(simulation.network, ignored);
-        network = extended ? std::move(extended) : std::move(network);
-    }
     if (!network || !network->is_map()) {
         return Node::map();
     }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <set>
 
 namespace gridspace::launcher {
@@ -22,14 +23,6 @@ constexpr std::size_t kMostPoints = 3000;
 
 std::string_view colour(int wanted, std::size_t place) {
     return kPalette[(wanted >= 0 ? static_cast<std::size_t>(wanted) : place) % kPalette.size()];
-}
-
-std::string escape(std::string_view text) {
-    std::string out;
-    for (char const c : text) {
-        out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string{c};
-    }
-    return out;
 }
 
 struct Range {
@@ -136,13 +129,13 @@ std::string to_svg(Figure const& f) {
     };
     double const x0 = kLeft, x1 = kWidth - kRight, y0 = kHeight - kBottom, y1 = kTop;
 
-    std::string out =
-        fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" "
-                    "data-axis=\"{}\" data-from=\"{}\" data-to=\"{}\" data-unit=\"{}\" data-unit-s=\"{}\" "
-                    "data-left=\"{}\" data-right=\"{}\" "
-                    "data-top=\"{}\" data-bottom=\"{}\" data-low=\"{}\" data-high=\"{}\">\n",
-                    kWidth, kHeight, escape(f.title), f.axis, shortest(f.from_s), shortest(f.to_s), unit.name,
-                    unit.seconds, x0, x1, y1, y0, shortest(y.low), shortest(y.high));
+    std::string out = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" "
+        "data-axis=\"{}\" data-from=\"{}\" data-to=\"{}\" data-unit=\"{}\" data-unit-s=\"{}\" "
+        "data-left=\"{}\" data-right=\"{}\" "
+        "data-top=\"{}\" data-bottom=\"{}\" data-low=\"{}\" data-high=\"{}\">\n",
+        kWidth, kHeight, escape_markup(f.title), escape_markup(f.axis), shortest(f.from_s), shortest(f.to_s),
+        escape_markup(unit.name), unit.seconds, x0, x1, y1, y0, shortest(y.low), shortest(y.high));
     out += "<style>text{font:11px system-ui,-apple-system,'Segoe UI',sans-serif;fill:currentColor}"
            ".grid{stroke:currentColor;stroke-opacity:.13}.axis{stroke:currentColor;stroke-opacity:.55}"
            ".limit{stroke:currentColor;stroke-opacity:.6;stroke-dasharray:2 3}.mark{stroke-dasharray:5 3}"
@@ -222,7 +215,7 @@ std::string to_svg(Figure const& f) {
     out += "</g></g>\n";
     for (Figure::Line const& line : f.lines) {
         out += fmt::format("<text class=\"dim\" x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", x1 - 4,
-                           py(line.value) - 3, escape(line.label));
+                           py(line.value) - 3, escape_markup(line.label));
     }
     std::vector<double> row_ends; // of the labels in each row: what would overlap goes one row down
     for (Figure::Mark const& mark : f.marks) {
@@ -235,25 +228,27 @@ std::string to_svg(Figure const& f) {
         row_ends[row] = x + half;
         out +=
             fmt::format("<text class=\"dim tm\" data-t=\"{}\" x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                        shortest(mark.time_s), x, y1 + 10 + 11 * static_cast<double>(row), escape(mark.label));
+                        shortest(mark.time_s), x, y1 + 10 + 11 * static_cast<double>(row), escape_markup(mark.label));
     }
     out += fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/><line class=\"axis\" "
                        "x1=\"{0}\" x2=\"{0}\" y1=\"{2}\" y2=\"{3}\"/>\n",
                        x0, x1, y0, y1);
     out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text><text x=\"{}\" y=\"14\">{}</text>\n", x1,
-                       kHeight - 4, f.x_label.empty() ? "time, " + unit.name : f.x_label, x0 - 40, escape(f.y_label));
+                       kHeight - 4, f.x_label.empty() ? "time, " + unit.name : escape_markup(f.x_label), x0 - 40,
+                       escape_markup(f.y_label));
     double x = x0 + 130;
     for (std::size_t i = 0; i < f.series.size(); ++i) {
-        out += fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"10\" y2=\"10\" stroke=\"{}\" stroke-width=\"2.5\"{}/><text "
-                           "x=\"{}\" y=\"14\">{}</text>\n",
-                           x, x + 16, colour(f.series[i].colour, i),
-                           f.series[i].dashed ? " stroke-dasharray=\"5 3\"" : "", x + 21, escape(f.series[i].name));
+        out +=
+            fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"10\" y2=\"10\" stroke=\"{}\" stroke-width=\"2.5\"{}/><text "
+                        "x=\"{}\" y=\"14\">{}</text>\n",
+                        x, x + 16, colour(f.series[i].colour, i), f.series[i].dashed ? " stroke-dasharray=\"5 3\"" : "",
+                        x + 21, escape_markup(f.series[i].name));
         x += 34 + 6.4 * static_cast<double>(f.series[i].name.size());
     }
     if (!f.shades.empty()) {
         out += fmt::format("<rect x=\"{}\" y=\"5\" width=\"16\" height=\"10\" fill=\"#E69F00\" "
                            "fill-opacity=\".3\"/><text x=\"{}\" y=\"14\">{}</text>\n",
-                           x, x + 21, escape(f.shade_label));
+                           x, x + 21, escape_markup(f.shade_label));
     }
     return out + "</svg>\n";
 }
@@ -281,8 +276,21 @@ std::string to_csv(Figure const& f) {
     return out;
 }
 
+namespace {
+
+/// A JSON string that stands in a script element of a page: nothing in it ends the element, or a line (U+2028).
+std::string script_text(std::string_view text) {
+    std::string out = nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+    for (std::size_t at = 0; (at = out.find('<', at)) != std::string::npos;) {
+        out.replace(at, 1, "\\u003c");
+    }
+    return out;
+}
+
+} // namespace
+
 std::string to_json(Figure const& f) {
-    std::string out = fmt::format("{{\"id\":\"{}\",\"series\":[", f.id);
+    std::string out = fmt::format("{{\"id\":{},\"series\":[", script_text(f.id));
     for (std::size_t i = 0; i < f.series.size(); ++i) {
         std::string times, values;
         for (auto const& [t, v] : drawn_points(f.series[i], f.from_s, f.to_s)) {
@@ -290,8 +298,8 @@ std::string to_json(Figure const& f) {
             values += std::isfinite(v) ? fmt::format("{}{:.6g}", values.empty() ? "" : ",", v)
                                        : fmt::format("{}null", values.empty() ? "" : ",");
         }
-        out += fmt::format("{}{{\"name\":\"{}\",\"colour\":\"{}\",\"t\":[{}],\"v\":[{}]}}", i == 0 ? "" : ",",
-                           f.series[i].name, colour(f.series[i].colour, i), times, values);
+        out += fmt::format("{}{{\"name\":{},\"colour\":\"{}\",\"t\":[{}],\"v\":[{}]}}", i == 0 ? "" : ",",
+                           script_text(f.series[i].name), colour(f.series[i].colour, i), times, values);
     }
     return out + "]}";
 }

@@ -60,7 +60,8 @@ struct TimeUnit {
 /// One row per instant: time_s, then a column per series; empty where a series has no value yet.
 [[nodiscard]] std::string to_csv(Figure const& figure);
 
-/// The values of all series at a few thousand instants, as JSON for the report's cursor.
+/// The values of all series at a few thousand instants, as JSON that may stand in a script element (for the report's
+/// cursor).
 [[nodiscard]] std::string to_json(Figure const& figure);
 
 } // namespace gridspace::launcher

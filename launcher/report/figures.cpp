@@ -212,9 +212,10 @@ std::vector<ReportTable> make_tables(Results const& r, Node const& scenario) {
                     published = is->text;
                 }
             }
-            table.rows.push_back(
-                {wish.ev, shortest(wish.requested_h), reached ? fmt::format("{:.3f}", *reached) : "not reached",
-                 reached ? fmt::format("{:+.1f}", (*reached - wish.requested_h) * 60) : "-", published});
+            table.rows.push_back({escape_markup(wish.ev), shortest(wish.requested_h),
+                                  reached ? fmt::format("{:.3f}", *reached) : "not reached",
+                                  reached ? fmt::format("{:+.1f}", (*reached - wish.requested_h) * 60) : "-",
+                                  escape_markup(published)});
         }
         out.push_back(std::move(table));
     }

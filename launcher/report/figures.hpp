@@ -11,7 +11,8 @@
 
 namespace gridspace::launcher {
 
-/// A table of the report: a header row and rows of text.
+/// A table of the report: a header row of text, and rows of markup, in which names are escaped: a recording may hold
+/// any.
 struct ReportTable {
     std::string title;
     std::vector<std::string> header;

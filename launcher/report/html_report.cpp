@@ -12,6 +12,8 @@
 #include "launcher/report/wire_timing_page.hpp"
 #include "launcher/run/write_file.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <fmt/format.h>
 #include <fstream>
 
@@ -21,12 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 using Status = ExpectationResult::Status;
 
-std::string escape(std::string_view text) {
-    std::string out;
-    for (char const c : text) {
-        out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string{c};
-    }
-    return out;
+/// Names of a recording are parts of names of figures, and those are names of files.
+std::string file_name(std::string id) {
+    std::replace_if(
+        id.begin(), id.end(),
+        [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-'; }, '_');
+    return id;
 }
 
 std::string row(std::vector<std::string> const& cells, char const* tag) {
@@ -38,11 +40,14 @@ std::string row(std::vector<std::string> const& cells, char const* tag) {
 }
 
 std::string table(ReportTable const& t) {
-    std::string out = fmt::format("<section><h2>{}</h2>\n<table>{}", escape(t.title), row(t.header, "th"));
+    std::vector<std::string> header = t.header;
+    std::transform(header.begin(), header.end(), header.begin(), escape_markup);
+    std::string out = fmt::format("<section><h2>{}</h2>\n<table>{}", escape_markup(t.title), row(header, "th"));
     for (auto const& cells : t.rows) {
         out += row(cells, "td");
     }
-    return out + "</table>" + (t.note.empty() ? "" : "<p class=\"method\">" + escape(t.note) + "</p>") + "</section>\n";
+    return out + "</table>" + (t.note.empty() ? "" : "<p class=\"method\">" + escape_markup(t.note) + "</p>") +
+           "</section>\n";
 }
 
 std::string expectations(Results const& r) {
@@ -55,12 +60,13 @@ std::string expectations(Results const& r) {
         bool const condition = e.verb == "always" || e.verb == "never" || e.verb == "eventually";
         std::string const value = !e.value    ? "–"
                                   : condition ? (*e.value != 0 ? "holds" : "does not hold")
-                                              : fmt::format("{:.6g} {}", *e.value, escape(e.unit));
+                                              : fmt::format("{:.6g} {}", *e.value, escape_markup(e.unit));
         char const* badge = e.status == Status::passed   ? "<span class=\"ok\">✓ pass</span>"
                             : e.status == Status::failed ? (e.advisory ? "<span class=\"warn\">▲ advisory</span>"
                                                                        : "<span class=\"bad\">✗ fail</span>")
                                                          : "<span class=\"dim\">shown</span>";
-        out += row({badge, escape(e.name), value, escape(e.band.to_string()), escape(e.detail)}, "td");
+        out += row({badge, escape_markup(e.name), value, escape_markup(e.band.to_string()), escape_markup(e.detail)},
+                   "td");
     }
     return out + "</table></section>\n";
 }
@@ -80,7 +86,7 @@ std::string facts(Results const& r) {
         if (value.empty()) {
             continue;
         }
-        out += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escape(value));
+        out += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escape_markup(value));
     }
     return out + "</dl>\n";
 }
@@ -92,7 +98,7 @@ std::string notes(config::Node const& scenario) {
     }
     std::string out = "<section class=\"box\"><h2>Assumptions taken</h2><ul>\n";
     for (config::Node const& note : list->items) {
-        out += fmt::format("<li>{}</li>\n", escape(note.text));
+        out += fmt::format("<li>{}</li>\n", escape_markup(note.text));
     }
     return out + "</ul></section>\n";
 }
@@ -100,7 +106,7 @@ std::string notes(config::Node const& scenario) {
 ReportTable process_table(Results const& r) {
     ReportTable t{"Processes", {"process", "program", "host", "end", "processor time"}, {}};
     for (Results::ProcessRow const& p : r.processes) {
-        t.rows.push_back({escape(p.name), escape(p.program), escape(p.host), escape(p.end),
+        t.rows.push_back({escape_markup(p.name), escape_markup(p.program), escape_markup(p.host), escape_markup(p.end),
                           p.cpu_s > 0 ? fmt::format("{:.2f} s", p.cpu_s) : "-"});
     }
     return t;
@@ -109,8 +115,8 @@ ReportTable process_table(Results const& r) {
 ReportTable topic_table(Results const& r) {
     ReportTable t{"Topics", {"topic", "type", "samples", "written by"}, {}};
     for (Results::Topic const& topic : r.topics) {
-        t.rows.push_back({escape(topic.topic), escape(topic.type), std::to_string(topic.samples),
-                          escape(join(topic.processes, ", "))});
+        t.rows.push_back({escape_markup(topic.topic), escape_markup(topic.type), std::to_string(topic.samples),
+                          escape_markup(join(topic.processes, ", "))});
     }
     return t;
 }
@@ -121,10 +127,10 @@ std::string files_table(Results const& r) {
     for (std::string const& file : r.comtrade) {
         out +=
             fmt::format("<li><a href=\"../comtrade/{0}\">{0}</a> and <a href=\"../comtrade/{1}.dat\">.dat</a></li>\n",
-                        escape(file), escape(file.substr(0, file.rfind('.'))));
+                        escape_markup(file), escape_markup(file.substr(0, file.rfind('.'))));
     }
     for (std::string const& note : r.notes) {
-        out += fmt::format("<li class=\"warn\">{}</li>\n", escape(note));
+        out += fmt::format("<li class=\"warn\">{}</li>\n", escape_markup(note));
     }
     return out.empty() ? out
                        : "<section class=\"box\"><h2>Disturbance records (IEEE C37.111-2013)</h2><ul>\n" + out +
@@ -134,7 +140,8 @@ std::string files_table(Results const& r) {
 ReportTable event_table(Results const& r) {
     ReportTable t{"Events", {"time", "source", "event", "what"}, {}};
     for (LoggedEvent const& e : r.events) {
-        t.rows.push_back({fmt::format("{:.4f} s", e.time_s), escape(e.source), escape(e.event), escape(e.text)});
+        t.rows.push_back({fmt::format("{:.4f} s", e.time_s), escape_markup(e.source), escape_markup(e.event),
+                          escape_markup(e.text)});
     }
     return t;
 }
@@ -150,13 +157,13 @@ Result<fs::path> write_html_report(Results const& r) {
 
     bool const passed = r.exit_code() == 0;
     std::string body = fmt::format("<header><h1>{}</h1><p>{}</p><p class=\"verdict {}\">{}</p></header>\n",
-                                   escape(r.scenario), escape(r.description), passed ? "ok" : "bad",
+                                   escape_markup(r.scenario), escape_markup(r.description), passed ? "ok" : "bad",
                                    passed                     ? "✓ every expectation holds"
-                                   : r.outcome.exit_code != 0 ? "✗ " + escape(r.outcome.cause)
+                                   : r.outcome.exit_code != 0 ? "✗ " + escape_markup(r.outcome.cause)
                                                               : "✗ an expectation failed");
     body += facts(r);
     if (!r.recording_note.empty()) {
-        body += fmt::format("<p class=\"warn\">▲ recording: {}</p>\n", escape(r.recording_note));
+        body += fmt::format("<p class=\"warn\">▲ recording: {}</p>\n", escape_markup(r.recording_note));
     }
     body += expectations(r);
     for (ReportTable const& t : make_tables(r, scenario)) {
@@ -172,29 +179,31 @@ Result<fs::path> write_html_report(Results const& r) {
         figures.insert(figures.end(), more.begin(), more.end());
     }
     std::string data;
-    for (Figure const& figure : figures) {
+    for (Figure& figure : figures) {
+        figure.id = file_name(std::move(figure.id));
         std::string const svg = to_svg(figure);
         for (auto const& [ending, text] :
              {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {
-            if (auto ok = write_file(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
+            if (auto ok = replace_file(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
                 return std::unexpected{ok.error()};
             }
         }
         body +=
             fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a> "
                         "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}{3}</figure>\n",
-                        figure.id, escape(figure.title), svg,
-                        figure.note.empty() ? "" : "<p class=\"method\">" + escape(figure.note) + "</p>");
+                        figure.id, escape_markup(figure.title), svg,
+                        figure.note.empty() ? "" : "<p class=\"method\">" + escape_markup(figure.note) + "</p>");
         data += (data.empty() ? "" : ",") + to_json(figure);
     }
-    for (Drawing const& drawing : intrusion_drawings(r.intrusion)) {
-        if (auto ok = write_file(r.folder / "report" / "figures" / (drawing.id + ".svg"), drawing.svg); !ok) {
+    for (Drawing drawing : intrusion_drawings(r.intrusion)) {
+        drawing.id = file_name(std::move(drawing.id));
+        if (auto ok = replace_file(r.folder / "report" / "figures" / (drawing.id + ".svg"), drawing.svg); !ok) {
             return std::unexpected{ok.error()};
         }
         body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a "
                             "href=\"figures/{0}.svg\">SVG</a></span></figcaption>"
                             "<img src=\"figures/{0}.svg\" alt=\"{1}\"></figure>\n",
-                            drawing.id, escape(drawing.title));
+                            drawing.id, escape_markup(drawing.title));
     }
     body += notes(scenario) + files_table(r);
     if (!r.events.empty()) {
@@ -206,9 +215,9 @@ Result<fs::path> write_html_report(Results const& r) {
                     "content=\"width=device-width\">"
                     "<title>{} – Gridspace report</title><style>{}</style></head>\n<body><main>{}</main>\n"
                     "<script>const figures=[{}];\n{}</script></body></html>\n",
-                    escape(r.scenario), kReportCss, body, data, kReportJs);
+                    escape_markup(r.scenario), kReportCss, body, data, kReportJs);
     fs::path file = r.folder / "report" / "index.html";
-    if (auto ok = write_file(file, page); !ok) {
+    if (auto ok = replace_file(file, page); !ok) {
         return std::unexpected{ok.error()};
     }
     return file;

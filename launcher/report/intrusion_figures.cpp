@@ -166,10 +166,11 @@ std::vector<ReportTable> intrusion_tables(IntrusionScore const& score) {
                        "open loop"},
                       {}};
         for (IntrusionScore::Stream const& s : score.streams) {
-            t.rows.push_back({s.detector, s.stream, std::to_string(s.score.true_positives),
-                              std::to_string(s.score.false_negatives), std::to_string(s.score.false_positives),
-                              std::to_string(s.score.true_negatives), percent(s.score.false_positive),
-                              percent(s.score.open_false_positive), percent(s.packets), percent(s.open_packets)});
+            t.rows.push_back({escape_markup(s.detector), escape_markup(s.stream),
+                              std::to_string(s.score.true_positives), std::to_string(s.score.false_negatives),
+                              std::to_string(s.score.false_positives), std::to_string(s.score.true_negatives),
+                              percent(s.score.false_positive), percent(s.score.open_false_positive), percent(s.packets),
+                              percent(s.open_packets)});
         }
         out.push_back(std::move(t));
     }
@@ -179,16 +180,16 @@ std::vector<ReportTable> intrusion_tables(IntrusionScore const& score) {
                        "of those beyond twice the threshold", "open loop", "delay"},
                       {}};
         for (IntrusionScore::Attack const& a : score.attacks) {
-            t.rows.push_back({a.score.attack, a.kind, a.target, a.detector, std::to_string(a.score.labels),
-                              percent(a.score.detected), percent(a.score.clear_detected),
-                              percent(a.score.open_detected),
+            t.rows.push_back({escape_markup(a.score.attack), escape_markup(a.kind), escape_markup(a.target),
+                              escape_markup(a.detector), std::to_string(a.score.labels), percent(a.score.detected),
+                              percent(a.score.clear_detected), percent(a.score.open_detected),
                               a.score.seen ? fmt::format("{} samples ({:.2f} ms)", a.score.delay_samples,
                                                          static_cast<double>(a.score.delay_samples) / a.rate_hz * 1e3)
                                            : "never seen"});
         }
         for (IntrusionScore::Unjudged const& u : score.unjudged) {
-            t.rows.push_back(
-                {u.attack, u.kind, u.target, "nobody watches it", std::to_string(u.labels), "-", "-", "-", "-"});
+            t.rows.push_back({escape_markup(u.attack), escape_markup(u.kind), escape_markup(u.target),
+                              "nobody watches it", std::to_string(u.labels), "-", "-", "-", "-"});
         }
         out.push_back(std::move(t));
     }
@@ -202,9 +203,10 @@ std::vector<ReportTable> intrusion_tables(IntrusionScore const& score) {
             for (double const at : r.faults_s) {
                 faults += (faults.empty() ? "" : ", ") + shortest(at) + " s";
             }
-            t.rows.push_back({r.relay, r.line, faults.empty() ? "none" : faults, std::to_string(r.with.tripped),
-                              std::to_string(r.with.late_or_blocked), std::to_string(r.with.false_trips),
-                              instants(r.trips, r.rate_hz), instants(r.trips_without, r.rate_hz),
+            t.rows.push_back({escape_markup(r.relay), escape_markup(r.line), faults.empty() ? "none" : faults,
+                              std::to_string(r.with.tripped), std::to_string(r.with.late_or_blocked),
+                              std::to_string(r.with.false_trips), instants(r.trips, r.rate_hz),
+                              instants(r.trips_without, r.rate_hz),
                               r.added_ms ? fmt::format("{:.2f} ms", *r.added_ms) : "-",
                               fmt::format("{} ({})", r.alarms, r.false_alarms)});
         }

@@ -3,6 +3,7 @@
 #include "launcher/report/results.hpp"
 
 #include "common/config/yaml.hpp"
+#include "common/json_value.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
 #include "launcher/expect/recording_loss.hpp"
@@ -46,24 +47,22 @@ void read_manifest(fs::path const& folder, Results& out) {
     if (!m.is_object()) {
         return;
     }
-    out.scenario = m.value("scenario", "");
-    out.description = m.value("description", "");
-    out.scheduling = m.value("scheduling", "");
-    out.duration_s = m.value("duration_s", 0.0);
-    if (auto const clock = m.find("clock"); clock != m.end()) {
-        out.mode = clock->value("mode", "");
-        out.epoch_unix_s = parse_utc(clock->value("epoch", "")).value_or(0);
-    }
-    out.outcome.exit_code = m.value("exit", static_cast<int>(ExitCode::child_died));
-    out.outcome.cause = m.value("cause", "the launcher did not see its end");
-    out.outcome.simulated_s = m.value("simulated_s", 0.0);
-    out.outcome.wall_s = m.value("wall_s", 0.0);
-    out.outcome.overruns = m.value("overruns", std::uint64_t{0});
-    if (auto const processes = m.find("processes"); processes != m.end()) {
-        for (auto const& [name, p] : processes->items()) {
-            out.processes.push_back({name, p.value("program", ""), p.value("host", ""), p.value("end", ""),
-                                     p.value("exit", 0), p.value("cpu_s", 0.0)});
-        }
+    std::string const none;
+    out.scenario = value_of(m, "scenario", none);
+    out.description = value_of(m, "description", none);
+    out.scheduling = value_of(m, "scheduling", none);
+    out.duration_s = value_of(m, "duration_s", 0.0);
+    out.mode = value_of(part_of(m, "clock"), "mode", none);
+    out.epoch_unix_s = parse_utc(value_of(part_of(m, "clock"), "epoch", none)).value_or(0);
+    out.outcome.exit_code = value_of(m, "exit", static_cast<int>(ExitCode::child_died));
+    out.outcome.cause = value_of(m, "cause", std::string{"the launcher did not see its end"});
+    out.outcome.simulated_s = value_of(m, "simulated_s", 0.0);
+    out.outcome.wall_s = value_of(m, "wall_s", 0.0);
+    out.outcome.overruns = value_of(m, "overruns", std::uint64_t{0});
+    Json const processes = part_of(m, "processes");
+    for (auto const& [name, p] : processes.items()) {
+        out.processes.push_back({name, value_of(p, "program", none), value_of(p, "host", none),
+                                 value_of(p, "end", none), value_of(p, "exit", 0), value_of(p, "cpu_s", 0.0)});
     }
 }
 
@@ -219,29 +218,6 @@ std::string value_text(ExpectationResult const& e) {
     return fmt::format("{:.6g}{}{}", *e.value, e.unit.empty() ? "" : " ", e.unit);
 }
 
-std::string xml_text(std::string_view text) {
-    std::string out;
-    for (char const c : text) {
-        switch (c) {
-        case '<':
-            out += "&lt;";
-            break;
-        case '>':
-            out += "&gt;";
-            break;
-        case '&':
-            out += "&amp;";
-            break;
-        case '"':
-            out += "&quot;";
-            break;
-        default:
-            out += c;
-        }
-    }
-    return out;
-}
-
 } // namespace
 
 bool Results::passed() const {
@@ -337,7 +313,7 @@ std::string summary_json(Results const& r) {
 Result<void> write_summary(Results const& r) {
     std::error_code ignored;
     fs::create_directories(r.folder / "report", ignored);
-    return write_file(r.folder / "report" / "summary.json", summary_json(r));
+    return replace_file(r.folder / "report" / "summary.json", summary_json(r));
 }
 
 std::string to_text(Results const& r, bool colour) {
@@ -350,27 +326,28 @@ std::string to_text(Results const& r, bool colour) {
         out += "expectations\n";
         for (ExpectationResult const& e : r.expectations) {
             std::string const status = fmt::format("{:<5}", name_of(e.status));
-            out += fmt::format("  {:<{}}  {:>16}  {:<18} {}{}{}\n", e.name, width, value_text(e), e.band.to_string(),
-                               paint(status, e.status, colour),
+            out += fmt::format("  {:<{}}  {:>16}  {:<18} {}{}{}\n", printable(e.name), width, printable(value_text(e)),
+                               printable(e.band.to_string()), paint(status, e.status, colour),
                                e.advisory && e.status == Status::failed ? " (advisory)" : "",
-                               e.detail.empty() || e.status == Status::passed ? "" : "  " + e.detail);
+                               e.detail.empty() || e.status == Status::passed ? "" : "  " + printable(e.detail));
         }
     }
     bool const any_bad = std::any_of(r.processes.begin(), r.processes.end(), [](auto const& p) { return p.code != 0; });
     if (any_bad) {
         out += "processes\n";
         for (Results::ProcessRow const& p : r.processes) {
-            out += fmt::format("  {:<{}}  {:<20} {}\n", p.name, width, p.program, p.end);
+            out +=
+                fmt::format("  {:<{}}  {:<20} {}\n", printable(p.name), width, printable(p.program), printable(p.end));
         }
     }
     if (!r.recording_note.empty()) {
-        out += fmt::format("recording: {}\n", r.recording_note);
+        out += fmt::format("recording: {}\n", printable(r.recording_note));
     }
     for (std::string const& note : r.notes) {
-        out += fmt::format("note: {}\n", note);
+        out += fmt::format("note: {}\n", printable(note));
     }
     if (!r.comtrade.empty()) {
-        out += fmt::format("comtrade: {}\n", join(r.comtrade, " "));
+        out += fmt::format("comtrade: {}\n", printable(join(r.comtrade, " ")));
     }
     double const speed = r.outcome.wall_s > 0 ? r.outcome.simulated_s / r.outcome.wall_s : 0;
     out += fmt::format("{} simulated in {}{}{}\n", human_duration(r.outcome.simulated_s),
@@ -384,18 +361,21 @@ std::string to_junit(Results const& r) {
                                         [](auto const& e) { return e.status == Status::failed && !e.advisory; });
     std::string out = fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
                                   "failures=\"{}\" errors=\"{}\" time=\"{:.3f}\">\n",
-                                  xml_text(r.scenario), r.expectations.size() + 1, failures,
+                                  escape_markup(r.scenario), r.expectations.size() + 1, failures,
                                   r.outcome.exit_code != 0 ? 1 : 0, r.outcome.wall_s);
-    out += fmt::format("  <testcase classname=\"{}\" name=\"run\">", xml_text(r.scenario));
+    out += fmt::format("  <testcase classname=\"{}\" name=\"run\">", escape_markup(r.scenario));
     if (r.outcome.exit_code != 0) {
-        out += fmt::format("<error message=\"{}\"/>", xml_text(r.outcome.cause));
+        out += fmt::format("<error message=\"{}\"/>", escape_markup(r.outcome.cause));
     }
     out += "</testcase>\n";
     for (ExpectationResult const& e : r.expectations) {
-        out += fmt::format("  <testcase classname=\"{}\" name=\"{}\">", xml_text(r.scenario), xml_text(e.name));
+        out +=
+            fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"0.000\">", escape_markup(r.scenario),
+                        escape_markup(e.name)); // judged from what the run has recorded
         if (e.status == Status::failed && !e.advisory) {
-            out += fmt::format("<failure message=\"{} instead of {} {}\"/>", xml_text(value_text(e)),
-                               xml_text(e.band.to_string()), xml_text(e.detail));
+            out += fmt::format("<failure message=\"{}\"/>",
+                               escape_markup(fmt::format("value {}, expected {}{}{}", value_text(e), e.band.to_string(),
+                                                         e.detail.empty() ? "" : "; ", e.detail)));
         } else if (e.status == Status::not_applicable) {
             out += "<skipped/>";
         }

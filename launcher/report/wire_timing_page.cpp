@@ -49,7 +49,7 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
         };
         bool const bad = s.lost > 0 || !s.not_counted.empty();
         out.rows.push_back(
-            {s.captured ? s.stream + ", in the capture" : s.stream, count(s.received),
+            {escape_markup(s.captured ? s.stream + ", in the capture" : s.stream), count(s.received),
              bad ? fmt::format("<span class=\"bad\">{}</span>", count(s.lost)) : "0",
              s.captured      ? "–"
              : s.refused > 0 ? fmt::format("<span class=\"bad\">{}</span>", count(s.refused))
@@ -105,12 +105,12 @@ void delay_row(ReportTable& table, std::string const& what, std::string const& w
     auto const within = [&](double limit) { return of_class ? against(s.p99, s.measurable(), limit) : std::string{}; };
     if (!s.measurable()) {
         table.rows.push_back(
-            {what, which, std::to_string(s.count),
+            {what, escape_markup(which), std::to_string(s.count),
              fmt::format("{}: {} of {} below 0, the lowest {}", kNotMeasurable, s.below_zero, s.count, ms(s.min)), "",
              "", "", "", "", within(kTransferClassMs), all.delay_limit_ms ? within(*all.delay_limit_ms) : ""});
         return;
     }
-    table.rows.push_back({what, which, std::to_string(s.count), ms(s.mean),
+    table.rows.push_back({what, escape_markup(which), std::to_string(s.count), ms(s.mean),
                           published ? fmt::format("<i>{}</i>", ms(*published)) : "", ms(s.p50), ms(s.p99), ms(s.p999),
                           ms(s.max), within(kTransferClassMs), all.delay_limit_ms ? within(*all.delay_limit_ms) : ""});
 }
@@ -160,10 +160,10 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
             return step.communication ? against(step.since_before_ms.value_or(0), measurable(step), limit)
                                       : std::string{};
         };
-        out.rows.push_back({step.what, ms(step.after_ms),
+        out.rows.push_back({escape_markup(step.what), ms(step.after_ms),
                             step.since_before_ms ? ms(*step.since_before_ms) : "– (another clock)",
                             within(kTransferClassMs), published.delay_limit_ms ? within(*published.delay_limit_ms) : "",
-                            "<span class=\"dim\">" + step.method + "</span>"});
+                            "<span class=\"dim\">" + escape_markup(step.method) + "</span>"});
     }
     if (r.foreign) {
         out.note =

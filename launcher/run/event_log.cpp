@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/event_log.hpp"
 
+#include "common/json_value.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -28,8 +30,9 @@ std::vector<LoggedEvent> read_events(std::filesystem::path const& file) {
     for (std::string line; std::getline(stream, line);) {
         Json const json = Json::parse(line, nullptr, false);
         if (json.is_object()) {
-            out.push_back(
-                {json.value("time_s", 0.0), json.value("source", ""), json.value("event", ""), json.value("text", "")});
+            std::string const none;
+            out.push_back({value_of(json, "time_s", 0.0), value_of(json, "source", none), value_of(json, "event", none),
+                           value_of(json, "text", none)});
         }
     }
     return out;

@@ -17,8 +17,10 @@
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -51,24 +53,57 @@ Result<UniqueFd> connect_to(std::string const& where, std::chrono::milliseconds 
 
 } // namespace
 
-void note_monitor(std::filesystem::path const& folder, MonitorAddress const& monitor) {
-    std::ofstream{folder / kNote} << monitor.url() << '\n'
-                                  << monitor.certificate.string() << '\n'
-                                  << monitor.token_file.string() << '\n';
+Result<UniqueFd> note_monitor(std::filesystem::path const& folder, MonitorAddress const& monitor) {
+    std::filesystem::path const file = folder / kNote;
+    std::string const text =
+        fmt::format("{}\n{}\n{}\n", monitor.url(), monitor.certificate.string(), monitor.token_file.string());
+    ::unlink(file.c_str()); // of another monitor of the run: the last one counts
+    UniqueFd fd{::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600)};
+    if (!fd || ::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 ||
+        ::write(fd.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
+        return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file.string(), std::strerror(errno)));
+    }
+    return fd;
 }
+
+namespace {
+
+/// What the note of a run says, when it can be believed.
+Result<MonitorAddress> noted_monitor(std::filesystem::path const& run) {
+    UniqueFd const fd{::open((run / kNote).c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
+    struct stat found{};
+    if (!fd || ::fstat(fd.get(), &found) != 0) {
+        return errno == EACCES ? fail(ExitCode::usage, fmt::format("run '{}' is another user's", run.string()),
+                                      "give the address of its monitor: `gridspace run` printed it")
+                               : fail(ExitCode::usage, fmt::format("run '{}' has no monitor", run.string()),
+                                      "was it started with one?");
+    }
+    if (!S_ISREG(found.st_mode) || found.st_uid != ::geteuid() || (found.st_mode & 077U) != 0) {
+        return fail(ExitCode::usage, fmt::format("'{}' is not what a run of yours wrote", (run / kNote).string()),
+                    "if you trust it, give the address that it holds: for example --run 127.0.0.1:8080");
+    }
+    if (::flock(fd.get(), LOCK_SH | LOCK_NB) == 0) {
+        return fail(ExitCode::usage, fmt::format("run '{}' is over", run.string()),
+                    "`gridspace monitor` shows it in the dashboard again");
+    }
+    char text[4096];
+    ssize_t const size = ::read(fd.get(), text, sizeof text);
+    auto const lines = split({text, static_cast<std::size_t>(std::max<ssize_t>(size, 0))}, '\n');
+    std::size_t const host = lines[0].find("//");
+    if (lines.size() != 4 || host == std::string::npos) {
+        return fail(ExitCode::usage, fmt::format("'{}' is damaged", (run / kNote).string()));
+    }
+    return MonitorAddress{lines[0].substr(host + 2), lines[1], lines[2]};
+}
+
+} // namespace
 
 Result<MonitorAddress> monitor_address(std::filesystem::path const& run) {
     constexpr std::string_view kPlain = "http://";
     std::string text = run.string();
-    if (std::filesystem::is_directory(run)) {
-        std::ifstream stream{run / kNote};
-        std::string url, certificate, token_file;
-        if (!std::getline(stream, url)) {
-            return fail(ExitCode::usage, fmt::format("run '{}' has no monitor", text), "was it started with one?");
-        }
-        std::getline(stream, certificate);
-        std::getline(stream, token_file);
-        return MonitorAddress{url.substr(url.find("//") + 2), certificate, token_file};
+    std::error_code ignored;
+    if (std::filesystem::is_directory(run, ignored)) {
+        return noted_monitor(run);
     }
     if (text.starts_with("https:/")) {
         return fail(

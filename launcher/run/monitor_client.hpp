@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "common/unique_fd.hpp"
 
 #include <chrono>
 #include <filesystem>
@@ -18,10 +19,12 @@ struct MonitorAddress {
     [[nodiscard]] std::string url() const { return (certificate.empty() ? "http://" : "https://") + address; }
 };
 
-/// Notes in the run folder where the monitor of the run serves.
-void note_monitor(std::filesystem::path const& folder, MonitorAddress const& monitor);
+/// Notes in the run folder where the monitor of the run serves, in a file of this user alone. As long as the result is
+/// kept (also by a child process), the file is locked: so others of this user know that the run is under way.
+[[nodiscard]] Result<UniqueFd> note_monitor(std::filesystem::path const& folder, MonitorAddress const& monitor);
 
-/// The run's monitor: from the folder, or as it is when `run` is an address or URL already.
+/// The run's monitor: as it is when `run` is an address or URL already; otherwise from the folder, and only where this
+/// user's own run wrote it and is still running. Nobody else can have locked a file that only its owner may open.
 [[nodiscard]] Result<MonitorAddress> monitor_address(std::filesystem::path const& run);
 
 /// Makes the secret of a run that may be controlled: RUN/control.token, for its owner only.

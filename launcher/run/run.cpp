@@ -195,14 +195,31 @@ std::string setting(PlannedProcess const& process, std::string_view key) {
     return value == nullptr ? std::string{} : value->text;
 }
 
+bool has_boards(Scenario const& scenario) {
+    return std::any_of(scenario.processes.begin(), scenario.processes.end(), [](Process const& process) {
+        return parse_run_on(process.run_on).value_or(RunOn{}).kind == RunOn::Kind::ssh;
+    });
+}
+
 } // namespace
 
-Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options, InterruptWatch& interrupts) {
-    auto const begin = Clock::now();
-    if (!options.namespaces && has_raw_frames(scenario)) {
+Result<void> check_isolation(Scenario const& scenario, bool namespaces) {
+    if (!namespaces && has_raw_frames(scenario)) {
         return fail(ExitCode::usage,
                     "this scenario exchanges raw frames, and those need hosts with interfaces of their own",
                     "run it without --no-namespaces");
+    }
+    if (!namespaces && has_boards(scenario)) {
+        return fail(ExitCode::usage, "this scenario runs processes on boards, and those take the place of hosts",
+                    "run it without --no-namespaces");
+    }
+    return {};
+}
+
+Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options, InterruptWatch& interrupts) {
+    auto const begin = Clock::now();
+    if (auto ok = check_isolation(scenario, options.namespaces); !ok) {
+        return std::unexpected{ok.error()};
     }
     if (auto ok = check_emulators(scenario); !ok) {
         return std::unexpected{ok.error()};
@@ -219,14 +236,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         }
     }
     Progress progress{options.style, scenario.name, scenario.simulation.duration().to_double()};
-    bool const with_boards =
-        std::any_of(scenario.processes.begin(), scenario.processes.end(), [](Process const& process) {
-            return parse_run_on(process.run_on).value_or(RunOn{}).kind == RunOn::Kind::ssh;
-        });
-    if (with_boards && !options.namespaces) {
-        return fail(ExitCode::usage, "this scenario runs processes on boards, and those take the place of hosts",
-                    "run it without --no-namespaces");
-    }
+    bool const with_boards = has_boards(scenario);
     auto boards = prepare_boards(scenario, [&](std::string_view text) { progress.note(text); });
     if (!boards) {
         return std::unexpected{boards.error()};
@@ -281,6 +291,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         }
     }
     std::map<std::string, UniqueFd> listen_fds;
+    UniqueFd monitor_note; // locked while the run is under way
     for (PlannedProcess& process : plan.processes) {
         if (!process.listen.empty()) {
             auto socket = open_listening(process.listen);
@@ -290,7 +301,11 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
             listen_fds[process.name] = std::move(socket->fd);
             MonitorAddress const monitor{socket->address, setting(process, "tls_cert"), setting(process, "token_file")};
             progress.note(fmt::format("{}: {}", process.name, monitor.url()));
-            note_monitor(*folder, monitor); // for `gridspace graph` and `topic`
+            auto noted = note_monitor(*folder, monitor); // for `gridspace graph` and `topic`
+            if (!noted) {
+                return std::unexpected{noted.error()};
+            }
+            monitor_note = std::move(*noted);
         }
     }
     int ends[2];

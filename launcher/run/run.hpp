@@ -29,6 +29,9 @@ struct FinishedRun {
     std::string unread;             ///< what was said on standard error, and waits for somebody to read there
 };
 
+/// Whether the scenario can run like that: without namespaces there are no hosts with interfaces of their own.
+[[nodiscard]] Result<void> check_isolation(Scenario const& scenario, bool namespaces);
+
 /// Runs a scenario from start to end: folder, sockets, namespaces, processes, progress. Fails when it cannot even
 /// start; otherwise the outcome says how it went. `interrupts` end it.
 [[nodiscard]] Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options,

@@ -5,6 +5,8 @@
 #include "launcher/run/write_file.hpp"
 #include "launcher/scenario/monitor_settings.hpp"
 
+#include "common/config/merge.hpp"
+#include "common/config/yaml.hpp"
 #include "common/version.hpp"
 
 #include <array>
@@ -54,21 +56,6 @@ Json host_of(bool root) {
                 {"cpu_flags", cpu_info("flags")},
                 {"processors", std::thread::hardware_concurrency()},
                 {"root", root}};
-}
-
-/// A full disk leaves what was there before.
-Result<void> write_text(fs::path const& file, std::string const& text) {
-    fs::path const fresh = file.string() + ".new";
-    auto written = write_file(fresh, text);
-    std::error_code error, ignored;
-    if (written) {
-        fs::rename(fresh, file, error);
-    }
-    if (!written || error) {
-        fs::remove(fresh, ignored);
-    }
-    return error ? fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file.string(), error.message()))
-                 : written;
 }
 
 } // namespace
@@ -137,6 +124,21 @@ static void add_files(config::Node const& node, Json& files) {
     }
 }
 
+/// The folder's network.yaml stands alone: whoever looks at the run follows no name out of it.
+static Result<void> copy_network(fs::path const& file, fs::path const& folder) {
+    fs::path const copy = folder / ("network" + file.extension().string());
+    config::Diagnostics known; // the scenario was checked with it
+    auto const own = file.extension() == ".m" ? std::nullopt : config::load_yaml(file, known);
+    auto const whole = own && own->find("extends") != nullptr ? config::load_extended(file, known) : std::nullopt;
+    if (whole) {
+        return replace_file(copy, to_yaml(*whole));
+    }
+    std::error_code error;
+    fs::copy_file(file, copy, fs::copy_options::overwrite_existing, error);
+    return error ? fail(ExitCode::environment, fmt::format("cannot write '{}': {}", copy.string(), error.message()))
+                 : Result<void>{};
+}
+
 Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool root) {
     std::error_code error;
     for (char const* name : {"processes", "logs", "report"}) {
@@ -144,7 +146,7 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
     }
     Json processes = Json::object();
     for (PlannedProcess const& process : plan.processes) {
-        if (auto ok = write_text(process.config_file, to_yaml(process.config)); !ok) {
+        if (auto ok = replace_file(process.config_file, to_yaml(process.config)); !ok) {
             return ok;
         }
         Json files = Json::object();
@@ -152,15 +154,15 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         processes[process.name] = {
             {"program", process.program}, {"host", process.host}, {"member", process.is_member}, {"files", files}};
     }
-    if (auto ok = write_text(plan.folder / "scenario.resolved.yaml", to_yaml(scenario.resolved)); !ok) {
+    if (auto ok = replace_file(plan.folder / "scenario.resolved.yaml", to_yaml(scenario.resolved)); !ok) {
         return ok;
     }
-    if (auto ok = write_text(plan.folder / "monitor.yaml", to_yaml(recorded_monitor(scenario))); !ok) {
+    if (auto ok = replace_file(plan.folder / "monitor.yaml", to_yaml(recorded_monitor(scenario))); !ok) {
         return ok;
     }
-    fs::copy_file(scenario.simulation.network,
-                  plan.folder / ("network" + scenario.simulation.network.extension().string()),
-                  fs::copy_options::overwrite_existing, error);
+    if (auto ok = copy_network(scenario.simulation.network, plan.folder); !ok) {
+        return ok;
+    }
     Version const& v = version();
     Json const manifest{
         {"scenario", scenario.name},
@@ -190,7 +192,7 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         {"scheduling", plan.scheduling},
         {"host", host_of(root)},
     };
-    return write_text(plan.folder / "manifest.json", manifest.dump(2) + "\n");
+    return replace_file(plan.folder / "manifest.json", manifest.dump(2) + "\n");
 }
 
 Result<void> write_outcome(fs::path const& folder, RunOutcome const& outcome) {
@@ -209,7 +211,7 @@ Result<void> write_outcome(fs::path const& folder, RunOutcome const& outcome) {
         manifest["processes"][end.process]["end"] = end.how;
         manifest["processes"][end.process]["cpu_s"] = end.cpu_s;
     }
-    return write_text(folder / "manifest.json", manifest.dump(2) + "\n");
+    return replace_file(folder / "manifest.json", manifest.dump(2) + "\n");
 }
 
 } // namespace gridspace::launcher

@@ -4,6 +4,7 @@
 
 #include "common/unique_fd.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -28,6 +29,26 @@ Result<void> write_file(std::filesystem::path const& file, std::string_view text
     stream << text;
     stream.close();
     return stream ? Result<void>{} : cannot_write(file, errno);
+}
+
+Result<void> replace_file(std::filesystem::path const& file, std::string_view text) {
+    std::filesystem::path const fresh = file.string() + ".new";
+    ::unlink(fresh.c_str()); // of a process that was killed
+    UniqueFd const fd{::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644)};
+    int why = fd ? 0 : errno;
+    for (std::size_t done = 0; why == 0 && done < text.size();) {
+        ssize_t const written = ::write(fd.get(), text.data() + done, text.size() - done);
+        why = written < 0 && errno != EINTR ? errno : 0;
+        done += static_cast<std::size_t>(std::max<ssize_t>(written, 0));
+    }
+    if (why == 0 && ::rename(fresh.c_str(), file.c_str()) != 0) {
+        why = errno;
+    }
+    if (why != 0) {
+        ::unlink(fresh.c_str());
+        return cannot_write(file, why);
+    }
+    return {};
 }
 
 Result<void> check_writable(std::filesystem::path const& file) {

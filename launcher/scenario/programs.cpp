@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/ev/ev_config.hpp"
 #include "agents/mcca/mcca_config.hpp"
+#include "bus/topics.hpp"
 #include "common/text.hpp"
 #include "launcher/scenario/capture_points.hpp"
 #include "launcher/scenario/dataflow.hpp"
@@ -104,7 +105,8 @@ class SimSettings final : public ProcessSettings {
     }
     [[nodiscard]] Node settings(Scenario const& s, Process const&) const override { return simulator_settings(s); }
 
-    void check(Scenario const& s, Process const&, Diagnostics& diagnostics) override {
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        check_signal_groups(s, process, diagnostics);
         sim::GatewaysConfig const all = sim::read_gateways(s.simulation.gateways, diagnostics);
         if (s.network) {
             check_gateways(all, *s.network, diagnostics);
@@ -113,6 +115,22 @@ class SimSettings final : public ProcessSettings {
     }
 
   private:
+    /// What it publishes together must fit into one sample of `signals` (sim/app/signal_output.cpp).
+    void check_signal_groups(Scenario const& s, Process const& process, Diagnostics& diagnostics) const {
+        std::size_t sampled = 0, switching = 0;
+        for (SignalUse const& signal : signals(s, process)) {
+            bool const wanted = std::any_of(s.record.signals.begin(), s.record.signals.end(),
+                                            [&](std::string const& p) { return matches_glob(p, signal.name); });
+            (signal.rate_hz == 0 ? switching : sampled) += wanted ? 1 : 0;
+        }
+        for (auto const& [group, count] : {std::pair{"electrical", sampled}, {"switching", switching}}) {
+            if (count > bus::kMostSignals) {
+                diagnostics.error(process.name.where,
+                                  fmt::format("{} signals in group '{}', and {} fit", count, group, bus::kMostSignals),
+                                  "choose some with record.signals: `gridspace signals SCENARIO` lists them");
+            }
+        }
+    }
     static sim::GatewaysConfig gateways(Scenario const& s) {
         Diagnostics ignored; // reported by check()
         return sim::read_gateways(s.simulation.gateways, ignored);
@@ -347,7 +365,8 @@ class ExecSettings final : public ProcessSettings {
     static std::unique_ptr<ProcessSettings> read(Fields& f) {
         auto out = std::make_unique<ExecSettings>();
         std::vector<Ref> words;
-        f.references("command", words, {.doc = "the program and its arguments", .required = true});
+        f.references("command", words,
+                     {.doc = "the program and its arguments", .required = true, .may_be_empty = true});
         for (Ref& word : words) {
             out->command_.push_back(std::move(word.name));
         }

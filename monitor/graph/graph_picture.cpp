@@ -19,14 +19,6 @@ std::string quoted(std::string const& text) {
     return out + "\"";
 }
 
-std::string escaped(std::string const& text) {
-    std::string out;
-    for (char const c : text) {
-        out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string{c};
-    }
-    return out;
-}
-
 /// What both pictures show: arrows from writers to topics to readers, streams of raw frames in the same way.
 struct Arrow {
     std::string process, middle; ///< middle: the topic or stream
@@ -120,7 +112,7 @@ std::string to_svg(Snapshot const& graph, bool framework) {
                   y2 = a.out ? y_of(middle, a.middle) : y_of(right, a.process);
         out += fmt::format("<path d=\"M{} {} C{} {},{} {},{} {}\" fill=\"none\" stroke=\"{}\">{}</path>\n", x1, y1,
                            (x1 + x2) / 2, y1, (x1 + x2) / 2, y2, x2, y2, a.problems.empty() ? "#8a93a3" : "#c8213c",
-                           a.problems.empty() ? "" : "<title>" + escaped(join(a.problems, "; ")) + "</title>");
+                           a.problems.empty() ? "" : "<title>" + escape_markup(join(a.problems, "; ")) + "</title>");
     }
     auto const box = [&](std::set<std::string> const& column, int x, bool process) {
         for (std::string const& name : column) {
@@ -134,7 +126,7 @@ std::string to_svg(Snapshot const& graph, bool framework) {
                 "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"{}\" fill=\"#fff\" stroke=\"{}\"/>\n"
                 "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\" fill=\"#1d2530\">{}</text>\n",
                 x, y, kBoxWidth, kBoxHeight, process || wires.contains(name) ? 4 : 14, stroke, x + kBoxWidth / 2,
-                y + 19, escaped(name));
+                y + 19, escape_markup(name));
         }
     };
     box(left, kLeft, true);

@@ -35,6 +35,13 @@ std::string file_name(std::string topic) {
     return topic;
 }
 
+/// Never through a link to somewhere else.
+std::ofstream fresh_file(std::filesystem::path const& file) {
+    std::error_code ignored;
+    std::filesystem::remove(file, ignored);
+    return std::ofstream{file};
+}
+
 std::string cell(idl::Type const& type, idl::Value const& value) {
     if (type.kind == idl::Kind::enumeration) {
         auto const number = std::get<std::int64_t>(value);
@@ -101,7 +108,7 @@ Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::p
     for (auto const& [times, names] : groups) {
         std::string const suffix = groups.size() == 1 ? "" : fmt::format("_{}", ++number);
         files.push_back(folder / fmt::format("signals{}.csv", suffix));
-        std::ofstream stream{files.back()};
+        std::ofstream stream = fresh_file(files.back());
         stream << "time_s," << join(names, ",") << "\n";
         for (std::size_t i = 0; i < times.size(); ++i) {
             stream << shortest(static_cast<double>(times[i]) / 1e9);
@@ -121,8 +128,6 @@ Result<void> write_signals(std::filesystem::path const& mcap, std::filesystem::p
 
 Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epoch_ns,
                              std::filesystem::path const& folder) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
     std::map<std::string, Table> tables;
     auto const find_columns = [&](mcap::Message const& m) {
         if (is_signal_topic(m.channel.topic)) {
@@ -161,6 +166,8 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
     if (!outcome) {
         return std::unexpected{outcome.error()};
     }
+    std::error_code error;
+    std::filesystem::create_directories(folder, error); // not for a recording that is none
     CsvExport out;
     if (!outcome->complete) {
         out.notes.push_back(fmt::format("the recording is incomplete: {}", outcome->note));
@@ -174,7 +181,7 @@ Result<CsvExport> export_csv(std::filesystem::path const& mcap, std::int64_t epo
             continue;
         }
         out.files.push_back(folder / (file_name(topic) + ".csv"));
-        table.stream.open(out.files.back());
+        table.stream = fresh_file(out.files.back());
         table.stream << "time_s,process";
         for (std::string const& column : table.columns) {
             table.stream << ',' << column_name(column);

@@ -63,10 +63,12 @@
     svg.addEventListener("pointermove", (event) => {
       const x = svgX(event), t = toTime(x);
       together().forEach((other) => other.show(t));
-      tip.innerHTML = `<b>${(t / unit).toFixed(3)} ${d.unit}</b>` + data.series.map((s) => {
-        const v = valueAt(s, t);
-        return `<br><i style="background:${s.colour}"></i>${s.name} ${v === null ? "–" : Number(v.toPrecision(5))}`;
-      }).join("");
+      const html = (tag, more) => Object.assign(document.createElement(tag), more);
+      tip.replaceChildren(html("b", { textContent: `${(t / unit).toFixed(3)} ${d.unit}` }), ...data.series.flatMap((s) => { // names are text
+        const v = valueAt(s, t), dot = html("i");
+        dot.style.background = s.colour;
+        return [html("br"), dot, `${s.name} ${v === null ? "–" : Number(v.toPrecision(5))}`];
+      }));
       const r = figure.getBoundingClientRect(), right = event.clientX - r.left > r.width / 2;
       Object.assign(tip.style, { display: "block", top: `${event.clientY - r.top + 12}px`, left: right ? "auto" : `${event.clientX - r.left + 14}px`,
         right: right ? `${r.right - event.clientX + 14}px` : "auto" });

@@ -7,11 +7,14 @@
 #include "tests/support/temporary_folder.hpp"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
+#include <sys/file.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <thread>
 
 namespace gridspace::launcher {
@@ -67,6 +70,56 @@ TEST(MonitorClient, AnAnswerThatWasCutIsCalledThat) {
 
 TEST(MonitorClient, SomebodyElseIsNamedAsSuch) {
     EXPECT_THAT(ask("SSH-2.0-OpenSSH_9.2\r\n", true), HasSubstr("is not a monitor"));
+}
+
+/// What is said of the monitor of a run whose note is this text.
+struct MonitorNote : testing::Test {
+    [[nodiscard]] std::string said() const {
+        auto const address = monitor_address(folder.path());
+        return address ? address->url() : describe(address.error());
+    }
+    void write(std::string const& text, mode_t mode) const {
+        std::ofstream{file} << text;
+        ::chmod(file.c_str(), mode);
+    }
+    TemporaryFolder const folder;
+    std::filesystem::path const file{folder.path() / "monitor.address"};
+};
+
+TEST_F(MonitorNote, OfARunThatIsUnderWayIsBelieved) {
+    auto const run = note_monitor(folder.path(), {"127.0.0.1:8080", {}, {}});
+    ASSERT_TRUE(run);
+    EXPECT_EQ(said(), "http://127.0.0.1:8080");
+}
+
+TEST_F(MonitorNote, OfARunThatIsOverIsNot) {
+    ASSERT_TRUE(note_monitor(folder.path(), {"127.0.0.1:8080", {}, {}})); // and let go
+    EXPECT_THAT(said(), HasSubstr("is over"));
+}
+
+TEST_F(MonitorNote, ThatSomebodySentInAFolderIsNotObeyed) {
+    write("http://192.0.2.1:80\n\n/home/me/.ssh/id_ed25519\n", 0600);
+    EXPECT_THAT(said(), HasSubstr("is over")) << "nobody has locked it";
+    write("http://192.0.2.1:80\n\n/home/me/.ssh/id_ed25519\n", 0644);
+    EXPECT_THAT(said(), HasSubstr("is not what a run of yours wrote")) << "anybody may have locked it";
+    EXPECT_THAT(said(), HasSubstr("give the address"));
+}
+
+TEST_F(MonitorNote, ThatIsALinkIsNotFollowed) {
+    TemporaryFolder const elsewhere;
+    auto const run = note_monitor(elsewhere.path(), {"127.0.0.1:8080", {}, {}});
+    ASSERT_TRUE(run);
+    std::filesystem::create_symlink(elsewhere.path() / "monitor.address", file);
+    EXPECT_THAT(said(), HasSubstr("has no monitor"));
+}
+
+TEST_F(MonitorNote, ThatIsEmptyOrCutIsDamaged) {
+    for (char const* text : {"", "\n\n\n", "127.0.0.1\n\n\n", "http://127.0.0.1:80"}) {
+        write(text, 0600);
+        UniqueFd const lock{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
+        ASSERT_EQ(::flock(lock.get(), LOCK_EX), 0);
+        EXPECT_THAT(said(), HasSubstr("is damaged")) << text;
+    }
 }
 
 TEST(DomainLock, PairsAreHandedOutOnceAndComeBack) {
