@@ -205,7 +205,7 @@ Result<void> Gateway::open_signals() {
             return std::unexpected{signals.error()};
         }
         watches_.back() = std::make_unique<Watch>(Watch{std::move(*signals), {}});
-        sources_[i]->observe({[this, watch = watches_.back().get(),
+        sources_[i]->observe({[watch = watches_.back().get(),
                                fields = route.watched](Moment at, std::span<mapping::Value const> values) {
                                   std::vector<double> row;
                                   for (std::size_t const field : fields) {

@@ -140,7 +140,7 @@ class SvSource final : public Source {
                 expire(at); // nobody looked meanwhile
             }
             if (may_use(at, frame.header, asdus[place], place)) {
-                receive(at, frame.header, asdus[place]);
+                take(at, frame.header, asdus[place]);
             }
         }
     }
@@ -184,7 +184,7 @@ class SvSource final : public Source {
         return verdict.use;
     }
 
-    void receive(Moment at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu) {
+    void take(Moment at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu) {
         auto const arrival = subscriber_.receive(header, asdu, at.arrival_ns());
         if (!arrival.accepted) {
             return;

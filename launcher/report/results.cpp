@@ -369,9 +369,8 @@ std::string to_junit(Results const& r) {
     }
     out += "</testcase>\n";
     for (ExpectationResult const& e : r.expectations) {
-        out +=
-            fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"0.000\">", escape_markup(r.scenario),
-                        escape_markup(e.name)); // judged from what the run has recorded
+        out += fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"0.000\">", escape_markup(r.scenario),
+                           escape_markup(e.name)); // judged from what the run has recorded
         if (e.status == Status::failed && !e.advisory) {
             out += fmt::format("<failure message=\"{}\"/>",
                                escape_markup(fmt::format("value {}, expected {}{}{}", value_text(e), e.band.to_string(),
