@@ -152,8 +152,8 @@ Result<void> Node::start() {
     Core& core = *core_;
     NodeConfig& config = core.config;
     ClockConfig const& clock = config.clock;
-    if (config.is_daemon) {
-        (void)forbid_raw_sockets(); // all that it needs are open
+    if (config.is_daemon && !may_open_raw_sockets()) {
+        (void)forbid_raw_sockets();
     }
 
     std::vector<std::string> processes = clock.members;

@@ -184,6 +184,12 @@ bool forbid_what_no_process_does() noexcept {
     return install(statements);
 }
 
+bool may_open_raw_sockets() noexcept {
+    __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+    std::array<__user_cap_data_struct, 2> sets{};
+    return ::syscall(SYS_capget, &header, sets.data()) == 0 && (sets[0].effective & kMayOpenRawSockets) != 0;
+}
+
 bool forbid_raw_sockets() noexcept {
     std::vector<sock_filter> statements = filter_begin();
     forbid(statements, kEnterNamespace.number);

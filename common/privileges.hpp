@@ -24,7 +24,11 @@ void keep_only_capabilities(std::uint64_t capabilities) noexcept;
 /// (qemu-user). Nothing under a sanitizer is forbidden that its reports need.
 bool forbid_what_no_process_does() noexcept;
 
-/// Also: raw sockets and network namespaces. For who has opened all of its own.
+/// Whether this thread holds CAP_NET_RAW.
+bool may_open_raw_sockets() noexcept;
+
+/// Also: raw sockets and network namespaces. For who has none of its own: a port whose interface comes back is opened
+/// again.
 bool forbid_raw_sockets() noexcept;
 
 } // namespace gridspace

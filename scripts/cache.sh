@@ -20,7 +20,7 @@ gridspace_cache() {
 # cached FOLDER COMMAND...: the folder of the cache, made by COMMAND (called with the path of an empty folder beside it) where it is
 # not there yet. Whole or not at all, also with two at once: who comes second finds what the first has made.
 cached() {
-  local folder=$1 fresh
+  local folder=$1 fresh # (COMMAND sees these two)
   shift
   [ ! -d "$folder" ] || return 0
   mkdir -p "$(dirname "$folder")" || return

@@ -8,13 +8,13 @@ set -euo pipefail
 # shellcheck source=scripts/cache.sh
 source "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/cache.sh"
 
-folder=$(readlink -f "$1")
-where=${2:-$folder}
-content=$(cat "$folder/package.json" "$folder/package-lock.json" <(node --version) | sha256sum | cut -c 1-24)
+wanted=$(readlink -f "$1")
+where=${2:-$wanted}
+content=$(cat "$wanted/package.json" "$wanted/package-lock.json" <(node --version) | sha256sum | cut -c 1-24)
 packages=$(gridspace_cache)/npm/$content
 
 install_into() {
-  cp "$folder/package.json" "$folder/package-lock.json" "$1/"
+  cp "$wanted/package.json" "$wanted/package-lock.json" "$1/"
   (cd "$1" && npm ci --omit=dev --ignore-scripts --prefer-offline --no-audit --no-fund --loglevel=error >&2)
 }
 cached "$packages" install_into

@@ -133,6 +133,8 @@ class ForeignTypes(harness.ScenarioTest):
         with self.of_another_dds("strange_writers", stdout=subprocess.PIPE, text=True) as writers:
             self.assertEqual(writers.stdout.readline(), "written\n")
             with self.monitor(topic="parted", idl=str(self.idl)) as monitor:
+                wanted = {"parted", "owned", "patient", "kept", "xcdr2"}
+                monitor.until("/api/v1/topics", lambda t: wanted <= {x["name"] for x in t["topics"]}, "the topics")
                 for topic in ("parted", "owned", "patient", "kept"):
                     said = monitor.until(f"/api/v1/topics/{topic}/last", lambda t: t["last"], f"a sample of {topic}")
                     self.assertEqual((said["last"][0]["fields"]["celsius"], said["not_heard"]), (21.5, []))

@@ -103,7 +103,7 @@ class Stall(ScenarioTest):
 
     def test_a_stopped_agent_is_named_after_member_timeout(self):
         cause = self.stop_in_mid_run("ev2").summary()["cause"]
-        self.assertIn(f"waited {MEMBER_TIMEOUT_S} s", cause)
+        self.assertIn("'ev2' is stopped", cause)
         self.assertNotIn("mcca", cause, "it only waits for ev2")
 
     def test_a_stopped_mcca_is_named_after_member_timeout(self):
