@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """What `gridspace play` puts back onto the bus and the wire is what was recorded; `gridspace info` says what that is."""
+import contextlib
 import json
 import os
 import pathlib
