@@ -28,8 +28,8 @@ if(GRIDSPACE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 
 add_library(gridspace_flags INTERFACE)
-find_package(fmt REQUIRED)
-target_link_libraries(gridspace_flags INTERFACE fmt::fmt)
+# What fmt::fmt defines, for all: a precompiled header serves only who is compiled with the same definitions.
+target_compile_definitions(gridspace_flags INTERFACE FMT_SHARED)
 # Results must not depend on the compiler's freedom to fuse a multiply and an add (docs/design/determinism.md).
 target_compile_options(gridspace_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor
                                                  -ffp-contract=off -fno-math-errno)
