@@ -10,6 +10,7 @@
 #include "common/log.hpp"
 #include "common/text.hpp"
 
+#include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -339,8 +340,9 @@ class FastDdsParticipant final : public Participant {
         for (std::string const& peer : options_.peers) {
             std::vector<std::string> const parts = split(peer, ':');
             rtps::Locator_t locator;
-            if (parts.size() != 2 || !rtps::IPLocator::setIPv4(locator, parts[0]) ||
-                !rtps::IPLocator::setPhysicalPort(locator, static_cast<std::uint16_t>(std::atoi(parts[1].c_str())))) {
+            long const port = parts.size() == 2 ? std::strtol(parts[1].c_str(), nullptr, 10) : 0;
+            if (port < 1 || port > 65535 || !rtps::IPLocator::setIPv4(locator, parts[0]) ||
+                !rtps::IPLocator::setPhysicalPort(locator, static_cast<std::uint16_t>(port))) {
                 return fail(ExitCode::usage, fmt::format("the peer '{}' is no ADDRESS:PORT", peer));
             }
             builtin.initialPeersList.push_back(locator);

@@ -4,7 +4,8 @@
 """clang-tidy on every source whose text, headers, flags or rules have changed since it was last found clean, newest change first.
 
 What is clean is remembered in the user's cache by content, for every clone. With --seconds it stops in time, and says what is left for
-the next run; a file that was looked at and is not clean fails the command.
+the next run. A file that was looked at and is not clean fails the command, but with --commits N only if it changed in the last N commits:
+of older ones the findings are shown.
 """
 import argparse
 import concurrent.futures
@@ -79,6 +80,7 @@ def changed_last():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("--seconds", type=float, default=float("inf"), help="begin no further file after so long")
+    parser.add_argument("--commits", type=int, default=10**9, help="findings in files that are older are shown and do not fail")
     arguments = parser.parse_args()
     database = BUILD / "compile_commands.json"
     if not database.exists():
@@ -105,15 +107,16 @@ def main():
             mark.touch()
         return name, done.returncode, done.stdout
 
-    dirty, left = 0, 0
+    dirty, old, left = 0, 0, 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for result in pool.map(check, todo):
             if result is None:
                 left += 1
             elif result[1] != 0:
-                dirty += 1
+                is_old = age.get(result[0], 10**9) >= arguments.commits
+                old, dirty = old + is_old, dirty + (not is_old)
                 print(result[2].replace(str(ROOT) + "/", ""))
-    print(f"{len(entries)} sources: {len(entries) - len(todo)} known to be clean, {len(todo) - left} checked, {dirty} not clean, {left} left for the next run")
+    print(f"{len(entries)} sources: {len(entries) - len(todo)} known to be clean, {len(todo) - left} checked, {dirty} not clean, {old} older ones not clean, {left} left for the next run")
     return 1 if dirty else 0
 
 

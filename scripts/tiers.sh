@@ -95,7 +95,7 @@ tier_coverage() {
 
 tier_tidy() {
   local log=$root/build/tidy.log status=0
-  configure asan -DGRIDSPACE_TESTS=ON && python3 "$root/scripts/tidy.py" --seconds "${GRIDSPACE_TIDY_SECONDS:-120}" >"$log" 2>&1 || status=$?
+  configure asan -DGRIDSPACE_TESTS=ON && python3 "$root/scripts/tidy.py" --commits 100 --seconds "${GRIDSPACE_TIDY_SECONDS:-120}" >"$log" 2>&1 || status=$?
   note=$(tail -n 1 "$log")
   [ "$status" -eq 0 ] || cat "$log"
   return "$status"
@@ -115,4 +115,4 @@ tier_long_sanitizers() {
 
 tier_long_fuzz() { build_sanitizers && "$root/scripts/fuzz.sh" "${GRIDSPACE_FUZZ_SECONDS:-600}"; }
 
-tier_long_tidy() { GRIDSPACE_TIDY_SECONDS=14400 tier_tidy; }
+tier_long_tidy() { configure asan -DGRIDSPACE_TESTS=ON && python3 "$root/scripts/tidy.py"; }

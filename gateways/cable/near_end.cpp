@@ -272,14 +272,14 @@ class Near {
             std::string const text{message.bytes};
             std::size_t const first = text.find('\0'), second = text.find('\0', first + 1);
             if (second != std::string::npos) {
-                code_ = failed("start", {static_cast<ExitCode>(std::atoi(text.c_str())),
+                code_ = failed("start", {static_cast<ExitCode>(std::strtol(text.c_str(), nullptr, 10)),
                                          text.substr(first + 1, second - first - 1), text.substr(second + 1)});
             }
             break;
         }
         case Kind::ended: {
             std::string const text{message.bytes};
-            int const number = std::atoi(text.c_str() + text.find(' ') + 1);
+            int const number = static_cast<int>(std::strtol(text.c_str() + text.find(' ') + 1, nullptr, 10));
             code_ = text.starts_with("exit")
                         ? number
                         : failed("run", {ExitCode::child_died,

@@ -102,7 +102,9 @@ Result<void> configure(Port const& port) {
     if (!port.address.empty() && port.address != "-") {
         std::size_t const slash = port.address.find('/');
         in_addr address{};
-        int const prefix = slash == std::string::npos ? 0 : std::atoi(port.address.c_str() + slash + 1);
+        int const prefix = slash == std::string::npos
+                               ? 0
+                               : static_cast<int>(std::strtol(port.address.c_str() + slash + 1, nullptr, 10));
         if (prefix < 1 || prefix > 32 || ::inet_pton(AF_INET, port.address.substr(0, slash).c_str(), &address) != 1) {
             return fail(ExitCode::usage, "'" + port.address + "' is not an IPv4 address with its prefix");
         }

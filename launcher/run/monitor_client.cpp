@@ -10,6 +10,7 @@
 #include <arpa/inet.h>
 #include <cctype>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -202,7 +203,7 @@ Result<std::string> talk(MonitorAddress const& monitor, std::string_view method,
                 : fmt::format("the answer of the monitor at {} was cut after {} octets", monitor.url(), text.size()),
             "the run may just have ended: try again");
     }
-    int const status = std::atoi(text.c_str() + kBegin.size());
+    long const status = std::strtol(text.c_str() + kBegin.size(), nullptr, 10);
     if (status / 100 != 2) {
         auto const said = nlohmann::json::parse(body, nullptr, false);
         return said.is_object() && said.contains("error")
