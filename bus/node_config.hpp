@@ -58,7 +58,7 @@ struct NodeConfig {
     ClockConfig clock;
     ExpectedPeers expected_writers; ///< by topic that this process reads
     ExpectedPeers expected_readers; ///< by topic that this process writes
-    bool is_daemon{false}; ///< the node is all that its process is for
+    bool is_daemon{false};          ///< the node is all that its process is for
 };
 
 /// Where a host's participant of that number, counted from 0, hears of others: "address:port" (DDSI-RTPS 2.2, 9.6.1.1).

@@ -43,7 +43,7 @@ run_scenarios() {
   return "$status"
 }
 
-tier_lint() { python3 "$root/tests/lint/lint.py"; }
+tier_lint() { python3 "$root/tests/lint/lint.py" --self-test && python3 "$root/tests/lint/lint.py"; }
 
 tier_build() { configure release -DGRIDSPACE_TESTS=ON && build release all && touch "$root/build/release/.programs_built"; }
 
