@@ -71,7 +71,7 @@ bool skip_set(Octets& body) {
 
 class Walk {
   public:
-    Walk(Examined& out, Rules rules) : out_{out}, rules_{rules} {}
+    Walk(Examined& out, Rules rules) : out_{out}, rules_{rules}, speaker_{out.source} {}
 
     Refusal of(Submessage s) {
         switch (s.kind) {
@@ -92,8 +92,10 @@ class Walk {
             return (s.flags & 2U) != 0 || enough(s.body, 8) ? Refusal::none : Refusal::content;
         case kInfoDst:
             return enough(s.body, sizeof(GuidPrefix)) ? Refusal::none : Refusal::content;
-        case kInfoSrc: // for bridges between networks; here it would only hide who speaks
-            return Refusal::kind;
+        case kInfoSrc: // CycloneDDS puts what several participants of a process say into one message
+            s.body.skip(8);
+            speaker_ = s.body.prefix();
+            return content_if(!s.body.ok() || speaker_ == GuidPrefix{});
         default:
             return s.kind >= kSecurityFirst && s.kind <= kSecurityLast ? Refusal::kind : Refusal::none;
         }
@@ -196,11 +198,12 @@ class Walk {
     }
 
     [[nodiscard]] bool is_from_source(std::optional<GuidPrefix> const& prefix) const {
-        return !rules_.speaks_for_itself || !prefix || *prefix == out_.source;
+        return !rules_.speaks_for_itself || !prefix || *prefix == speaker_;
     }
 
     Examined& out_;
     Rules rules_;
+    GuidPrefix speaker_; ///< of the submessages from here on
 };
 
 Refusal walk(std::span<std::uint8_t> datagram, Rules rules, Examined& out) {

@@ -15,7 +15,7 @@ enum class Refusal : std::uint8_t {
     none,
     not_rtps,   ///< shorter than a header, another magic, another major version, no GUID prefix
     submessage, ///< its length reaches beyond the datagram, or is not a multiple of four within it
-    kind,       ///< one that nobody sends here: another source, security without security, statistics out of place
+    kind,       ///< one that nobody sends here: security without security, statistics out of place
     content,    ///< its numbers contradict each other, or the octets that are there
     parameters, ///< a damaged parameter list
     identity,   ///< it announces or removes somebody else than who sends it

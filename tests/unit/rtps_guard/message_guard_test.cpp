@@ -122,8 +122,9 @@ TEST(MessageGuard, RefusesNumbersThatTheLibraryWouldWalkUpToForMinutes) {
     EXPECT_EQ(refusal_of(past(kReader, kWriter, std::int64_t{1} << 32)), Refusal::content);
 }
 
-TEST(MessageGuard, RefusesAnotherSourceAndSecurityThatNobodyHas) {
-    EXPECT_EQ(refusal_of(message({submessage(0x0c, Bytes(20)), heartbeat(1, 1)})), Refusal::kind);
+TEST(MessageGuard, LetsAnotherParticipantOfTheProcessSpeakAndRefusesSecurityThatNobodyHas) {
+    EXPECT_EQ(refusal_of(message({submessage(0x0c, Bytes(20)), heartbeat(1, 1)})), Refusal::content); // nobody
+    EXPECT_EQ(refusal_of(message({submessage(0x0c, Bytes(20, 7)), heartbeat(1, 1)})), Refusal::none);
     EXPECT_EQ(refusal_of(message({submessage(0x30, Bytes(20))})), Refusal::kind);
 }
 
