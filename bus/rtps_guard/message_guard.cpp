@@ -190,9 +190,13 @@ class Walk {
         }
         if (writer == kParticipantWriter && who) {
             if (out_.announced && *out_.announced != *who) {
-                return Refusal::identity;
+                if (out_.also_announced_count == out_.also_announced.size()) {
+                    return Refusal::identity;
+                }
+                out_.also_announced[out_.also_announced_count++] = *who;
+            } else {
+                out_.announced = who;
             }
-            out_.announced = who;
         }
         return Refusal::none;
     }
