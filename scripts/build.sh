@@ -83,7 +83,7 @@ ensure_programs() {
     flock 9
     programs_are_current && exit 0
     first=$([ -x "$root/build/release/bin/gridspace" ] || echo yes)
-    [ -z "$first" ] || say "building the release preset: once, about 5 to 10 minutes on two cores"
+    [ -z "$first" ] || say "building the release preset: once, about 7 minutes on two cores"
     began=$(mktemp "$root/build/.began.XXXX")
     if [ ! -f "$root/build/release/.configured" ]; then
       configure release -DGRIDSPACE_TESTS=OFF || exit
