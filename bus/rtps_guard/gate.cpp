@@ -11,13 +11,13 @@ Refusal Gate::judge(Examined const& examined, std::int64_t now_ns) {
         return examined.refusal;
     }
     std::lock_guard const lock{mutex_};
-    for (std::size_t i = 0; i < examined.also_announced_count; ++i) {
-        if (!known_.announce(examined.also_announced[i], now_ns)) {
+    for (std::size_t i = 0; i < examined.announced_count; ++i) {
+        if (!known_.announce(examined.announced[i], now_ns)) {
             return Refusal::crowd;
         }
     }
-    if (examined.announced) {
-        return known_.announce(*examined.announced, now_ns) ? Refusal::none : Refusal::crowd;
+    if (examined.announced_count > 0) {
+        return Refusal::none;
     }
     return known_.hear(examined.source, now_ns) ? Refusal::none : Refusal::stranger;
 }

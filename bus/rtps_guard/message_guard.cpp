@@ -189,14 +189,10 @@ class Walk {
             return Refusal::identity;
         }
         if (writer == kParticipantWriter && who) {
-            if (out_.announced && *out_.announced != *who) {
-                if (out_.also_announced_count == out_.also_announced.size()) {
-                    return Refusal::identity;
-                }
-                out_.also_announced[out_.also_announced_count++] = *who;
-            } else {
-                out_.announced = who;
+            if (out_.announced_count == out_.announced.size()) {
+                return Refusal::identity;
             }
+            out_.announced[out_.announced_count++] = *who;
         }
         return Refusal::none;
     }

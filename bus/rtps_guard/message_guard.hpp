@@ -27,11 +27,10 @@ enum class Refusal : std::uint8_t {
 
 struct Examined {
     Refusal refusal{Refusal::none};
-    std::size_t octets{0};                      ///< what the library is given: without Fast DDS's statistics at the end
-    GuidPrefix source{};                        ///< of the header
-    std::optional<GuidPrefix> announced;        ///< a participant that announces itself
-    std::array<GuidPrefix, 8> also_announced{}; ///< and others of its process in the same message
-    std::size_t also_announced_count{0};
+    std::size_t octets{0};                 ///< what the library is given: without Fast DDS's statistics at the end
+    GuidPrefix source{};                   ///< of the header
+    std::array<GuidPrefix, 8> announced{}; ///< participants that announce themselves: several of one process may
+    std::size_t announced_count{0};
 };
 
 struct Rules {

@@ -186,6 +186,16 @@ TEST(Gate, HearsOnlyWhoHasAnnouncedItself) {
     EXPECT_EQ(sut.text(), "1 (a submessage that nobody sends here)");
 }
 
+TEST(Gate, SeveralParticipantsOfAProcessMayAnnounceThemselvesInOneMessage) {
+    Gate sut{{}, 2};
+    Bytes both = message({announcement(1), submessage(0x0c, joined({Bytes(8), guid_prefix(2)})), announcement(2)}, 1);
+    EXPECT_EQ(sut.admit(both, 0), both.size());
+    Bytes words = message({heartbeat(1, 1)}, 2);
+    EXPECT_EQ(sut.admit(words, 0), words.size()) << "the second is known as well";
+    Bytes for_another = message({announcement(1), announcement(2)}, 1);
+    EXPECT_EQ(sut.admit(for_another, 0), 0U) << "without saying that another one speaks";
+}
+
 TEST(Gate, AFloodOfInventedParticipantsHasABoundAndDisplacesNobody) {
     constexpr std::int64_t kSecond = 1'000'000'000;
     Gate sut{{}, 3};
