@@ -60,10 +60,13 @@ function(gridspace_library name)
   gridspace_use_precompiled(gridspace_${name} standard_headers)
 endfunction()
 
-# The defaults of AddressSanitizer are part of each program of such a build.
+# The defaults of AddressSanitizer are part of each program of such a build (an object: from an archive nobody would ask for them).
+if(GRIDSPACE_SANITIZE MATCHES "address")
+  add_library(gridspace_sanitizer_defaults OBJECT "${PROJECT_SOURCE_DIR}/common/sanitizer_options.cpp")
+endif()
 function(gridspace_sanitizer_options target)
-  if(GRIDSPACE_SANITIZE MATCHES "address")
-    target_sources(${target} PRIVATE "${PROJECT_SOURCE_DIR}/common/sanitizer_options.cpp")
+  if(TARGET gridspace_sanitizer_defaults)
+    target_link_libraries(${target} PRIVATE gridspace_sanitizer_defaults)
   endif()
 endfunction()
 
