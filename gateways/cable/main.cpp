@@ -7,6 +7,7 @@
 #include "common/version.hpp"
 #include "gateways/cable/ends.hpp"
 
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <span>
@@ -34,7 +35,10 @@ int near(std::span<char*> words) {
         if (name == "--place") {
             options.place = value;
         } else if (name == "--patience") {
-            options.patience_s = std::atof(value.c_str());
+            auto const [end, error] = std::from_chars(value.data(), value.data() + value.size(), options.patience_s);
+            if (error != std::errc{} || end != value.data() + value.size()) {
+                return usage();
+            }
         } else if (name == "--files") {
             options.folder = value;
         } else if (name == "--outer") {

@@ -14,6 +14,7 @@
 #include <linux/if_tun.h>
 #include <net/if.h>
 #include <net/if_arp.h>
+#include <netinet/ether.h>
 #include <netinet/in.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -81,15 +82,12 @@ Result<void> configure(Port const& port) {
     UniqueFd const socket{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     if (!port.mac.empty()) {
         ifreq mac = request(port.name);
-        std::array<unsigned, 6> octets{};
-        if (std::sscanf(port.mac.c_str(), "%2x:%2x:%2x:%2x:%2x:%2x", octets.data(), &octets[1], &octets[2], &octets[3],
-                        &octets[4], &octets[5]) != 6) {
+        ether_addr address{};
+        if (::ether_aton_r(port.mac.c_str(), &address) == nullptr) {
             return fail(ExitCode::usage, "'" + port.mac + "' is not a MAC address");
         }
         mac.ifr_hwaddr.sa_family = ARPHRD_ETHER;
-        for (std::size_t i = 0; i < octets.size(); ++i) {
-            mac.ifr_hwaddr.sa_data[i] = static_cast<char>(octets.at(i));
-        }
+        std::memcpy(mac.ifr_hwaddr.sa_data, address.ether_addr_octet, sizeof address.ether_addr_octet);
         ifreq queue = request(port.name);
         queue.ifr_qlen = kQueue;
         if (auto ok = set(socket.get(), SIOCSIFHWADDR, mac, "set the MAC address of"); !ok) {

@@ -14,7 +14,6 @@
 namespace gridspace::mapping {
 namespace {
 
-using iec61850::Position;
 namespace quality = iec61850::quality;
 
 constexpr std::array<std::pair<std::string_view, std::uint32_t>, 14> kQualities{

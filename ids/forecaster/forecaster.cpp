@@ -15,7 +15,7 @@ Forecaster<Real>::Forecaster(Model const& model)
     : window_{model.window}, channels_{model.channels}, scale_by_peak_{model.scale == Model::Scale::window_peak},
       scale_a_{static_cast<Real>(model.scale_a)} {
     assert(check(model));
-    std::size_t widest = static_cast<std::size_t>(window_ * channels_);
+    std::size_t widest = static_cast<std::size_t>(window_) * static_cast<std::size_t>(channels_);
     for (Layer const& layer : model.layers) {
         Dense d;
         d.inputs = static_cast<std::size_t>(layer.inputs);
@@ -37,7 +37,7 @@ Forecaster<Real>::Forecaster(Model const& model)
 
 template <class Real>
 void Forecaster<Real>::forecast(Real const* history, Real* next) {
-    std::size_t const count = static_cast<std::size_t>(window_ * channels_);
+    std::size_t const count = static_cast<std::size_t>(window_) * static_cast<std::size_t>(channels_);
     Real scale = scale_a_;
     if (scale_by_peak_) {
         for (std::size_t i = 0; i < count; ++i) {

@@ -53,7 +53,7 @@ Windows draw_windows(std::span<LineWaveform const> recordings, WindowParams cons
     std::vector<Place> steady, events;
     for (std::size_t r = 0; r < recordings.size(); ++r) {
         LineWaveform const& w = recordings[r];
-        auto const cycle = static_cast<std::int64_t>(w.rate_hz / w.frequency_hz + 0.5);
+        auto const cycle = static_cast<std::int64_t>(std::lround(w.rate_hz / w.frequency_hz));
         for (std::uint8_t end = 0; end < (w.to.empty() ? 1 : 2); ++end) {
             for (std::size_t at = static_cast<std::size_t>(p.window); at < w.size(); ++at) {
                 auto const k = static_cast<std::int64_t>(at);
@@ -80,7 +80,7 @@ Windows draw_windows(std::span<LineWaveform const> recordings, WindowParams cons
     shuffle(all, all.size());
 
     Windows out;
-    out.inputs = static_cast<std::size_t>(p.window * p.channels);
+    out.inputs = static_cast<std::size_t>(p.window) * static_cast<std::size_t>(p.channels);
     out.outputs = static_cast<std::size_t>(p.channels);
     out.x.reserve(all.size() * out.inputs);
     out.y.reserve(all.size() * out.outputs);

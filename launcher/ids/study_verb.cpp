@@ -113,9 +113,9 @@ int ids_study(IdsStudyArguments const& a) {
         return print_error(!network ? network.error() : linear.error());
     }
     std::vector<ids::LineWaveform> const quiet = quiet_recordings(*config, seed, *unseen);
-    static constexpr std::array<int, 8> counts{1, 2, 5, 10, 20, 40, 60, 80};
+    static constexpr std::array<int, 8> kCounts{1, 2, 5, 10, 20, 40, 60, 80};
     auto const under_fakes = [&](ids::Model const& model) {
-        return study_fakes(model, counts, quiet, study.nominal_peak_a, seed, study.threads);
+        return study_fakes(model, kCounts, quiet, study.nominal_peak_a, seed, study.threads);
     };
     StudyResults const results{std::move(*shapes), fmt::format("{}-{}-1", window, hidden), under_fakes(*network),
                                under_fakes(*linear)};

@@ -20,9 +20,9 @@ using config::Node;
 using Track = IntrusionRecording::Track;
 
 /// A trip so long after a fault is still its trip.
-constexpr double kTripWithin_s = 0.5;
+constexpr double kTripWithinS = 0.5;
 /// An alarm so long after a forged sample is its alarm: the detector waits for the other end before it says forgery.
-constexpr double kAlarmWithin_s = 0.005;
+constexpr double kAlarmWithinS = 0.005;
 
 std::string text_of(Node const* node, std::string_view key) {
     Node const* value = node == nullptr ? nullptr : node->find(key);
@@ -218,7 +218,7 @@ void count_alarms(IntrusionScore::Relay& r, IntrusionRecording const& recording,
             double const t = static_cast<double>(alarm->second.times_ns[i]) / 1e9;
             auto const next = forged_s.upper_bound(t);
             ++r.alarms;
-            r.false_alarms += next == forged_s.begin() || t - *std::prev(next) > kAlarmWithin_s ? 1U : 0U;
+            r.false_alarms += next == forged_s.begin() || t - *std::prev(next) > kAlarmWithinS ? 1U : 0U;
         }
         before = now;
     }
@@ -241,7 +241,7 @@ void score_relay(IntrusionScore& out, Node::Entry const& process, Node const& sc
     count_alarms(r, out.recording, signals);
     std::vector<ids::RealFault> faults;
     for (double const at : r.faults_s) {
-        double const until = std::min(end_s, at + kTripWithin_s);
+        double const until = std::min(end_s, at + kTripWithinS);
         faults.push_back({std::llround(at * r.rate_hz), std::llround(until * r.rate_hz) + 1});
     }
     r.trips = trips_of(r.relay, events, r.rate_hz);

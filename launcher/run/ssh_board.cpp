@@ -188,7 +188,7 @@ class Board {
         if (staged->code != 0) {
             return failed("copy", {ExitCode::environment, std::string{trim(staged->errors)}, ""});
         }
-        std::string const name = fmt::format("{}/{}", kBundles, trim(staged->output));
+        std::string name = fmt::format("{}/{}", kBundles, trim(staged->output));
         auto const there = remote("copy", fmt::format("test -d {} && echo there || echo missing", name), kCheck);
         if (!there) {
             return std::unexpected{there.error()};

@@ -67,8 +67,8 @@ void ChargingOrders::expire(Simulation& simulation, SimTime until) {
 
 /// Longer than any run is as good as for ever: 30 years of nanoseconds still fit into 64 bits.
 SimTime ChargingOrders::end_of(SimTime effect, double valid_for_s) const {
-    constexpr double kLongest_s = 1e9;
-    auto const ns = static_cast<std::int64_t>(std::min(valid_for_s, kLongest_s) * 1e9);
+    constexpr double kLongestS = 1e9;
+    auto const ns = static_cast<std::int64_t>(std::min(valid_for_s, kLongestS) * 1e9);
     SimSpan const span = base_.from_nanoseconds(ns) - SimTime{};
     return effect.quanta > INT64_MAX - span.quanta ? SimTime{INT64_MAX} : effect + span;
 }
