@@ -49,7 +49,7 @@ tier_build() { configure release -DGRIDSPACE_TESTS=ON && build release all && to
 
 tier_unit() { run_ctest release -L unit; }
 
-tier_integration() { run_ctest release -L integration; }
+tier_integration() { run_ctest release -L integration -j $((2 * $(nproc))); } # they wait for each other more than they compute
 
 tier_scenarios() { run_scenarios release --tier short; }
 
