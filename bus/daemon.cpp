@@ -92,12 +92,30 @@ struct Options {
     std::string log_level{"info"};
 };
 
+program::Declaration declaration_of(Daemon const& daemon) {
+    program::Declaration out = daemon.declaration
+                                   ? daemon.declaration()
+                                   : program::Declaration{.name = std::string{daemon.program},
+                                                          .description = std::string{daemon.description},
+                                                          .settings = config::keys_of(daemon.describe_settings)};
+    out.daemon = true;
+    return out;
+}
+
 /// The exit code when the process shall end here (--help, a mistake), nothing otherwise.
 std::optional<int> parse(Daemon const& daemon, int argc, char** argv, Options& options) {
     CLI::App app{std::string{daemon.description}, std::string{daemon.program}};
     app.set_version_flag("--version", version_text(daemon.program));
     app.add_option("--config", options.config, "its configuration (YAML)")->required();
     app.add_flag("--check", options.check, "check the configuration and end");
+    app.add_flag_callback(
+           "--describe",
+           [&] {
+               fmt::print("{}", program::to_json(declaration_of(daemon), version().version));
+               throw CLI::Success{};
+           },
+           "print what it is, its settings, topics and signals as JSON, and end")
+        ->trigger_on_parse();
     app.add_option("--log-level", options.log_level, "debug, info, warning or error")
         ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
     app.add_option("--status-fd", options.status_fd, "file descriptor for status lines (used by `gridspace run`)");

@@ -6,6 +6,7 @@
 #include "bus/node_config.hpp"
 #include "common/config/fields.hpp"
 #include "common/line_output.hpp"
+#include "common/program/declaration.hpp"
 #include "common/result.hpp"
 
 #include <atomic>
@@ -71,10 +72,12 @@ struct Daemon {
     std::function<void(config::Diagnostics&)> check;        ///< beyond single keys; may be empty
     std::function<Result<void>(DaemonRun&)> run;
     bool joins_always{true}; ///< false: it may look at files instead, and then needs no QoS profiles
+    std::function<program::Declaration()> declaration{}; ///< for --describe; without it the settings are what is known
 };
 
-/// The main function of every daemon: options --config FILE, --check, --log-level, --status-fd, --version, --help.
-/// Signals are handled before anything else; errors are printed once; the exit code is from common/exit_code.hpp.
+/// The main function of every daemon: options --config FILE, --check, --describe, --log-level, --status-fd, --version,
+/// --help. Signals are handled before anything else; errors are printed once; the exit code is from
+/// common/exit_code.hpp.
 int run_daemon(Daemon const& daemon, int argc, char** argv);
 
 /// Joins the bus, hands the node to `body` and waits for nothing else: the part that most daemons share.

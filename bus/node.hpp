@@ -98,6 +98,10 @@ class Node {
     [[nodiscard]] NodeConfig const& config() const;
     [[nodiscard]] TimeBase const& time_base() const;
     [[nodiscard]] bool lockstep() const;
+    /// Lockstep: `t` belongs to a tick before this one, in which a process that was there has worked. Real time: never.
+    [[nodiscard]] bool is_over(SimTime t, Tick const& tick) const;
+    /// Lockstep: everything of simulated time `t` that is read here has come. Real time: nobody knows.
+    [[nodiscard]] bool has_come(SimTime t) const;
     /// The instant at which output to an input of `input` takes effect: a latency later in lockstep, now in real time.
     [[nodiscard]] SimTime effect_time(SimTime input, SimSpan latency) const;
     [[nodiscard]] SimTime latest_time() const; ///< of the newest clock sample

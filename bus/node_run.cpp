@@ -508,6 +508,14 @@ SimTime Node::effect_time(SimTime input, SimSpan latency) const {
     return bus::effect_time(core_->config.clock.mode, input, latest_time(), core_->tick_span, latency);
 }
 
+bool Node::is_over(SimTime t, Tick const& tick) const {
+    return lockstep() && t + core_->tick_span <= tick.time;
+}
+
+bool Node::has_come(SimTime t) const {
+    return lockstep() && t <= latest_time();
+}
+
 Node::Counters Node::counters() const {
     std::uint64_t foreign_frames = 0;
     for (ForeignOnLink const& link : foreign_frames_by_link()) {

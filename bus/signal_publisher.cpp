@@ -17,6 +17,24 @@ struct SignalPublisher::Writers {
     std::unique_ptr<Writer<SignalFrame>> frames;
 };
 
+Result<std::unique_ptr<SignalPublisher>>
+SignalPublisher::create(Node& node, std::string group, std::vector<program::Signal> const& declared,
+                        std::map<std::string, std::vector<std::string>, std::less<>> const& values) {
+    auto const value = [&](std::string_view key) -> std::vector<std::string> {
+        if (key == "process") {
+            return {node.config().process};
+        }
+        auto const found = values.find(key);
+        return found == values.end() ? std::vector<std::string>{} : found->second;
+    };
+    std::vector<SignalColumn> columns;
+    for (program::Signal& signal : program::expand(declared, value)) {
+        columns.push_back({std::move(signal.name), std::move(signal.unit)});
+    }
+    double const rate_hz = declared.empty() ? 0 : declared.front().rate_hz;
+    return create(node, std::move(group), rate_hz, std::move(columns));
+}
+
 Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std::string group, double rate_hz,
                                                                  std::vector<SignalColumn> columns) {
     if (columns.size() > kMostSignals) {

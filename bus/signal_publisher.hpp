@@ -3,7 +3,9 @@
 #pragma once
 
 #include "bus/node.hpp"
+#include "common/program/declaration.hpp"
 
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -26,6 +28,10 @@ class SignalPublisher {
     /// `rate_hz` 0: rows come when something changes, and each is sent at once.
     [[nodiscard]] static Result<std::unique_ptr<SignalPublisher>> create(Node& node, std::string group, double rate_hz,
                                                                          std::vector<SignalColumn> columns);
+    /// The columns are those that a program declares; `values` are of the settings in their names.
+    [[nodiscard]] static Result<std::unique_ptr<SignalPublisher>>
+    create(Node& node, std::string group, std::vector<program::Signal> const& declared,
+           std::map<std::string, std::vector<std::string>, std::less<>> const& values);
     ~SignalPublisher();
 
     /// After Node::start: tells the columns.

@@ -4,8 +4,8 @@
 // gridspace-ev: asks, every period, for the battery current that its EV needs (Eq. (1)-(2)).
 #include "agents/ev/ev_config.hpp"
 #include "bus/daemon.hpp"
+#include "bus/member.hpp"
 #include "bus/signal_publisher.hpp"
-#include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 
 #include <algorithm>
@@ -23,96 +23,77 @@ struct Seen {
     double soc_percent;
 };
 
-class EvShell {
+class EvAgent final : public bus::Member {
   public:
-    EvShell(EvConfig const& config, bus::Node& node) : config_{config}, node_{node}, seen_(config.agents.size()) {}
+    EvAgent(EvConfig const& config, bus::Node& node)
+        : config_{config}, node_{node}, period_{node.time_base().nearest(config.period_s)},
+          latency_{node.time_base().ceil(config.latency_us / Rational{1'000'000})}, grid_{node.config().clock},
+          seen_(config.agents.size()) {}
 
-    Result<void> run() {
+    Result<void> prepare() override {
         auto measurements = node_.reader<BusMeasurement>("bus_measurements");
         if (!measurements) {
             return std::unexpected{measurements.error()};
         }
+        measurements_ = std::move(*measurements);
         auto requests = node_.writer<ChargingRequest>("requests");
         if (!requests) {
             return std::unexpected{requests.error()};
         }
-        if (auto ok = open_signals(); !ok) {
-            return ok;
-        }
-        if (auto ok = node_.start(); !ok) {
-            return ok;
-        }
-        TimeBase const& base = node_.time_base();
-        SimSpan const period = base.nearest(config_.period_s),
-                      latency = base.ceil(config_.latency_us / Rational{1'000'000});
-        bus::TickGrid const grid{node_.config().clock};
-        SimSpan const tick_span = base.nearest(node_.config().clock.tick_s);
-        SimTime due; // the first request is at simulated time 0
-        bool announced = false;
-        while (true) {
-            auto tick = node_.next();
-            if (!tick) {
-                return std::unexpected{tick.error()};
-            }
-            if (!*tick) {
-                return {};
-            }
-            if (!announced) {
-                signals_->announce((*tick)->time);
-                announced = true;
-                // A late joiner starts with the next period, not with all the past ones.
-                while (due + period <= (*tick)->time) {
-                    due = due + period;
-                }
-            }
-            // Nor does one that was paused: what it would have asked is of no use now.
-            while (node_.lockstep() && due + tick_span <= (*tick)->time) {
-                due = due + period;
-            }
-            for (auto const& received : (*measurements)->take()) {
-                if (received.origin.time > due && due <= (*tick)->time) {
-                    ask_all(**requests, due, latency);
-                    due = due + period;
-                }
-                note(received.value, received.origin.time);
-            }
-            while (due <= (*tick)->time && measured(due, (*tick)->time, period)) {
-                ask_all(**requests, due, latency);
-                due = due + period;
-            }
-            if ((*tick)->final) {
-                signals_->flush();
-            }
-            if (auto ok = node_.done(**tick, grid.tick_of(due)); !ok) {
-                return ok;
-            }
+        requests_ = std::move(*requests);
+        return open_signals();
+    }
+
+    void begin(bus::Tick const& tick) override {
+        signals_->announce(tick.time);
+        while (due_ + period_ <= tick.time) { // a late joiner starts with the next period, not with all the past ones
+            due_ = due_ + period_;
         }
     }
 
+    Result<void> work(bus::Tick const& tick) override {
+        // Who was paused starts anew as well: what it would have asked is of no use now.
+        while (node_.is_over(due_, tick)) {
+            due_ = due_ + period_;
+        }
+        for (auto const& received : measurements_->take()) {
+            if (received.origin.time > due_ && due_ <= tick.time) {
+                ask_all();
+            }
+            note(received.value, received.origin.time);
+        }
+        while (due_ <= tick.time && measured(tick.time)) {
+            ask_all();
+        }
+        if (tick.final) {
+            signals_->flush();
+        }
+        return {};
+    }
+
+    std::uint64_t next_tick(bus::Tick const&) const override { return grid_.tick_of(due_); }
+
   private:
     Result<void> open_signals() {
-        std::vector<bus::SignalColumn> columns;
+        std::vector<std::string> evs;
         for (EvConfig::Agent const& agent : config_.agents) {
-            std::string prefix = "agent." + node_.config().process;
-            if (config_.agents.size() > 1) {
-                prefix += "." + agent.ev.name;
-            }
-            columns.push_back({prefix + ".requested_a", "A"});
-            columns.push_back({prefix + ".v_pu", "p.u."});
+            evs.push_back(agent.ev.name);
         }
-        auto signals = bus::SignalPublisher::create(node_, "agent", 0, columns);
+        auto signals =
+            bus::SignalPublisher::create(node_, "agent", ev_declaration().signals, {{"evs", std::move(evs)}});
         if (!signals) {
             return std::unexpected{signals.error()};
         }
         signals_ = std::move(*signals);
-        row_.assign(columns.size(), 0);
+        row_.assign(2 * config_.agents.size(), 0);
         return {};
     }
 
-    /// Lockstep: what was measured at `due` is here. Real time: it may still be on its way; but not for long.
-    bool measured(SimTime due, SimTime now, SimSpan period) const {
-        bool const all = std::all_of(seen_.begin(), seen_.end(), [&](auto const& s) { return s && s->time >= due; });
-        return node_.lockstep() || all || now >= due + SimSpan{period.quanta / 10};
+    /// Lockstep: what was measured when a request is due is here. Real time: it may still be on its way; but not for
+    /// long.
+    bool measured(SimTime now) const {
+        bool const all = std::all_of(seen_.begin(), seen_.end(), [&](auto const& s) { return s && s->time >= due_; });
+        return all || node_.has_come(due_) || now >= due_ + SimSpan{period_.quanta / 10};
     }
 
     void note(BusMeasurement const& measurement, SimTime time) {
@@ -128,9 +109,11 @@ class EvShell {
         }
     }
 
-    void ask_all(bus::Writer<ChargingRequest>& requests, SimTime now, SimSpan latency) {
-        SimTime const effect = node_.effect_time(now, latency);
-        double const elapsed_h = node_.time_base().seconds(now) / 3600;
+    /// For what is due now; the next request is due a period later.
+    void ask_all() {
+        SimTime const effect = node_.effect_time(due_, latency_);
+        double const elapsed_h = node_.time_base().seconds(due_) / 3600;
+        due_ = due_ + period_;
         for (std::size_t i = 0; i < config_.agents.size(); ++i) {
             EvConfig::Agent const& agent = config_.agents[i];
             if (!seen_[i]) {
@@ -144,7 +127,7 @@ class EvShell {
             request.v_pu(seen_[i]->v_pu);
             request.soc_percent(seen_[i]->soc_percent);
             request.period_s(config_.period_s.to_double());
-            requests.write(request, effect);
+            requests_->write(request, effect);
             row_[2 * i] = request.current_a();
             row_[2 * i + 1] = request.v_pu();
         }
@@ -153,7 +136,12 @@ class EvShell {
 
     EvConfig const& config_;
     bus::Node& node_;
+    SimSpan period_, latency_;
+    bus::TickGrid grid_;
+    SimTime due_;                           ///< when it asks next; the first request is at simulated time 0
     std::vector<std::optional<Seen>> seen_; ///< by agent
+    std::shared_ptr<bus::Reader<BusMeasurement>> measurements_;
+    std::unique_ptr<bus::Writer<ChargingRequest>> requests_;
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::vector<double> row_;
 };
@@ -164,14 +152,18 @@ class EvShell {
 int main(int argc, char** argv) {
     using namespace gridspace;
     agents::EvConfig config;
-    Daemon const daemon{"gridspace-ev",
-                        "EV agent: asks for the charging current that its EV needs",
+    program::Declaration const declaration = agents::ev_declaration();
+    Daemon const daemon{declaration.name,
+                        declaration.description,
                         [&](config::Fields& f) { describe(f, config); },
                         {},
                         [&](DaemonRun& run) {
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
-                                return agents::EvShell{config, node}.run();
+                                agents::EvAgent agent{config, node};
+                                return bus::run_member(node, agent);
                             });
-                        }};
+                        },
+                        true,
+                        agents::ev_declaration};
     return run_daemon(daemon, argc, argv);
 }

@@ -45,4 +45,21 @@ void describe(config::Fields& f, EvConfig& config) {
     }
 }
 
+program::Declaration ev_declaration() {
+    std::vector<program::ElementUse::Default> const from_network{{"bus", "bus"}, {"capacity_kwh", "capacity_kwh"}};
+    return {.name = "gridspace-ev",
+            .description = "EV agent: asks for the charging current that its EV needs",
+            .role = "ev_agent",
+            .settings = config::keys_of([](config::Fields& f) {
+                EvConfig config;
+                describe(f, config);
+            }),
+            .whole_steps = {"period_s"},
+            .latency = "latency_us",
+            .elements = {{"ev", "ev", "acts for", from_network}, {"evs", "ev", "acts for", from_network}},
+            .reads = {{.topic = "bus_measurements", .type = "BusMeasurement"}},
+            .writes = {{.topic = "requests", .type = "ChargingRequest"}},
+            .signals = {{"agent.{process}[.{ev|evs}].requested_a", "A"}, {"agent.{process}[.{ev|evs}].v_pu", "p.u."}}};
+}
+
 } // namespace gridspace::agents

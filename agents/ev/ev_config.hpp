@@ -4,6 +4,7 @@
 
 #include "agents/ev/ev_logic.hpp"
 #include "common/config/fields.hpp"
+#include "common/program/declaration.hpp"
 
 #include <vector>
 
@@ -22,5 +23,8 @@ struct EvConfig {
 };
 
 void describe(config::Fields& f, EvConfig& config);
+
+/// gridspace-ev, for everybody who has to know about it.
+[[nodiscard]] program::Declaration ev_declaration();
 
 } // namespace gridspace::agents

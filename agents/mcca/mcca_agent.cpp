@@ -4,8 +4,8 @@
 // gridspace-mcca: the microgrid control agent; collects the requests of a period and decides (Eq. (3)-(4)).
 #include "agents/mcca/mcca_config.hpp"
 #include "bus/daemon.hpp"
+#include "bus/member.hpp"
 #include "bus/signal_publisher.hpp"
-#include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 
 #include <array>
@@ -26,70 +26,58 @@ Mcca::Params params_of(MccaConfig const& config, TimeBase const& base) {
     return params;
 }
 
-class MccaShell {
+class MccaAgent final : public bus::Member {
   public:
-    MccaShell(MccaConfig const& config, DaemonRun& run, bus::Node& node)
+    MccaAgent(MccaConfig const& config, DaemonRun& run, bus::Node& node)
         : run_{run}, node_{node}, logic_{params_of(config, node.time_base())},
-          latency_{node.time_base().ceil(config.latency_us / Rational{1'000'000})} {}
+          latency_{node.time_base().ceil(config.latency_us / Rational{1'000'000})}, grid_{node.config().clock} {}
 
-    Result<void> run() {
+    Result<void> prepare() override {
         auto requests = node_.reader<ChargingRequest>("requests");
         if (!requests) {
             return std::unexpected{requests.error()};
         }
+        requests_ = std::move(*requests);
         auto decisions = node_.writer<ChargingDecision>("decisions");
         if (!decisions) {
             return std::unexpected{decisions.error()};
         }
         decisions_ = std::move(*decisions);
-        std::string const prefix = "agent." + node_.config().process;
-        auto signals = bus::SignalPublisher::create(
-            node_, "agent", 0,
-            {{prefix + ".curtailed", ""}, {prefix + ".undervoltage", ""}, {prefix + ".complete", ""}});
+        auto signals = bus::SignalPublisher::create(node_, "agent", mcca_declaration().signals, {});
         if (!signals) {
             return std::unexpected{signals.error()};
         }
         signals_ = std::move(*signals);
-        if (auto ok = node_.start(); !ok) {
-            return ok;
-        }
-        bus::TickGrid const grid{node_.config().clock};
-        bool announced = false;
-        while (true) {
-            auto tick = node_.next();
-            if (!tick) {
-                return std::unexpected{tick.error()};
+        return {};
+    }
+
+    void begin(bus::Tick const& tick) override { signals_->announce(tick.time); }
+
+    Result<void> work(bus::Tick const& tick) override {
+        for (auto const& received : requests_->take()) {
+            ChargingRequest const& r = received.value;
+            MccaRequest const request{r.ev().c_str(), r.current_a(), r.v_pu(), r.period_s()};
+            if (auto const fault = fault_of(request); fault && logic_.serves(request.ev)) {
+                refuse(received.origin, request.ev, *fault);
+                continue;
             }
-            if (!*tick) {
-                return {};
-            }
-            if (!announced) {
-                signals_->announce((*tick)->time);
-                announced = true;
-            }
-            for (auto const& received : (*requests)->take()) {
-                ChargingRequest const& r = received.value;
-                MccaRequest const request{r.ev().c_str(), r.current_a(), r.v_pu(), r.period_s()};
-                if (auto const fault = fault_of(request); fault && logic_.serves(request.ev)) {
-                    refuse(received.origin, request.ev, *fault);
-                    continue;
-                }
-                refused_.erase(request.ev);
-                if (auto const out = logic_.request(received.origin.time, request)) {
-                    publish(*out);
-                }
-            }
-            if (auto const out = logic_.elapse((*tick)->time)) {
+            refused_.erase(request.ev);
+            if (auto const out = logic_.request(received.origin.time, request)) {
                 publish(*out);
             }
-            if ((*tick)->final) {
-                signals_->flush();
-            }
-            auto const deadline = logic_.deadline();
-            if (auto ok = node_.done(**tick, deadline ? grid.tick_of(*deadline) : bus::TickGrid::kNever); !ok) {
-                return ok;
-            }
         }
+        if (auto const out = logic_.elapse(tick.time)) {
+            publish(*out);
+        }
+        if (tick.final) {
+            signals_->flush();
+        }
+        return {};
+    }
+
+    std::uint64_t next_tick(bus::Tick const&) const override {
+        auto const deadline = logic_.deadline();
+        return deadline ? grid_.tick_of(*deadline) : bus::TickGrid::kNever;
     }
 
   private:
@@ -129,6 +117,8 @@ class MccaShell {
     bus::Node& node_;
     Mcca logic_;
     SimSpan latency_;
+    bus::TickGrid grid_;
+    std::shared_ptr<bus::Reader<ChargingRequest>> requests_;
     std::set<std::string> refused_; ///< EVs whose last request was ignored
     std::unique_ptr<bus::Writer<ChargingDecision>> decisions_;
     std::unique_ptr<bus::SignalPublisher> signals_;
@@ -140,14 +130,18 @@ class MccaShell {
 int main(int argc, char** argv) {
     using namespace gridspace;
     agents::MccaConfig config;
-    Daemon const daemon{"gridspace-mcca",
-                        "microgrid control agent: decides on the charging of all EVs",
+    program::Declaration const declaration = agents::mcca_declaration();
+    Daemon const daemon{declaration.name,
+                        declaration.description,
                         [&](config::Fields& f) { describe(f, config); },
                         {},
                         [&](DaemonRun& run) {
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
-                                return agents::MccaShell{config, run, node}.run();
+                                agents::MccaAgent agent{config, run, node};
+                                return bus::run_member(node, agent);
                             });
-                        }};
+                        },
+                        true,
+                        agents::mcca_declaration};
     return run_daemon(daemon, argc, argv);
 }

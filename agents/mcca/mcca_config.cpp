@@ -34,4 +34,19 @@ void describe(config::Fields& f, MccaConfig& config) {
     });
 }
 
+program::Declaration mcca_declaration() {
+    return {.name = "gridspace-mcca",
+            .description = "microgrid control agent: decides on the charging of all EVs",
+            .role = "mcca",
+            .settings = config::keys_of([](config::Fields& f) {
+                MccaConfig config;
+                describe(f, config);
+            }),
+            .latency = "latency_us",
+            .elements = {{"evs", "ev", "decides for"}},
+            .reads = {{.topic = "requests", .type = "ChargingRequest", .triggers = true}},
+            .writes = {{.topic = "decisions", .type = "ChargingDecision"}},
+            .signals = {{"agent.{process}.curtailed"}, {"agent.{process}.undervoltage"}, {"agent.{process}.complete"}}};
+}
+
 } // namespace gridspace::agents

@@ -4,6 +4,7 @@
 
 #include "agents/mcca/mcca_logic.hpp"
 #include "common/config/fields.hpp"
+#include "common/program/declaration.hpp"
 
 namespace gridspace::agents {
 
@@ -16,5 +17,8 @@ struct MccaConfig {
 };
 
 void describe(config::Fields& f, MccaConfig& config);
+
+/// gridspace-mcca, for everybody who has to know about it.
+[[nodiscard]] program::Declaration mcca_declaration();
 
 } // namespace gridspace::agents

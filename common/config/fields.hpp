@@ -91,6 +91,11 @@ class Fields {
         }
     }
 
+    /// The same with words that are known at run time only: which of them it is.
+    std::optional<std::size_t> choice(std::string_view key, std::span<std::string_view const> words, Spec spec = {}) {
+        return word(key, words, words.size(), spec);
+    }
+
     /// A mistake that only the owner of the struct can see. `key` empty: the map as a whole.
     virtual void error(std::string_view key, std::string message, std::string hint = {}) = 0;
     [[nodiscard]] virtual bool has(std::string_view key) const = 0;

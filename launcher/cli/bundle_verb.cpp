@@ -116,7 +116,7 @@ int bundle(BundleArguments const& a) {
                             fmt::format("there are: {}", join(names, ", "))});
     }
     bool const recorder = it->program == "gridspace-recorder";
-    if (it->program == "exec" || it->is_simulator || recorder || it->program == "gridspace-monitor") {
+    if (it->is_foreign || it->is_simulator || recorder || it->program == "gridspace-monitor") {
         return print_error({ExitCode::usage,
                             fmt::format("process '{}' ({}) is nothing for a board{}", it->name, it->program,
                                         recorder ? ": its recording belongs into the run's folder" : ""),

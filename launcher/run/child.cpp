@@ -115,7 +115,7 @@ void execute(std::vector<char*> const& arguments) {
     ::setenv("SKIP_DEFAULT_XML_FILE", "1", 1); // a stray Fast DDS profile file must not change a run
     ::unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
     std::vector<std::string> words = process.command;
-    if (process.program != "exec") {
+    if (process.has_status) {
         words.insert(words.end(), {"--status-fd", std::to_string(kStatusFd)});
     }
     std::vector<char*> arguments;
@@ -163,8 +163,7 @@ Result<Child> spawn(PlannedProcess const& process, SpawnOptions const& options) 
         return fail(ExitCode::environment,
                     fmt::format("process '{}' cannot start: {}", process.name,
                                 std::string{reason, static_cast<std::size_t>(size)}),
-                    process.program == "exec" ? "its `command` must be an executable file"
-                                              : "is Gridspace built completely?");
+                    process.is_foreign ? "it must be an executable file" : "is Gridspace built completely?");
     }
     Child child;
     child.pid = pid;

@@ -53,9 +53,8 @@ Acquaintances acquaintances(Scenario const& scenario, Dataflow const& flow) {
 }
 
 bool finds_others_in_its_own_way(Scenario const& scenario, Process const& process) {
-    return is_external(process) ||
-           (process.program.name == "exec" && (!process.settings->writes(scenario, process).empty() ||
-                                               !process.settings->reads(scenario, process).empty()));
+    return is_external(process) || (process.is_foreign() && (!process.settings->writes(scenario, process).empty() ||
+                                                             !process.settings->reads(scenario, process).empty()));
 }
 
 } // namespace

@@ -14,6 +14,7 @@
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 namespace gridspace::launcher {
@@ -70,9 +71,11 @@ Result<CommandResult> run_limited(std::vector<std::string> words, std::chrono::s
     std::array<std::string*, 2> const texts{&result.output, &result.errors};
     std::array<bool, 2> open{true, true};
     auto const until = std::chrono::steady_clock::now() + limit;
-    while (open[0] || open[1]) {
-        auto const left =
-            std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
+    auto const left_ms = [&] {
+        return std::chrono::duration_cast<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
+    };
+    while ((open[0] || open[1]) && !result.too_long) {
+        auto const left = left_ms();
         std::array<pollfd, 2> fds{
             {{open[0] ? pipes[0].get() : -1, POLLIN, 0}, {open[1] ? pipes[1].get() : -1, POLLIN, 0}}};
         if (left <= 0) {
@@ -91,14 +94,24 @@ Result<CommandResult> run_limited(std::vector<std::string> words, std::chrono::s
                 ssize_t const size = ::read(pipes.at(i).get(), buffer.data(), buffer.size());
                 open.at(i) = size > 0;
                 texts.at(i)->append(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+                result.too_long = result.too_long || texts.at(i)->size() > kMaxCommandOutput;
             }
         }
     }
-    if (result.timed_out) {
-        ::kill(-pid, SIGKILL);
-    }
     int status = 0;
-    ::waitpid(pid, &status, 0);
+    if (!result.timed_out && !result.too_long) { // it has closed its outputs, and may go on nevertheless
+        for (pid_t ended = 0; (ended = ::waitpid(pid, &status, WNOHANG)) == 0;) {
+            if (left_ms() <= 0) {
+                result.timed_out = true;
+                break;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        }
+    }
+    if (result.timed_out || result.too_long) {
+        ::kill(-pid, SIGKILL);
+        ::waitpid(pid, &status, 0);
+    }
     result.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return result;
 }

@@ -15,11 +15,14 @@ namespace gridspace::launcher {
 struct CommandResult {
     int code{0}; ///< its exit code; 128 and its number for a signal
     bool timed_out{false};
-    std::string output, errors;
+    bool too_long{false};       ///< it printed more than is kept
+    std::string output, errors; ///< at most kMaxCommandOutput octets each
 };
 
-/// Runs a command to its end, or until `limit`, when it is killed with all that it started. `input` is its standard
-/// input; empty: nothing.
+inline constexpr std::size_t kMaxCommandOutput = 1U << 20U;
+
+/// Runs a command to its end, or until `limit` or kMaxCommandOutput, when it is killed with all that it started.
+/// `input` is its standard input; empty: nothing.
 [[nodiscard]] Result<CommandResult> run_limited(std::vector<std::string> words, std::chrono::seconds limit,
                                                 std::filesystem::path const& input);
 

@@ -148,7 +148,7 @@ std::optional<std::uint64_t> capabilities(Scenario const& scenario, Process cons
                                                                  [](WireUse const& use) { return use.at_switch; });
     auto const host = std::find_if(scenario.hosts.begin(), scenario.hosts.end(),
                                    [&](Host const& h) { return h.name.name == plan.host; });
-    bool const users = plan.program == "exec" && host != scenario.hosts.end() && !host->links.empty();
+    bool const users = plan.is_foreign && host != scenario.hosts.end() && !host->links.empty();
     std::uint64_t out = raw_frames || users || elsewhere ? kMayOpenRawSockets : 0;
     if (elsewhere) { // the networks of switches and of other hosts are found in /proc, as the supervisor's
         out |= kMayEnterNamespaces | kMayTrace;
@@ -166,6 +166,8 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, bu
     out.run_on = parse_run_on(process.run_on).value_or(RunOn{});
     out.fifo_priority = fifo_priority(scenario, out.program);
     out.is_simulator = &process == scenario.simulator();
+    out.is_foreign = process.is_foreign();
+    out.has_status = process.settings->is_daemon();
     out.is_member = process.settings->is_member();
     out.is_observer = !out.is_member && !out.is_simulator;
     out.listen = process.settings->listen();
@@ -188,8 +190,13 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, bu
     out.command = process.settings->command();
     if (out.command.empty()) {
         bool const native = out.run_on.kind == RunOn::Kind::native;
-        out.command = {native ? program_file(out.program).string() : out.program, "--config", out.config_file.string(),
-                       "--log-level", options.log_level};
+        out.command = {native ? program_file(out.program).string() : out.program};
+    }
+    if (process.settings->is_daemon()) {
+        for (std::string const& word :
+             {std::string{"--config"}, out.config_file.string(), std::string{"--log-level"}, options.log_level}) {
+            out.command.push_back(word);
+        }
     }
     if (out.run_on.kind == RunOn::Kind::qemu_user) {
         out.command = qemu_user_command(std::move(out.command));

@@ -27,6 +27,8 @@ struct PlannedProcess {
     int fifo_priority{0}; ///< of SCHED_FIFO; 0: the system's usual scheduling
     std::filesystem::path log_file;
     bool is_simulator{false};
+    bool is_foreign{false};            ///< somebody else's program
+    bool has_status{true};             ///< takes --status-fd
     bool is_member{false};             ///< its end before the run's is a failure, also with exit code 0
     bool is_observer{false};           ///< ends when told to
     std::string listen;                ///< address to serve on; the launcher opens the socket

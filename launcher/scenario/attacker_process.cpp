@@ -110,7 +110,7 @@ class AttackerProcess final : public ProcessSettings {
         }
         return out;
     }
-    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
 
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = own_settings(process);

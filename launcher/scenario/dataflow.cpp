@@ -230,7 +230,7 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
     Rational const tick = scenario.tick_s();
     for (bus::MemberPlan const& member : flow.members) {
         Process const& process = *scenario.find_process(member.name);
-        Rational const latency = process.settings->latency_s();
+        Rational const latency = process.settings->latency_s(process);
         if (member.feeds_simulator && latency < tick) {
             config::SourceMark where = process.name.where;
             if (Node const* written = process.node.find("latency_us")) {

@@ -114,7 +114,7 @@ class GatewaySettings final : public ProcessSettings {
         }
         return out;
     }
-    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         std::vector<std::string> used;
         for (MappingConfig const& mapping : config_.mappings) {

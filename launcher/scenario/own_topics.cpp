@@ -25,7 +25,7 @@ using config::Node;
 constexpr std::array<std::string_view, 4> kFramework{"simulation_clock", "clock_ack", "member_status", "type_catalog"};
 
 bool is_own_program(Process const& process) {
-    return process.program.name == "exec";
+    return process.is_foreign();
 }
 
 void add_structs(idl::Model const& model, std::vector<std::string>& names) {

@@ -71,11 +71,13 @@ class ProcessSettings {
     /// Waits for others to be matched before it is ready, and others for it.
     [[nodiscard]] virtual bool is_expected() const { return true; }
     /// From input to effect.
-    [[nodiscard]] virtual Rational latency_s() const { return Rational{0}; }
+    [[nodiscard]] virtual Rational latency_s(Process const&) const { return Rational{0}; }
     /// `settings:` of the configuration file that the process is started with.
     [[nodiscard]] virtual config::Node settings(Scenario const& scenario, Process const& process) const = 0;
     /// The command with its arguments, for a program that is not ours; empty otherwise.
     [[nodiscard]] virtual std::vector<std::string> command() const { return {}; }
+    /// Whether the command takes --config, --log-level and --status-fd, as our programs do.
+    [[nodiscard]] virtual bool is_daemon() const { return command().empty(); }
     /// An address on which the process serves; the launcher opens the socket ("127.0.0.1:0").
     [[nodiscard]] virtual std::string listen() const { return {}; }
 };

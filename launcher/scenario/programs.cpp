@@ -6,6 +6,7 @@
 #include "common/text.hpp"
 #include "launcher/scenario/capture_points.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/monitor_program.hpp"
 #include "launcher/scenario/own_topics.hpp"
 #include "launcher/scenario/program.hpp"
@@ -38,16 +39,6 @@ bool check_name(Ref const& ref, std::vector<std::string> const& names, std::stri
     diagnostics.error(ref.where, fmt::format("{} '{}', which does not exist", what, ref.name),
                       spelling_hint(ref.name, names), static_cast<int>(ref.name.size()));
     return false;
-}
-
-std::vector<std::string> ev_names(Scenario const& scenario) {
-    std::vector<std::string> names;
-    if (scenario.network) {
-        for (sim::Ev const& ev : scenario.network->evs) {
-            names.push_back(ev.name.name);
-        }
-    }
-    return names;
 }
 
 std::vector<TopicUse> with_signals(std::vector<TopicUse> topics) {
@@ -138,132 +129,13 @@ class SimSettings final : public ProcessSettings {
     static bool per_bus(Scenario const& s) { return gateways(s).per_bus; }
 };
 
-/// Two that act or decide for one EV would undo each other's work.
-template <class Settings>
-void refuse_second(Scenario const& s, Process const& process, Ref const& ev, char const* does,
-                   Diagnostics& diagnostics) {
-    for (Process const& other : s.processes) {
-        if (other.name.name == process.name.name) {
-            return; // whoever comes first may
-        }
-        auto const* settings = dynamic_cast<Settings const*>(other.settings.get());
-        if (settings != nullptr && settings->serves(ev.name)) {
-            diagnostics.error(ev.where,
-                              fmt::format("process '{}' {} the EV '{}', and '{}' does so already", process.name.name,
-                                          does, ev.name, other.name.name),
-                              "one of them is enough", static_cast<int>(ev.name.size()));
-        }
-    }
+/// One of ours that has declared what it is; `describe` reads it, with the checks that are its own.
+template <class Config, program::Declaration (*declare)()>
+std::unique_ptr<ProcessSettings> read_declared(Fields& f) {
+    Config config;
+    describe(f, config);
+    return std::make_unique<DeclaredSettings>(declare(), std::vector<std::string>{});
 }
-
-class EvSettings final : public ProcessSettings {
-  public:
-    static std::unique_ptr<ProcessSettings> read(Fields& f) {
-        auto out = std::make_unique<EvSettings>();
-        describe(f, out->config_);
-        return out;
-    }
-    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
-        if (s.simulation.step_s > Rational{0} && !(config_.period_s / s.simulation.step_s).is_whole()) {
-            config::Node const* period = process.node.find("period_s");
-            diagnostics.error(period == nullptr ? process.name.where : period->where,
-                              fmt::format("the period of {} s is not a whole number of steps of {} s",
-                                          config_.period_s.to_string(), s.simulation.step_s.to_string()));
-        }
-        if (!s.network) {
-            return;
-        }
-        for (agents::EvConfig::Agent& agent : config_.agents) {
-            refuse_second<EvSettings>(s, process, agent.ev, "acts for", diagnostics);
-            if (!check_name(agent.ev, ev_names(s), fmt::format("process '{}' acts for the EV", process.name.name),
-                            diagnostics)) {
-                continue;
-            }
-            sim::Ev const& ev = *sim::find(s.network->evs, agent.ev.name);
-            agent.bus = agent.bus.empty() ? ev.bus.name : agent.bus;
-            if (process.node.find("capacity_kwh") == nullptr) {
-                agent.params.capacity_kwh = ev.capacity_kwh;
-            }
-        }
-    }
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
-        return with_signals({{"requests", "ChargingRequest"}});
-    }
-    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
-        return {{"bus_measurements", "BusMeasurement"}};
-    }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
-        std::vector<SignalUse> out;
-        for (agents::EvConfig::Agent const& agent : config_.agents) {
-            std::string prefix = "agent." + process.name.name;
-            if (config_.agents.size() > 1) {
-                prefix += "." + agent.ev.name;
-            }
-            out.push_back({prefix + ".requested_a", "A", 0});
-            out.push_back({prefix + ".v_pu", "p.u.", 0});
-        }
-        return out;
-    }
-    [[nodiscard]] bool serves(std::string const& ev) const {
-        return std::any_of(config_.agents.begin(), config_.agents.end(),
-                           [&](auto const& agent) { return agent.ev.name == ev; });
-    }
-    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
-    [[nodiscard]] Node settings(Scenario const&, Process const& process) const override {
-        Node node = own_settings(process);
-        auto const complete = [](Node& target, agents::EvConfig::Agent const& agent) {
-            target.set("bus", Node::scalar(agent.bus));
-            target.set("capacity_kwh", Node::scalar(shortest(agent.params.capacity_kwh)));
-        };
-        for (agents::EvConfig::Agent const& agent : config_.agents) {
-            Node* several = node.find("evs");
-            Node* own = several == nullptr ? nullptr : several->find(agent.ev.name);
-            complete(own == nullptr ? node : *own, agent);
-        }
-        return node;
-    }
-
-  private:
-    agents::EvConfig config_;
-};
-
-class MccaSettings final : public ProcessSettings {
-  public:
-    static std::unique_ptr<ProcessSettings> read(Fields& f) {
-        auto out = std::make_unique<MccaSettings>();
-        describe(f, out->config_);
-        return out;
-    }
-    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
-        if (s.network) {
-            for (Ref const& ev : config_.evs) {
-                refuse_second<MccaSettings>(s, process, ev, "decides for", diagnostics);
-                check_name(ev, ev_names(s), fmt::format("process '{}' decides for the EV", process.name.name),
-                           diagnostics);
-            }
-        }
-    }
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
-        return with_signals({{"decisions", "ChargingDecision"}});
-    }
-    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
-        return {{"requests", "ChargingRequest", 1, true}};
-    }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
-        std::string const prefix = "agent." + process.name.name;
-        return {{prefix + ".curtailed", "", 0}, {prefix + ".undervoltage", "", 0}, {prefix + ".complete", "", 0}};
-    }
-    [[nodiscard]] bool serves(std::string const& ev) const {
-        return std::any_of(config_.evs.begin(), config_.evs.end(), [&](Ref const& own) { return own.name == ev; });
-    }
-    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
-    [[nodiscard]] Node settings(Scenario const&, Process const& process) const override {
-        return own_settings(process);
-    }
-
-  private:
-    agents::MccaConfig config_;
-};
 
 class RecorderSettings final : public ProcessSettings {
   public:
@@ -399,7 +271,7 @@ class ExecSettings final : public ProcessSettings {
     [[nodiscard]] bool is_expected() const override { return member_; }
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override { return writes_; }
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override { return reads_; }
-    [[nodiscard]] Rational latency_s() const override { return latency_us_ / Rational{1'000'000}; }
+    [[nodiscard]] Rational latency_s(Process const&) const override { return latency_us_ / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const&, Process const&) const override {
         return settings_.is_map() ? settings_ : Node::map();
     }
@@ -415,14 +287,15 @@ class ExecSettings final : public ProcessSettings {
 
 constexpr std::array kPrograms{
     Program{"gridspace-sim", "simulator", "simulator", SimSettings::read},
-    Program{"gridspace-ev", "EV agent", "ev_agent", EvSettings::read},
+    Program{"gridspace-ev", "EV agent", "ev_agent", read_declared<agents::EvConfig, agents::ev_declaration>},
     Program{"gridspace-mu", "merging unit", "merging_unit", read_merging_unit},
     Program{"gridspace-relay", "line differential relay", "relay", read_relay},
     Program{"gridspace-attacker", "attacks on streams and topics", "attacker", read_attacker},
     Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
     Program{"gridspace-link", "impairments of a cable", "member", read_link},
     Program{"gridspace-gateway", "translator between topics and streams", "gateway", read_gateway},
-    Program{"gridspace-mcca", "microgrid control agent", "mcca", MccaSettings::read},
+    Program{"gridspace-mcca", "microgrid control agent", "mcca",
+            read_declared<agents::MccaConfig, agents::mcca_declaration>},
     Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
     Program{"gridspace-monitor", "monitor and dashboard", "monitor", read_monitor},
     Program{"exec", "a program of your own", "member", ExecSettings::read},

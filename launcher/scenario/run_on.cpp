@@ -111,7 +111,7 @@ void check_plugs(Scenario const& scenario, config::Diagnostics& diagnostics) {
 void check_board(Scenario const& scenario, Process const& process, config::SourceMark const& where,
                  config::Diagnostics& diagnostics) {
     auto const length = static_cast<int>(process.run_on.size());
-    if (process.program.name == "exec") {
+    if (process.is_foreign()) {
         diagnostics.error(
             where,
             fmt::format("process '{}' is a program of your own, and a board is given ours alone", process.name.name),

@@ -51,6 +51,11 @@ struct Process {
     std::vector<Ref> capture; ///< links whose frames are recorded
     config::Node node;        ///< everything that was written about it, defaults included
     std::unique_ptr<ProcessSettings> settings;
+
+    /// Somebody else's program: `exec`, or `program: {path: ...}`.
+    [[nodiscard]] bool is_foreign() const {
+        return program.name == "exec" || (settings != nullptr && !settings->command().empty());
+    }
 };
 
 struct ClockSettings {

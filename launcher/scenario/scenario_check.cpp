@@ -179,7 +179,7 @@ void check_programs(Scenario const& s, Diagnostics& diagnostics) {
             diagnostics.error(process.qos.where, fmt::format("there is no QoS role '{}'", process.qos.name),
                               spelling_hint(process.qos.name, qos_roles()), static_cast<int>(process.qos.name.size()));
         }
-        if (s.clock.mode == bus::ClockMode::lockstep && process.program.name == "exec" && process.settings &&
+        if (s.clock.mode == bus::ClockMode::lockstep && process.settings && process.is_foreign() &&
             !process.settings->is_member() && !process.settings->writes(s, process).empty()) {
             diagnostics.error(
                 process.name.where,
@@ -196,7 +196,7 @@ void check_publishers(Scenario const& s, Diagnostics& diagnostics) {
     std::map<std::string, Process const*> subscribers;
     bool strangers = false; // who may publish what no process declares
     for (Process const& process : s.processes) {
-        strangers = strangers || process.program.name == "exec" || !process.interface.empty();
+        strangers = strangers || process.is_foreign() || !process.interface.empty();
         if (!process.settings || process.program.name == "gridspace-attacker") {
             continue;
         }
@@ -235,7 +235,7 @@ void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
         config::Node const* written = process.node.find("interface");
         config::SourceMark const where = written == nullptr ? process.name.where : written->where;
         int const width = static_cast<int>(process.interface.size());
-        bool const raw = process.program.name == "exec" || !process.settings->sends(s, process).empty() ||
+        bool const raw = process.is_foreign() || !process.settings->sends(s, process).empty() ||
                          !process.settings->receives(s, process).empty();
         if (!raw || process.program.name == "gridspace-recorder") {
             diagnostics.error(where,

@@ -6,6 +6,7 @@
 #include "launcher/expect/expectation.hpp"
 #include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/impairments.hpp"
 #include "launcher/scenario/published.hpp"
 #include "launcher/scenario/scenario.hpp"
@@ -87,7 +88,9 @@ void describe_record(Fields& f, RecordSettings& r) {
 }
 
 void describe_process(Fields& f, Process& p) {
-    f.reference("program", p.program, {.doc = "what is started", .required = true});
+    if (Node const* program = p.node.find("program"); program == nullptr || !program->is_map()) {
+        f.reference("program", p.program, {.doc = "what is started", .required = true});
+    }
     f.reference("host", p.host, {.doc = "where it runs", .required = true});
     f.reference("qos", p.qos, {.doc = "role: qos/<role>.xml"});
     f.text("run_on", p.run_on,
@@ -164,7 +167,14 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
         process.name = name;
         process.node = *root.find("processes")->find(name.name);
         describe_process(p, process);
-        if (Program const* program = find_program(process.program.name)) {
+        if (Node const* own = process.node.find("program"); own != nullptr && own->is_map()) {
+            process.program.where = own->where;
+            process.settings = read_foreign_program(p, process.node, process.program.name, diagnostics);
+            if (auto const* declared = dynamic_cast<DeclaredSettings const*>(process.settings.get());
+                declared != nullptr && process.qos.empty()) {
+                process.qos = {declared->declaration().role, name.where};
+            }
+        } else if (Program const* program = find_program(process.program.name)) {
             process.settings = program->read(p);
             if (process.qos.empty()) {
                 process.qos = {std::string{program->default_role}, name.where};

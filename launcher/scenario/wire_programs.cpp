@@ -121,7 +121,7 @@ class MergingUnitSettings final : public ProcessSettings {
         }
         return out;
     }
-    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = wire_process_settings(s, process, {config_.to.name});
         node.set("clock_changes", clock_changes(s, process));
@@ -159,7 +159,7 @@ class BreakerSettings final : public ProcessSettings {
         add_first_line_signals(process, config_.first_line, {{config_.stream().name, false}}, out);
         return out;
     }
-    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         return wire_process_settings(s, process, {config_.stream().name});
     }
@@ -257,7 +257,7 @@ class RelaySettings final : public ProcessSettings {
         }
         return out;
     }
-    [[nodiscard]] Rational latency_s() const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node =
             wire_process_settings(s, process, {config_.from_stream.name, config_.to_stream.name, config_.trip.name});

@@ -3,10 +3,10 @@
 #include "launcher/schema/schema_pages.hpp"
 
 #include "bus/node_config.hpp"
+#include "common/config/key.hpp"
 #include "common/text.hpp"
 #include "gateways/streams/stream.hpp"
 #include "launcher/scenario/scenario.hpp"
-#include "launcher/schema/schema_fields.hpp"
 #include "router/router_config.hpp"
 #include "sim/network/network_config.hpp"
 
@@ -18,8 +18,10 @@ namespace gridspace::launcher {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Kind = SchemaKey::Kind;
-using Keys = std::vector<SchemaKey>;
+using config::Key;
+using config::keys_of;
+using Kind = Key::Kind;
+using Keys = std::vector<Key>;
 
 Keys network_keys() {
     sim::Network network;
@@ -48,7 +50,7 @@ Keys stream_keys() {
 
 Json properties_of(Keys const& keys);
 
-Json number_schema(SchemaKey const& key, char const* type) {
+Json number_schema(Key const& key, char const* type) {
     Json json{{"type", type}};
     for (auto const& [name, bound] : {std::pair{"minimum", &key.min},
                                       {"maximum", &key.max},
@@ -62,7 +64,7 @@ Json number_schema(SchemaKey const& key, char const* type) {
 }
 
 /// What may stand under a key. A `~` removes what another file says, so everything may be null.
-Json schema_of(SchemaKey const& key) {
+Json schema_of(Key const& key) {
     Json const text{{"type", "string"}};
     Json const fraction{{"type", "string"}, {"pattern", "^ *[0-9.]+ */ *[0-9.]+ *$"}};
     Json const scalar{{"type", Json::array({"string", "number", "boolean"})}};
@@ -112,7 +114,7 @@ Json schema_of(SchemaKey const& key) {
 
 Json properties_of(Keys const& keys) {
     Json properties = Json::object();
-    for (SchemaKey const& key : keys) {
+    for (Key const& key : keys) {
         properties[key.key] = schema_of(key);
     }
     // A key that is not known here may still be removed: an extended file's process may be another program.
@@ -136,7 +138,7 @@ std::string cell(std::string const& text) { // a bar would end the cell
     return out;
 }
 
-std::string kind_text(SchemaKey const& key) {
+std::string kind_text(Key const& key) {
     switch (key.kind) {
     case Kind::number: {
         std::string_view const unit = config::unit_of_key(key.key);
@@ -181,7 +183,7 @@ std::string kind_text(SchemaKey const& key) {
     return "";
 }
 
-std::string range_text(SchemaKey const& key) {
+std::string range_text(Key const& key) {
     std::vector<std::string> parts;
     for (auto const& [sign, bound] :
          {std::pair{">=", &key.min}, {">", &key.above}, {"<=", &key.max}, {"<", &key.below}}) {
@@ -193,7 +195,7 @@ std::string range_text(SchemaKey const& key) {
 }
 
 /// A default outside of its own bounds stands for "not given".
-std::string default_text(SchemaKey const& key) {
+std::string default_text(Key const& key) {
     bool const number = key.kind == Kind::number || key.kind == Kind::integer;
     if (key.default_text.empty() || (number && ((key.min && std::stod(key.default_text) < *key.min) ||
                                                 (key.above && std::stod(key.default_text) <= *key.above)))) {
@@ -205,9 +207,8 @@ std::string default_text(SchemaKey const& key) {
 /// A table of keys, then one for each that has keys of its own.
 std::string tables(std::string const& path, Keys const& keys, Keys const& left_out = {}) {
     std::string out = "| key | value | range | default | meaning |\n|---|---|---|---|---|\n", nested;
-    for (SchemaKey const& key : keys) {
-        bool const skip =
-            std::any_of(left_out.begin(), left_out.end(), [&](SchemaKey const& k) { return k.key == key.key; });
+    for (Key const& key : keys) {
+        bool const skip = std::any_of(left_out.begin(), left_out.end(), [&](Key const& k) { return k.key == key.key; });
         if (skip) {
             continue;
         }
@@ -237,7 +238,7 @@ std::string router_schema() {
 std::string scenario_schema() {
     Json root = properties_of(scenario_keys());
     Keys const common = [] {
-        for (SchemaKey const& key : scenario_keys()) {
+        for (Key const& key : scenario_keys()) {
             if (key.key == "processes") {
                 return key.children;
             }
@@ -254,11 +255,21 @@ std::string scenario_schema() {
         kinds.push_back(std::move(process));
         root["properties"]["defaults"]["properties"][name] = properties_of(keys);
     }
+    // Somebody else's program says itself what its keys are.
+    Json own = properties_of(common);
+    own["properties"]["program"] =
+        Json{{"type", "object"},
+             {"properties", Json{{"path", Json{{"type", "string"}}},
+                                 {"arguments", Json{{"type", "array"}, {"items", Json{{"type", "string"}}}}}}},
+             {"required", Json::array({"path"})},
+             {"additionalProperties", false}};
+    own["additionalProperties"] = true;
+    kinds.push_back(std::move(own));
     root["properties"]["processes"] = Json{{"type", "object"}, {"additionalProperties", Json{{"anyOf", kinds}}}};
     kinds.push_back(Json{{"type", "null"}});
     root["properties"]["processes"]["additionalProperties"]["anyOf"] = kinds;
     Keys streams = stream_keys();
-    SchemaKey like;
+    Key like;
     like.key = "like";
     like.kind = Kind::name;
     like.doc = "the stream that this one is like";
@@ -284,7 +295,9 @@ yours. A key whose value is left open here is described where the table says.
 )";
     Keys const scenario = scenario_keys();
     out += tables("", scenario);
-    out += "\n## Programs\nKeys of a process beside those above, by its `program`.\n";
+    out += "\n## Programs\nKeys of a process beside those above, by its `program`. `program: {path: FILE, arguments: "
+           "[...]}` is "
+           "a program of your own that [says itself](program_description.md) what its keys are.\n";
     for (std::string const& name : program_names()) {
         Keys const keys = program_keys(name);
         out += fmt::format("\n### `{}`\n{}.\n", name, find_program(name)->description);

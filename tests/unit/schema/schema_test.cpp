@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "common/config/key.hpp"
 #include "common/source_tree.hpp"
-#include "launcher/schema/schema_fields.hpp"
 #include "launcher/schema/schema_pages.hpp"
 
 #include <fstream>
@@ -32,7 +32,7 @@ TEST(Schema, TheCommittedReferencePageIsCurrent) {
 
 TEST(Schema, AKeyHasTheBoundsAndTheDefaultOfItsDescription) {
     double value = 15;
-    auto const keys = keys_of([&](config::Fields& f) {
+    auto const keys = config::keys_of([&](config::Fields& f) {
         f.number("rated_current_a", value, {.doc = "cap", .above = 0});
         f.object("rules", {.doc = "nested"},
                  [&](config::Fields& r) { r.number("factor", value, {.required = true, .min = 0, .max = 1}); });

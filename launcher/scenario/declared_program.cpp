@@ -1,0 +1,273 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/declared_program.hpp"
+
+#include "common/text.hpp"
+#include "launcher/run/limited_command.hpp"
+#include "launcher/scenario/element_names.hpp"
+#include "launcher/scenario/scenario.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Diagnostics;
+using config::Node;
+using program::ElementUse;
+
+constexpr std::chrono::seconds kPatience{5}; ///< a program has to say what it is
+
+/// What a setting says, as names: the scalar, the items of a list, the keys of a map. Defaults count.
+std::vector<Ref> names_in(program::Declaration const& declaration, Process const& process, std::string_view key) {
+    std::vector<Ref> out;
+    Node const* node = process.node.find(key);
+    if (node == nullptr || node->is_null()) {
+        auto const declared = std::find_if(declaration.settings.begin(), declaration.settings.end(),
+                                           [&](config::Key const& k) { return k.key == key; });
+        if (declared != declaration.settings.end() && !declared->default_text.empty()) {
+            out.push_back({declared->default_text, process.name.where});
+        }
+    } else if (node->is_scalar()) {
+        out.push_back({node->text, node->where});
+    } else if (node->is_sequence()) {
+        for (Node const& item : node->items) {
+            out.push_back({item.text, item.where});
+        }
+    } else {
+        for (Node::Entry const& entry : node->entries) {
+            out.push_back({entry.key, entry.where});
+        }
+    }
+    return out;
+}
+
+program::Values values_of(program::Declaration const& declaration, Process const& process) {
+    return [&declaration, &process](std::string_view key) {
+        std::vector<std::string> out;
+        if (key == "process") {
+            return std::vector{process.name.name};
+        }
+        for (Ref& name : names_in(declaration, process, key)) {
+            out.push_back(std::move(name.name));
+        }
+        return out;
+    };
+}
+
+std::vector<TopicUse> uses(std::vector<program::Topic> const& topics, program::Declaration const& declaration,
+                           Process const& process, std::vector<std::string> const& command) {
+    std::filesystem::path const folder =
+        command.empty() ? std::filesystem::path{} : std::filesystem::path{command.front()}.parent_path();
+    std::vector<TopicUse> out;
+    for (program::Topic& topic : program::expand(topics, values_of(declaration, process))) {
+        std::filesystem::path const idl = topic.idl.empty() ? std::filesystem::path{} : folder / topic.idl;
+        out.push_back({std::move(topic.topic), std::move(topic.type), 1, topic.triggers, topic.optional, idl});
+    }
+    return out;
+}
+
+/// Two that act for one element would undo each other's work.
+void refuse_second(Scenario const& s, Process const& process, ElementUse const& use, Ref const& element,
+                   program::Declaration const& declaration, Diagnostics& diagnostics) {
+    for (Process const& other : s.processes) {
+        if (other.name.name == process.name.name) {
+            return; // whoever comes first may
+        }
+        auto const* declared = dynamic_cast<DeclaredSettings const*>(other.settings.get());
+        if (declared == nullptr || declared->declaration().name != declaration.name) {
+            continue;
+        }
+        for (ElementUse const& theirs : declared->declaration().elements) {
+            std::vector<Ref> const named = names_in(declared->declaration(), other, theirs.key);
+            if (theirs.kind == use.kind && std::find(named.begin(), named.end(), element) != named.end()) {
+                diagnostics.error(element.where,
+                                  fmt::format("process '{}' {} the {} '{}', and '{}' does so already",
+                                              process.name.name, use.does, title_of_kind(use.kind), element.name,
+                                              other.name.name),
+                                  "one of them is enough", static_cast<int>(element.name.size()));
+                return;
+            }
+        }
+    }
+}
+
+void check_elements(Scenario const& s, Process const& process, program::Declaration const& declaration,
+                    Diagnostics& diagnostics) {
+    for (ElementUse const& use : declaration.elements) {
+        auto const names = element_names(*s.network, use.kind);
+        if (!names) {
+            diagnostics.error(process.name.where,
+                              fmt::format("{} says that '{}' names a '{}', which is no kind of element",
+                                          declaration.name, use.key, use.kind),
+                              did_you_mean(use.kind, element_kinds()));
+            continue;
+        }
+        for (Ref const& element : names_in(declaration, process, use.key)) {
+            if (!use.does.empty()) {
+                refuse_second(s, process, use, element, declaration, diagnostics);
+            }
+            if (std::find(names->begin(), names->end(), element.name) == names->end()) {
+                diagnostics.error(element.where,
+                                  fmt::format("process '{}' {} the {} '{}', which does not exist", process.name.name,
+                                              use.does.empty() ? "names" : use.does, title_of_kind(use.kind),
+                                              element.name),
+                                  spelling_hint(element.name, *names), static_cast<int>(element.name.size()));
+            }
+        }
+    }
+}
+
+/// What a process leaves to the element that it names is written beside the name.
+void complete(Node& target, Node const& around, ElementUse const& use, std::string const& element,
+              sim::Network const& network) {
+    for (ElementUse::Default const& d : use.defaults) {
+        if (target.find(d.key) != nullptr || around.find(d.key) != nullptr) {
+            continue;
+        }
+        if (auto const value = element_quantity(network, use.kind, element, d.quantity)) {
+            target.set(d.key, Node::scalar(*value));
+        }
+    }
+}
+
+} // namespace
+
+Rational DeclaredSettings::latency_s(Process const& process) const {
+    auto const written =
+        declaration_.latency.empty() ? std::vector<Ref>{} : names_in(declaration_, process, declaration_.latency);
+    auto const us = written.empty() ? std::nullopt : Rational::parse(written.front().name);
+    return us.value_or(Rational{0}) / Rational{1'000'000};
+}
+
+void DeclaredSettings::check(Scenario const& s, Process const& process, Diagnostics& diagnostics) {
+    for (std::string const& key : declaration_.whole_steps) {
+        Node const* written = process.node.find(key);
+        auto const value = values_of(declaration_, process)(key);
+        auto const span_s = value.empty() ? std::nullopt : Rational::parse(value.front());
+        if (span_s && s.simulation.step_s > Rational{0} && !(*span_s / s.simulation.step_s).is_whole()) {
+            diagnostics.error(written == nullptr ? process.name.where : written->where,
+                              fmt::format("{} of {} s is not a whole number of steps of {} s",
+                                          key == "period_s" ? "the period" : "'" + key + "'", span_s->to_string(),
+                                          s.simulation.step_s.to_string()));
+        }
+    }
+    if (s.network) {
+        check_elements(s, process, declaration_, diagnostics);
+    }
+}
+
+std::vector<TopicUse> DeclaredSettings::writes(Scenario const&, Process const& process) const {
+    std::vector<TopicUse> out = uses(declaration_.writes, declaration_, process, command_);
+    if (!declaration_.signals.empty()) {
+        out.push_back({"signals", "SignalFrame"});
+        out.push_back({"signal_catalog", "SignalCatalog"});
+    }
+    return out;
+}
+
+std::vector<TopicUse> DeclaredSettings::reads(Scenario const&, Process const& process) const {
+    return uses(declaration_.reads, declaration_, process, command_);
+}
+
+std::vector<SignalUse> DeclaredSettings::signals(Scenario const&, Process const& process) const {
+    std::vector<SignalUse> out;
+    for (program::Signal& signal : program::expand(declaration_.signals, values_of(declaration_, process))) {
+        out.push_back({std::move(signal.name), std::move(signal.unit), signal.rate_hz});
+    }
+    return out;
+}
+
+Node DeclaredSettings::settings(Scenario const& s, Process const& process) const {
+    Node node = own_settings(process);
+    for (ElementUse const& use : declaration_.elements) {
+        Node* named = node.find(use.key);
+        if (!s.network || named == nullptr) {
+            continue;
+        }
+        if (named->is_scalar()) {
+            std::string const element = named->text;
+            complete(node, node, use, element, *s.network);
+        } else if (named->is_map()) {
+            Node const around = node;
+            for (Node::Entry& entry : node.find(use.key)->entries) {
+                if (!entry.value.is_map()) {
+                    entry.value = Node::map(entry.value.where);
+                }
+                complete(entry.value, around, use, entry.key, *s.network);
+            }
+        }
+    }
+    return node;
+}
+
+namespace {
+
+/// What the program says when it is asked.
+std::optional<program::Declaration> ask_program(std::vector<std::string> const& command, Ref const& where,
+                                                Diagnostics& diagnostics) {
+    std::vector<std::string> words = command;
+    words.emplace_back("--describe");
+    auto const refuse = [&](std::string const& what, std::string hint) {
+        diagnostics.error(where.where, fmt::format("'{}' does not say what it is: {}", join(words, " "), what),
+                          std::move(hint), static_cast<int>(where.name.size()));
+        return std::nullopt;
+    };
+    auto const said = run_limited(words, kPatience, {});
+    if (!said) {
+        return refuse(said.error().message, said.error().remedy);
+    }
+    std::string const hint =
+        "it has to print its description as JSON and end with 0: docs/reference/program_description.md";
+    if (said->too_long) {
+        return refuse(fmt::format("it printed more than {} octets", kMaxCommandOutput), hint);
+    }
+    if (said->timed_out) {
+        return refuse(fmt::format("no answer within {} s", kPatience.count()), hint);
+    }
+    if (said->code != 0) {
+        std::string const last{trim(said->errors)};
+        return refuse(fmt::format("it ended with code {}{}{}", said->code, last.empty() ? "" : ": ",
+                                  last.substr(last.rfind('\n') == std::string::npos ? 0 : last.rfind('\n') + 1)),
+                      hint);
+    }
+    if (trim(said->output).empty()) {
+        return refuse("it printed nothing", hint);
+    }
+    return program::from_json(said->output, join(words, " "), diagnostics);
+}
+
+} // namespace
+
+std::unique_ptr<ProcessSettings> read_foreign_program(config::Fields& fields, Node const& written, std::string& name,
+                                                      Diagnostics& diagnostics) {
+    Ref path;
+    std::vector<Ref> arguments;
+    fields.object("program", {}, [&](config::Fields& f) {
+        std::filesystem::path file;
+        f.file("path", file, {.doc = "a program of your own that says what it is", .required = true});
+        path = {file.empty() ? "" : std::filesystem::absolute(file).lexically_normal().string(), f.where("path")};
+        f.references("arguments", arguments, {.doc = "words before its options", .may_be_empty = true});
+    });
+    std::optional<program::Declaration> declaration;
+    std::vector<std::string> command{path.name};
+    for (Ref& word : arguments) {
+        command.push_back(std::move(word.name));
+    }
+    if (!path.empty()) {
+        declaration = ask_program(command, path, diagnostics);
+    }
+    if (!declaration) {
+        Node ignored;
+        for (Node::Entry const& entry : written.entries) {
+            fields.raw(entry.key, ignored); // its own keys cannot be judged
+        }
+        return nullptr;
+    }
+    name = declaration->name;
+    config::read_keys(fields, declaration->settings);
+    return std::make_unique<DeclaredSettings>(std::move(*declaration), std::move(command));
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/program/declaration.hpp"
+#include "launcher/scenario/program.hpp"
+
+#include <filesystem>
+
+namespace gridspace::launcher {
+
+/// Settings of a process of a program that has declared what it is. Everything about it follows from the declaration
+/// and the settings: what is wrong with them, its topics and signals, its place among the members.
+class DeclaredSettings final : public ProcessSettings {
+  public:
+    /// `command`: the program and its arguments; empty for one of ours.
+    DeclaredSettings(program::Declaration declaration, std::vector<std::string> command)
+        : declaration_{std::move(declaration)}, command_{std::move(command)} {}
+
+    void check(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) override;
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const& scenario, Process const& process) const override;
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const& scenario, Process const& process) const override;
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& scenario, Process const& process) const override;
+    [[nodiscard]] bool is_member() const override { return declaration_.member; }
+    [[nodiscard]] bool is_expected() const override { return declaration_.member; }
+    [[nodiscard]] Rational latency_s(Process const& process) const override;
+    [[nodiscard]] config::Node settings(Scenario const& scenario, Process const& process) const override;
+    [[nodiscard]] std::vector<std::string> command() const override { return command_; }
+    [[nodiscard]] bool is_daemon() const override { return command_.empty() || declaration_.daemon; }
+    [[nodiscard]] program::Declaration const& declaration() const { return declaration_; }
+
+  private:
+    program::Declaration declaration_;
+    std::vector<std::string> command_;
+};
+
+/// `program: {path: FILE, arguments: [...]}`: somebody's program. It is asked what it is, `FILE ARGUMENTS --describe`,
+/// with five seconds to answer, and its keys are read from `fields`. Its name goes to `name`. Nothing when it does not
+/// say: mistakes are reported at its path, or by line and column of what it printed.
+[[nodiscard]] std::unique_ptr<ProcessSettings> read_foreign_program(config::Fields& fields, config::Node const& written,
+                                                                    std::string& name,
+                                                                    config::Diagnostics& diagnostics);
+
+} // namespace gridspace::launcher

@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A program out of tree says what it is (`program: {path: FILE}`), and is then checked and run as strictly as ours."""
+import json
+import pathlib
+import shutil
+import stat
+import unittest
+
+import harness
+
+SCENARIO = harness.SOURCE / "configs/scenarios/ev_charging.yaml"
+SHORT = ["--until", "1h", "--set", "expect=~"]
+
+
+class OwnProgram(harness.ScenarioTest):
+    def script(self, name, text):
+        file = self.write(name, "#!/bin/sh\n" + text + "\n")
+        pathlib.Path(file).chmod(0o755)
+        return pathlib.Path(file)
+
+    def scenario(self, **processes):
+        return self.write("own.yaml", json.dumps({"extends": str(SCENARIO), "processes": processes}))
+
+    def refused(self, expected, **processes):
+        code, out, err = harness.gridspace("validate", self.scenario(**processes))
+        self.assertEqual(code, harness.USAGE, out + err)
+        self.assertIn(expected, out + err)
+
+    def test_an_agent_outside_of_the_tree_gives_the_same_run_as_ours(self):
+        agent = self.folder / "my_ev_agent"
+        shutil.copy(harness.BIN / "gridspace-ev", agent)
+        agent.chmod(agent.stat().st_mode | stat.S_IXUSR)
+        ours = self.run_to_end("ours", SHORT)
+        theirs = self.run_to_end("theirs", SHORT, scenario=self.scenario(ev1={"program": {"path": "./my_ev_agent"}}))
+        self.assertNotIn("my_ev_agent", (ours.folder / "manifest.json").read_text())
+        self.assertIn("agent.ev1.requested_a", harness.gridspace("signals", self.scenario(ev1={"program": {"path": "./my_ev_agent"}}))[1])
+        code, out, err = harness.gridspace("compare", ours.folder, theirs.folder)
+        self.assertEqual(code, harness.OK, out + err)
+        self.assertIn("identical", out)
+
+    def test_its_settings_are_checked_where_they_are_written(self):
+        agent = {"path": str(harness.BIN / "gridspace-ev")}
+        self.refused("unknown key 'perod_s'", ev1={"program": agent, "perod_s": 3})
+        self.refused("which is out of range", ev1={"program": agent, "requested_h": -3})
+        self.refused("did you mean 'EV1'?", ev1={"program": agent, "ev": "EV9"})
+        self.refused("acts for the EV 'EV1', and 'ev1' does so already", ev2={"program": agent, "ev": "EV1"})
+
+    def test_who_does_not_say_what_it_is_is_named(self):
+        for name, text, expected in (
+            ("silent", "exit 0", "it printed nothing"),
+            ("failing", "echo no licence >&2; exit 3", "it ended with code 3: no licence"),
+            ("talking", "echo hello", "silent"),
+            ("other", 'echo \'{"gridspace_program": 2, "name": "x"}\'', "gridspace_program"),
+            ("hanging", "sleep 60", "no answer within 5 s"),
+            ("endless", "yes", "it printed more than 1048576 octets"),
+            ("lingering", "exec >&- 2>&-; sleep 60", "no answer within 5 s"),
+        ):
+            with self.subTest(name):
+                self.refused(expected if name != "talking" else "talking --describe:1:1", ev1={"program": {"path": str(self.script(name, text))}})
+        self.refused("No such file", ev1={"program": {"path": "./nowhere"}})
+        self.refused("lacks the key 'path'", ev1={"program": {"file": "x"}})
+
+    def test_what_it_declares_is_part_of_the_dataflow(self):
+        text = json.dumps({"gridspace_program": 1, "name": "ems", "member": False, "settings": [{"key": "from", "kind": "name", "doc": "topic", "required": True}],
+                           "reads": [{"topic": "{from}", "type": "ChargingRequest"}]})
+        agent = {"program": {"path": str(self.script("ems", f"echo '{text}'"))}, "host": "controller"}
+        self.refused("reads the topic 'prices', which nobody writes", ems={**agent, "from": "prices"})
+        code, out, err = harness.gridspace("validate", self.scenario(ems={**agent, "from": "requests"}))
+        self.assertEqual(code, harness.OK, out + err)
+
+
+if __name__ == "__main__":
+    unittest.main()
