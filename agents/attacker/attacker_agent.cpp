@@ -9,6 +9,7 @@
 #include "agents/attacker/sv_forger.hpp"
 #include "agents/attacker/topic_attacks.hpp"
 #include "bus/daemon.hpp"
+#include "bus/member.hpp"
 #include "bus/signal_publisher.hpp"
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
@@ -121,13 +122,13 @@ class AttackHook final : public gateways::FrameHook {
     std::vector<Running*> chain_;
 };
 
-class AttackerAgent {
+class AttackerAgent final : public bus::Member {
   public:
     AttackerAgent(Settings const& settings, DaemonRun& run, bus::Node& node)
         : settings_{settings}, run_{run}, node_{node}, clock_{node}, grid_{node.config().clock},
           latency_{node.time_base().ceil(settings.own.config.latency_us / Rational{1'000'000})} {}
 
-    Result<void> run() {
+    Result<void> prepare() override {
         for (auto const& step :
              {&AttackerAgent::check_interfaces, &AttackerAgent::make_attacks, &AttackerAgent::open_wires,
               &AttackerAgent::open_topics, &AttackerAgent::open_outputs}) {
@@ -135,39 +136,37 @@ class AttackerAgent {
                 return ok;
             }
         }
-        if (auto ok = node_.start(); !ok) {
-            return ok;
+        return {};
+    }
+
+    void begin(bus::Tick const& tick) override { signals_->announce(tick.time); }
+
+    Result<void> work(bus::Tick const& tick) override {
+        for (auto const& cut_in : cut_ins_) {
+            cut_in->work(tick.time);
         }
-        while (true) {
-            auto const next = next_work();
-            auto tick =
-                node_.lockstep() ? node_.next() : node_.next(next ? std::optional{wall_of(*next)} : std::nullopt);
-            if (!tick) {
-                return std::unexpected{tick.error()};
-            }
-            if (!*tick) {
-                return {};
-            }
-            begin((*tick)->time);
-            std::uint64_t needed = bus::TickGrid::kNever;
-            for (auto const& cut_in : cut_ins_) {
-                cut_in->work((*tick)->time);
-                needed = std::min(needed, cut_in->next_tick(grid_));
-            }
-            std::int64_t const until_ns = node_.lockstep() ? clock_.of((*tick)->time) : simulated_now();
-            beside(until_ns);
-            publish((*tick)->time, (*tick)->final);
-            if (port_ != nullptr) {
-                port_->maintain();
-            }
-            if (auto const work = next_work()) {
-                needed = std::min(needed, grid_.tick_of(clock_.at_or_after(*work)));
-            }
-            needed = std::min(needed, next_second((*tick)->time));
-            if (auto ok = node_.done(**tick, std::max(needed, (*tick)->number + 1)); !ok) {
-                return ok;
-            }
+        beside(clock_.simulated() ? clock_.of(tick.time) : simulated_now());
+        publish(tick.time, tick.final);
+        if (port_ != nullptr) {
+            port_->maintain();
         }
+        return {};
+    }
+
+    std::uint64_t next_tick(bus::Tick const& tick) const override {
+        std::uint64_t needed = next_second(tick.time);
+        for (auto const& cut_in : cut_ins_) {
+            needed = std::min(needed, cut_in->next_tick(grid_));
+        }
+        if (auto const work = next_work()) {
+            needed = std::min(needed, grid_.tick_of(clock_.at_or_after(*work)));
+        }
+        return needed;
+    }
+
+    std::optional<std::chrono::steady_clock::time_point> deadline() const override {
+        auto const next = next_work();
+        return next ? std::optional{wall_of(*next)} : std::nullopt;
     }
 
   private:
@@ -303,13 +302,6 @@ class AttackerAgent {
         return {};
     }
 
-    void begin(SimTime now) {
-        if (!announced_) {
-            announced_ = true;
-            signals_->announce(now);
-        }
-    }
-
     /// Simulated time now, in real time.
     [[nodiscard]] std::int64_t simulated_now() const {
         std::int64_t const start = node_.start_unix_ns();
@@ -384,8 +376,7 @@ class AttackerAgent {
     }
 
     void send(std::span<std::uint8_t const> frame, std::int64_t at_ns) {
-        port_->send(frame,
-                    node_.effect_time(node_.lockstep() ? clock_.at_or_after(at_ns) : node_.latest_time(), latency_));
+        port_->send(frame, node_.effect_time(clock_.sim_time(at_ns), latency_));
     }
 
     [[nodiscard]] std::uint64_t next_second(SimTime now) const {
@@ -456,7 +447,6 @@ class AttackerAgent {
     std::unique_ptr<WirePort> port_;
     std::vector<std::unique_ptr<CutIn>> cut_ins_; ///< last: their threads use what stands above
     std::int64_t reported_{-1};
-    bool announced_{false};
 };
 
 } // namespace
@@ -471,7 +461,8 @@ int main(int argc, char** argv) {
                         {},
                         [&](DaemonRun& run) {
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
-                                return attacker::AttackerAgent{settings, run, node}.run();
+                                attacker::AttackerAgent agent{settings, run, node};
+                                return bus::run_member(node, agent);
                             });
                         }};
     return run_daemon(daemon, argc, argv);

@@ -79,9 +79,8 @@ void TripPublisher::work(std::int64_t now_ns) {
     if (frame.empty()) {
         return;
     }
-    SimTime const at = node_.lockstep() ? clock_.at_or_after(now_ns) : node_.latest_time();
-    double const sent_after_ms =
-        node_.lockstep() ? static_cast<double>(now_ns) / 1e6 : clock_.age_ms(clock_.utc_ns(0), 0, 1);
+    SimTime const at = clock_.sim_time(now_ns);
+    double const sent_after_ms = clock_.since_start_ms(now_ns);
     port_.send(frame, at);
     ++sent_;
     iec61850::GooseState const& state = publisher_->state();

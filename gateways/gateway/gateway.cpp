@@ -17,52 +17,40 @@ Gateway::Gateway(GatewaySettings const& settings, DaemonRun& run, bus::Node& nod
     : settings_{settings}, run_{run}, node_{node}, guest_{guest}, grid_{node.config().clock}, clock_{node} {}
 Gateway::~Gateway() = default;
 
-Result<void> Gateway::run() {
-    if (auto ok = prepare(); !ok) {
-        return ok;
+Result<void> Gateway::work(bus::Tick const& tick) {
+    follow_start();
+    take_input(tick);
+    last_ = moment_of(tick);
+    if (auto const due = next_timer(); due && *due <= last_.ns && !clock_.simulated()) {
+        port_->drain(); // what has come by now counts before what has run out by now
+        take_input(tick);
     }
-    Moment last;
-    while (true) {
-        auto const timer = next_timer();
-        auto tick =
-            node_.lockstep()
-                ? node_.next()
-                : node_.next(WireClock::wall(std::min(timer.value_or(INT64_MAX), clock_.now() + 1'000'000'000)));
-        if (!tick) {
-            return std::unexpected{tick.error()};
-        }
-        if (!*tick) {
-            finish(last);
-            return {};
-        }
-        begin(**tick);
-        take_input(**tick);
-        last = moment_of(**tick);
-        if (auto const due = next_timer(); due && *due <= last.ns && !node_.lockstep()) {
-            port_->drain(); // what has come by now counts before what has run out by now
-            take_input(**tick);
-        }
-        run_timers(last.ns);
-        if ((*tick)->final) {
-            finish(last);
-        }
-        publish_counters(**tick);
-        publish_ages();
-        port_->maintain();
-        if (auto ok = node_.done(**tick, next_tick_needed(**tick)); !ok) {
-            return ok;
-        }
+    run_timers(last_.ns);
+    if (tick.final) {
+        finish(last_);
     }
+    publish_counters(tick);
+    publish_ages();
+    port_->maintain();
+    return {};
 }
 
-std::uint64_t Gateway::next_tick_needed(bus::Tick const& tick) const {
+std::optional<std::chrono::steady_clock::time_point> Gateway::deadline() const {
+    return WireClock::wall(std::min(next_timer().value_or(INT64_MAX), clock_.now() + 1'000'000'000));
+}
+
+std::uint64_t Gateway::next_tick(bus::Tick const& tick) const {
     if (!topics_.empty()) {
         return tick.number + 1; // the simulator's samples do not wake anybody
     }
     auto const second = static_cast<std::int64_t>(node_.time_base().seconds(tick.time));
     std::uint64_t const report = grid_.tick_of(SimTime{} + node_.time_base().nearest(Rational{second + 1}));
     auto const timer = next_timer();
-    return timer && node_.lockstep() ? std::min(report, grid_.tick_of(clock_.at_or_after(*timer))) : report;
+    return timer ? std::min(report, grid_.tick_of(clock_.at_or_after(*timer))) : report;
+}
+
+void Gateway::end(bus::Tick const&) {
+    finish(last_);
 }
 
 void Gateway::finish(Moment at) {
@@ -75,18 +63,19 @@ void Gateway::finish(Moment at) {
 }
 
 Moment Gateway::moment_of(bus::Tick const& tick) const {
-    return {node_.lockstep() ? clock_.of(tick.time) : clock_.now(), tick.time};
+    return {clock_.at_tick(tick.time), tick.time};
 }
 
-void Gateway::begin(bus::Tick const& tick) {
+/// Real time: who paces its samples has to know when simulated time 0 was, as soon as somebody does.
+void Gateway::follow_start() {
     bool const has_zero = node_.start_unix_ns() != 0 || node_.config().clock.simulator.empty(); // UTC counts from 1970
     if (pacer_ != nullptr && has_zero) {
         pacer_->start(node_.start_unix_ns());
     }
-    if (begun_) {
-        return;
-    }
-    begun_ = true;
+}
+
+void Gateway::begin(bus::Tick const& tick) {
+    follow_start();
     if (counters_ != nullptr) {
         counters_->announce(tick.time);
     }
@@ -187,8 +176,8 @@ std::optional<std::int64_t> Gateway::next_timer() const {
 
 void Gateway::run_timers(std::int64_t until_ns) {
     for (auto next = next_timer(); next && *next <= until_ns; next = next_timer()) {
-        std::int64_t const now = node_.lockstep() ? *next : until_ns;
-        Moment const at{now, node_.lockstep() ? clock_.at_or_after(now) : node_.latest_time()};
+        std::int64_t const now = clock_.simulated() ? *next : until_ns;
+        Moment const at{now, clock_.sim_time(now)};
         for (auto const& source : sources_) {
             if (auto const deadline = source->deadline(); deadline && *deadline <= now) {
                 source->expire(at);
@@ -266,7 +255,8 @@ int run_gateway(GatewayProgram const& program, GatewaySettings& settings, int ar
                             }
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
                                 auto const guest = program.guest ? program.guest(run) : nullptr;
-                                return Gateway{settings, run, node, guest.get()}.run();
+                                Gateway gateway{settings, run, node, guest.get()};
+                                return bus::run_member(node, gateway);
                             });
                         }};
     return run_daemon(daemon, argc, argv);

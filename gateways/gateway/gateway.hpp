@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bus/daemon.hpp"
+#include "bus/member.hpp"
 #include "bus/signal_publisher.hpp"
 #include "bus/tick_grid.hpp"
 #include "gateways/gateway/sample_pacer.hpp"
@@ -34,26 +35,29 @@ class GatewayGuest {
 
 /// Runs the mappings on the bus and on the wire, on either clock. In lockstep everything happens in the order of
 /// simulated time and takes effect a latency later, whatever the tick.
-class Gateway {
+class Gateway final : public bus::Member {
   public:
     Gateway(GatewaySettings const& settings, DaemonRun& run, bus::Node& node, GatewayGuest* guest = nullptr);
-    ~Gateway();
+    ~Gateway() override;
 
-    /// Until the run is over.
-    [[nodiscard]] Result<void> run();
+    [[nodiscard]] Result<void> prepare() override;
+    void begin(bus::Tick const& tick) override;
+    [[nodiscard]] Result<void> work(bus::Tick const& tick) override;
+    [[nodiscard]] std::uint64_t next_tick(bus::Tick const& tick) const override;
+    [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> deadline() const override;
+    void end(bus::Tick const& last) override;
 
   private:
     struct Topic; ///< one that is read, by all mappings of it
     struct Event;
 
-    [[nodiscard]] Result<void> prepare();
     [[nodiscard]] Result<void> open_route(Route& route);
     [[nodiscard]] Result<Sink*> open_sink(Route& route);
     [[nodiscard]] Result<bus::CdrWriter*> writer_of(Route const& route);
     [[nodiscard]] Result<void> open_reader(Route const& route, Source& source);
     [[nodiscard]] Result<void> open_signals();
     [[nodiscard]] Result<void> open_first_line();
-    void begin(bus::Tick const& tick);
+    void follow_start();
     void finish(Moment at);
     void take_input(bus::Tick const& tick);
     void handle(Event const& event, Moment at);
@@ -61,7 +65,6 @@ class Gateway {
     /// All deadlines up to this moment, in their order.
     void run_timers(std::int64_t until_ns);
     [[nodiscard]] std::optional<std::int64_t> next_timer() const;
-    [[nodiscard]] std::uint64_t next_tick_needed(bus::Tick const& tick) const;
     [[nodiscard]] Moment moment_of(bus::Tick const& tick) const;
     void publish_counters(bus::Tick const& tick);
     void publish_ages();
@@ -100,7 +103,8 @@ class Gateway {
     };
     std::vector<Sampled> sampled_;
     std::unique_ptr<SamplePacer> pacer_; ///< last: its thread uses what stands above
-    bool begun_{false}, finished_{false};
+    Moment last_;
+    bool finished_{false};
 };
 
 /// The main function of a gateway: reads settings, checks mappings, runs. `describe` reads the program's own keys and

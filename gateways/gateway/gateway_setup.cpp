@@ -71,7 +71,7 @@ Result<void> Gateway::prepare() {
             return ok;
         }
     }
-    return node_.start();
+    return {};
 }
 
 Result<void> Gateway::open_route(Route& route) {

@@ -3,6 +3,7 @@
 //
 // gridspace-link: sits in the cable between a host and a switch and does to frames what a bad cable does.
 #include "bus/daemon.hpp"
+#include "bus/member.hpp"
 #include "bus/signal_publisher.hpp"
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
@@ -52,38 +53,33 @@ void describe(config::Fields& f, Settings& s) {
     }
 }
 
-class LinkShell {
+class LinkAgent final : public bus::Member {
   public:
-    LinkShell(Settings const& settings, DaemonRun& run, bus::Node& node)
+    LinkAgent(Settings const& settings, DaemonRun& run, bus::Node& node)
         : settings_{settings}, run_{run}, node_{node}, grid_{node.config().clock} {}
 
-    Result<void> run() {
-        if (auto ok = prepare(); !ok) {
-            return ok;
+    void begin(bus::Tick const& tick) override { signals_->announce(tick.time); }
+
+    Result<void> work(bus::Tick const& tick) override {
+        for (auto const& cut_in : cut_ins_) {
+            cut_in->work(tick.time);
         }
-        while (true) {
-            // In real time the cut-ins have threads of their own; here only counters are looked at.
-            auto tick = node_.next(std::chrono::steady_clock::now() + std::chrono::milliseconds{500});
-            if (!tick) {
-                return std::unexpected{tick.error()};
-            }
-            if (!*tick) {
-                return {};
-            }
-            std::uint64_t needed = bus::TickGrid::kNever;
-            for (auto const& cut_in : cut_ins_) {
-                cut_in->work((*tick)->time);
-                needed = std::min(needed, cut_in->next_tick(grid_));
-            }
-            report((*tick)->time, (*tick)->final);
-            if (auto ok = node_.done(**tick, needed); !ok) {
-                return ok;
-            }
+        report(tick.time, tick.final);
+        return {};
+    }
+    std::uint64_t next_tick(bus::Tick const&) const override {
+        std::uint64_t needed = bus::TickGrid::kNever;
+        for (auto const& cut_in : cut_ins_) {
+            needed = std::min(needed, cut_in->next_tick(grid_));
         }
+        return needed;
+    }
+    /// In real time the cut-ins have threads of their own; here only counters are looked at.
+    std::optional<std::chrono::steady_clock::time_point> deadline() const override {
+        return std::chrono::steady_clock::now() + std::chrono::milliseconds{500};
     }
 
-  private:
-    Result<void> prepare() {
+    Result<void> prepare() override {
         config::Diagnostics diagnostics;
         ImpairmentPlan plan = make_plan(settings_.link, settings_.streams, diagnostics);
         if (!diagnostics.ok()) {
@@ -112,15 +108,12 @@ class LinkShell {
             return std::unexpected{signals.error()};
         }
         signals_ = std::move(*signals);
-        return node_.start();
+        return {};
     }
 
+  private:
     /// Counters once per simulated second, and what the timeline has set.
     void report(SimTime time, bool final) {
-        if (!announced_) {
-            announced_ = true;
-            signals_->announce(time);
-        }
         double const now_s = node_.time_base().seconds(time);
         for (; told_ < settings_.changes.size() && static_cast<double>(settings_.changes[told_].at_ns) / 1e9 <= now_s;
              ++told_) {
@@ -157,7 +150,6 @@ class LinkShell {
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::size_t told_{0};
     std::int64_t reported_{-1};
-    bool announced_{false};
 };
 
 } // namespace
@@ -172,7 +164,8 @@ int main(int argc, char** argv) {
                         {},
                         [&](DaemonRun& run) {
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
-                                return gateways::LinkShell{settings, run, node}.run();
+                                gateways::LinkAgent agent{settings, run, node};
+                                return bus::run_member(node, agent);
                             });
                         }};
     return run_daemon(daemon, argc, argv);

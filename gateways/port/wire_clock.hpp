@@ -6,6 +6,7 @@
 #include "gateways/port/arrival_clock.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <ctime>
 
@@ -42,6 +43,25 @@ class WireClock {
     [[nodiscard]] SimTime at_or_after(std::int64_t ns) const {
         SimTime const t = node_.time_base().from_nanoseconds(ns);
         return of(t) < ns ? SimTime{t.quanta + 1} : t;
+    }
+    /// Whether the state machines live in simulated time.
+    [[nodiscard]] bool simulated() const { return node_.lockstep(); }
+    /// What the clock shows in a tick: its end, or now.
+    [[nodiscard]] std::int64_t at_tick(SimTime tick) const { return simulated() ? of(tick) : now(); }
+    /// The first instant of the grid of simulated time that is not before `ns`; in real time `ns` itself.
+    [[nodiscard]] std::int64_t on_grid(std::int64_t ns) const { return simulated() ? of(at_or_after(ns)) : ns; }
+    /// The simulated time that belongs to `ns`; in real time the newest that is known.
+    [[nodiscard]] SimTime sim_time(std::int64_t ns) const {
+        return simulated() ? at_or_after(ns) : node_.latest_time();
+    }
+    /// How long a span of simulated time takes on this clock, at that speed.
+    [[nodiscard]] std::int64_t lasting(SimSpan span, double speed) const {
+        std::int64_t const ns = of(SimTime{} + span);
+        return simulated() ? ns : std::llround(static_cast<double>(ns) / speed);
+    }
+    /// Milliseconds since simulated time 0, on the clock that frames live in.
+    [[nodiscard]] double since_start_ms(std::int64_t ns) const {
+        return simulated() ? static_cast<double>(ns) / 1e6 : age_ms(utc_ns(0), 0, 1);
     }
     /// Milliseconds from the instant at which simulated time was `time_s` (at this speed) to `unix_ns`. Real time.
     [[nodiscard]] double age_ms(std::int64_t unix_ns, double time_s, double speed) const {
