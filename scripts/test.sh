@@ -31,7 +31,7 @@ with --all also, as CI runs it
   e2e             the dashboard on live and recorded runs, in headless Chromium
   arm64           cross-compiled for ARM64: unit tests and scenarios in emulation
   sanitizers      unit tests and a scenario under ASan and UBSan (clang)
-  fuzz            every fuzz target for 20 s (GRIDSPACE_FUZZ_SECONDS)
+  fuzz            every fuzz target for 12 s (GRIDSPACE_FUZZ_SECONDS)
   coverage        lines of the frame decoder that unit tests and kept corpus run through
   tidy            clang-tidy on what has changed since it was last clean, for two minutes
 with --long, by command only

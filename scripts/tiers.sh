@@ -83,7 +83,7 @@ tier_sanitizers() {
   note="$counts; $note"
 }
 
-tier_fuzz() { build_sanitizers && "$root/scripts/fuzz.sh" "${GRIDSPACE_FUZZ_SECONDS:-20}"; }
+tier_fuzz() { build_sanitizers && "$root/scripts/fuzz.sh" "${GRIDSPACE_FUZZ_SECONDS:-12}"; }
 
 tier_coverage() {
   local log=$root/build/coverage.log status=0

@@ -20,14 +20,24 @@
     X(yaml)    /* a configuration: parsed, merged with itself, printed, read back to the same tree */ \
     X(idl)     /* a type description, then (after a NUL) a sample */                                \
     X(mcap)    /* a recording */                                                                    \
-    X(rtps)    /* a datagram for DDS: judged, and what is admitted judged again */
+    X(rtps)    /* a datagram for DDS: judged, and what is admitted judged again */               \
+    X(sample)  /* a sample of each type of ours: decoded, encoded, decoded again */
 
 #ifdef GRIDSPACE_DEVICES_ONLY
 #define GRIDSPACE_FUZZ_TARGETS(X) GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)
 #else
 #define GRIDSPACE_FUZZ_TARGETS(X)                                                                  \
     GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)                                                           \
-    X(matlab_case) /* a MATPOWER case */
+    X(matlab_case) /* a MATPOWER case */                                                            \
+    X(network)     /* a network file, checked */                                                    \
+    X(scenario)    /* a scenario file, checked as `validate` does */                                \
+    X(router)      /* a router's file */                                                            \
+    X(model)       /* a model of a detector, written and read again */                              \
+    X(columns)     /* a profile (CSV), currents for a detector (CSV, npy) */                        \
+    X(graph)       /* graph.json of a run: read, drawn, written, read again */                      \
+    X(run_folder)  /* manifest.json, summary.json and events.ndjson of a run: shown and judged */   \
+    X(http)        /* what a client sends to the monitor */                                         \
+    X(websocket)   /* what it sends behind a valid upgrade to a WebSocket */
 #endif
 // clang-format on
 
