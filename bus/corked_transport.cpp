@@ -9,6 +9,7 @@
 #include <fastdds/rtps/common/LocatorsIterator.hpp>
 #include <fastdds/rtps/network/SenderResource.h>
 #include <fastdds/rtps/transport/TransportReceiverInterface.h>
+#include <functional>
 #include <vector>
 
 namespace gridspace::bus {
@@ -180,9 +181,10 @@ class CorkedTransport final : public fdds::ChainingTransport {
         // The octets are the socket's own buffer, of its only thread, and may be changed (ChainingTransport::receive).
         std::span<std::uint8_t> const datagram{const_cast<rtps::octet*>(bytes), size};
         std::int64_t const now_ns = std::chrono::nanoseconds{Clock::now().time_since_epoch()}.count();
-        if (std::size_t const octets = descriptor_.gate->admit(datagram, now_ns); octets > 0) {
-            next->OnDataReceived(bytes, static_cast<std::uint32_t>(octets), local, remote);
-        }
+        auto const give = [&](std::span<std::uint8_t const> message) {
+            next->OnDataReceived(message.data(), static_cast<std::uint32_t>(message.size()), local, remote);
+        };
+        descriptor_.gate->admit(datagram, now_ns, std::ref(give)); // by reference: no memory is asked for
     }
 
   private:

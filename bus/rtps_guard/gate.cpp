@@ -22,14 +22,26 @@ Refusal Gate::judge(Examined const& examined, std::int64_t now_ns) {
     return known_.hear(examined.source, now_ns) ? Refusal::none : Refusal::stranger;
 }
 
-std::size_t Gate::admit(std::span<std::uint8_t> datagram, std::int64_t now_ns) {
+void Gate::admit(std::span<std::uint8_t> datagram, std::int64_t now_ns, Deliver const& deliver) {
     Examined const examined = examine(datagram, rules_);
     Refusal const refusal = judge(examined, now_ns);
-    if (refusal == Refusal::none) {
-        return examined.octets;
+    if (refusal != Refusal::none) {
+        refused_[static_cast<std::size_t>(refusal)].fetch_add(1, std::memory_order_relaxed);
+        return;
     }
-    refused_[static_cast<std::size_t>(refusal)].fetch_add(1, std::memory_order_relaxed);
-    return 0;
+    datagram = datagram.first(examined.octets);
+    if (!examined.has_fragments) {
+        deliver(datagram);
+        return;
+    }
+    std::vector<std::vector<std::uint8_t>> messages;
+    {
+        std::lock_guard const lock{mutex_};
+        messages = fragments_.take(datagram, now_ns);
+    }
+    for (auto const& message : messages) {
+        deliver(message);
+    }
 }
 
 std::uint64_t Gate::refused() const {

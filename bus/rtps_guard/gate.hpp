@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bus/rtps_guard/fragments.hpp"
 #include "bus/rtps_guard/known_participants.hpp"
 #include "bus/rtps_guard/message_guard.hpp"
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -18,8 +20,11 @@ class Gate {
     explicit Gate(Rules rules = {}, std::size_t most_participants = KnownParticipants::kMost)
         : rules_{rules}, known_{most_participants} {}
 
-    /// How many octets of a datagram the library may see; 0: none of it.
-    [[nodiscard]] std::size_t admit(std::span<std::uint8_t> datagram, std::int64_t now_ns);
+    /// Called with each message that the library may see.
+    using Deliver = std::function<void(std::span<std::uint8_t const>)>;
+    /// Of most datagrams one message: the datagram, without statistics. None of one that is kept away; several of one
+    /// with fragments of samples.
+    void admit(std::span<std::uint8_t> datagram, std::int64_t now_ns, Deliver const& deliver);
 
     /// Datagrams that were kept away and should not have come. Not counted: those of participants that have not
     /// announced themselves, which the library would ignore, and which come in every run that somebody joins late.
@@ -33,6 +38,7 @@ class Gate {
     Rules rules_;
     std::mutex mutex_;
     KnownParticipants known_; ///< under the mutex
+    Fragments fragments_;     ///< under the mutex
     std::array<std::atomic<std::uint64_t>, static_cast<std::size_t>(Refusal::count_)> refused_{};
 };
 

@@ -3,32 +3,14 @@
 #include "bus/rtps_guard/message_guard.hpp"
 
 #include "bus/rtps_guard/parameter_guard.hpp"
+#include "bus/rtps_guard/submessages.hpp"
 
 #include <algorithm>
 
 namespace gridspace::rtps_guard {
 namespace {
 
-enum Kind : std::uint8_t {
-    kPad = 0x01,
-    kAckNack = 0x06,
-    kHeartbeat = 0x07,
-    kGap = 0x08,
-    kInfoTs = 0x09,
-    kInfoSrc = 0x0c,
-    kInfoReplyIp4 = 0x0d,
-    kInfoDst = 0x0e,
-    kInfoReply = 0x0f,
-    kNackFrag = 0x12,
-    kHeartbeatFrag = 0x13,
-    kData = 0x15,
-    kDataFrag = 0x16,
-    kSecurityFirst = 0x30,
-    kSecurityLast = 0x34,
-    kStatistics = 0x80, // of Fast DDS, at the end of each of its datagrams
-};
-
-constexpr std::size_t kHeader = 20, kStatisticsOctets = 56;
+constexpr std::size_t kStatisticsOctets = 56;
 constexpr EntityId kUnknownEntity = 0;
 constexpr EntityId kParticipantWriter = 0x000100c2, kPublicationsWriter = 0x000003c2, kSubscriptionsWriter = 0x000004c2,
                    kLivelinessWriter = 0x000200c2;
@@ -38,11 +20,6 @@ constexpr EntityId kParticipantWriter = 0x000100c2, kPublicationsWriter = 0x0000
 constexpr std::int64_t kLargestOfDiscovery = std::int64_t{1} << 20U, kLargestNumber = std::int64_t{1} << 31U;
 constexpr std::int64_t kLongestGap = std::int64_t{1} << 20U;
 constexpr std::uint32_t kLongestSet = 256;
-
-struct Submessage {
-    std::uint8_t kind, flags;
-    Octets body;
-};
 
 /// Built-in writers and readers carry discovery; 0xc0 in the last octet (9.3.1.2).
 bool is_builtin(EntityId id) {
@@ -135,8 +112,11 @@ class Walk {
         std::size_t const to_qos = s.body.u16(), counted_from = s.body.at();
         Ends const ends{s.body};
         EntityId const reader = ends.reader, writer = ends.writer;
-        if (!ends.reach(s.body.sequence_number()) || (has_data && has_key) ||
-            (fragment && !is_fragment(s.body, has_data, has_qos))) {
+        if (!ends.reach(s.body.sequence_number()) || (has_data && has_key)) {
+            return Refusal::content;
+        }
+        std::uint64_t const in_fragments = fragment ? octets_of_fragments(s.body) : 0;
+        if (fragment && (in_fragments == 0 || !has_data)) {
             return Refusal::content;
         }
         std::size_t const read = s.body.at() - counted_from;
@@ -157,20 +137,22 @@ class Walk {
             }
             s.body.skip(facts->octets);
         }
-        if (!s.body.ok() || ((has_data || has_key) && s.body.left() == 0)) {
+        if (!s.body.ok() || ((has_data || has_key) && s.body.left() == 0) || s.body.left() < in_fragments) {
             return Refusal::content;
         }
+        out_.has_fragments = out_.has_fragments || fragment;
         if (writer == kLivelinessWriter && (has_data || has_key) && s.body.left() < 4 + sizeof(GuidPrefix) + 4) {
             return Refusal::content;
         }
         return describes_entities(writer) && (has_data || has_key) ? entity(writer, s.body) : Refusal::none;
     }
 
-    static bool is_fragment(Octets& body, bool has_data, bool has_qos) {
+    /// Of the sample, in the fragments that follow; 0 when their numbers cannot be.
+    static std::uint64_t octets_of_fragments(Octets& body) {
         std::uint64_t const first = body.u32(), count = body.u16(), size = body.u16(), whole = body.u32();
-        bool const inside = first > 0 && count > 0 && size > 0 && whole > 0 && whole <= kLongestSample &&
+        bool const inside = body.ok() && first > 0 && count > 0 && size > 0 && whole <= kLongestSample &&
                             (first - 1 + count - 1) * size < whole;
-        return body.ok() && inside && has_data && (has_qos || body.left() <= count * size + 4);
+        return inside ? std::min(count * size, whole - (first - 1) * size) : 0;
     }
 
     /// A participant or an endpoint announces itself, or says that it goes.
@@ -221,24 +203,18 @@ Refusal walk(std::span<std::uint8_t> datagram, Rules rules, Examined& out) {
     Walk walk{out, rules};
     while (octets.left() > 0) {
         std::size_t const begin = octets.at();
-        std::uint8_t const kind = octets.u8(), flags = octets.u8();
-        octets.little((flags & 1U) != 0);
-        std::size_t size = octets.u16();
-        if (size == 0 && kind != kPad && kind != kInfoTs) {
-            size = octets.left(); // the last one may leave its length open (9.4.5.1.3)
-        }
-        auto const body = octets.take(size);
-        if (!octets.ok() || (size % 4 != 0 && octets.left() > 0)) {
+        auto const submessage = next_submessage(octets);
+        if (!submessage) {
             return Refusal::submessage;
         }
-        if (kind == kStatistics && size == kStatisticsOctets && octets.left() == 0) {
+        if (submessage->kind == kStatistics && submessage->body.left() == kStatisticsOctets && octets.left() == 0) {
             out.octets = begin; // nobody here asks for them, and the library ends itself over the least mistake in them
             break;
         }
-        if (kind == kStatistics) {
+        if (submessage->kind == kStatistics) {
             return Refusal::kind;
         }
-        if (Refusal const refusal = walk.of({kind, flags, Octets{body, octets.little()}}); refusal != Refusal::none) {
+        if (Refusal const refusal = walk.of(*submessage); refusal != Refusal::none) {
             return refusal;
         }
     }

@@ -31,6 +31,7 @@ struct Examined {
     GuidPrefix source{};                   ///< of the header
     std::array<GuidPrefix, 8> announced{}; ///< participants that announce themselves: several of one process may
     std::size_t announced_count{0};
+    bool has_fragments{false}; ///< of samples: the library is given what they come to (bus/rtps_guard/fragments.hpp)
 };
 
 struct Rules {

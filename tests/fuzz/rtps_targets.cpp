@@ -24,8 +24,14 @@ void rtps(std::uint8_t const* data, std::size_t size) {
         require(second.refusal == Refusal::none && second.octets == first.octets && second.announced == first.announced,
                 "what the library is given is judged otherwise");
         Gate gate{rules, 1};
-        std::size_t const admitted = gate.admit(octets, 0);
-        require(admitted == 0 || admitted == first.octets, "the gate and the guard disagree");
+        std::size_t messages = 0;
+        gate.admit(octets, 0, [&](std::span<std::uint8_t const> message) {
+            ++messages;
+            std::vector<std::uint8_t> given{message.begin(), message.end()};
+            Examined const third = examine(given, rules);
+            require(third.refusal == Refusal::none && !third.has_fragments, "what the library is given is not sound");
+        });
+        require(first.has_fragments || messages <= 1, "one datagram became several");
     }
 }
 

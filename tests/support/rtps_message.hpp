@@ -88,6 +88,25 @@ inline Bytes announcement(std::uint8_t who, Bytes const& more = {}) {
                         more,
                         kSentinel}));
 }
+inline constexpr std::uint32_t kPublicationsWriter = 0x000003c2, kSubscriptionsWriter = 0x000004c2;
+/// "I have this reader or writer", as the `sequence`th word of the participant `who`. Both are reliable.
+inline Bytes endpoint(std::uint8_t who, std::uint32_t id, std::string_view topic, std::string_view type,
+                      std::int64_t sequence) {
+    bool const is_writer = (id & 0x3fU) == 2 || (id & 0x3fU) == 3;
+    std::uint32_t const writer = is_writer ? kPublicationsWriter : kSubscriptionsWriter;
+    Bytes const guid = joined({guid_prefix(who), entity(id)});
+    Bytes const at = joined({little(1, 4), little(9, 4), Bytes(12), {127, 0, 0, 1}});
+    return data(writer + 5, writer,
+                joined({{0, 3, 0, 0},
+                        parameter(0x005a, guid),
+                        parameter(0x0050, joined({guid_prefix(who), entity(0x000001c1)})),
+                        parameter(0x002f, at),
+                        parameter(0x0005, text(topic)),
+                        parameter(0x0007, text(type)),
+                        parameter(0x001a, joined({little(2, 4), Bytes(8)})),
+                        kSentinel}),
+                sequence);
+}
 inline Bytes const kStatistics = submessage(0x80, Bytes(56));
 
 /// What ended a process of Debian's Fast DDS 2.9.1: its statistics, and something behind them. 92 octets.

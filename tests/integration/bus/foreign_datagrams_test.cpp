@@ -102,5 +102,40 @@ TEST_F(ForeignDatagrams, InventedParticipantsHaveABound) {
     EXPECT_THAT(sut_->refused_datagrams(), HasSubstr("one participant too many"));
 }
 
+TEST_F(ForeignDatagrams, ASampleInFragmentsComesAsItWasSent) {
+    auto other = Participant::create({"b", 0, "test", 0, source_tree("qos/member.xml"), "management", {"127.0.0.1"}});
+    ASSERT_TRUE(other) << describe(other.error());
+    ++joined_;
+    std::vector<std::byte> sent(1'000'000);
+    for (std::size_t i = 4; i < sent.size(); ++i) {
+        sent[i] = static_cast<std::byte>(i * 7 / 5);
+    }
+    std::mutex mutex;
+    std::vector<std::vector<std::byte>> heard;
+    auto const reader = sut_->create_reader("x", {.type_name = "X"}, [&](auto cdr, SampleHeader const&) {
+        std::lock_guard const lock{mutex};
+        heard.emplace_back(cdr.begin(), cdr.end());
+    });
+    auto const writer = (*other)->create_writer("x", {.type_name = "X"});
+    ASSERT_TRUE(reader && writer);
+    auto const wait_until = [](auto const& done) {
+        auto const hang = std::chrono::steady_clock::now() + std::chrono::seconds{60};
+        while (!done() && std::chrono::steady_clock::now() < hang) {
+            std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        }
+        return done();
+    };
+    ASSERT_TRUE(wait_until([&] { return !(*reader)->matched().empty() && !(*writer)->matched().empty(); }));
+    for (std::size_t count = 1; count <= 5; ++count) {
+        ASSERT_TRUE((*writer)->write_cdr(sent, std::nullopt));
+        EXPECT_TRUE(wait_until([&] {
+            std::lock_guard const lock{mutex};
+            return heard.size() == count && heard.back() == sent;
+        })) << count;
+    }
+    EXPECT_TRUE((*writer)->wait_acknowledged(std::chrono::seconds{10}));
+    EXPECT_EQ(sut_->refused_datagrams(), "");
+}
+
 } // namespace
 } // namespace gridspace::bus

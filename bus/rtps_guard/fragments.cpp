@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "bus/rtps_guard/fragments.hpp"
+
+#include "bus/rtps_guard/parameter_guard.hpp"
+#include "bus/rtps_guard/submessages.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace gridspace::rtps_guard {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+void put(Bytes& to, std::uint32_t value, std::size_t octets, bool little) {
+    for (std::size_t i = 0; i < octets; ++i) {
+        to.push_back(static_cast<std::uint8_t>(value >> (8 * (little ? i : octets - 1 - i))));
+    }
+}
+
+void put(Bytes& to, std::span<std::uint8_t const> octets) {
+    to.insert(to.end(), octets.begin(), octets.end());
+}
+
+} // namespace
+
+void Fragments::forget(Samples::iterator sample) {
+    octets_ -= sample->octets.size();
+    waiting_.erase(sample);
+}
+
+void Fragments::make_room(GuidPrefix const& source, std::size_t octets, std::int64_t now_ns) {
+    for (auto it = waiting_.begin(); it != waiting_.end();) {
+        auto const next = std::next(it);
+        if (now_ns - it->heard_ns > kForgottenAfterNs) {
+            forget(it);
+        }
+        it = next;
+    }
+    std::map<GuidPrefix, std::pair<std::size_t, std::size_t>> held; // samples, octets
+    for (Sample const& sample : waiting_) {
+        auto& [count, sum] = held[sample.name.source];
+        ++count;
+        sum += sample.octets.size();
+    }
+    auto const oldest_of = [&](GuidPrefix const& who) {
+        return std::ranges::find_if(waiting_, [&](Sample const& s) { return s.name.source == who; });
+    };
+    auto const drop_oldest_of = [&](GuidPrefix const& who) {
+        auto const it = oldest_of(who);
+        --held[who].first;
+        held[who].second -= it->octets.size();
+        forget(it);
+    };
+    while (held[source].first >= kMostSamplesOfOne || held[source].second + octets > kMostOctetsOfOne) {
+        drop_oldest_of(source);
+    }
+    while (octets_ + octets > kMostOctets) { // who holds most makes room
+        drop_oldest_of(
+            std::ranges::max_element(held, {}, [](auto const& entry) { return entry.second.second; })->first);
+    }
+}
+
+Fragments::Samples Fragments::take(GuidPrefix const& source, std::uint8_t flags, Octets body, std::int64_t now_ns) {
+    body.skip(2);
+    std::size_t const to_qos = body.u16(), counted_from = body.at();
+    Name name{source, body.entity(), body.entity(), 0};
+    name.sequence = body.sequence_number();
+    std::uint32_t const first = body.u32() - 1, count = body.u16(), size = body.u16(), whole = body.u32();
+    body.skip(to_qos - (body.at() - counted_from));
+    std::span<std::uint8_t> qos;
+    if ((flags & 2U) != 0) {
+        Octets list = body;
+        qos = body.take(examine_parameters(list, false)->octets);
+    }
+    auto it = std::ranges::find(waiting_, name, &Sample::name);
+    if (it != waiting_.end() && (it->octets.size() != whole || it->fragment != size)) {
+        return {}; // another opinion of the same sample: the first one counts
+    }
+    if (it == waiting_.end()) {
+        make_room(source, whole, now_ns);
+        std::uint32_t const fragments = (whole + size - 1) / size;
+        it = waiting_.insert(
+            waiting_.end(),
+            {name, size, fragments, std::vector<bool>(fragments), Bytes(whole), {}, body.little(), now_ns});
+        octets_ += whole;
+    }
+    it->heard_ns = now_ns;
+    if (first == 0) {
+        it->qos.assign(qos.begin(), qos.end());
+        it->little = body.little();
+    }
+    for (std::uint32_t i = first; i < first + count; ++i) {
+        std::size_t const at = std::size_t{i} * size;
+        auto const octets = body.take(std::min<std::size_t>(size, whole - at));
+        std::ranges::copy(octets, it->octets.begin() + static_cast<std::ptrdiff_t>(at));
+        it->missing -= it->here[i] ? 0 : 1;
+        it->here[i] = true;
+    }
+    Samples out;
+    if (it->missing == 0) {
+        octets_ -= whole;
+        out.splice(out.end(), waiting_, it);
+    }
+    return out;
+}
+
+std::vector<Bytes> Fragments::take(std::span<std::uint8_t> datagram, std::int64_t now_ns) {
+    Bytes const header{datagram.begin(), datagram.begin() + kHeader};
+    Octets prefix{datagram};
+    prefix.skip(8);
+    GuidPrefix source = prefix.prefix();
+    std::map<std::uint8_t, Bytes> context; // what holds for all that follows in the message, by kind
+    auto const begun = [&] {
+        Bytes out = header;
+        for (std::uint8_t const kind : {kInfoSrc, kInfoDst, kInfoTs}) {
+            put(out, context[kind]);
+        }
+        return out;
+    };
+    std::vector<Bytes> out;
+    Bytes between = header;
+    bool says_something = false;
+    auto const end_between = [&] {
+        if (says_something) {
+            out.push_back(std::move(between));
+        }
+        between = begun();
+        says_something = false;
+    };
+    for (Octets rest{datagram.subspan(kHeader)}; rest.left() > 0;) {
+        auto const all = datagram.subspan(kHeader + rest.at());
+        Submessage const s = *next_submessage(rest); // examine() has seen that there is one
+        auto const octets = all.first(all.size() - rest.left());
+        if (s.kind == kDataFrag) {
+            for (Sample const& whole : take(source, s.flags, s.body, now_ns)) {
+                end_between();
+                Bytes message = begun();
+                message.push_back(kData);
+                message.push_back(
+                    static_cast<std::uint8_t>((whole.little ? 1U : 0U) | (whole.qos.empty() ? 0U : 2U) | 4U));
+                put(message, 0, 2, true); // as long as the message: a sample may have more octets than this can count
+                put(message, 0, 2, true);
+                put(message, 16, 2, whole.little); // to the inline QoS
+                put(message, whole.name.reader, 4, false);
+                put(message, whole.name.writer, 4, false);
+                put(message, static_cast<std::uint32_t>(whole.name.sequence >> 32U), 4, whole.little);
+                put(message, static_cast<std::uint32_t>(whole.name.sequence), 4, whole.little);
+                put(message, whole.qos);
+                put(message, whole.octets);
+                out.push_back(std::move(message));
+            }
+            continue;
+        }
+        put(between, octets);
+        if (s.kind == kInfoSrc || s.kind == kInfoDst || s.kind == kInfoTs) {
+            context[s.kind].assign(octets.begin(), octets.end());
+            Octets body = s.body;
+            body.skip(8);
+            source = s.kind == kInfoSrc ? body.prefix() : source;
+        } else {
+            says_something = true;
+        }
+    }
+    end_between();
+    return out;
+}
+
+} // namespace gridspace::rtps_guard
