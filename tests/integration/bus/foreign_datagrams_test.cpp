@@ -10,9 +10,12 @@
 
 #include <algorithm>
 #include <arpa/inet.h>
+#include <cstdlib>
+#include <fstream>
 #include <gmock/gmock.h>
 #include <sys/socket.h>
 #include <thread>
+#include <unistd.h>
 
 namespace gridspace::bus {
 namespace {
@@ -87,19 +90,40 @@ TEST_F(ForeignDatagrams, DamagedMessagesOfEveryKindAreSurvived) {
     EXPECT_THAT(sut_->refused_datagrams(), HasSubstr("a damaged parameter list"));
 }
 
-TEST_F(ForeignDatagrams, InventedParticipantsHaveABound) {
+/// Resident memory of this process, octets.
+std::size_t resident() {
+    std::size_t all = 0, pages = 0;
+    std::ifstream{"/proc/self/statm"} >> all >> pages;
+    return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// More than in every test run: GRIDSPACE_DATAGRAMS=100000000 build/release/tests/bus_foreign_datagrams
+TEST_F(ForeignDatagrams, InventedParticipantsHaveABoundAndTakeNoMoreMemoryWithTime) {
+    char const* const more = std::getenv("GRIDSPACE_DATAGRAMS");
     Bytes const mark = guid_prefix(0);
-    Bytes invented = message({announcement(0)}, 0);
-    for (int i = 0; sut_->refused_datagrams().empty() && i < 1'000'000; ++i) {
+    Bytes const invented = message({announcement(0)}, 0);
+    auto const invent = [&](std::uint64_t number) {
         Bytes one = invented;
         for (auto at = one.begin(); (at = std::search(at, one.end(), mark.begin(), mark.end())) != one.end(); ++at) {
-            *(at + 2) = static_cast<std::uint8_t>(i);
-            *(at + 3) = static_cast<std::uint8_t>(i >> 8);
-            *(at + 4) = static_cast<std::uint8_t>(i >> 16);
+            for (int i = 0; i < 5; ++i) {
+                *(at + 2 + i) = static_cast<std::uint8_t>(number >> (8 * i));
+            }
         }
         send(one);
+    };
+    std::uint64_t number = 0;
+    while (sut_->refused_datagrams().empty() && number < 1'000'000) {
+        invent(number++);
     }
     EXPECT_THAT(sut_->refused_datagrams(), HasSubstr("one participant too many"));
+    std::size_t const before = resident();
+    for (std::uint64_t const end = number + (more == nullptr ? 100'000 : std::strtoull(more, nullptr, 10));
+         number < end;) {
+        invent(number++);
+    }
+    EXPECT_LT(resident(), before + (32U << 20U)) << "of " << before;
+    RecordProperty("resident_before", std::to_string(before));
+    RecordProperty("resident_after", std::to_string(resident()));
 }
 
 TEST_F(ForeignDatagrams, ASampleInFragmentsComesAsItWasSent) {
