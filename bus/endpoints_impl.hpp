@@ -4,6 +4,7 @@
 
 #include "bus/directory_impl.hpp"
 #include "bus/fastdds_type.hpp"
+#include "common/log.hpp"
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -122,7 +123,11 @@ class Reader final : public RawReader, private dds::DataReaderListener {
             if (guid.guidPrefix == ignored_) {
                 continue;
             }
-            header.source = writer_index(guid);
+            if (std::size_t const index = writer_index(guid); index < kMostWriters) {
+                header.source = static_cast<std::uint32_t>(index);
+            } else {
+                continue;
+            }
             header.peer = writers_[header.source].peer;
             header.writer = guid.entityId.to_uint32();
             header.sequence = info.sample_identity.sequence_number().to64long();
@@ -134,16 +139,24 @@ class Reader final : public RawReader, private dds::DataReaderListener {
         matches_.update(rtps::iHandle2GUID(status.last_publication_handle), status.current_count_change);
         directory_.changed();
     }
-    std::uint32_t writer_index(rtps::GUID_t const& guid) {
-        for (std::size_t i = 0; i < writers_.size(); ++i) {
-            if (writers_[i].guid == guid) {
-                return static_cast<std::uint32_t>(i);
+    /// kMostWriters: there is no room for it.
+    std::size_t writer_index(rtps::GUID_t const& guid) {
+        auto const known = std::ranges::find(writers_, guid, &KnownWriter::guid);
+        if (known == writers_.end() && writers_.size() >= kMostWriters) {
+            if (!std::exchange(told_, true)) {
+                log::warning("topic '{}': more than {} writers have come; new ones are not heard",
+                             reader_->get_topicdescription()->get_name(), kMostWriters);
             }
+            return kMostWriters;
         }
-        writers_.push_back({guid, directory_.index_of(guid.guidPrefix)});
-        return static_cast<std::uint32_t>(writers_.size() - 1);
+        if (known == writers_.end()) {
+            writers_.push_back({guid, directory_.index_of(guid.guidPrefix)});
+            return writers_.size() - 1;
+        }
+        return static_cast<std::size_t>(known - writers_.begin());
     }
 
+    static constexpr std::size_t kMostWriters = 16'384; ///< over all of its life
     struct KnownWriter {
         rtps::GUID_t guid;
         std::uint32_t peer;
@@ -155,9 +168,10 @@ class Reader final : public RawReader, private dds::DataReaderListener {
     dds::DataReader* reader_{nullptr};
     rtps::GuidPrefix_t ignored_; ///< unknown: nobody
     Matches matches_;
-    std::mutex take_mutex_; // guards the next two
+    std::mutex take_mutex_; // guards the next three
     Incoming incoming_;
     std::vector<KnownWriter> writers_;
+    bool told_{false}; ///< that there is no room
 };
 
 } // namespace gridspace::bus

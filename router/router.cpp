@@ -9,6 +9,11 @@
 #include <fmt/format.h>
 
 namespace gridspace::router {
+namespace {
+
+constexpr std::size_t kMostTypes = 4096; ///< whose IDL is kept
+
+} // namespace
 
 /// Passes on what is discovered at one end.
 struct Router::Watch final : bus::DiscoveryObserver {
@@ -76,6 +81,9 @@ Result<void> Router::open(std::filesystem::path const& qos_file, std::function<v
                                              TypeCatalogEntry entry;
                                              if (bus::codec_of<TypeCatalogEntry>().decode(cdr, &entry)) {
                                                  std::lock_guard const lock{mutex_};
+                                                 if (idl_.size() >= kMostTypes) {
+                                                     return;
+                                                 }
                                                  idl_.emplace(entry.type_name().c_str(), entry.idl());
                                                  wake_();
                                              }

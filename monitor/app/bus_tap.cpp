@@ -20,6 +20,8 @@ namespace {
 constexpr std::array<std::string_view, 5> kProfiles{"simulation_clock", "member_status", "type_catalog",
                                                     "signal_catalog", "signals"};
 
+constexpr std::size_t kMostTopics = 1024; ///< each takes a reader, and up to 256 kB of newest samples
+
 /// What the reader of a topic asks for. One that asks for more than a writer offers gets nothing from it: the weakest
 /// of the topic's writers decides, or what all of them have in common.
 struct Wanted {
@@ -59,6 +61,7 @@ struct BusTap::Network final : bus::DiscoveryObserver {
     void participant_gone(std::string const& id, bool clean) override {
         std::lock_guard const lock{run.mutex};
         run.graph.participant_gone(id, clean);
+        known.erase(id);
     }
     void endpoint_found(bus::DiscoveredEndpoint const& endpoint) override {
         std::lock_guard const lock{run.mutex};
@@ -68,8 +71,14 @@ struct BusTap::Network final : bus::DiscoveryObserver {
             run.graph.participant_found(name, us);
             run.graph.look_through(us.id);
         }
-        run.graph.endpoint_found(name, endpoint);
+        if (!run.graph.endpoint_found(name, endpoint)) {
+            run.full("readers and writers", graph::GraphModel::kMostEndpoints);
+        }
         if (!endpoint.writer) {
+            return;
+        }
+        if (followed.size() >= kMostTopics && !followed.contains(endpoint.topic)) {
+            run.full("topics of a network", kMostTopics);
             return;
         }
         auto const [it, first] = followed.try_emplace(endpoint.topic, Wanted{});

@@ -4,10 +4,12 @@
 
 #include "bus/codec.hpp"
 #include "common/idl/cdr_visitor.hpp"
+#include "common/log.hpp"
 
 #include <algorithm>
 #include <catalog.h>
 #include <clock.h>
+#include <fmt/format.h>
 #include <protection.h>
 #include <signals.h>
 #include <statistics.h>
@@ -22,6 +24,7 @@ constexpr std::size_t kKeptEvents = 10'000;
 constexpr std::size_t kGroups = 256;
 constexpr std::size_t kStreamEnds = 4096;
 constexpr std::size_t kTypes = 4096;
+constexpr std::size_t kProcesses = 4096;         ///< that acknowledge
 constexpr std::size_t kWindowValues = 4'000'000; ///< of one group and level: 16 MB, 32 MB in the coarser ones
 
 StreamEnd end_of(StreamStatistics const& sample) {
@@ -124,14 +127,20 @@ void LiveRun::decode(std::string const& topic, std::string const& type, std::str
     } else if (topic == "clock_ack") {
         ClockAck sample;
         if ((good = bus::codec_of<ClockAck>().decode(cdr, &sample))) {
-            acknowledged[process] = {sample.tick(), sample.incarnation()};
+            if (acknowledged.size() < kProcesses || acknowledged.contains(process)) {
+                acknowledged[process] = {sample.tick(), sample.incarnation()};
+            } else {
+                full("processes that acknowledge", kProcesses);
+            }
             reach(0, sample.tick());
         }
     } else if (topic == "type_catalog") {
         TypeCatalogEntry sample;
-        if ((good = bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample)) &&
-            (idl.size() < kTypes || idl.contains(sample.type_name().c_str()))) {
+        good = bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample);
+        if (good && (idl.size() < kTypes || idl.contains(sample.type_name().c_str()))) {
             idl.insert_or_assign(sample.type_name().c_str(), sample.idl());
+        } else if (good) {
+            full("types", kTypes);
         }
     } else if (topic == "signal_catalog") {
         SignalCatalog sample;
@@ -140,14 +149,17 @@ void LiveRun::decode(std::string const& topic, std::string const& type, std::str
             for (auto const& column : sample.columns()) {
                 columns.push_back({column.name().c_str(), column.unit().c_str(), sample.rate_hz() == 0});
             }
-            auto& window = signals[{sample.source().c_str(), sample.group().c_str()}];
+            std::pair<std::string, std::string> const key{sample.source().c_str(), sample.group().c_str()};
+            auto const known = signals.find(key);
             bool const same =
-                window != nullptr &&
-                std::equal(columns.begin(), columns.end(), window->columns().begin(), window->columns().end(),
-                           [](auto const& a, auto const& b) { return a.name == b.name; });
-            if (!same && signals.size() <= kGroups) {
+                known != signals.end() && std::equal(columns.begin(), columns.end(), known->second->columns().begin(),
+                                                     known->second->columns().end(),
+                                                     [](auto const& a, auto const& b) { return a.name == b.name; });
+            if (known == signals.end() && signals.size() >= kGroups) {
+                full("groups of signals", kGroups);
+            } else if (!same) {
                 std::size_t const rows = rows_for(columns.size());
-                window = std::make_unique<stream::SignalWindow>(std::move(columns), rows);
+                signals[key] = std::make_unique<stream::SignalWindow>(std::move(columns), rows);
             }
         }
     } else if (topic == "signals") {
@@ -158,6 +170,8 @@ void LiveRun::decode(std::string const& topic, std::string const& type, std::str
             std::pair<std::string, std::string> key{sample.stream().c_str(), sample.process().c_str()};
             if (stream_ends.contains(key) || stream_ends.size() < kStreamEnds) {
                 stream_ends.insert_or_assign(std::move(key), end_of(sample));
+            } else {
+                full("ends of streams", kStreamEnds);
             }
         }
     } else if (type == "IdsVerdict") {
@@ -231,6 +245,15 @@ void LiveRun::add_event(RunEvent event) {
     events.push_back(std::move(event));
     if (events.size() > kKeptEvents) {
         events.pop_front();
+    }
+}
+
+void LiveRun::full(std::string const& what, std::size_t limit) {
+    if (full_.insert(what).second) {
+        std::string const text =
+            fmt::format("there are more than {} {} on the bus: the others are not shown", limit, what);
+        log::warning("{}", text);
+        add_event({0, clock.time_s, "monitor", "limit", text});
     }
 }
 

@@ -56,6 +56,13 @@ void GraphModel::participant_gone(std::string const& id, bool clean) {
         it->second.here = false;
         it->second.clean = clean;
         std::erase_if(endpoints_, [&](auto const& entry) { return entry.second.endpoint.participant == id; });
+        auto const is_gone_stranger = [&](auto const& entry) {
+            return !entry.second.here && !expected_.contains(entry.second.info.peer.process);
+        };
+        if (is_gone_stranger(*it) &&
+            static_cast<std::size_t>(std::ranges::count_if(participants_, is_gone_stranger)) > kMostGone) {
+            participants_.erase(it);
+        }
         ++revision_;
     }
 }
@@ -72,9 +79,13 @@ void GraphModel::process_died(std::string const& process) {
     }
 }
 
-void GraphModel::endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint) {
+bool GraphModel::endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint) {
+    if (endpoints_.size() >= kMostEndpoints && !endpoints_.contains(endpoint.id)) {
+        return false;
+    }
     endpoints_[endpoint.id] = {endpoint, network, {}};
     ++revision_;
+    return true;
 }
 
 void GraphModel::endpoint_gone(std::string const& id) {

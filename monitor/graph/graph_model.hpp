@@ -69,6 +69,8 @@ struct Snapshot {
 /// Who is in the domains, kept up to date from what discovery tells. Pure: no DDS, no lock.
 class GraphModel {
   public:
+    static constexpr std::size_t kMostEndpoints = 8192; ///< who comes first stays
+    static constexpr std::size_t kMostGone = 256;       ///< participants that have left, and are no process of the run
     void expect(Process process);
     void wire(WireEdge edge);
 
@@ -76,7 +78,8 @@ class GraphModel {
     void participant_gone(std::string const& id, bool clean);
     /// Somebody who watches processes has seen it die: its lease runs out only seconds later.
     void process_died(std::string const& process);
-    void endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint);
+    /// False: there is no room for it.
+    bool endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint);
     void endpoint_gone(std::string const& id);
     /// The participant of whoever looks on: what its readers do not get is said of the topic.
     void look_through(std::string const& participant);

@@ -238,5 +238,23 @@ TEST(GraphModel, DoesNotBlameAnybodyForAReaderOfTheMonitor) {
     EXPECT_THAT(edge(graph, "stranger").problems, ElementsAre(HasSubstr("mcca does not get it: reliability")));
 }
 
+TEST(GraphModel, KeepsABoundedNumberOfStrangers) {
+    GraphModel sut = pair();
+    for (int i = 0; i < 10'000; ++i) {
+        std::string const id = "stranger" + std::to_string(i);
+        sut.participant_found("data", {id, {id, 0, ""}, {}});
+        (void)sut.endpoint_found("data", endpoint("w" + id, id, true));
+        if (i < 1000) {
+            sut.participant_gone(id, true);
+        }
+    }
+    EXPECT_FALSE(sut.endpoint_found("data", endpoint("one more", "p3", true)));
+    EXPECT_TRUE(sut.endpoint_found("data", endpoint("w", "p1", true))) << "it is known";
+    Snapshot const graph = sut.snapshot();
+    EXPECT_EQ(graph.endpoints.size(), GraphModel::kMostEndpoints);
+    auto const gone = std::ranges::count(graph.processes, ProcessState::ended, &Process::state);
+    EXPECT_EQ(static_cast<std::size_t>(gone), GraphModel::kMostGone);
+}
+
 } // namespace
 } // namespace gridspace::graph

@@ -179,6 +179,26 @@ TEST_F(LiveRunTest, CountsOnForTheStreamsThatItKnowsWhenThereIsNoRoomForMore) {
     EXPECT_FALSE(sut_.stream_ends.contains({"S4999", "relay2"}));
 }
 
+TEST_F(LiveRunTest, KeepsABoundedNumberOfNamesAndSaysSoOnce) {
+    ClockAck acknowledgement;
+    for (int i = 0; i < 5000; ++i) {
+        std::string const name = "stranger" + std::to_string(i);
+        signal(name, i, 1);
+        acknowledgement.member(name.c_str());
+        hear("clock_ack", "ClockAck", name, acknowledgement);
+    }
+    EXPECT_EQ(sut_.signals.size(), 256U);
+    EXPECT_EQ(sut_.acknowledged.size(), 4096U);
+    std::vector<std::string> said;
+    for (RunEvent const& event : sut_.events) {
+        said.push_back(event.event + ": " + event.text);
+    }
+    EXPECT_THAT(said, testing::ElementsAre(
+                          "limit: there are more than 256 groups of signals on the bus: the others are not shown",
+                          "limit: there are more than 4096 processes that acknowledge on the bus: the others are not "
+                          "shown"));
+}
+
 TEST_F(LiveRunTest, CountsVerdictsThatAreNone) {
     sut_.on_sample("data", "ids_verdicts", "IdsVerdict", "relay2", std::vector<std::byte>(5), 0);
     sut_.on_sample("data", "attack_labels", "AttackLabel", "attacker", {}, 0);
