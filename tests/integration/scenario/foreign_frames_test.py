@@ -27,6 +27,37 @@ for n in itertools.count():
         pass  # the queue is full, or the link is not up yet
 """
 
+# The same ethertypes and group address as the streams of the run, without a pause.
+FLOODER = """
+import socket, sys, time
+source, most = bytes.fromhex(sys.argv[1]), int(sys.argv[2])
+port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
+port.bind(("process_bus", 0))
+frames = [bytes.fromhex("010ccd040021") + source + kind + bytes([n]) * 50 for n in range(256) for kind in (b"\\x88\\xba", b"\\x88\\xb8")]
+for n in range(most):
+    try:
+        port.send(frames[n % len(frames)])
+    except OSError:
+        pass  # the queue is full, or the link is not up yet
+time.sleep(3600)
+"""
+
+# What it hears, once more: from its own address, or as it was.
+COPIER = """
+import socket, sys
+source, keep = bytes.fromhex(sys.argv[1]), sys.argv[2] == "1"
+port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(3))
+port.bind(("process_bus", 0))
+while True:
+    frame, where = port.recvfrom(2048)
+    if where[2] == socket.PACKET_OUTGOING or frame[12:14] not in (b"\\x88\\xba", b"\\x88\\xb8", b"\\x81\\x00"):
+        continue
+    try:
+        port.send(frame if keep else frame[:6] + source + frame[12:])
+    except OSError:
+        pass
+"""
+
 SCENARIO = """---
 gridspace: 1
 extends: base.yaml
@@ -47,6 +78,25 @@ class ForeignFrames(ScenarioTest):
     def run_beside(self, name, frames):
         text = SCENARIO.format(script=self.script, source=FOREIGN, frames=frames)
         return self.run_to_end(name, scenario=self.write(f"{name}.yaml", text))
+
+    def test_the_fastest_flood_that_a_host_can_send_loses_no_frame_of_the_run(self):
+        self.write("base.yaml", SHORT_CASE_2 + "clock: {speed: 0.05}\n")  # time enough
+        calm = self.run_beside("calm", 0)
+        self.script = self.write("flooder.py", FLOODER)
+        flooded = self.run_beside("flooded", 100_000)
+        self.assert_identical(calm, flooded)
+        said = [event["text"] for event in flooded.events() if event["event"] == "foreign_frames"]
+        self.assertGreater(sum(int(re.search(r"(\d+) from 02:00:00:00:00:99", t)[1]) for t in said if "nobody took" in t), 20_000)
+
+    def test_copies_of_the_run_s_own_frames_change_nothing(self):
+        calm = self.run_beside("calm", 0)
+        self.script = self.write("copier.py", COPIER)
+        for name, keep, source in (("under_another_address", 0, FOREIGN), ("as_they_were", 1, "024753")):
+            copied = self.run_beside(name, keep)
+            self.assert_identical(calm, copied)
+            self.assertEqual((calm.folder / "bus.pcapng").read_bytes(), (copied.folder / "bus.pcapng").read_bytes())
+            said = " ".join(event["text"] for event in copied.events() if event["event"] == "foreign_frames")
+            self.assertRegex(said, "from " + ":".join(source[i:i + 2] for i in range(0, len(source), 2)), name)
 
     def test_a_flood_on_a_link_changes_nothing_and_is_counted(self):
         calm = self.run_beside("calm", 0)
