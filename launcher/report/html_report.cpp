@@ -129,12 +129,24 @@ std::string files_table(Results const& r) {
             fmt::format("<li><a href=\"../comtrade/{0}\">{0}</a> and <a href=\"../comtrade/{1}.dat\">.dat</a></li>\n",
                         escape_markup(file), escape_markup(file.substr(0, file.rfind('.'))));
     }
-    for (std::string const& note : r.notes) {
-        out += fmt::format("<li class=\"warn\">{}</li>\n", escape_markup(note));
-    }
     return out.empty() ? out
                        : "<section class=\"box\"><h2>Disturbance records (IEEE C37.111-2013)</h2><ul>\n" + out +
                              "</ul></section>\n";
+}
+
+/// Frames on the links, datagrams and samples that were none of the run, as those say who kept them out.
+ReportTable stranger_table(Results const& r) {
+    ReportTable t{"Not of this run, and without effect", {"link or bus", "kept out by", "how many, and from whom"}, {}};
+    for (LoggedEvent const& e : r.events) {
+        if (is_of_strangers(e)) {
+            std::size_t const link = e.text.find(" on '"), end = e.text.find('\'', link + 5);
+            bool const named = link != std::string::npos && end != std::string::npos;
+            t.rows.push_back({named ? escape_markup(e.text.substr(link + 5, end - link - 5)) : "bus",
+                              escape_markup(e.source), escape_markup(e.text)});
+        }
+    }
+    std::ranges::stable_sort(t.rows, {}, [](auto const& cells) { return cells.front(); });
+    return t;
 }
 
 ReportTable event_table(Results const& r) {
@@ -164,6 +176,9 @@ Result<fs::path> write_html_report(Results const& r) {
     body += facts(r);
     if (!r.recording_note.empty()) {
         body += fmt::format("<p class=\"warn\">▲ recording: {}</p>\n", escape_markup(r.recording_note));
+    }
+    for (std::string const& note : r.notes) {
+        body += fmt::format("<p class=\"warn\">▲ {}</p>\n", escape_markup(note));
     }
     body += expectations(r);
     for (ReportTable const& t : make_tables(r, scenario)) {
@@ -206,6 +221,9 @@ Result<fs::path> write_html_report(Results const& r) {
                             drawing.id, escape_markup(drawing.title));
     }
     body += notes(scenario) + files_table(r);
+    if (ReportTable const strangers = stranger_table(r); !strangers.rows.empty()) {
+        body += table(strangers);
+    }
     if (!r.events.empty()) {
         body += table(event_table(r));
     }

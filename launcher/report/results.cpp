@@ -348,6 +348,11 @@ std::string to_text(Results const& r, bool colour) {
     for (std::string const& note : r.notes) {
         out += fmt::format("note: {}\n", printable(note));
     }
+    for (LoggedEvent const& event : r.events) {
+        if (is_of_strangers(event)) {
+            out += fmt::format("not of this run: {}: {}\n", printable(event.source), printable(event.text));
+        }
+    }
     if (!r.comtrade.empty()) {
         out += fmt::format("comtrade: {}\n", printable(join(r.comtrade, " ")));
     }

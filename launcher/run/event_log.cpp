@@ -24,6 +24,10 @@ void EventLog::write(double time_s, std::string_view source, std::string_view ev
             << std::endl; // each line is there when somebody looks, or when everything is killed
 }
 
+bool is_of_strangers(LoggedEvent const& event) {
+    return event.event == "foreign_frames" || event.event == "foreign_datagrams" || event.event == "impostor";
+}
+
 std::vector<LoggedEvent> read_events(std::filesystem::path const& file) {
     std::vector<LoggedEvent> out;
     std::ifstream stream{file};

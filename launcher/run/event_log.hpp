@@ -27,6 +27,9 @@ struct LoggedEvent {
     std::string source, event, text;
 };
 
+/// Of frames, datagrams or samples that were none of the run.
+[[nodiscard]] bool is_of_strangers(LoggedEvent const& event);
+
 /// Reads the log of a run; damaged lines are left out.
 [[nodiscard]] std::vector<LoggedEvent> read_events(std::filesystem::path const& file);
 

@@ -108,6 +108,9 @@ class ForeignFrames(ScenarioTest):
             text = next(t for t in said if ethertype in t and "'process_bus'" in t)
             self.assertGreater(int(re.search(r"(\d+) from 02:00:00:00:00:99", text)[1]), 1024, text)
         self.assertTrue(any("neither SMV, GOOSE nor IP" in t and "from 02:00:00:00:00:99" in t for t in said), said)
+        page = (flooded.folder / "report" / "index.html").read_text()
+        self.assertRegex(page, r"Not of this run(.|\n)*<td>process_bus</td><td>relay2</td><td>\d+ frames of ethertype 0x88ba .*from 02:00:00:00:00:99")
+        self.assertNotIn("Not of this run", (calm.folder / "report" / "index.html").read_text())
         self.assertEqual([e for e in calm.events() if e["event"] == "foreign_frames"], [], "nothing of ours is foreign")
 
 
