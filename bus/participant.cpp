@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/participant.hpp"
 
+#include "bus/cork.hpp"
 #include "bus/corked_transport.hpp"
 #include "bus/discovery_impl.hpp"
 #include "bus/endpoints_impl.hpp"
@@ -115,6 +116,7 @@ class FastDdsParticipant final : public Participant {
         if (participant_ == nullptr) {
             return;
         }
+        uncork(); // what waits goes out through what is deleted here, and so does the farewell
         participant_->set_listener(nullptr);
         participant_->delete_contained_entities();
         dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
