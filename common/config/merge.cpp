@@ -130,13 +130,18 @@ void apply_set(Node& root, std::string const& assignment, int number, Diagnostic
     SourceMark value_mark = where;
     value_mark.column = static_cast<int>(equals) + 2;
     Mark::everywhere(*value, value_mark);
-    Node over = std::move(*value);
-    for (auto part = path.rbegin(); part != path.rend(); ++part) {
-        Node parent = Node::map(where);
-        parent.entries.push_back({*part, where, std::move(over)});
-        over = std::move(parent);
+    auto const lay_over = [&](Node over) {
+        for (auto part = path.rbegin(); part != path.rend(); ++part) {
+            Node parent = Node::map(where);
+            parent.entries.push_back({*part, where, std::move(over)});
+            over = std::move(parent);
+        }
+        merge(root, over);
+    };
+    if (value->is_map() && value->entries.empty()) {
+        lay_over(Node{}); // merged with what stands there, an empty map would change nothing
     }
-    merge(root, over);
+    lay_over(std::move(*value));
 }
 
 namespace {

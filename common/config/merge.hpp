@@ -17,8 +17,8 @@ void merge(Node& base, Node const& over);
 [[nodiscard]] std::optional<Node> load_extended(std::filesystem::path const& file, Diagnostics& diagnostics,
                                                 SourceMark named_at = {});
 
-/// Applies "a.b.c=value"; the value is YAML ("a.b={x: 1}" works, "a.b=~" removes). Missing maps on the way are made.
-/// `number` counts the --set arguments from 1, for messages.
+/// Applies "a.b.c=value"; the value is YAML ("a.b={x: 1}" works, "a.b=~" removes, "a.b={}" empties). Missing maps on
+/// the way are made. `number` counts the --set arguments from 1, for messages.
 void apply_set(Node& root, std::string const& assignment, int number, Diagnostics& diagnostics);
 
 /// Lets the entries of the map `section` inherit from each other by `like: other`; the key is consumed. The keys beside

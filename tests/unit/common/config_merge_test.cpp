@@ -51,6 +51,16 @@ TEST(ApplySet, OverridesAtAPathAndMakesWhatIsMissing) {
     EXPECT_EQ(root.find("clock")->find("speed")->where.to_string(), "--set #1:1:13");
 }
 
+TEST(ApplySet, AnEmptyMapEmptiesWhatStandsThere) {
+    Node root = tree("expect: {v: {always: x > 1}}\nclock: {speed: 1, mode: lockstep}\n");
+    Diagnostics diagnostics;
+    apply_set(root, "expect={}", 1, diagnostics);
+    apply_set(root, "new.list={}", 2, diagnostics);
+    apply_set(root, "clock={speed: 2}", 3, diagnostics);
+    EXPECT_TRUE(diagnostics.ok());
+    EXPECT_EQ(to_yaml(root), "clock:\n  speed: 2\n  mode: lockstep\nexpect: {}\nnew:\n  list: {}\n");
+}
+
 TEST(ApplySet, RefusesWhatIsNotAnAssignment) {
     Node root = tree("a: 1\n");
     Diagnostics diagnostics;
