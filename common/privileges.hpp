@@ -18,10 +18,10 @@ inline constexpr std::uint64_t kMayEnterNamespaces = std::uint64_t{1} << 21U; //
 /// what is not there cannot be kept.
 void keep_only_capabilities(std::uint64_t capabilities) noexcept;
 
-/// What a running process of Gridspace never does: executing programs, entering or making namespaces, mounting, tracing
-/// others, loading code into the kernel, setting clocks. From now on such a call ends the process by SIGSYS, after a
-/// line on standard error that names the call. For all threads. False where the kernel has no seccomp filters
-/// (qemu-user). Nothing under a sanitizer is forbidden that its reports need.
+/// What a running process of Gridspace never does: executing programs, entering or making namespaces (also for a
+/// child), mounting, tracing others, loading code into the kernel, setting clocks. From now on such a call ends the
+/// process by SIGSYS, after a line on standard error that names the call. For all threads. False where the kernel has
+/// no seccomp filters (qemu-user). Nothing under a sanitizer is forbidden that its reports need.
 bool forbid_what_no_process_does() noexcept;
 
 /// Whether this thread holds CAP_NET_RAW.

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/privileges.hpp"
 
+#include <cerrno>
 #include <csignal>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/mount.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <thread>
 #include <unistd.h>
 
@@ -58,6 +60,21 @@ TEST_F(Privileges, AForbiddenCallEndsTheProcessAndIsNamed) {
             ::_exit(0);
         },
         testing::KilledBySignal(SIGSYS), "called mount,");
+}
+
+TEST_F(Privileges, NothingIsStartedInANewNamespaceAndThreadsAreStarted) {
+    EXPECT_EXIT(
+        {
+            forbid_what_no_process_does();
+            std::thread{[] {}}.join();
+            bool const gone = ::syscall(SYS_clone3, nullptr, 0) == -1 && errno == ENOSYS;
+            if (!gone) {
+                ::_exit(1);
+            }
+            ::syscall(SYS_clone, CLONE_NEWUSER | SIGCHLD, nullptr, nullptr, nullptr, nullptr);
+            ::_exit(0);
+        },
+        testing::KilledBySignal(SIGSYS), "called clone .into a new namespace.");
 }
 
 TEST_F(Privileges, AThreadThatRunsAlreadyIsBoundToo) {
