@@ -3,7 +3,7 @@
 #include "launcher/cli/become.hpp"
 
 #include "launcher/cli/load.hpp"
-#include "launcher/run/installation.hpp"
+#include "launcher/scenario/installation.hpp"
 
 #include <cerrno>
 #include <cstdlib>

@@ -6,8 +6,8 @@
 #include "common/version.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/run/emulation.hpp"
-#include "launcher/run/installation.hpp"
 #include "launcher/run/run_plan.hpp"
+#include "launcher/scenario/installation.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -5,9 +5,9 @@
 #include "bus/rtps_guard/known_participants.hpp"
 #include "common/realtime.hpp"
 #include "launcher/cli/verbs.hpp"
-#include "launcher/run/installation.hpp"
 #include "launcher/run/namespaces.hpp"
 #include "launcher/run/virtual_network.hpp"
+#include "launcher/scenario/installation.hpp"
 
 #include <cerrno>
 #include <cstring>

@@ -7,12 +7,12 @@
 #include "common/version.hpp"
 #include "launcher/cli/bundle_verb.hpp"
 #include "launcher/cli/completion.hpp"
+#include "launcher/cli/ids_verbs.hpp"
 #include "launcher/cli/live_verbs.hpp"
 #include "launcher/cli/play_verb.hpp"
 #include "launcher/cli/scl_verbs.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/cli/wire_verbs.hpp"
-#include "launcher/ids/ids_verbs.hpp"
 #include "launcher/run/say.hpp"
 
 #include <CLI/CLI.hpp>

@@ -7,8 +7,8 @@
 #include "launcher/cli/become.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
-#include "launcher/run/installation.hpp"
 #include "launcher/run/listening.hpp"
+#include "launcher/scenario/installation.hpp"
 #include "monitor/app/foreign_idl.hpp"
 #include "monitor/web/listening.hpp"
 

@@ -8,10 +8,11 @@
 #include "common/time.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
+#include "launcher/judge/results.hpp"
 #include "launcher/report/comtrade_output.hpp"
 #include "launcher/report/html_report.hpp"
-#include "launcher/report/results.hpp"
 #include "launcher/report/run_info.hpp"
+#include "launcher/report/summary.hpp"
 #include "recorder/compare/compare.hpp"
 #include "recorder/export/csv_export.hpp"
 

@@ -3,12 +3,13 @@
 #include "common/text.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
+#include "launcher/folder/write_file.hpp"
+#include "launcher/judge/results.hpp"
 #include "launcher/report/comtrade_output.hpp"
 #include "launcher/report/html_report.hpp"
-#include "launcher/report/results.hpp"
+#include "launcher/report/summary.hpp"
 #include "launcher/run/run.hpp"
 #include "launcher/run/say.hpp"
-#include "launcher/run/write_file.hpp"
 
 #include <csignal>
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 
 #include "common/config/node.hpp"
 #include "common/result.hpp"
-#include "launcher/report/results.hpp"
+#include "launcher/judge/results.hpp"
 #include "launcher/scenario/comtrade_settings.hpp"
 
 #include <filesystem>

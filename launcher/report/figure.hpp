@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gridspace::launcher {
@@ -13,15 +13,19 @@ namespace gridspace::launcher {
 struct Figure {
     std::string id; ///< file name without its ending
     std::string title;
-    std::string y_label;
+    std::string y_label, right_label;
     struct Series {
         std::string name;
         std::vector<std::int64_t> times_ns;
         std::vector<double> values;
         bool steps{false}; ///< a value holds until the next one
         bool dashed{false};
-        int colour{-1};     ///< of the palette; -1: by its place
-        bool points{false}; ///< a dot for each value, too
+        int colour{-1};       ///< of the palette; -1: by its place
+        bool points{false};   ///< a dot for each value, too
+        bool connected{true}; ///< a line through the values
+        bool bars{false};     ///< a bar from 0 to each value instead
+        bool right_axis{false};
+        std::vector<std::string> point_names{}; ///< beside the dots; empty, or one for each value
     };
     std::vector<Series> series;
     struct Line {
@@ -29,6 +33,11 @@ struct Figure {
         double value{0};
     };
     std::vector<Line> lines; ///< horizontal: limits and thresholds
+    struct Band {
+        std::string label;
+        double low{0}, high{0};
+    };
+    std::vector<Band> bands; ///< horizontal: what is allowed
     struct Mark {
         std::string label;
         double time_s{0};
@@ -41,10 +50,18 @@ struct Figure {
     std::vector<Shade> shades;
     std::string shade_label;
     double from_s{0}, to_s{0};
-    std::string x_label;      ///< of an axis that is not time; then a "second" is one of its units
-    std::string axis{"time"}; ///< figures with the same axis zoom together
+    double zero_s{0};                   ///< times are shown relative to it
+    std::string zero_name{};            ///< "fault": what they are relative to
+    std::string x_label;                ///< of an axis that is not time; then a "second" is one of its units
+    std::vector<std::string> x_names{}; ///< of the places 0, 1, 2 … of such an axis, instead of numbers
+    std::string axis{"time"};           ///< figures with the same axis zoom together
     bool log_y{false};
-    std::string note; ///< the method, below the drawing
+    bool log_x{false}; ///< "times" are decimal logarithms
+    bool lanes{false}; ///< digital: each series in a lane of its own, up where it is not zero
+    std::string note;  ///< the method, below the drawing
+
+    /// Has a cursor and zooms.
+    [[nodiscard]] bool interactive() const { return !log_x && x_names.empty(); }
 };
 
 /// Hours for long runs, seconds, or milliseconds.
@@ -54,7 +71,14 @@ struct TimeUnit {
 };
 [[nodiscard]] TimeUnit time_unit(double span_s);
 
-/// A complete drawing that stands alone; `interactive` adds what the report's script needs.
+/// A colour of the palette, which is told apart with any colour vision; `place` where none is wanted (-1).
+[[nodiscard]] std::string_view palette_colour(int wanted, std::size_t place);
+
+/// What is drawn of a series: seconds and values, a few thousand at most, the extremes of each bucket kept.
+[[nodiscard]] std::vector<std::pair<double, double>> drawn_points(Figure::Series const& series, double from_s,
+                                                                  double to_s);
+
+/// A complete drawing that stands alone; it carries what the report's script needs.
 [[nodiscard]] std::string to_svg(Figure const& figure);
 
 /// One row per instant: time_s, then a column per series; empty where a series has no value yet.

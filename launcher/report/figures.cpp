@@ -2,225 +2,335 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/report/figures.hpp"
 
-#include "common/config/fields.hpp"
+#include "common/config/yaml.hpp"
 #include "common/text.hpp"
-#include "launcher/report/intrusion_figures.hpp"
+#include "launcher/report/detector_figures.hpp"
+#include "launcher/report/report_assets.hpp"
+#include "launcher/report/series.hpp"
+#include "launcher/report/stream_figures.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
-#include <map>
-#include <optional>
 
 namespace gridspace::launcher {
 namespace {
 
 using config::Node;
+using Kind = FigureSettings::Kind;
 
-/// "ev.EV1.soc_percent" -> "EV1"
-std::string element_of(std::string const& signal) {
-    std::vector<std::string> const parts = split(signal, '.');
-    return parts.size() > 2 ? parts[1] : signal;
-}
-
-void add_signals(Figure& figure, SignalStore const& signals, std::string const& pattern, bool steps, bool dashed,
-                 std::string const& suffix = "") {
-    int place = 0;
-    for (auto const& [name, series] : signals) {
-        if (matches_glob(pattern, name)) {
-            figure.series.push_back(
-                {element_of(name) + suffix, series.times_ns, series.values, steps, dashed, place++});
-        }
-    }
-}
-
-struct EvWish {
-    std::string ev, process;
-    double requested_h{0}, target_percent{80};
-};
-
-/// What the EV agents of the scenario were asked for.
-std::vector<EvWish> ev_wishes(Node const& scenario) {
-    std::vector<EvWish> out;
-    Node const* processes = scenario.find("processes");
-    if (processes == nullptr) {
-        return out;
-    }
-    for (Node::Entry const& entry : processes->entries) {
-        Node const* program = entry.value.find("program");
-        if (program == nullptr || program->text != "gridspace-ev") {
+/// Bounds of expectations about the least or greatest value of what a figure draws.
+void add_expected(Figure& f, FigureSettings const& settings, Results const& r) {
+    for (ExpectationResult const& e : r.expectations) {
+        bool const drawn = std::any_of(settings.series.begin(), settings.series.end(), [&](auto const& s) {
+            return s.expression && !s.right_axis && s.rms_over_s <= 0 && s.expression->text() == e.of;
+        });
+        if (!drawn || (e.verb != "min_of" && e.verb != "max_of")) {
             continue;
         }
-        auto const number = [](Node const& node, Node const& fallback, std::string_view key, double otherwise) {
-            Node const* own = node.find(key);
-            Node const* shared = fallback.find(key);
-            return own != nullptr      ? config::number_of(*own).value_or(otherwise)
-                   : shared != nullptr ? config::number_of(*shared).value_or(otherwise)
-                                       : otherwise;
-        };
-        auto const wish = [&](std::string const& ev, Node const& node) {
-            out.push_back({ev, entry.key, number(node, entry.value, "requested_h", 4),
-                           number(node, entry.value, "soc_target_percent", 80)});
-        };
-        if (Node const* ev = entry.value.find("ev")) {
-            wish(ev->text, entry.value);
-        }
-        if (Node const* several = entry.value.find("evs"); several != nullptr && several->is_map()) {
-            for (Node::Entry const& one : several->entries) {
-                wish(one.key, one.value);
+        for (auto const& bound : {e.band.low, e.band.high}) {
+            bool const there = std::any_of(f.lines.begin(), f.lines.end(),
+                                           [&](auto const& line) { return bound && line.value == *bound; });
+            if (bound && !there) {
+                f.lines.push_back({"expected: " + shortest(*bound), *bound});
             }
+        }
+    }
+}
+
+double end_of(Drawn const& run) {
+    return run.results.outcome.simulated_s > 0 ? run.results.outcome.simulated_s : 1;
+}
+
+std::vector<Figure::Series> all_series(FigureSettings const& settings, Drawn const& run, std::string& note) {
+    std::vector<Figure::Series> out;
+    std::vector<std::string> not_measurable;
+    Colours colours;
+    for (FigureSettings::Series const& s : settings.series) {
+        auto more = drawn_series(s, run.results.signals, end_of(run), colours, not_measurable);
+        std::move(more.begin(), more.end(), std::back_inserter(out));
+    }
+    if (!not_measurable.empty()) {
+        note += fmt::format("{}Not measurable, and not drawn: {} (delays below 0).", note.empty() ? "" : " ",
+                            join(not_measurable, ", "));
+    }
+    return out;
+}
+
+/// The values of a series in the window, what holds at its begin included.
+std::vector<double> in_window(Figure::Series const& s, double from_s, double to_s) {
+    std::vector<double> out;
+    for (std::size_t i = 0; i < s.values.size(); ++i) {
+        bool const begun = i + 1 >= s.values.size() || static_cast<double>(s.times_ns[i + 1]) / 1e9 > from_s;
+        if (begun && static_cast<double>(s.times_ns[i]) / 1e9 <= to_s && std::isfinite(s.values[i])) {
+            out.push_back(s.values[i]);
         }
     }
     return out;
 }
 
-/// Horizontal lines from expectations on these signals, and from settings of processes whose key ends in the unit.
-std::vector<Figure::Line> limits(Node const& scenario, std::string const& pattern, std::string_view key_suffix) {
-    std::map<double, std::string> lines;
-    if (Node const* expect = scenario.find("expect")) {
-        for (Node::Entry const& entry : expect->entries) {
-            for (Node::Entry const& verb : entry.value.entries) {
-                if ((verb.key == "min_of" || verb.key == "max_of") && verb.value.text == pattern) {
-                    for (std::string_view const bound : {"above", "below", "at_least", "at_most"}) {
-                        if (Node const* v = entry.value.find(bound)) {
-                            lines[config::number_of(*v).value_or(0)] = v->text;
-                        }
-                    }
-                }
+/// A value as a place on an axis that is not time.
+std::int64_t as_place(double value) {
+    constexpr double kFarthest = 9e9;
+    return std::llround(std::clamp(value, -kFarthest, kFarthest) * 1e9);
+}
+
+/// What is drawn over a value instead of time.
+void over_values(Figure& f, FigureSettings const& settings, std::string otherwise) {
+    f.x_label = settings.x_label.empty() ? std::move(otherwise) : settings.x_label;
+    f.axis = f.id;
+    f.marks.clear();
+    f.shades.clear();
+    f.zero_s = 0;
+    f.zero_name.clear();
+}
+
+void distribution(Figure& f, FigureSettings const& settings, std::vector<Figure::Series> series) {
+    double const from_s = f.from_s, to_s = f.to_s;
+    over_values(f, settings, "value");
+    std::vector<std::vector<double>> values;
+    double low = INFINITY, high = -INFINITY;
+    for (Figure::Series const& s : series) {
+        values.push_back(in_window(s, from_s, to_s));
+        for (double const v : values.back()) {
+            low = std::min(low, v);
+            high = std::max(high, v);
+        }
+    }
+    if (!(low <= high)) {
+        return;
+    }
+    bool const shares = settings.kind == Kind::ecdf;
+    double const bin = settings.bin > 0 ? settings.bin : std::max((high - low) / 50, 1e-9);
+    double const begin = std::floor(low / bin) * bin;
+    constexpr double kMostBins = 100000;
+    auto const bins = static_cast<std::size_t>(std::min(kMostBins, std::floor((high - begin) / bin) + 1));
+    for (std::size_t k = 0; k < series.size(); ++k) {
+        Figure::Series& s = series[k];
+        s.times_ns.clear();
+        s.steps = true;
+        if (shares) {
+            std::sort(values[k].begin(), values[k].end());
+            s.values.clear();
+            for (std::size_t i = 0; i < values[k].size(); ++i) {
+                s.times_ns.push_back(as_place(values[k][i]));
+                s.values.push_back(100 * static_cast<double>(i + 1) / static_cast<double>(values[k].size()));
+            }
+        } else {
+            s.values.assign(bins, 0);
+            for (double const v : values[k]) {
+                s.values[std::min(bins - 1, static_cast<std::size_t>((v - begin) / bin))] += 1;
+            }
+            for (std::size_t i = 0; i < bins; ++i) {
+                s.times_ns.push_back(as_place(begin + static_cast<double>(i) * bin));
             }
         }
+        f.series.push_back(std::move(s));
     }
-    if (Node const* processes = scenario.find("processes")) {
-        for (Node::Entry const& process : processes->entries) {
-            Node const* rules = process.value.find("rules");
-            for (Node::Entry const& rule : rules == nullptr ? std::vector<Node::Entry>{} : rules->entries) {
-                if (rule.key.ends_with(key_suffix)) {
-                    if (auto const v = config::number_of(rule.value)) {
-                        lines[*v] = rule.value.text;
-                    }
-                }
+    f.from_s = shares ? low : begin;
+    f.to_s = shares ? std::max(high, low + 1e-9) : begin + static_cast<double>(bins) * bin;
+    if (f.y_label.empty()) {
+        f.y_label = shares ? "share of the values, %" : fmt::format("values in a bin of {:.4g}", bin);
+    }
+}
+
+double statistic_of(std::vector<double> const& values, std::string const& which) {
+    if (which == "min") {
+        return *std::min_element(values.begin(), values.end());
+    }
+    if (which == "max") {
+        return *std::max_element(values.begin(), values.end());
+    }
+    double sum = 0;
+    for (double const v : values) {
+        sum += v;
+    }
+    return which == "mean" ? sum / static_cast<double>(values.size()) : values.back();
+}
+
+void bars(Figure& f, FigureSettings const& settings, std::vector<Figure::Series> const& series) {
+    Figure::Series out;
+    out.bars = true;
+    out.colour = 0;
+    out.name = settings.statistic;
+    for (Figure::Series const& s : series) {
+        std::vector<double> const values = in_window(s, f.from_s, f.to_s);
+        if (!values.empty()) {
+            out.times_ns.push_back(as_place(static_cast<double>(f.x_names.size())));
+            out.values.push_back(statistic_of(values, settings.statistic));
+            f.x_names.push_back(s.name);
+        }
+    }
+    over_values(f, settings, " ");
+    f.from_s = -0.5;
+    f.to_s = static_cast<double>(f.x_names.size()) - 0.5;
+    if (!out.values.empty()) {
+        f.series.push_back(std::move(out));
+    }
+}
+
+void scatter(Figure& f, FigureSettings const& settings, std::vector<Figure::Series> series, Drawn const& run) {
+    double const from_s = f.from_s, to_s = f.to_s;
+    over_values(f, settings, settings.x->text());
+    f.from_s = INFINITY;
+    f.to_s = -INFINITY;
+    double const rms_over_s = settings.series.empty() ? 0 : settings.series.front().rms_over_s;
+    SignalSeries x = values_of(*settings.x, run.results.signals, end_of(run));
+    if (rms_over_s > 0) {
+        x.values = sliding_rms(x.times_ns, x.values, rms_over_s);
+    }
+    for (Figure::Series& s : series) {
+        std::vector<std::pair<double, double>> points;
+        for (std::size_t i = 0; i < s.values.size(); ++i) {
+            double const t = static_cast<double>(s.times_ns[i]) / 1e9;
+            auto const after = std::upper_bound(x.times_ns.begin(), x.times_ns.end(), s.times_ns[i]);
+            if (t >= from_s && t <= to_s && after != x.times_ns.begin()) {
+                points.emplace_back(x.values[static_cast<std::size_t>(after - x.times_ns.begin()) - 1], s.values[i]);
             }
         }
-    }
-    std::vector<Figure::Line> out;
-    for (auto const& [value, label] : lines) {
-        out.push_back({label, value});
-    }
-    return out;
-}
-
-/// Spans in which a signal is not zero.
-std::vector<Figure::Shade> spans(SignalSeries const& series, double end_s) {
-    std::vector<Figure::Shade> out;
-    bool open = false;
-    for (std::size_t i = 0; i < series.values.size(); ++i) {
-        double const t = static_cast<double>(series.times_ns[i]) / 1e9;
-        if (series.values[i] != 0 && !open) {
-            out.push_back({t, end_s});
-        } else if (series.values[i] == 0 && open) {
-            out.back().to_s = t;
+        std::sort(points.begin(), points.end());
+        s.times_ns.clear();
+        s.values.clear();
+        for (auto const& [px, py] : points) {
+            s.times_ns.push_back(as_place(px));
+            s.values.push_back(py);
+            f.from_s = std::min(f.from_s, px);
+            f.to_s = std::max(f.to_s, px);
         }
-        open = series.values[i] != 0;
-    }
-    return out;
-}
-
-/// The first time at which a signal reaches a value, in hours.
-std::optional<double> reached_h(SignalStore const& signals, std::string const& name, double value) {
-    auto const it = signals.find(name);
-    if (it == signals.end()) {
-        return std::nullopt;
-    }
-    for (std::size_t i = 0; i < it->second.values.size(); ++i) {
-        if (it->second.values[i] >= value) {
-            return static_cast<double>(it->second.times_ns[i]) / 3.6e12;
+        s.points = true;
+        s.connected = false;
+        if (!points.empty()) {
+            f.series.push_back(std::move(s));
         }
     }
-    return std::nullopt;
+    double const pad = std::max(1e-9, 0.03 * (f.to_s - f.from_s));
+    f.from_s -= pad;
+    f.to_s += pad;
 }
 
-bool has(SignalStore const& signals, std::string const& pattern) {
-    return std::any_of(signals.begin(), signals.end(), [&](auto const& s) { return matches_glob(pattern, s.first); });
+void from_expressions(FigureSettings const& settings, Drawn const& run, std::vector<Figure>& out) {
+    Figure f = empty_figure(settings, run);
+    if (f.from_s >= f.to_s) {
+        return; // the event of its window did not happen, or is not in the run
+    }
+    std::vector<Figure::Series> series = all_series(settings, run, f.note);
+    switch (settings.kind) {
+    case Kind::histogram:
+    case Kind::ecdf:
+        distribution(f, settings, std::move(series));
+        break;
+    case Kind::bar:
+        bars(f, settings, series);
+        break;
+    case Kind::scatter:
+        scatter(f, settings, std::move(series), run);
+        break;
+    default:
+        f.lanes = settings.kind == Kind::digital;
+        f.series = std::move(series);
+        if (!f.lanes) {
+            add_expected(f, settings, run.results);
+        }
+    }
+    if (!f.series.empty()) {
+        out.push_back(std::move(f));
+    }
 }
 
 } // namespace
 
-std::vector<Figure> make_figures(Results const& r, Node const& scenario) {
-    std::vector<Figure> out;
-    auto const start = [&](std::string id, std::string title, std::string y_label) -> Figure& {
-        Figure figure;
-        figure.id = std::move(id);
-        figure.title = std::move(title);
-        figure.y_label = std::move(y_label);
-        figure.to_s = r.outcome.simulated_s > 0 ? r.outcome.simulated_s : 1;
-        out.push_back(std::move(figure));
-        return out.back();
+Figure empty_figure(FigureSettings const& settings, Drawn const& run) {
+    Results const& r = run.results;
+    Figure f;
+    f.id = settings.name.name;
+    f.title = settings.title;
+    f.y_label = settings.label;
+    f.right_label = settings.right_label;
+    f.note = settings.note;
+    f.log_y = settings.logarithmic;
+    double const end_s = end_of(run);
+    auto const instant = [&](std::optional<Moment> const& moment, double otherwise, double missing) {
+        return !moment ? otherwise : std::clamp(instant_of(*moment, r.moments).value_or(missing), 0.0, end_s);
     };
-    if (has(r.signals, "ev.*.soc_percent")) {
-        Figure& f = start("state_of_charge", "State of charge", "SoC, %");
-        add_signals(f, r.signals, "ev.*.soc_percent", false, false);
-        std::vector<EvWish> const wishes = ev_wishes(scenario);
-        for (EvWish const& wish : wishes) {
-            auto const series =
-                std::find_if(f.series.begin(), f.series.end(), [&](auto const& s) { return s.name == wish.ev; });
-            int const colour = series == f.series.end() ? -1 : static_cast<int>(series - f.series.begin());
-            f.marks.push_back({wish.ev + " due", wish.requested_h * 3600, colour});
-        }
-        if (!wishes.empty()) {
-            f.lines.push_back({"target", wishes.front().target_percent});
+    f.from_s = instant(settings.from, 0, end_s);
+    f.to_s = instant(settings.until, end_s, 0);
+    f.axis = settings.zoom.empty() ? fmt::format("time {} {}", shortest(f.from_s), shortest(f.to_s)) : settings.zoom;
+    if (settings.zero) {
+        if (auto const zero = instant_of(*settings.zero, r.moments)) {
+            f.zero_s = *zero;
+            f.zero_name = settings.zero->event.empty() ? to_text(*settings.zero) : settings.zero->event;
         }
     }
-    if (has(r.signals, "bus.*.v_pu")) {
-        Figure& f = start("bus_voltages", "Bus voltages", "voltage, p.u.");
-        add_signals(f, r.signals, "bus.*.v_pu", false, false);
-        f.lines = limits(scenario, "bus.*.v_pu", "_pu");
-        for (auto const& [name, series] : r.signals) {
-            if (matches_glob("agent.*.curtailed", name)) {
-                f.shades = spans(series, f.to_s);
-                f.shade_label = "curtailed";
-            }
+    for (FigureSettings::Line const& line : settings.lines) {
+        f.lines.push_back({line.label, line.value});
+    }
+    for (FigureSettings::Band const& band : settings.bands) {
+        f.bands.push_back({band.label, band.from, band.to});
+    }
+    for (FigureSettings::Mark const& mark : settings.marks) {
+        auto const at = mark.at     ? instant_of(*mark.at, r.moments)
+                        : mark.when ? first_true(*mark.when, r.signals, f.from_s, end_s)
+                                    : std::nullopt;
+        if (at && *at >= f.from_s && *at <= f.to_s) {
+            f.marks.push_back({mark.label, *at, -1});
         }
     }
-    if (has(r.signals, "ev.*.current_a")) {
-        Figure& f = start("battery_currents", "Battery currents: reference (dashed) and actual", "current, A");
-        add_signals(f, r.signals, "ev.*.current_a", false, false);
-        add_signals(f, r.signals, "ev.*.reference_a", true, true, " ref");
+    for (FigureSettings::Shade const& shade : settings.shades) {
+        if (shade.when) {
+            auto more = spans(*shade.when, r.signals, end_s);
+            std::move(more.begin(), more.end(), std::back_inserter(f.shades));
+            f.shade_label = shade.label;
+        }
     }
-    std::vector<Figure> fakes = intrusion_figures(r.intrusion);
-    std::move(fakes.begin(), fakes.end(), std::back_inserter(out));
+    return f;
+}
+
+std::vector<Figure> make_figures(ReportSettings const& settings, Drawn const& run) {
+    std::vector<Figure> out;
+    for (FigureSettings const& figure : settings.figures) {
+        switch (figure.kind) {
+        case Kind::message_intervals:
+            message_intervals(figure, run, out);
+            break;
+        case Kind::sample_rate:
+            sample_rate(figure, run, out);
+            break;
+        case Kind::frame_intervals:
+            frame_intervals(figure, run, out);
+            break;
+        case Kind::forged_sample:
+            forged_samples(figure, run, out);
+            break;
+        case Kind::trip_comparison:
+            trip_comparisons(figure, run, out);
+            break;
+        case Kind::roc:
+            roc_curves(figure, run, out);
+            break;
+        default:
+            from_expressions(figure, run, out);
+        }
+    }
     return out;
 }
 
-std::vector<ReportTable> make_tables(Results const& r, Node const& scenario) {
-    std::vector<ReportTable> out;
-    std::vector<EvWish> const wishes = ev_wishes(scenario);
-    if (!wishes.empty()) {
-        ReportTable table{"Charging: requested and reached",
-                          {"EV", "requested, h", "reached, h", "late by, min", "published, h"},
-                          {}};
-        Node const* expect = scenario.find("expect");
-        for (EvWish const& wish : wishes) {
-            // The target counts as reached 0.05 % below: curtailment leaves a geometric tail.
-            auto const reached = reached_h(r.signals, "ev." + wish.ev + ".soc_percent", wish.target_percent - 0.05);
-            std::string published = "-";
-            for (Node::Entry const& entry : expect == nullptr ? std::vector<Node::Entry>{} : expect->entries) {
-                Node const* verb = entry.value.find("time_of");
-                Node const* is = entry.value.find("is");
-                if (verb != nullptr && is != nullptr &&
-                    verb->text.find("ev." + wish.ev + ".soc_percent") != std::string::npos) {
-                    published = is->text;
-                }
+ReportSettings report_settings(Node const& scenario) {
+    Node const* report = scenario.find("report");
+    ReportSettings out = report == nullptr ? ReportSettings{} : read_report_settings(*report);
+    if (out.figures.empty() || out.usual) {
+        config::Diagnostics ignored;
+        auto const usual =
+            config::parse_yaml(kUsualFigures, config::make_source("usual_figures.yaml", kUsualFigures), ignored);
+        ReportSettings more = usual ? read_report_settings(*usual) : ReportSettings{};
+        for (FigureSettings& figure : more.figures) {
+            bool const own = std::any_of(out.figures.begin(), out.figures.end(),
+                                         [&](auto const& f) { return f.name.name == figure.name.name; });
+            if (!own) {
+                out.figures.push_back(std::move(figure));
             }
-            table.rows.push_back({escape_markup(wish.ev), shortest(wish.requested_h),
-                                  reached ? fmt::format("{:.3f}", *reached) : "not reached",
-                                  reached ? fmt::format("{:+.1f}", (*reached - wish.requested_h) * 60) : "-",
-                                  escape_markup(published)});
         }
-        out.push_back(std::move(table));
     }
-    std::vector<ReportTable> detectors = intrusion_tables(r.intrusion);
-    std::move(detectors.begin(), detectors.end(), std::back_inserter(out));
     return out;
 }
 

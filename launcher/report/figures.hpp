@@ -2,29 +2,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/config/node.hpp"
+#include "launcher/judge/results.hpp"
+#include "launcher/judge/wire_timing.hpp"
 #include "launcher/report/figure.hpp"
-#include "launcher/report/results.hpp"
+#include "launcher/scenario/report_settings.hpp"
 
-#include <string>
 #include <vector>
 
 namespace gridspace::launcher {
 
-/// A table of the report: a header row of text, and rows of markup, in which names are escaped: a recording may hold
-/// any.
-struct ReportTable {
-    std::string title;
-    std::vector<std::string> header;
-    std::vector<std::vector<std::string>> rows;
-    std::string note{}; ///< the method, below the table
+/// A finished run as the figures see it.
+struct Drawn {
+    Results const& results;
+    config::Node const& scenario; ///< resolved
+    WireTiming const& timing;
 };
 
-/// The figures that a run's signals call for: what kinds of elements it has decides, not which scenario it is. Limits
-/// come from the expectations and from the thresholds in the processes' settings; deadlines from the EV agents.
-[[nodiscard]] std::vector<Figure> make_figures(Results const& results, config::Node const& scenario);
+/// The figures of `report:`; those for which nothing was recorded are left out.
+[[nodiscard]] std::vector<Figure> make_figures(ReportSettings const& settings, Drawn const& run);
 
-/// Asked for against reached, for runs with EVs.
-[[nodiscard]] std::vector<ReportTable> make_tables(Results const& results, config::Node const& scenario);
+/// A figure with everything but its series: title, window, lines, marks, shades. Kinds whose horizontal axis is not
+/// time say so afterwards.
+[[nodiscard]] Figure empty_figure(FigureSettings const& settings, Drawn const& run);
+
+/// `report:` as the scenario says it; the usual figures where it lists none, or asks for them too.
+[[nodiscard]] ReportSettings report_settings(config::Node const& scenario);
 
 } // namespace gridspace::launcher

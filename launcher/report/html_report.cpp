@@ -5,12 +5,12 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
+#include "launcher/folder/write_file.hpp"
+#include "launcher/report/detector_tables.hpp"
 #include "launcher/report/figures.hpp"
-#include "launcher/report/intrusion_figures.hpp"
-#include "launcher/report/protection_figures.hpp"
 #include "launcher/report/report_assets.hpp"
+#include "launcher/report/tables.hpp"
 #include "launcher/report/wire_timing_page.hpp"
-#include "launcher/run/write_file.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -69,6 +69,17 @@ std::string expectations(Results const& r) {
                    "td");
     }
     return out + "</table></section>\n";
+}
+
+/// "2 of 10 expectations failed: v_min, ev1_done"
+std::string failed(Results const& r) {
+    std::vector<std::string> names;
+    for (ExpectationResult const& e : r.expectations) {
+        if (e.status == Status::failed && !e.advisory) {
+            names.push_back(e.name);
+        }
+    }
+    return fmt::format("{} of {} expectations failed: {}", names.size(), r.expectations.size(), join(names, ", "));
 }
 
 std::string facts(Results const& r) {
@@ -172,7 +183,7 @@ Result<fs::path> write_html_report(Results const& r) {
                                    escape_markup(r.scenario), escape_markup(r.description), passed ? "ok" : "bad",
                                    passed                     ? "✓ every expectation holds"
                                    : r.outcome.exit_code != 0 ? "✗ " + escape_markup(r.outcome.cause)
-                                                              : "✗ an expectation failed");
+                                                              : "✗ " + escape_markup(failed(r)));
     body += facts(r);
     if (!r.recording_note.empty()) {
         body += fmt::format("<p class=\"warn\">▲ recording: {}</p>\n", escape_markup(r.recording_note));
@@ -181,20 +192,16 @@ Result<fs::path> write_html_report(Results const& r) {
         body += fmt::format("<p class=\"warn\">▲ {}</p>\n", escape_markup(note));
     }
     body += expectations(r);
-    for (ReportTable const& t : make_tables(r, scenario)) {
-        body += table(t);
-    }
+    ReportSettings const settings = report_settings(scenario);
     WireTiming const timing = measure_wire_timing(r, scenario);
-    Published const published = published_of(scenario);
-    for (ReportTable const& t : wire_timing_tables(timing, published)) {
-        body += table(t);
-    }
-    std::vector<Figure> figures = make_figures(r, scenario);
-    for (auto& more : {protection_figures(r, scenario, timing, published), wire_timing_figures(timing, r, published)}) {
-        figures.insert(figures.end(), more.begin(), more.end());
+    for (auto const& tables :
+         {make_tables(settings, r), detector_tables(r.intrusion), wire_timing_tables(timing, published_of(scenario))}) {
+        for (ReportTable const& t : tables) {
+            body += table(t);
+        }
     }
     std::string data;
-    for (Figure& figure : figures) {
+    for (Figure& figure : make_figures(settings, {r, scenario, timing})) {
         figure.id = file_name(std::move(figure.id));
         std::string const svg = to_svg(figure);
         for (auto const& [ending, text] :
@@ -208,17 +215,9 @@ Result<fs::path> write_html_report(Results const& r) {
                         "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}{3}</figure>\n",
                         figure.id, escape_markup(figure.title), svg,
                         figure.note.empty() ? "" : "<p class=\"method\">" + escape_markup(figure.note) + "</p>");
-        data += (data.empty() ? "" : ",") + to_json(figure);
-    }
-    for (Drawing drawing : intrusion_drawings(r.intrusion)) {
-        drawing.id = file_name(std::move(drawing.id));
-        if (auto ok = replace_file(r.folder / "report" / "figures" / (drawing.id + ".svg"), drawing.svg); !ok) {
-            return std::unexpected{ok.error()};
+        if (figure.interactive()) {
+            data += (data.empty() ? "" : ",") + to_json(figure);
         }
-        body += fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a "
-                            "href=\"figures/{0}.svg\">SVG</a></span></figcaption>"
-                            "<img src=\"figures/{0}.svg\" alt=\"{1}\"></figure>\n",
-                            drawing.id, escape_markup(drawing.title));
     }
     body += notes(scenario) + files_table(r);
     if (ReportTable const strangers = stranger_table(r); !strangers.rows.empty()) {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
-#include "launcher/report/results.hpp"
+#include "launcher/judge/results.hpp"
 
 #include <filesystem>
 

@@ -6,8 +6,9 @@
 
 namespace gridspace::launcher {
 
-/// Contents of assets/report.css and assets/report.js; made by CMake.
+/// Contents of assets/report.css, assets/report.js and assets/usual_figures.yaml; made by CMake.
 extern std::string_view const kReportCss;
 extern std::string_view const kReportJs;
+extern std::string_view const kUsualFigures;
 
 } // namespace gridspace::launcher

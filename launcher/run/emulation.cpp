@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/emulation.hpp"
 
-#include "launcher/run/installation.hpp"
+#include "launcher/scenario/installation.hpp"
 #include "launcher/scenario/run_on.hpp"
 
 #include <array>

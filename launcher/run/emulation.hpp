@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
-#include "launcher/run/addresses.hpp"
+#include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <filesystem>

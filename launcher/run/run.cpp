@@ -4,9 +4,9 @@
 
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
+#include "launcher/folder/event_log.hpp"
 #include "launcher/run/domain_lock.hpp"
 #include "launcher/run/emulation.hpp"
-#include "launcher/run/event_log.hpp"
 #include "launcher/run/listening.hpp"
 #include "launcher/run/monitor_client.hpp"
 #include "launcher/run/namespaces.hpp"

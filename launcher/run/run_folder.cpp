@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_folder.hpp"
 
-#include "launcher/run/write_file.hpp"
+#include "launcher/folder/write_file.hpp"
 #include "launcher/scenario/monitor_settings.hpp"
 
 #include "common/config/merge.hpp"

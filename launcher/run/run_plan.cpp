@@ -5,11 +5,11 @@
 #include "common/privileges.hpp"
 #include "common/realtime.hpp"
 #include "common/text.hpp"
-#include "launcher/run/discovery_peers.hpp"
 #include "launcher/run/emulation.hpp"
-#include "launcher/run/installation.hpp"
 #include "launcher/scenario/cut_ins.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/discovery_peers.hpp"
+#include "launcher/scenario/installation.hpp"
 #include "launcher/scenario/run_on.hpp"
 
 #include <algorithm>

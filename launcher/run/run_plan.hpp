@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "launcher/run/addresses.hpp"
 #include "launcher/run/ssh_board.hpp"
+#include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/cut_ins.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "launcher/scenario/scenario.hpp"

@@ -4,8 +4,8 @@
 
 #include "common/text.hpp"
 #include "launcher/run/emulation.hpp"
-#include "launcher/run/installation.hpp"
-#include "launcher/run/limited_command.hpp"
+#include "launcher/scenario/installation.hpp"
+#include "launcher/scenario/limited_command.hpp"
 
 #include <cstdlib>
 #include <fmt/format.h>

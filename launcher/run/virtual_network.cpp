@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/virtual_network.hpp"
 
-#include "launcher/run/installation.hpp"
 #include "launcher/run/offloads.hpp"
+#include "launcher/scenario/installation.hpp"
 
 #include <algorithm>
 #include <cerrno>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/capture_points.hpp"
 
-#include "launcher/run/addresses.hpp"
+#include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/cut_ins.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include "launcher/scenario/comtrade_settings.hpp"
 
 #include "common/text.hpp"
-#include "launcher/scenario/protection_chain.hpp"
+#include "launcher/judge/protection_chain.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <algorithm>

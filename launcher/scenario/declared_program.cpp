@@ -3,8 +3,8 @@
 #include "launcher/scenario/declared_program.hpp"
 
 #include "common/text.hpp"
-#include "launcher/run/limited_command.hpp"
 #include "launcher/scenario/element_names.hpp"
+#include "launcher/scenario/limited_command.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <algorithm>

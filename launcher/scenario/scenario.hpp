@@ -8,6 +8,7 @@
 #include "gateways/streams/stream.hpp"
 #include "launcher/scenario/comtrade_settings.hpp"
 #include "launcher/scenario/program.hpp"
+#include "launcher/scenario/report_settings.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "sim/app/sim_config.hpp"
 #include "sim/events/event.hpp"
@@ -91,6 +92,7 @@ struct Scenario {
     std::vector<attacker::AttackConfig> attacks;
     std::string allow_attacks_on; ///< --allow-attacks-on: an interface that is not a virtual cable
     config::Node expect;
+    ReportSettings report;
     config::Node resolved; ///< the whole tree after merging
     std::optional<sim::Network> network;
 

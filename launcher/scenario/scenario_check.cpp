@@ -3,12 +3,12 @@
 #include "launcher/scenario/scenario_check.hpp"
 
 #include "common/text.hpp"
-#include "launcher/expect/expectation.hpp"
-#include "launcher/run/addresses.hpp"
-#include "launcher/run/installation.hpp"
+#include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
+#include "launcher/scenario/expectation_check.hpp"
 #include "launcher/scenario/impairments.hpp"
+#include "launcher/scenario/installation.hpp"
 #include "launcher/scenario/own_topics.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "sim/app/engine_factory.hpp"
@@ -304,7 +304,9 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
         s.simulator() != nullptr && s.network && simulates) {
         check_own_topics(s, diagnostics);
         check_dataflow(s, diagnostics);
-        check_expectations(s, diagnostics);
+        KnownSignals const known{s};
+        check_expectations(s, known, diagnostics);
+        check_report(s.report, s.file.string(), known, diagnostics);
         check_comtrade(s, diagnostics);
     }
     if (readable && diagnostics.ok()) {

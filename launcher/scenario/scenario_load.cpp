@@ -3,12 +3,11 @@
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
-#include "launcher/expect/expectation.hpp"
+#include "launcher/judge/published.hpp"
 #include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/impairments.hpp"
-#include "launcher/scenario/published.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/scenario_check.hpp"
 #include "launcher/scenario/wire_programs.hpp"
@@ -206,6 +205,8 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
           }); // for the schema: they have become processes before they are read
     attacker::describe_attacks(f, s.attacks);
     f.raw("expect", s.expect, {.doc = "what must hold for the run to pass"});
+    f.object("report", {.doc = "what the report draws; without it, the usual figures"},
+             [&](Fields& g) { describe(g, s.report, diagnostics); });
 }
 
 /// `defaults:` by program, laid under each process.

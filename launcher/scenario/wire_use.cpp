@@ -3,7 +3,7 @@
 #include "launcher/scenario/wire_use.hpp"
 
 #include "common/text.hpp"
-#include "launcher/run/addresses.hpp"
+#include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/cut_ins.hpp"
 
 #include <algorithm>

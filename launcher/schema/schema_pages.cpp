@@ -7,6 +7,7 @@
 #include "common/text.hpp"
 #include "gateways/streams/stream.hpp"
 #include "launcher/scenario/scenario.hpp"
+#include "launcher/schema/schema_definitions.hpp"
 #include "router/router_config.hpp"
 #include "sim/network/network_config.hpp"
 
@@ -49,6 +50,10 @@ Keys stream_keys() {
 // ---- JSON schema
 
 Json properties_of(Keys const& keys);
+
+Json or_null(Json schema) {
+    return Json{{"anyOf", Json::array({std::move(schema), Json{{"type", "null"}}})}};
+}
 
 Json number_schema(Key const& key, char const* type) {
     Json json{{"type", type}};
@@ -96,7 +101,7 @@ Json schema_of(Key const& key) {
         json = properties_of(key.children);
         break;
     case Kind::map:
-        json = Json{{"type", "object"}, {"additionalProperties", properties_of(key.children)}};
+        json = Json{{"type", "object"}, {"additionalProperties", or_null(properties_of(key.children))}};
         break;
     case Kind::list:
         json = Json{{"type", "array"}, {"items", properties_of(key.children)}};
@@ -125,7 +130,7 @@ std::string finished(Json root, char const* title) {
     Json out{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", title}};
     root["properties"]["extends"] = Json{{"type", "string"}, {"description", "the file that this one lies on"}};
     out.update(root);
-    return out.dump(1) + "\n";
+    return with_definitions(out.dump());
 }
 
 // ---- reference page
@@ -252,8 +257,8 @@ std::string scenario_schema() {
         std::ranges::copy(program_keys(name), std::back_inserter(keys));
         Json process = properties_of(keys);
         process["properties"]["program"] = Json{{"const", name}};
+        root["properties"]["defaults"]["properties"][name] = process;
         kinds.push_back(std::move(process));
-        root["properties"]["defaults"]["properties"][name] = properties_of(keys);
     }
     // Somebody else's program says itself what its keys are.
     Json own = properties_of(common);
@@ -274,7 +279,7 @@ std::string scenario_schema() {
     like.kind = Kind::name;
     like.doc = "the stream that this one is like";
     streams.push_back(like);
-    root["properties"]["streams"] = Json{{"type", "object"}, {"additionalProperties", properties_of(streams)}};
+    root["properties"]["streams"] = Json{{"type", "object"}, {"additionalProperties", or_null(properties_of(streams))}};
     return finished(std::move(root), "Gridspace scenario");
 }
 

@@ -13,7 +13,7 @@
     const figure = document.getElementById(data.id), svg = figure.querySelector("svg"), d = svg.dataset;
     const n = (key) => Number(d[key]);
     const all = { from: n("from"), to: n("to") }, box = { left: n("left"), right: n("right"), top: n("top"), bottom: n("bottom") };
-    const unit = n("unitS"), ns = svg.namespaceURI, plot = svg.querySelector(".plot"), ticks = svg.querySelector(".ticks");
+    const unit = n("unitS"), zero = n("zero"), ns = svg.namespaceURI, plot = svg.querySelector(".plot"), ticks = svg.querySelector(".ticks");
     const make = (tag, attributes, parent) => {
       const element = document.createElementNS(ns, tag);
       for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
@@ -35,8 +35,8 @@
       const scale = (all.to - all.from) / (view.to - view.from);
       plot.setAttribute("transform", `translate(${box.left - scale * (box.left + ((view.from - all.from) / (all.to - all.from)) * (box.right - box.left))} 0) scale(${scale} 1)`);
       ticks.querySelectorAll(".tx").forEach((tick) => tick.remove());
-      for (const v of niceTicks(view.from / unit, view.to / unit, 10)) {
-        const x = toX(v * unit), group = make("g", { class: "tx" }, ticks);
+      for (const v of niceTicks((view.from - zero) / unit, (view.to - zero) / unit, 10)) {
+        const x = toX(zero + v * unit), group = make("g", { class: "tx" }, ticks);
         make("line", { class: "grid", x1: x, x2: x, y1: box.bottom, y2: box.top }, group);
         make("text", { x, y: box.bottom + 15, "text-anchor": "middle" }, group).textContent = String(Number(v.toPrecision(8)));
       }
@@ -64,7 +64,7 @@
       const x = svgX(event), t = toTime(x);
       together().forEach((other) => other.show(t));
       const html = (tag, more) => Object.assign(document.createElement(tag), more);
-      tip.replaceChildren(html("b", { textContent: `${(t / unit).toFixed(3)} ${d.unit}` }), ...data.series.flatMap((s) => { // names are text
+      tip.replaceChildren(html("b", { textContent: `${((t - zero) / unit).toFixed(3)} ${d.unit}` }), ...data.series.flatMap((s) => { // names are text
         const v = valueAt(s, t), dot = html("i");
         dot.style.background = s.colour;
         return [html("br"), dot, `${s.name} ${v === null ? "–" : Number(v.toPrecision(5))}`];

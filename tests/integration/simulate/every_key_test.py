@@ -167,17 +167,20 @@ def changed(network, path, value):
     return out
 
 
-def keys_of(schema, prefix=""):
+def keys_of(schema, prefix="", definitions=None):
     """Paths of all keys without the names of elements."""
+    definitions = schema["$defs"] if definitions is None else definitions
+    if "$ref" in schema:
+        schema = definitions[schema["$ref"].rpartition("/")[2]]
     for option in schema.get("anyOf", []):
-        yield from keys_of(option, prefix)
+        yield from keys_of(option, prefix, definitions)
     extra = schema.get("additionalProperties")
     if isinstance(extra, dict):
-        yield from keys_of(extra, prefix)
+        yield from keys_of(extra, prefix, definitions)
     if isinstance(schema.get("items"), dict):
-        yield from keys_of(schema["items"], prefix)
+        yield from keys_of(schema["items"], prefix, definitions)
     for key, value in schema.get("properties", {}).items():
-        inner = list(keys_of(value, f"{prefix}{key}."))
+        inner = list(keys_of(value, f"{prefix}{key}.", definitions))
         yield from inner if inner else [prefix + key]
 
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/run/addresses.hpp"
+#include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/closed_folder.hpp"
 
-#include "launcher/run/write_file.hpp"
+#include "launcher/folder/write_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 #include <fstream>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/run/discovery_peers.hpp"
+#include "launcher/scenario/discovery_peers.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

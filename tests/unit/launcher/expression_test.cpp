@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/expect/expression.hpp"
+#include "launcher/judge/expression.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/report/intrusion_score.hpp"
+#include "launcher/judge/intrusion_score.hpp"
 
 #include "common/config/yaml.hpp"
-#include "launcher/report/intrusion_figures.hpp"
+#include "launcher/judge/detector_roc.hpp"
+#include "launcher/report/detector_tables.hpp"
 
 #include <gtest/gtest.h>
 
@@ -115,9 +116,7 @@ TEST(IntrusionScore, ATripWithoutAFaultIsFalseAndAFaultWithoutATripIsBlocked) {
 TEST(IntrusionScore, ARunWithoutDetectorsHasNothingToSay) {
     IntrusionScore const sut = score_intrusion({}, config::Node::map(), config::Node::map(), {}, {}, 1);
     EXPECT_TRUE(sut.streams.empty());
-    EXPECT_TRUE(intrusion_tables(sut).empty());
-    EXPECT_TRUE(intrusion_figures(sut).empty());
-    EXPECT_TRUE(intrusion_drawings(sut).empty());
+    EXPECT_TRUE(detector_tables(sut).empty());
 }
 
 TEST(IntrusionScore, TheCurveOverThresholdsFallsFromEverythingToNothing) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/yaml.hpp"
-#include "launcher/expect/recording_loss.hpp"
+#include "launcher/judge/recording_loss.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/yaml.hpp"
-#include "launcher/report/wire_timing.hpp"
+#include "launcher/judge/wire_timing.hpp"
+#include "launcher/report/figures.hpp"
 #include "launcher/report/wire_timing_page.hpp"
 
 #include <algorithm>
@@ -85,6 +86,17 @@ std::string cells(std::vector<ReportTable> const& tables, std::string const& tit
         }
     }
     return out;
+}
+
+/// Of those that a report draws whose scenario lists none.
+Figure figure_of(std::string const& id, Results const& r, WireTiming const& timing) {
+    for (Figure& f : make_figures(report_settings(config::Node::map()), {r, scenario(), timing})) {
+        if (f.id == id) {
+            return std::move(f);
+        }
+    }
+    ADD_FAILURE() << "no figure " << id;
+    return {};
 }
 
 TEST(WireTiming, PercentilesAreOfTheNearestRank) {
@@ -323,8 +335,7 @@ TEST(WireTiming, FramesOfSeveralSamplesCountAsSoManySamples) {
         }
     }
     EXPECT_EQ(table, "+0 ppm");
-    Figure const rate = wire_timing_figures(sut, r, {})[0];
-    ASSERT_EQ(rate.id, "smv_rate");
+    Figure const rate = figure_of("sample_rate", r, sut);
     EXPECT_EQ(rate.y_label, "samples per second");
     ASSERT_FALSE(rate.series[0].values.empty());
     for (double const hz : rate.series[0].values) {
@@ -366,12 +377,10 @@ TEST(WireTiming, ADelayBelowZeroIsNotMeasurableAndGetsNoVerdict) {
     std::string const json = wire_timing_json(timing);
     EXPECT_NE(json.find(R"("transfer_ms":{"n":2,"not_measurable":{"below_zero":1,"min":-199.858}})"), std::string::npos)
         << json;
-    auto const figures = wire_timing_figures(timing, r, {});
-    auto const delays = std::find_if(figures.begin(), figures.end(), [](Figure const& f) { return f.id == "delays"; });
-    ASSERT_NE(delays, figures.end());
-    ASSERT_EQ(delays->series.size(), 1U);
-    EXPECT_EQ(delays->series[0].name, "SMV21");
-    EXPECT_NE(delays->note.find("Not measurable, and not drawn: TRIP2"), std::string::npos) << delays->note;
+    Figure const delays = figure_of("delays", r, timing);
+    ASSERT_EQ(delays.series.size(), 1U);
+    EXPECT_EQ(delays.series[0].name, "SMV21");
+    EXPECT_NE(delays.note.find("Not measurable, and not drawn: TRIP2"), std::string::npos) << delays.note;
 }
 
 TEST(WireTiming, AStepBeforeTheOneBeforeItGetsNoVerdict) {

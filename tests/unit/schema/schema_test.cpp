@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/key.hpp"
 #include "common/source_tree.hpp"
+#include "launcher/schema/schema_definitions.hpp"
 #include "launcher/schema/schema_pages.hpp"
 
 #include <fstream>
@@ -44,6 +45,18 @@ TEST(Schema, AKeyHasTheBoundsAndTheDefaultOfItsDescription) {
     ASSERT_EQ(keys[1].children.size(), 1u);
     EXPECT_TRUE(keys[1].children[0].required);
     EXPECT_EQ(keys[1].children[0].max, 1);
+}
+
+TEST(SchemaDefinitions, WhatRepeatsIsSaidOnceAndMeansTheSame) {
+    std::string const part = R"({"description":"how far it is from here","anyOf":[{"type":"number"},{"type":"null"}]})";
+    std::string const other =
+        R"({"description":"how far it is from there","anyOf":[{"type":"number"},{"type":"null"}]})";
+    std::string sut = with_definitions(R"({"properties":{"a":)" + part + R"(,"b":{"properties":{"a":)" + part +
+                                       R"(}},"c":)" + other + "}}");
+    std::erase_if(sut, [](char c) { return c == ' ' || c == '\n'; });
+    EXPECT_EQ(sut, R"({"properties":{"a":{"$ref":"#/$defs/a"},"b":{"properties":{"a":{"$ref":"#/$defs/a"}}},"c":)"
+                   R"({"description":"howfaritisfromthere","anyOf":[{"type":"number"},{"type":"null"}]}},"$defs":)"
+                   R"({"a":{"description":"howfaritisfromhere","anyOf":[{"type":"number"},{"type":"null"}]}}})");
 }
 
 } // namespace

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/text.hpp"
+#include "common/time.hpp"
+#include "common/version.hpp"
+#include "ids/forecaster/model_file.hpp"
+#include "launcher/cli/ids_verbs.hpp"
+#include "launcher/cli/load.hpp"
+#include "launcher/cli/progress_line.hpp"
+#include "launcher/ids/recordings.hpp"
+
+#include <chrono>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace gridspace::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+char const* word(ids::TrainParams::Method method) {
+    switch (method) {
+    case ids::TrainParams::Method::least_squares:
+        return "least_squares";
+    case ids::TrainParams::Method::huber:
+        return "huber";
+    case ids::TrainParams::Method::back_propagation:
+        return "back_propagation";
+    case ids::TrainParams::Method::levenberg_marquardt:
+        return "levenberg_marquardt";
+    }
+    return "?";
+}
+
+} // namespace
+
+int ids_train(IdsTrainArguments const& arguments) {
+    config::Diagnostics diagnostics;
+    auto config = ids::load_training_config(arguments.config, diagnostics);
+    if (!config) {
+        fmt::print(stderr, "{}\n", diagnostics.render());
+        return static_cast<int>(ExitCode::usage);
+    }
+    config->seed = arguments.seed.value_or(config->seed);
+    auto const seed = static_cast<std::uint64_t>(config->seed);
+    std::filesystem::path const output = arguments.output.empty() ? config->output : arguments.output;
+    ProgressLine shown{arguments.quiet || arguments.json};
+    auto const start = Clock::now();
+    auto const recordings = all_recordings(*config, seed, false, [&](std::size_t done, std::size_t of) {
+        shown.show(fmt::format("simulated {} of {} runs", done, of), done == of);
+    });
+    if (!recordings) {
+        return print_error(recordings.error());
+    }
+    ids::WindowParams window{static_cast<int>(config->window),
+                             static_cast<int>(config->channels),
+                             config->scale,
+                             config->scale_a,
+                             static_cast<std::size_t>(config->windows),
+                             config->event_share};
+    ids::Windows const data = draw_windows(*recordings, window, seed);
+    shown.show(
+        fmt::format("{} recordings, {} windows, {}", recordings->size(), data.count(), word(config->training.method)),
+        true);
+    auto const training_start = Clock::now();
+    double last_rms = 0;
+    auto model = train(data, blank_model(*config), config->training, seed, [&](int epoch, int of, double rms) {
+        last_rms = rms;
+        double const took = seconds_since(training_start);
+        shown.show(fmt::format("epoch {} of {}: loss {:.6f}, about {} left", epoch, of, rms,
+                               human_duration(took / epoch * (of - epoch))),
+                   epoch == of);
+        return true;
+    });
+    if (!model) {
+        return print_error(model.error());
+    }
+    ids::WindowParams fresh = window;
+    fresh.count = std::min<std::size_t>(window.count, 50'000);
+    auto const unseen = all_recordings(*config, seed, true);
+    double const unseen_rms = unseen ? rms_error(*model, draw_windows(*unseen, fresh, seed + 1)) : 0;
+    model->provenance = {{"trained_by", std::string{"gridspace "} + std::string{gridspace::version().version}},
+                         {"configuration", arguments.config.filename().string()},
+                         {"seed", std::to_string(seed)},
+                         {"method", word(config->training.method)},
+                         {"recordings", std::to_string(recordings->size())},
+                         {"windows", std::to_string(data.count())},
+                         {"loss_rms_scaled", shortest(last_rms)}};
+    if (auto const saved = save_model(*model, output); !saved) {
+        return print_error(saved.error());
+    }
+    double const took = seconds_since(start);
+    if (arguments.json) {
+        fmt::print("{}\n", Json{{"model", output.string()},
+                                {"sha256", model_hash(*model)},
+                                {"parameters", model->parameters()},
+                                {"recordings", recordings->size()},
+                                {"windows", data.count()},
+                                {"loss_rms_scaled", last_rms},
+                                {"unseen_rms_scaled", unseen_rms},
+                                {"wall_s", took}}
+                               .dump(2));
+    } else {
+        fmt::print("{}: {} parameters, loss {:.6f} on the training windows, RMS error {:.6f} on unseen ones (of the "
+                   "window's scale), {:.1f} s\n",
+                   output.string(), model->parameters(), last_rms, unseen_rms, took);
+    }
+    return 0;
+}
+
+} // namespace gridspace::cli

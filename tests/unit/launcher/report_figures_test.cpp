@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/config/yaml.hpp"
+#include "launcher/report/figures.hpp"
+#include "launcher/report/series.hpp"
+#include "launcher/report/tables.hpp"
+
+#include <gtest/gtest.h>
+
+namespace gridspace::launcher {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+config::Node yaml(std::string const& text) {
+    config::Diagnostics diagnostics;
+    auto node = config::parse_yaml(text, config::make_source("test", text), diagnostics);
+    EXPECT_TRUE(node && diagnostics.ok()) << diagnostics.render();
+    return node.value_or(config::Node::map());
+}
+
+/// What is wrong with a `report:`.
+std::string mistakes(std::string const& text) {
+    config::Diagnostics diagnostics;
+    ReportSettings settings;
+    config::read_fields(yaml(text), "report", diagnostics,
+                        [&](config::Fields& f) { describe(f, settings, diagnostics); });
+    return diagnostics.ok() ? "" : diagnostics.render();
+}
+
+Results run() {
+    Results r;
+    r.outcome.simulated_s = 10;
+    r.mode = "lockstep";
+    r.moments = {{"fault", 5.0}};
+    r.signals["ev.EV1.soc_percent"] = {"%", {0, 4 * kSecond, 8 * kSecond}, {40, 60, 80}};
+    r.signals["ev.EV2.soc_percent"] = {"%", {0, 4 * kSecond, 8 * kSecond}, {50, 60, 70}};
+    r.signals["ev.EV1.current_a"] = {"A", {0}, {10}};
+    r.signals["ev.EV2.current_a"] = {"A", {0}, {12}};
+    r.signals["ct.CT1.i.a"] = {"A", {0, kSecond, 2 * kSecond, 3 * kSecond}, {3, -3, 3, -3}};
+    r.signals["ct.CT2.i.a"] = {"A", {0, kSecond, 2 * kSecond, 3 * kSecond}, {-1, 1, -1, 1}};
+    r.signals["breaker.CB1.position"] = {"dpc", {0, 6 * kSecond}, {2, 1}};
+    return r;
+}
+
+std::vector<Figure> drawn(std::string const& figures, Results const& r = run()) {
+    static WireTiming const none;
+    config::Node const scenario = yaml("report:\n  figures:\n" + figures);
+    return make_figures(report_settings(scenario), {r, scenario, none});
+}
+
+TEST(ReportFigures, APatternGivesALineForEachSignalThatFitsNamedByWhatTheStarStandsFor) {
+    auto const sut = drawn("    soc: {title: Charge, label: 'SoC, %', signals: [ev.*.soc_percent]}\n");
+    ASSERT_EQ(sut.size(), 1U);
+    EXPECT_EQ(sut[0].title, "Charge");
+    ASSERT_EQ(sut[0].series.size(), 2U);
+    EXPECT_EQ(sut[0].series[1].name, "EV2");
+    EXPECT_EQ(sut[0].to_s, 10);
+}
+
+TEST(ReportFigures, WhatIsTheSameThingsHasTheSameColourAndALabelOfItsOwn) {
+    auto const sut = drawn("    x: {signals: [ev.*.soc_percent], series: {i: {of: ev.*.current_a, label: '* current', "
+                           "dashed: true, right_axis: true}}}\n");
+    ASSERT_EQ(sut[0].series.size(), 4U);
+    EXPECT_EQ(sut[0].series[3].name, "EV2 current");
+    EXPECT_EQ(sut[0].series[3].colour, sut[0].series[1].colour);
+    EXPECT_NE(sut[0].series[3].colour, sut[0].series[2].colour);
+    EXPECT_TRUE(sut[0].series[3].dashed && sut[0].series[3].right_axis);
+    EXPECT_NE(to_svg(sut[0]).find("EV2 current"), std::string::npos);
+}
+
+TEST(ReportFigures, APhaseHasItsColourEverywhere) {
+    Colours sut;
+    EXPECT_EQ(sut.of("CT21 a"), 0);
+    EXPECT_EQ(sut.of("CT22 c"), 2);
+    EXPECT_EQ(sut.of("b"), 1);
+    EXPECT_EQ(Colours{}.of("B1"), 0);
+}
+
+TEST(ReportFigures, AnExpressionIsOneLineAndItsRootMeanSquareIsOverTheWindow) {
+    auto const sut =
+        drawn("    d: {series: {sum: {of: ct.CT1.i.a + ct.CT2.i.a, label: differential a, rms_over_s: 2}}}\n");
+    ASSERT_EQ(sut[0].series.size(), 1U);
+    EXPECT_EQ(sut[0].series[0].name, "differential a");
+    EXPECT_EQ(sut[0].series[0].values, (std::vector<double>{2, 2, 2, 2}));
+    EXPECT_EQ(sliding_rms({0, kSecond, 2 * kSecond}, {3, 4, 0}, 2),
+              (std::vector<double>{3, std::sqrt(12.5), std::sqrt(8)}));
+}
+
+TEST(ReportFigures, AWindowIsRelativeToAnEventAndSoAreItsTimes) {
+    auto const sut = drawn("    w: {signals: [ct.*.i.a], from: fault - 2 s, until: fault + 1 s, zero: fault}\n");
+    EXPECT_EQ(sut[0].from_s, 3);
+    EXPECT_EQ(sut[0].to_s, 6);
+    EXPECT_EQ(sut[0].zero_s, 5);
+    EXPECT_NE(to_svg(sut[0]).find("time since fault, s"), std::string::npos);
+}
+
+TEST(ReportFigures, AFigureAroundWhatDidNotHappenIsLeftOut) {
+    Results r = run();
+    r.moments.clear();
+    EXPECT_TRUE(drawn("    w: {signals: [ct.*.i.a], from: fault - 2 s, until: fault + 1 s}\n", r).empty());
+    EXPECT_TRUE(drawn("    w: {signals: [battery.*.soc_percent]}\n", r).empty());
+}
+
+TEST(ReportFigures, MarksAreAtInstantsAndAtTheFirstTimeThatSomethingHolds) {
+    auto const sut =
+        drawn("    m: {signals: [ct.*.i.a], marks: {due: {at: 4 s}, CB1_open: {when: breaker.CB1.position "
+              "== open}, later: {at: relay.trip}}, shades: {open: {when: breaker.CB1.position == open}}}\n");
+    ASSERT_EQ(sut[0].marks.size(), 2U);
+    EXPECT_EQ(sut[0].marks[0].time_s, 4);
+    EXPECT_EQ(sut[0].marks[1].label, "CB1 open");
+    EXPECT_EQ(sut[0].marks[1].time_s, 6);
+    ASSERT_EQ(sut[0].shades.size(), 1U);
+    EXPECT_EQ(sut[0].shades[0].from_s, 6);
+}
+
+TEST(ReportFigures, WhatIsExpectedOfADrawnSignalIsALine) {
+    Results r = run();
+    ExpectationResult e;
+    e.verb = "min_of";
+    e.of = "ev.*.soc_percent";
+    e.band.low = 35;
+    r.expectations.push_back(e);
+    auto const sut = drawn("    soc: {signals: [ev.*.soc_percent], lines: {target: {value: 80}}}\n", r);
+    ASSERT_EQ(sut[0].lines.size(), 2U);
+    EXPECT_EQ(sut[0].lines[0].label, "target");
+    EXPECT_EQ(sut[0].lines[1].label, "expected: 35");
+}
+
+TEST(ReportFigures, OtherKindsDrawTheSameSignalsInTheirWay) {
+    auto const sut = drawn("    h: {kind: histogram, signals: [ct.CT1.i.a], bin: 1}\n"
+                           "    e: {kind: ecdf, signals: [ct.CT1.i.a]}\n"
+                           "    b: {kind: bar, signals: [ev.*.soc_percent], statistic: max}\n"
+                           "    s: {kind: scatter, x: ct.CT2.i.a, signals: [ct.CT1.i.a]}\n"
+                           "    d: {kind: digital, signals: [breaker.*.position]}\n");
+    ASSERT_EQ(sut.size(), 5U);
+    EXPECT_EQ(sut[0].series[0].values, (std::vector<double>{2, 0, 0, 0, 0, 0, 2}));
+    EXPECT_EQ(sut[1].series[0].values.back(), 100);
+    EXPECT_EQ(sut[2].x_names, (std::vector<std::string>{"EV1", "EV2"}));
+    EXPECT_EQ(sut[2].series[0].values, (std::vector<double>{80, 70}));
+    EXPECT_EQ(sut[3].series[0].times_ns.front(), -kSecond);
+    EXPECT_EQ(sut[3].series[0].values.front(), 3);
+    EXPECT_TRUE(sut[4].lanes);
+    for (Figure const& f : sut) {
+        EXPECT_EQ(to_svg(f).find("nan"), std::string::npos) << f.id;
+    }
+}
+
+TEST(ReportFigures, WithoutAReportTheUsualFiguresAreDrawnOfWhatThereIs) {
+    static WireTiming const none;
+    config::Node const scenario = yaml("name: mine");
+    Results const r = run();
+    auto const sut = make_figures(report_settings(scenario), {r, scenario, none});
+    ASSERT_EQ(sut.size(), 2U);
+    EXPECT_EQ(sut[0].id, "state_of_charge");
+    EXPECT_EQ(sut[1].id, "breakers");
+    EXPECT_EQ(drawn("    own: {signals: [ct.*.i.a]}\n").size(), 1U) << "and only then";
+    EXPECT_EQ(make_figures(report_settings(yaml("report: {usual: true, figures: {own: {signals: [ct.*.i.a]}}}")),
+                           {r, scenario, none})
+                  .size(),
+              3U);
+}
+
+TEST(ReportTables, ACellIsGivenOrAskedOfTheRecordingOrCalculated) {
+    config::Node const scenario = yaml("report:\n  tables:\n    t:\n      rows: [EV1, EV2]\n      columns:\n"
+                                       "        wanted_s: {values: [7, 9]}\n"
+                                       "        reached_s: {time_of: 'ev.{row}.soc_percent >= 80', digits: 1}\n"
+                                       "        late_min: {header: 'late by, min', calculate: (column.reached_s - "
+                                       "column.wanted_s) / 60, digits: 2}\n");
+    auto const sut = make_tables(report_settings(scenario), run());
+    ASSERT_EQ(sut.size(), 1U);
+    EXPECT_EQ(sut[0].header, (std::vector<std::string>{"", "wanted_s", "reached_s", "late by, min"}));
+    EXPECT_EQ(sut[0].rows[0], (std::vector<std::string>{"EV1", "7", "8.0", "0.02"}));
+    EXPECT_EQ(sut[0].rows[1], (std::vector<std::string>{"EV2", "9", "–", "–"}));
+}
+
+TEST(ReportSettings, MistakesNameTheKeyAndWhatBelongsThere) {
+    auto const says = [](std::string const& text, std::string const& what) {
+        std::string const said = mistakes(text);
+        EXPECT_NE(said.find(what), std::string::npos) << text << "\n" << said;
+    };
+    says("figures: {a: {kind: pie, signals: [x.y]}}", "pie");
+    says("figures: {a: {title: nothing}}", "figure 'a' draws nothing");
+    says("figures: {a: {signals: ['bus.*.v_pu +']}}", "is not an expression");
+    says("figures: {a: {signals: [x.y], from: fault + 2 s, until: fault}}", "not after its begin");
+    says("figures: {a: {signals: [x.y], from: 5}}", "is not an instant");
+    says("figures: {a: {kind: scatter, signals: [x.y]}}", "`x` and `kind: scatter` go together");
+    says("figures: {a: {signals: [x.y], marks: {m: {label: here}}}}", "needs `at` or `when`");
+    says("figures: {a: {signals: [x.y], bands: {b: {from: 2, to: 1}}}}", "the lower bound belongs first");
+    says("tables: {t: {rows: [A, B], columns: {c: {values: [1]}}}}", "1 values, and the table 2 rows");
+    says("tables: {t: {rows: [A], columns: {c: {calculate: column.d + 1}}}}", "no column before it");
+    says("tables: {t: {rows: [A], columns: {c: {last_of: x.y, values: [1]}}}}", "has 2 sources");
+    EXPECT_EQ(mistakes("figures: {a: {signals: [x.y, max(y.*) - 1], from: 4 h, until: 5 h}}"), "");
+}
+
+} // namespace
+} // namespace gridspace::launcher
