@@ -27,7 +27,7 @@ struct Codec {
 /// The codec of a type of ours by its name; nullptr for a type that the program was not compiled for.
 [[nodiscard]] Codec const* find_codec(std::string_view type_name);
 
-/// The codec of a generated type. Defined in bus/types/, one file per IDL file.
+/// The codec of a generated type: of every topic type in idl/ (cmake/GridspaceIdl.cmake).
 template <class T>
 [[nodiscard]] Codec const& codec_of();
 

@@ -31,3 +31,59 @@ function(gridspace_idl_library name)
   target_link_libraries(gridspace_${name} PUBLIC fastcdr fastrtps)
   target_compile_options(gridspace_${name} PRIVATE -w)
 endfunction()
+
+# gridspace_codecs(OUT a.idl b.idl ...): the sources that tell the bus of the types in these files (bus/codec.hpp): a file of codecs each,
+# and the registry of all. A topic type is a structure that is no member of another one. Types of ours are in no module.
+function(gridspace_codecs out)
+  set(folder "${CMAKE_CURRENT_BINARY_DIR}/types")
+  set(head "// Made from idl/ by cmake/GridspaceIdl.cmake.\n")
+  set(sources)
+  set(includes "")
+  set(entries "")
+  foreach(idl IN LISTS ARGN)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${idl}")
+    get_filename_component(stem "${idl}" NAME_WE)
+    file(READ "${idl}" text)
+    string(REGEX REPLACE "//[^\n]*" "" text "${text}")
+    string(REGEX REPLACE "[^A-Za-z0-9_]+" " " words " ${text} ")
+    if(words MATCHES " module ")
+      message(FATAL_ERROR "${idl}: types of the framework are in no module; those of users belong into idl/user")
+    endif()
+    string(REGEX MATCHALL " struct [A-Za-z0-9_]+" structures "${words}")
+    set(codecs "")
+    foreach(structure IN LISTS structures)
+      string(REPLACE " struct " "" type "${structure}")
+      string(REGEX MATCHALL " ${type} " uses "${words}")
+      list(LENGTH uses count)
+      if(count EQUAL 1)
+        string(APPEND codecs "GRIDSPACE_CODEC(${type})\n")
+        string(APPEND entries "        &codec_of<${type}>(),\n")
+      endif()
+    endforeach()
+    file(CONFIGURE OUTPUT "${folder}/${stem}_codecs.cpp"
+         CONTENT "${head}#include \"bus/codec_impl.hpp\"\n\n#include <${stem}PubSubTypes.h>\n\n${codecs}" @ONLY)
+    list(APPEND sources "${folder}/${stem}_codecs.cpp")
+    string(APPEND includes "#include <${stem}.h>\n")
+  endforeach()
+  file(CONFIGURE OUTPUT "${folder}/registry.cpp" @ONLY CONTENT
+"${head}#include \"bus/codec.hpp\"
+
+#include <array>
+${includes}
+namespace gridspace::bus {
+
+Codec const* find_codec(std::string_view type_name) {
+    static std::array const kAll{
+${entries}    };
+    for (Codec const* codec : kAll) {
+        if (codec->type_name == type_name) {
+            return codec;
+        }
+    }
+    return nullptr;
+}
+
+} // namespace gridspace::bus
+")
+  set(${out} ${sources} "${folder}/registry.cpp" PARENT_SCOPE)
+endfunction()

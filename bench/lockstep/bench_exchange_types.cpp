@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/types/codec_impl.hpp"
+#include "bus/codec_impl.hpp"
 
 #include <bench_exchangePubSubTypes.h>
 
