@@ -56,20 +56,16 @@ void add_network(Node& run, sim::Network const& network) {
         cts.items.push_back(entry(
             {{"name", ct.name.name}, {"line", ct.line.name}, {"end", ct.end == sim::LineEnd::from ? "from" : "to"}}));
     }
-    auto const add_devices = [&](auto const& elements, char const* kind) {
+    auto const add_devices = [&](auto const& elements, std::string_view kind) {
         for (auto const& e : elements) {
-            devices.items.push_back(
-                entry({{"name", e.name.name}, {"label", label_of(e)}, {"bus", e.bus.name}, {"kind", kind}}));
+            devices.items.push_back(entry(
+                {{"name", e.name.name}, {"label", label_of(e)}, {"bus", e.bus.name}, {"kind", std::string{kind}}}));
         }
     };
     add_devices(network.sources, "source");
     add_devices(network.machines, "machine");
     add_devices(network.generators, "generator");
-    add_devices(network.loads, "load");
-    add_devices(network.shunts, "shunt");
-    add_devices(network.pv, "pv");
-    add_devices(network.evs, "ev");
-    add_devices(network.batteries, "battery");
+    for_each_kind(network, [&]<class T>(std::vector<T> const& elements) { add_devices(elements, T::kKind.prefix); });
     run.set("buses", std::move(buses));
     run.set("branches", std::move(branches));
     run.set("breakers", std::move(breakers));

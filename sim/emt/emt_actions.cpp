@@ -43,28 +43,65 @@ Result<void> EmtEngine::apply(Action const& action) {
     return std::visit([this](auto const& a) { return act(a); }, action);
 }
 
-Result<void> EmtEngine::act(SetChargingCurrent const& a) {
-    std::size_t const i = index_of(network_.evs, a.ev);
-    if (i == network_.evs.size()) {
-        return fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
+Result<bool> EmtEngine::set_quantity(std::string const& section, std::string const& element, std::string_view quantity,
+                                     double value) {
+    auto const it = std::find_if(one_ports_.begin(), one_ports_.end(), [&](OnePort const* e) {
+        return e->kind().section == section && e->name.name == element;
+    });
+    if (it == one_ports_.end()) {
+        return false;
     }
-    evs_[i].reference_a = std::clamp(a.current_a, 0.0, network_.evs[i].max_current_a);
+    OnePort& found = **it;
+    auto const& known = found.kind().settable;
+    bool const settable =
+        std::any_of(known.begin(), known.end(), [&](Quantity const& q) { return q.name == quantity; });
+    if (auto const refusal = settable ? found.refuses(quantity) : std::nullopt) {
+        return fail(ExitCode::usage,
+                    fmt::format("'{}.{}.{}' cannot be set: {}", section, element, quantity, refusal->why),
+                    std::string{refusal->hint});
+    }
+    if (!settable || !found.set(quantity, value)) {
+        return false;
+    }
+    auto const index = static_cast<std::size_t>(it - one_ports_.begin());
+    if (int const i = parts_.one_ports[index].injection; i >= 0) {
+        parts_.injections[static_cast<std::size_t>(i)].model->set(quantity, value);
+    }
+    change_star(index);
+    return true;
+}
+
+Result<void> EmtEngine::act(SetChargingCurrent const& a) {
+    auto const set = set_quantity("evs", a.ev, "current_a", std::max(a.current_a, 0.0));
+    return set && *set ? Result<void>{} : fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
+}
+
+std::optional<std::size_t> EmtEngine::switch_named(std::string const& name) const {
+    if (std::size_t const i = index_of(network_.breakers, name); i < network_.breakers.size()) {
+        return static_cast<std::size_t>(parts_.breaker_switch[i]);
+    }
+    for (std::size_t i = 0; i < one_ports_.size(); ++i) {
+        if (one_ports_[i]->kind().switched && one_ports_[i]->name.name == name) {
+            return static_cast<std::size_t>(parts_.one_ports[i].breaker);
+        }
+    }
     return {};
 }
 
 Result<void> EmtEngine::act(SwitchBreaker const& a) {
-    std::size_t const i = index_of(network_.breakers, a.breaker);
-    if (i == network_.breakers.size()) {
+    auto const index = switch_named(a.breaker);
+    if (!index) {
         return fail(ExitCode::usage, fmt::format("there is no breaker '{}'", a.breaker));
     }
-    auto const index = static_cast<std::size_t>(parts_.breaker_switch[i]);
     if (a.close) {
-        solver_.close_switch(index);
+        solver_.close_switch(*index);
+    } else if (Breaker const* breaker = find(network_.breakers, a.breaker)) {
+        BreakerType const& type = *find(network_.breaker_types, breaker->type.name);
+        solver_.open_switch(*index, {.after_s = type.mechanism_ms * 1e-3,
+                                     .chop_a = type.chop_a,
+                                     .at_once = type.opens == BreakerType::Opens::at_once});
     } else {
-        BreakerType const& type = *find(network_.breaker_types, network_.breakers[i].type.name);
-        solver_.open_switch(index, {.after_s = type.mechanism_ms * 1e-3,
-                                    .chop_a = type.chop_a,
-                                    .at_once = type.opens == BreakerType::Opens::at_once});
+        solver_.open_switch(*index);
     }
     return {};
 }
@@ -210,16 +247,13 @@ Result<void> EmtEngine::act(Disconnect const& a) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be disconnected: there is no such element", a.element),
                     "a line, transformer, source, generator, machine, load or shunt can");
     }
-    for (std::size_t f = 0; f < followers_.size(); ++f) {
-        if (std::find(it->second.begin(), it->second.end(), parts_.followers[f].breaker) != it->second.end()) {
-            followers_[f].trip();
-            phase_followers_[f].trip();
-            if (parts_.followers[f].kind == NetworkCircuit::Follower::Kind::ev) {
-                EvState& ev = evs_[parts_.followers[f].element];
-                ev.full = true; // of no more use: it charges nothing
-                ev.current_a = 0;
-            }
-            std::fill_n(solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f), 3, 0.0);
+    for (std::size_t i = 0; i < converters_.size(); ++i) {
+        NetworkCircuit::Injection const& injection = parts_.injections[i];
+        if (std::find(it->second.begin(), it->second.end(), injection.breaker) != it->second.end()) {
+            converters_[i].trip();
+            phase_currents_[i].trip();
+            injection.model->disconnect();
+            std::fill_n(solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0);
         }
     }
     for (int const breaker : it->second) {
@@ -228,46 +262,21 @@ Result<void> EmtEngine::act(Disconnect const& a) {
     return {};
 }
 
-/// Its converter stays as it is: it gives no more current than before.
-Result<void> EmtEngine::set_dc_load(std::size_t index, SetParameter const& a) {
-    if (!a.path.ends_with(".p_kw")) {
-        return fail(ExitCode::usage, fmt::format("'{}' cannot be set: a DC load has only p_kw", a.path));
+void EmtEngine::change_star(std::size_t index) {
+    NetworkCircuit::OnePortParts& parts = parts_.one_ports[index];
+    if (parts.resistance < 0) {
+        return; // it has none: a converter
     }
-    network_.loads[index].p_kw = a.value;
-    return {};
-}
-
-Result<void> EmtEngine::set_load(std::size_t index, std::string const& parameter, SetParameter const& a) {
-    Load& load = network_.loads[index];
-    if (load.model == LoadModel::dc_constant_power) {
-        return set_dc_load(index, a);
-    }
-    if (!load.phase_p_kw.empty()) {
-        return fail(ExitCode::usage, fmt::format("'{}' cannot be set: the load has powers by phase", a.path),
-                    "disconnect it and connect another, or describe it with p_kw");
-    }
-    if (parameter == "p_kw") {
-        load.p_kw = a.value;
-    } else if (parameter == "q_kvar") {
-        load.q_kvar = a.value;
-    } else if (parameter == "power_factor" && a.value > 0 && a.value <= 1) {
-        load.power_factor = a.value;
-        load.q_kvar.reset();
-    } else {
-        return fail(ExitCode::usage, fmt::format("'{}' cannot be set to {}", a.path, shortest(a.value)),
-                    "p_kw, q_kvar, and power_factor (above 0, at most 1) can");
-    }
-    std::size_t const bus = index_of(network_.buses, load.bus.name);
+    double const voltage_v = network_.buses[parts.bus].voltage_v;
     StarElements const e =
-        star_elements(load.p_kw, load_q_kvar(load), network_.buses[bus].voltage_v, network_.frequency_hz);
-    NetworkCircuit::LoadParts& parts = parts_.loads[index];
+        star_elements(one_ports_[index]->admittance_kva(voltage_v), voltage_v, network_.frequency_hz);
     Circuit& c = solver_.circuit();
     auto& terms = c.switches[static_cast<std::size_t>(parts.breaker)].terms;
     auto const all = [](double x) { return PhaseMatrix::sequence(x, x); };
     c.rl[static_cast<std::size_t>(parts.resistance)].r = all(e.r_ohm);
     if (parts.inductance >= 0) {
         c.rl[static_cast<std::size_t>(parts.inductance)].l = all(e.l_h);
-    } else if (load_q_kvar(load) > 0) {
+    } else if (e.l_h < kNothing) {
         parts.inductance = static_cast<int>(c.rl.size());
         c.rl.push_back({parts.node, kEarth, {}, all(e.l_h)});
         terms.push_back({CurrentTerm::Kind::rl, parts.inductance, 1});
@@ -280,14 +289,17 @@ Result<void> EmtEngine::set_load(std::size_t index, std::string const& parameter
         terms.push_back({CurrentTerm::Kind::capacitor, parts.capacitance, 1});
     }
     solver_.rebuild();
-    return {};
 }
 
 Result<void> EmtEngine::act(SetParameter const& a) {
     std::vector<std::string> const path = split(a.path, '.');
     if (path.size() == 3 && std::isfinite(a.value)) {
-        if (std::size_t const i = index_of(network_.loads, path[1]); path[0] == "loads" && i < network_.loads.size()) {
-            return set_load(i, path[2], a);
+        auto const set = set_quantity(path[0], path[1], path[2], a.value);
+        if (!set) {
+            return std::unexpected{set.error()};
+        }
+        if (*set) {
+            return {};
         }
         if (std::size_t const i = index_of(network_.sources, path[1]);
             path[0] == "sources" && i < network_.sources.size()) {
@@ -300,16 +312,6 @@ Result<void> EmtEngine::act(SetParameter const& a) {
             if (path[2] == "voltage_pu" && a.value >= 0) {
                 std::size_t const bus = index_of(network_.buses, network_.sources[i].bus.name);
                 solver_.set_source_amplitude(source, a.value * parts_.bus_peak_v[bus]);
-                return {};
-            }
-        }
-        if (path[0] == "evs" && path[2] == "current_a" && a.value >= 0) {
-            return act(SetChargingCurrent{path[1], a.value});
-        }
-        if (std::size_t const i = index_of(network_.batteries, path[1]);
-            path[0] == "batteries" && i < network_.batteries.size()) {
-            if (path[2] == "p_kw" || path[2] == "q_kvar") {
-                (path[2] == "p_kw" ? network_.batteries[i].p_kw : network_.batteries[i].q_kvar) = a.value;
                 return {};
             }
         }
@@ -328,11 +330,10 @@ Result<void> EmtEngine::act(SetParameter const& a) {
             }
         }
     }
-    return fail(
-        ExitCode::usage,
-        fmt::format("'{}' cannot be set to {} while a waveform simulation runs", a.path, shortest(a.value)),
-        "loads.<name>.p_kw, .q_kvar, .power_factor, sources.<name>.voltage_pu, .frequency_hz, machines.<name>.p_kw and "
-        ".voltage_setpoint_pu, batteries.<name>.p_kw and .q_kvar, evs.<name>.current_a can");
+    return fail(ExitCode::usage,
+                fmt::format("'{}' cannot be set to {} while a waveform simulation runs", a.path, shortest(a.value)),
+                settable_paths(false) + ", sources.<name>.voltage_pu, .frequency_hz, machines.<name>.p_kw and "
+                                        ".voltage_setpoint_pu can");
 }
 
 } // namespace gridspace::sim::emt

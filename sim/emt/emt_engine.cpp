@@ -3,6 +3,7 @@
 #include "sim/emt/emt_engine_impl.hpp"
 
 #include "common/text.hpp"
+#include "sim/components/faces/converter.hpp"
 #include "sim/powerflow/power_flow.hpp"
 #include "sim/powerflow/three_phase.hpp"
 
@@ -16,7 +17,7 @@ namespace gridspace::sim::emt {
 
 EmtEngine::EmtEngine(Network network, NetworkCircuit parts, EmtOptions options)
     : network_{std::move(network)}, parts_{std::move(parts)}, options_{options},
-      solver_{parts_.circuit, options_.time_base.seconds(options_.step)} {
+      solver_{parts_.circuit, options_.time_base.seconds(options_.step)}, one_ports_{one_ports(network_)} {
     plls_.assign(network_.buses.size(), Pll{network_.frequency_hz});
     read_plls_.resize(plls_.size());
     std::iota(read_plls_.begin(), read_plls_.end(), std::size_t{0});
@@ -63,7 +64,7 @@ Result<void> EmtEngine::initialise() {
         }
         generator_kvar.push_back(unit.q_kvar);
     }
-    return begin(starts, start_followers(bus_v, generator_kvar));
+    return begin(starts, start_injections(bus_v, generator_kvar));
 }
 
 Result<void> EmtEngine::initialise_unbalanced() {
@@ -81,7 +82,7 @@ Result<void> EmtEngine::initialise_unbalanced() {
         }
         bus_v.push_back(v);
     }
-    return begin({}, start_followers(bus_v, std::vector<double>(network_.generators.size(), 0.0)));
+    return begin({}, start_injections(bus_v, std::vector<double>(network_.generators.size(), 0.0)));
 }
 
 Result<void> EmtEngine::begin(std::vector<Solver::MachineStart> const& starts,
@@ -134,8 +135,8 @@ Result<void> EmtEngine::advance(SimTime until) {
 }
 
 Result<void> EmtEngine::step(double t_end, double h) {
-    for (std::size_t f = 0; f < followers_.size(); ++f) {
-        auto const i = parts_.followers[f].by_phase ? phase_followers_[f].currents(h) : followers_[f].currents(h);
+    for (std::size_t f = 0; f < converters_.size(); ++f) {
+        auto const i = parts_.injections[f].by_phase ? phase_currents_[f].currents(h) : converters_[f].currents(h);
         std::copy(i.begin(), i.end(), solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f));
     }
     if (auto ok = solver_.advance(t_end, h); !ok) {
@@ -145,7 +146,7 @@ Result<void> EmtEngine::step(double t_end, double h) {
         Space const v = bus_voltage(i);
         plls_[i].step(v.alpha, v.beta, h);
     }
-    step_followers(t_end, h);
+    step_injections(t_end, h);
     for (Instrument& i : instruments_) {
         if (i.transformer.dynamic()) {
             i.transformer.step(instrument_input(i), h);
@@ -207,7 +208,7 @@ Result<void> check_step(Network const& n, double step_s) {
 } // namespace
 
 Result<std::unique_ptr<Engine>> make_emt_engine(Network network, EmtOptions options) {
-    auto parts = make_circuit(network);
+    auto parts = make_circuit(network, options.start_hour_of_day);
     if (!parts) {
         return std::unexpected{parts.error()};
     }

@@ -12,6 +12,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 
 namespace gridspace::sim::emt {
 
@@ -23,12 +24,6 @@ struct Instrument {
     InstrumentTransformer transformer;
     bool current{true};
     std::size_t at{0}; ///< switch of a CT, first node of a VT
-};
-
-/// Battery of an electric vehicle, behind its converter.
-struct EvState {
-    double current_a{0}, reference_a{0}, soc_percent{0};
-    bool full{false};
 };
 
 /// The waveform solver behind the interface of all engines. signals: emt_signals.cpp; actions: emt_actions.cpp.
@@ -54,30 +49,26 @@ class EmtEngine final : public Engine {
     [[nodiscard]] int far_node(NetworkCircuit::LineParts::Section const& section) const;
     [[nodiscard]] Result<int> cut(NetworkCircuit::LineParts& line, std::size_t section, double place,
                                   std::string const& name);
-    [[nodiscard]] Result<void> set_load(std::size_t load, std::string const& parameter, SetParameter const& a);
-    [[nodiscard]] Result<void> set_dc_load(std::size_t load, SetParameter const& a);
+    /// The switch that `open:` and `close:` work: of a breaker, or of an element that has one.
+    [[nodiscard]] std::optional<std::size_t> switch_named(std::string const& name) const;
+    /// Sets a quantity of an element at one bus. False when there is none, or it cannot have this value; fails where
+    /// the element refuses it.
+    Result<bool> set_quantity(std::string const& section, std::string const& element, std::string_view quantity,
+                              double value);
+    /// Gives the star of an element at one bus the admittance that the element has now.
+    void change_star(std::size_t one_port);
     [[nodiscard]] Result<void> step(double t_end, double h);
     [[nodiscard]] Result<void> initialise_unbalanced();
     [[nodiscard]] Result<void> begin(std::vector<Solver::MachineStart> const& machines,
                                      std::vector<std::array<std::complex<double>, 3>> const& injections);
     void start_plls();
-    [[nodiscard]] double scale(Ref const& profile, double t) const;
-    /// Power that a follower is to put into the network (W, var) at voltage v (p.u.); `lagged` is its state.
-    [[nodiscard]] std::complex<double> wanted(std::size_t follower, double t, double v, std::complex<double>& lagged,
-                                              double h);
-    /// The same by phase, of a load.
-    [[nodiscard]] PhaseFollowing::Powers wanted_by_phase(std::size_t follower, double t, double h);
-    /// Powers of a load beyond its star of impedances, kVA; `phase` 0 to 2, or 3: all of it.
-    [[nodiscard]] std::complex<double> beyond_star(Load const& load, std::size_t phase, double t, double v,
-                                                   std::complex<double>& lagged, double h) const;
-    void charge(std::size_t ev, double h);
-    /// What the battery gives now, kW; its state of charge after `h`.
-    double discharge(std::size_t battery, double t, double h);
-    void step_followers(double t_end, double h);
+    /// Power that an injection is to put into the network from now on, VA.
+    [[nodiscard]] std::complex<double> wanted(std::size_t injection, double t, double v, double h);
+    void step_injections(double t_end, double h);
     /// Voltages by bus and phase, p.u. of nominal; reactive powers of generators that hold a voltage, kvar.
     using BusPhases = std::array<std::complex<double>, 3>;
-    [[nodiscard]] std::vector<BusPhases> start_followers(std::vector<BusPhases> const& bus_v,
-                                                         std::vector<double> const& generator_kvar);
+    [[nodiscard]] std::vector<BusPhases> start_injections(std::vector<BusPhases> const& bus_v,
+                                                          std::vector<double> const& generator_kvar);
     void add_instruments();
     void start_instruments();
     [[nodiscard]] std::array<double, 3> instrument_input(Instrument const& i) const;
@@ -88,7 +79,10 @@ class EmtEngine final : public Engine {
     void bus_signals();
     void branch_signals();
     void unit_signals();
-    void converter_signals();
+    void position_signal(std::string const& prefix, int breaker);
+    void one_port_signals();
+    void source_signals();
+    void powers_and_currents(std::string const& prefix, std::size_t bus, int breaker, double sign);
 
     [[nodiscard]] Space bus_voltage(std::size_t bus) const;
     [[nodiscard]] Space switch_space(std::size_t index) const;
@@ -103,14 +97,10 @@ class EmtEngine final : public Engine {
     std::vector<Pll> plls_;                                        ///< by bus
     std::vector<std::size_t> read_plls_;                           ///< buses whose loop somebody reads
     std::vector<std::pair<std::size_t, std::size_t>> pll_signals_; ///< signal, bus
-    std::vector<GridFollowing> followers_;
-    std::vector<PhaseFollowing> phase_followers_; ///< by follower; used where it is by phase
-    std::vector<std::array<std::complex<double>, 3>>
-        demand_;                         ///< by follower: what it follows, with the lag of its load
-    std::vector<double> regulated_kvar_; ///< by follower: of a generator that holds a voltage
-    std::vector<EvState> evs_;
-    std::vector<double> battery_soc_;     ///< percent
-    std::vector<Instrument> instruments_; ///< CTs, then VTs
+    std::vector<OnePort*> one_ports_;                              ///< of network_
+    std::vector<GridFollowing> converters_;                        ///< by injection
+    std::vector<PhaseFollowing> phase_currents_;                   ///< by injection; used where it is by phase
+    std::vector<Instrument> instruments_;                          ///< CTs, then VTs
     std::map<std::string, std::size_t> faults_;
     std::vector<SignalDef> signals_;
     std::vector<std::function<double()>> readers_;

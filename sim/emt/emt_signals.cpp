@@ -37,7 +37,8 @@ void EmtEngine::define_signals() {
     bus_signals();
     branch_signals();
     unit_signals();
-    converter_signals();
+    one_port_signals();
+    source_signals();
 }
 
 void EmtEngine::bus_signals() {
@@ -58,6 +59,17 @@ void EmtEngine::bus_signals() {
             signal(loop, "Hz", [this, i] { return plls_[i].frequency_hz(); });
         }
     }
+}
+
+void EmtEngine::position_signal(std::string const& prefix, int breaker) {
+    auto const s = static_cast<std::size_t>(breaker);
+    signal(prefix + ".position", "dpc", [this, s] {
+        int closed = 0;
+        for (int k = 0; k < 3; ++k) {
+            closed += solver_.pole_closed(s, k) ? 1 : 0;
+        }
+        return closed == 0 ? kOpen : closed == 3 && !solver_.opening(s) ? kClosed : kIntermediate;
+    });
 }
 
 void EmtEngine::branch_signals() {
@@ -83,13 +95,7 @@ void EmtEngine::branch_signals() {
     for (std::size_t i = 0; i < network_.breakers.size(); ++i) {
         std::string const prefix = "breaker." + network_.breakers[i].name.name;
         auto const s = static_cast<std::size_t>(parts_.breaker_switch[i]);
-        signal(prefix + ".position", "dpc", [this, s] {
-            int closed = 0;
-            for (int k = 0; k < 3; ++k) {
-                closed += solver_.pole_closed(s, k) ? 1 : 0;
-            }
-            return closed == 0 ? kOpen : closed == 3 && !solver_.opening(s) ? kClosed : kIntermediate;
-        });
+        position_signal(prefix, parts_.breaker_switch[i]);
         phases(prefix + ".pole", "dpc", [this, s](int k) { return solver_.pole_closed(s, k) ? kClosed : kOpen; });
         signal(prefix + ".opened_s", "s", [this, s] { return solver_.opened_at(s); });
         signals_.back().may_be_unknown = true;
@@ -152,37 +158,35 @@ void EmtEngine::unit_signals() {
     }
 }
 
-void EmtEngine::converter_signals() {
-    auto const consumer = [&](std::string const& prefix, Ref const& bus_ref, int index, double sign) {
-        std::size_t const bus = index_of(network_.buses, bus_ref.name);
-        auto const s = static_cast<std::size_t>(index);
-        signal(prefix + ".p_kw", "kW", [this, bus, s, sign] { return sign * switch_power(bus, s).real(); });
-        signal(prefix + ".q_kvar", "kvar", [this, bus, s, sign] { return sign * switch_power(bus, s).imag(); });
-        phases(prefix + ".i", "A", [this, s, sign](int k) { return sign * solver_.switch_current(s, k); });
-    };
-    for (std::size_t i = 0; i < network_.loads.size(); ++i) {
-        consumer("load." + network_.loads[i].name.name, network_.loads[i].bus, parts_.loads[i].breaker, 1);
-    }
-    for (NetworkCircuit::Follower const& f : parts_.followers) {
-        if (f.kind == NetworkCircuit::Follower::Kind::pv) {
-            consumer("pv." + network_.pv[f.element].name.name, network_.pv[f.element].bus, f.breaker, -1);
-        } else if (f.kind == NetworkCircuit::Follower::Kind::ev) {
-            std::size_t const e = f.element;
-            std::string const prefix = "ev." + network_.evs[e].name.name;
-            consumer(prefix, network_.evs[e].bus, f.breaker, 1);
-            signal(prefix + ".soc_percent", "%", [this, e] { return evs_[e].soc_percent; });
-            signal(prefix + ".current_a", "A", [this, e] { return evs_[e].current_a; });
-            signal(prefix + ".reference_a", "A", [this, e] { return evs_[e].reference_a; });
-        } else if (f.kind == NetworkCircuit::Follower::Kind::battery) {
-            std::size_t const b = f.element;
-            std::string const prefix = "battery." + network_.batteries[b].name.name;
-            consumer(prefix, network_.batteries[b].bus, f.breaker, -1);
-            signal(prefix + ".soc_percent", "%", [this, b] { return battery_soc_[b]; });
-        } else if (f.kind == NetworkCircuit::Follower::Kind::generator) {
-            consumer("generator." + network_.generators[f.element].name.name, network_.generators[f.element].bus,
-                     f.breaker, -1);
+void EmtEngine::powers_and_currents(std::string const& prefix, std::size_t bus, int breaker, double sign) {
+    auto const s = static_cast<std::size_t>(breaker);
+    signal(prefix + ".p_kw", "kW", [this, bus, s, sign] { return sign * switch_power(bus, s).real(); });
+    signal(prefix + ".q_kvar", "kvar", [this, bus, s, sign] { return sign * switch_power(bus, s).imag(); });
+    phases(prefix + ".i", "A", [this, s, sign](int k) { return sign * solver_.switch_current(s, k); });
+}
+
+void EmtEngine::one_port_signals() {
+    for (std::size_t i = 0; i < one_ports_.size(); ++i) {
+        Kind const& kind = one_ports_[i]->kind();
+        NetworkCircuit::OnePortParts const& parts = parts_.one_ports[i];
+        std::string const prefix = std::string{kind.prefix} + "." + one_ports_[i]->name.name;
+        if (kind.has_signals) {
+            powers_and_currents(prefix, parts.bus, parts.breaker, kind.feeds ? -1 : 1);
+        }
+        if (kind.switched) {
+            position_signal(prefix, parts.breaker);
+        }
+        if (parts.injection >= 0) {
+            PowerModel const* model = parts_.injections[static_cast<std::size_t>(parts.injection)].model.get();
+            std::vector<SignalDef> const own = model->signals();
+            for (std::size_t k = 0; k < own.size(); ++k) {
+                signal(prefix + "." + own[k].name, own[k].unit, [model, k] { return model->value(k); });
+            }
         }
     }
+}
+
+void EmtEngine::source_signals() {
     // An ideal source gives what everything else at its bus takes.
     auto const rest_of_bus = [this](std::size_t bus, std::size_t own, int k) {
         int const node = parts_.bus_node[bus];
@@ -214,15 +218,19 @@ void EmtEngine::converter_signals() {
     for (std::size_t i = 0; i < network_.sources.size(); ++i) {
         std::string const prefix = "source." + network_.sources[i].name.name;
         if (parts_.sources[i].impedance >= 0) {
-            consumer(prefix, network_.sources[i].bus, parts_.sources[i].breaker, -1);
+            powers_and_currents(prefix, index_of(network_.buses, network_.sources[i].bus.name),
+                                parts_.sources[i].breaker, -1);
         } else {
             ideal(prefix, network_.sources[i].bus, parts_.sources[i].breaker);
         }
     }
-    std::size_t slack = 0;
-    for (Generator const& g : network_.generators) {
-        if (g.role == GeneratorRole::slack) {
-            ideal("generator." + g.name.name, g.bus, parts_.slack_generators[slack++].breaker);
+    for (std::size_t g = 0; g < network_.generators.size(); ++g) {
+        std::string const prefix = "generator." + network_.generators[g].name.name;
+        Ref const& bus = network_.generators[g].bus;
+        if (parts_.generators[g].injection < 0) {
+            ideal(prefix, bus, parts_.generators[g].breaker);
+        } else {
+            powers_and_currents(prefix, index_of(network_.buses, bus.name), parts_.generators[g].breaker, -1);
         }
     }
 }

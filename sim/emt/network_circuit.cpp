@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/emt/network_circuit.hpp"
 
+#include "sim/components/faces/converter.hpp"
+#include "sim/emt/generator_power.hpp"
 #include "sim/emt/transformer_circuit.hpp"
 #include "sim/powerflow/three_phase.hpp"
 
@@ -13,18 +15,15 @@
 namespace gridspace::sim::emt {
 namespace {
 
-/// An element without power conducts nothing, but can be given power later.
-constexpr double kNothing = 1e18;
-
 using Kind = CurrentTerm::Kind;
 
 PhaseMatrix same(double x) {
     return PhaseMatrix::sequence(x, x);
 }
 
-class Builder {
+class Builder final : private CircuitFace {
   public:
-    explicit Builder(Network const& n) : n_{n} {}
+    Builder(Network const& n, double start_hour_of_day) : n_{n}, start_hour_of_day_{start_hour_of_day} {}
 
     Result<NetworkCircuit> build() {
         out_.circuit.frequency_hz = n_.frequency_hz;
@@ -47,29 +46,13 @@ class Builder {
         for (Machine const& m : n_.machines) {
             machine(m);
         }
-        for (Load const& l : n_.loads) {
-            load(l);
-        }
-        for (Shunt const& s : n_.shunts) {
-            out_.shunts.push_back(star("shunt", s.name.name, s.bus, s.p_kw, -s.q_kvar));
-        }
         for (Transformer const& t : n_.transformers) {
             if (auto ok = transformer(t); !ok) {
                 return std::unexpected{ok.error()};
             }
         }
-        for (std::size_t i = 0; i < n_.pv.size(); ++i) {
-            double const rating = n_.pv[i].rating_kva > 0 ? n_.pv[i].rating_kva : n_.pv[i].p_kw / n_.pv[i].power_factor;
-            converter(NetworkCircuit::Follower::Kind::pv, "PV", i, n_.pv[i].name.name, n_.pv[i].bus, rating);
-        }
-        for (std::size_t i = 0; i < n_.evs.size(); ++i) {
-            Ev const& ev = n_.evs[i];
-            converter(NetworkCircuit::Follower::Kind::ev, "EV", i, ev.name.name, ev.bus,
-                      ev.max_current_a * ev.battery_v / ev.efficiency / 1e3);
-        }
-        for (std::size_t i = 0; i < n_.batteries.size(); ++i) {
-            converter(NetworkCircuit::Follower::Kind::battery, "battery", i, n_.batteries[i].name.name,
-                      n_.batteries[i].bus, n_.batteries[i].rating_kva);
+        for (OnePort const* e : one_ports(n_)) {
+            one_port(*e);
         }
         return std::move(out_);
     }
@@ -210,12 +193,17 @@ class Builder {
             // The reactive power of one that holds a voltage is not known here: without a rating nothing limits it.
             double const rating =
                 g.role == GeneratorRole::pq ? std::max(g.rating_kva, std::hypot(g.p_kw, g.q_kvar)) : g.rating_kva;
-            converter(NetworkCircuit::Follower::Kind::generator, "generator", index_of(n_.generators, g.name.name),
-                      g.name.name, g.bus, rating);
+            NetworkCircuit::GeneratorParts parts;
+            int const node =
+                terminal(fmt::format("generator '{}'", g.name.name), out_.bus_node[bus_of(g.bus)], parts.breaker);
+            out_.terminals[g.name.name] = {parts.breaker};
+            parts.injection = converter(bus_of(g.bus), node, parts.breaker, rating, true,
+                                        std::make_unique<GeneratorPower>(g, n_.power_kva));
+            out_.generators.push_back(parts);
             return;
         }
-        out_.slack_generators.push_back(
-            ideal_source("generator", g.name.name, g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {}, {}));
+        out_.generators.push_back(
+            {ideal_source("generator", g.name.name, g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {}, {}).breaker});
     }
 
     void machine(Machine const& m) {
@@ -233,12 +221,27 @@ class Builder {
         out_.machines.push_back(parts);
     }
 
-    NetworkCircuit::LoadParts star(std::string const& kind, std::string const& name, Ref const& bus, double p_kw,
-                                   double q_kvar) {
-        std::size_t const b = bus_of(bus);
-        NetworkCircuit::LoadParts parts;
-        parts.node = terminal(fmt::format("{} '{}'", kind, name), out_.bus_node[b], parts.breaker);
-        StarElements const e = star_elements(p_kw, q_kvar, n_.buses[b].voltage_v, n_.frequency_hz);
+    void one_port(OnePort const& e) {
+        NetworkCircuit::OnePortParts parts;
+        parts.bus = bus_of(e.bus);
+        parts.node = terminal(fmt::format("{} '{}'", e.kind().word, e.name.name), out_.bus_node[parts.bus],
+                              parts.breaker, e.closed_at_start());
+        out_.terminals[e.name.name] = {parts.breaker};
+        out_.one_ports.push_back(parts);
+        e.circuit(*this);
+    }
+    /// Those of the element that is just being added.
+    NetworkCircuit::OnePortParts& own() { return out_.one_ports.back(); }
+
+    [[nodiscard]] double base_kva() const override { return n_.power_kva; }
+    [[nodiscard]] std::size_t bus(Ref const& bus) const override { return bus_of(bus); }
+    [[nodiscard]] double voltage_v(Ref const& bus) const override { return n_.buses[bus_of(bus)].voltage_v; }
+    [[nodiscard]] Scale scale(Ref const& profile) const override { return scale_of(n_, profile, start_hour_of_day_); }
+
+    void star(OnePort const& element) override {
+        NetworkCircuit::OnePortParts& parts = own();
+        double const voltage_v = n_.buses[parts.bus].voltage_v;
+        StarElements const e = star_elements(element.admittance_kva(voltage_v), voltage_v, n_.frequency_hz);
         parts.resistance = rl(parts.node, kEarth, same(e.r_ohm), {});
         flows(parts.breaker, Kind::rl, static_cast<std::size_t>(parts.resistance), 1);
         if (e.l_h < kNothing) {
@@ -249,18 +252,14 @@ class Builder {
             parts.capacitance = capacitor(parts.node, kEarth, same(e.c_f));
             flows(parts.breaker, Kind::capacitor, static_cast<std::size_t>(parts.capacitance), 1);
         }
-        out_.terminals[name] = {parts.breaker};
-        return parts;
     }
 
-    /// A load by phase: three resistances, and an inductance or capacitance beside each.
-    NetworkCircuit::LoadParts star_by_phase(Load const& l) {
-        std::size_t const b = bus_of(l.bus);
-        NetworkCircuit::LoadParts parts;
-        parts.node = terminal(fmt::format("load '{}'", l.name.name), out_.bus_node[b], parts.breaker);
+    /// Three resistances, and an inductance or capacitance beside each.
+    void star_by_phase(OnePort const&, std::array<Complex, 3> const& kva) override {
+        NetworkCircuit::OnePortParts const& parts = own();
         std::array<StarElements, 3> e;
         for (std::size_t k = 0; k < 3; ++k) {
-            e[k] = star_elements(3 * l.phase_p_kw[k], 3 * l.phase_q_kvar[k], n_.buses[b].voltage_v, n_.frequency_hz);
+            e[k] = star_elements(std::conj(3.0 * kva[k]), n_.buses[parts.bus].voltage_v, n_.frequency_hz);
         }
         auto const add = [&](CoupledBranch branch) {
             flows(parts.breaker, Kind::coupled, c_.coupled.size(), 1);
@@ -274,50 +273,36 @@ class Builder {
         if (std::max({e[0].c_f, e[1].c_f, e[2].c_f}) > 0) {
             add({Branch::capacitive, parts.node, kEarth, {}, {}, diagonal(e[0].c_f, e[1].c_f, e[2].c_f)});
         }
-        out_.terminals[l.name.name] = {parts.breaker};
-        return parts;
     }
 
-    void load(Load const& l) {
-        if (l.model == LoadModel::dc_constant_power) {
-            converter(NetworkCircuit::Follower::Kind::dc_load, "load", index_of(n_.loads, l.name.name), l.name.name,
-                      l.bus, std::abs(l.p_kw));
-            NetworkCircuit::Follower const& f = out_.followers.back();
-            NetworkCircuit::LoadParts parts;
-            parts.node = f.node;
-            parts.breaker = f.breaker;
-            out_.loads.push_back(parts);
-            return;
-        }
-        out_.loads.push_back(l.phase_p_kw.empty() ? star("load", l.name.name, l.bus, l.p_kw, load_q_kvar(l))
-                                                  : star_by_phase(l));
-        bool const constant_impedance = l.model == LoadModel::constant_impedance || l.model == LoadModel::dc_resistive;
-        if (!constant_impedance || !l.scale.empty() || l.lag_s > 0) {
-            NetworkCircuit::LoadParts const& parts = out_.loads.back();
-            follower({NetworkCircuit::Follower::Kind::load, static_cast<std::size_t>(&l - n_.loads.data()),
-                      bus_of(l.bus), parts.node, parts.breaker, 0, 0, unbalanced_});
-        }
+    void converter(OnePort const& element, double rating_kva, std::unique_ptr<PowerModel> model) override {
+        NetworkCircuit::OnePortParts& parts = own();
+        parts.injection =
+            converter(parts.bus, parts.node, parts.breaker, rating_kva, element.kind().feeds, std::move(model));
     }
 
-    void follower(NetworkCircuit::Follower const& f) {
-        flows(f.breaker, Kind::injection, c_.injections.size(), -1);
-        c_.injections.push_back({f.node});
-        out_.followers.push_back(f);
+    void beyond_star(OnePort const&, std::unique_ptr<PowerModel> model) override {
+        NetworkCircuit::OnePortParts& parts = own();
+        parts.injection = inject({parts.bus, parts.node, parts.breaker, 0, 0, unbalanced_, false, std::move(model)});
     }
 
-    void converter(NetworkCircuit::Follower::Kind kind, std::string const& word, std::size_t element,
-                   std::string const& name, Ref const& bus, double rating_kva) {
-        NetworkCircuit::Follower f{kind, element, bus_of(bus), 0, 0, 0, 0, false};
-        f.node = terminal(fmt::format("{} '{}'", word, name), out_.bus_node[f.bus], f.breaker);
-        f.max_peak_a = kConverterOverload * 2 * rating_kva * 1e3 / (3 * out_.bus_peak_v[f.bus]);
+    int inject(NetworkCircuit::Injection injection) {
+        flows(injection.breaker, Kind::injection, c_.injections.size(), -1);
+        c_.injections.push_back({injection.node});
+        out_.injections.push_back(std::move(injection));
+        return static_cast<int>(out_.injections.size()) - 1;
+    }
+
+    int converter(std::size_t bus, int node, int breaker, double rating_kva, bool ceases,
+                  std::unique_ptr<PowerModel> model) {
+        double const voltage_v = n_.buses[bus].voltage_v;
         // Its filter leaves a path for what is not its current; the converter draws what the filter gives.
-        f.filter_kvar = 1e-3 * (rating_kva > 0 ? rating_kva : n_.power_kva);
-        capacitor(f.node, kEarth,
-                  same(f.filter_kvar * 1e3 / (n_.buses[f.bus].voltage_v * n_.buses[f.bus].voltage_v) /
-                       (2 * std::numbers::pi * n_.frequency_hz)));
-        flows(f.breaker, Kind::capacitor, c_.capacitors.size() - 1, 1);
-        out_.terminals[name] = {f.breaker};
-        follower(f);
+        double const filter_kvar = 1e-3 * (rating_kva > 0 ? rating_kva : n_.power_kva);
+        capacitor(node, kEarth,
+                  same(filter_kvar * 1e3 / (voltage_v * voltage_v) / (2 * std::numbers::pi * n_.frequency_hz)));
+        flows(breaker, Kind::capacitor, c_.capacitors.size() - 1, 1);
+        double const max_peak_a = kConverterOverload * 2 * rating_kva * 1e3 / (3 * out_.bus_peak_v[bus]);
+        return inject({bus, node, breaker, max_peak_a, filter_kvar, false, ceases, std::move(model)});
     }
 
     Result<void> transformer(Transformer const& t) {
@@ -346,6 +331,7 @@ class Builder {
     }
 
     Network const& n_;
+    double start_hour_of_day_;
     bool unbalanced_{is_unbalanced(n_)};
     NetworkCircuit out_;
     Circuit& c_{out_.circuit};
@@ -353,7 +339,8 @@ class Builder {
 
 } // namespace
 
-StarElements star_elements(double p_kw, double q_kvar, double voltage_v, double frequency_hz) {
+StarElements star_elements(Complex admittance_kva, double voltage_v, double frequency_hz) {
+    double const p_kw = admittance_kva.real(), q_kvar = -admittance_kva.imag(); // drawn
     double const w = 2 * std::numbers::pi * frequency_hz;
     double const v2 = voltage_v * voltage_v;
     StarElements e;
@@ -363,8 +350,8 @@ StarElements star_elements(double p_kw, double q_kvar, double voltage_v, double 
     return e;
 }
 
-Result<NetworkCircuit> make_circuit(Network const& network) {
-    return Builder{network}.build();
+Result<NetworkCircuit> make_circuit(Network const& network, double start_hour_of_day) {
+    return Builder{network, start_hour_of_day}.build();
 }
 
 } // namespace gridspace::sim::emt

@@ -27,8 +27,8 @@ void describe(Fields& f, Event& e) {
                     "expected a number");
         }
     }
-    f.references("open", e.open, {.doc = "breakers to open"});
-    f.references("close", e.close, {.doc = "breakers to close"});
+    f.references("open", e.open, {.doc = "breakers and switched elements to open"});
+    f.references("close", e.close, {.doc = "breakers and switched elements to close"});
     f.object("apply_fault", {.doc = "short circuit on a line or at a bus"}, [&](Fields& g) {
         ApplyFault& fault = e.fault.emplace();
         fault.name = e.name.name;
@@ -148,16 +148,21 @@ void check_set(Event const& e, Ref const& path, Network const& n, bool waveform,
         std::string name;
         std::vector<std::string> elements, parameters;
     };
-    std::vector<Section> sections{{"loads", names_of(n.loads), {"p_kw"}},
-                                  {"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}},
-                                  {"batteries", names_of(n.batteries), {"p_kw", "q_kvar"}},
-                                  {"evs", names_of(n.evs), {"current_a"}}};
+    std::vector<Section> sections;
+    for_each_kind(n, [&]<class T>(std::vector<T> const& elements) {
+        Section section{std::string{T::kKind.section}, names_of(elements), {}};
+        for (Quantity const& q : T::kKind.settable) {
+            if (waveform || q.in_phasors) {
+                section.parameters.emplace_back(q.name);
+            }
+        }
+        if (!section.parameters.empty()) {
+            sections.push_back(std::move(section));
+        }
+    });
+    sections.push_back({"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}});
     if (waveform) {
-        sections = {{"loads", names_of(n.loads), {"p_kw", "q_kvar", "power_factor"}},
-                    {"sources", names_of(n.sources), {"voltage_pu", "frequency_hz"}},
-                    {"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}},
-                    {"batteries", names_of(n.batteries), {"p_kw", "q_kvar"}},
-                    {"evs", names_of(n.evs), {"current_a"}}};
+        sections.push_back({"sources", names_of(n.sources), {"voltage_pu", "frequency_hz"}});
     }
     std::vector<std::string> const parts = split(path.name, '.');
     auto const wrong = [&](std::string message, std::string const& word, std::vector<std::string> const& words) {
@@ -193,17 +198,23 @@ void check_set(Event const& e, Ref const& path, Network const& n, bool waveform,
         wrong(fmt::format("event '{}' sets '{}': '{}' cannot be changed in a run", e.name.name, path.name, parts[2]),
               parts[2], section->parameters);
     }
-    Load const* const load = section->name == "loads" ? find(n.loads, parts[1]) : nullptr;
-    auto const refuse = [&](std::string_view why, std::string hint) {
-        diagnostics.error(path.where, fmt::format("event '{}' sets '{}', but {}", e.name.name, path.name, why),
-                          std::move(hint), static_cast<int>(path.name.size()));
-    };
-    if (load != nullptr && !load->phase_p_kw.empty()) {
-        refuse("this load has powers by phase", "take it out of service with `disconnect`, or describe it with p_kw");
-    } else if (load != nullptr && parts[2] != "p_kw" &&
-               (load->model == LoadModel::dc_resistive || load->model == LoadModel::dc_constant_power)) {
-        refuse("a DC load has only p_kw", "");
+    for (OnePort const* element : one_ports(n)) {
+        if (element->kind().section != parts[0] || element->name.name != parts[1]) {
+            continue;
+        }
+        if (auto const refusal = element->refuses(parts[2])) {
+            diagnostics.error(path.where,
+                              fmt::format("event '{}' sets '{}', but {}", e.name.name, path.name, refusal->why),
+                              std::string{refusal->hint}, static_cast<int>(path.name.size()));
+        }
     }
+}
+
+/// An element at one bus with a switch of its own.
+bool is_switched_element(Network const& n, std::string_view name) {
+    std::vector<OnePort const*> const elements = one_ports(n);
+    return std::any_of(elements.begin(), elements.end(),
+                       [&](OnePort const* e) { return e->kind().switched && e->name.name == name; });
 }
 
 } // namespace
@@ -223,11 +234,12 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
             static_cast<int>(ref.name.size()));
     };
     for (Event const& e : events) {
-        for (Ref const& b : e.open) {
-            must(n.breakers, b, "breaker", e);
-        }
-        for (Ref const& b : e.close) {
-            must(n.breakers, b, "breaker", e);
+        for (std::vector<Ref> const* switched : {&e.open, &e.close}) {
+            for (Ref const& b : *switched) {
+                if (!is_switched_element(n, b.name)) {
+                    must(n.breakers, b, "breaker", e);
+                }
+            }
         }
         for (Ref const& b : e.fail_to_open) {
             must(n.breakers, b, "breaker", e);

@@ -86,23 +86,15 @@ std::optional<std::size_t> unearthed_bus(Network const& n) {
     transformers(n, c);
     c.earth_all(n.sources);
     c.earth_all(n.generators); // slack ones are sources, the others have filters
-    c.earth_all(n.pv);
-    c.earth_all(n.evs);
-    c.earth_all(n.batteries);
     for (Machine const& m : n.machines) {
         MachineType const* type = find(n.machine_types, m.type.name);
         if (type != nullptr && type->pu.x0 > 0) {
             c.earth(m.bus);
         }
     }
-    for (Load const& l : n.loads) {
-        if (l.p_kw != 0 || load_q_kvar(l) != 0) {
-            c.earth(l.bus);
-        }
-    }
-    for (Shunt const& s : n.shunts) {
-        if (s.p_kw != 0 || s.q_kvar != 0) {
-            c.earth(s.bus);
+    for (OnePort const* e : one_ports(n)) {
+        if (e->earthed() && e->closed_at_start()) {
+            c.earth(e->bus);
         }
     }
     for (std::size_t i = 0; i < n.buses.size(); ++i) {

@@ -32,32 +32,6 @@ LineTotals line_totals(Network const& network, Line const& line) {
     return t;
 }
 
-double battery_p_kw(Battery const& b, double scale) {
-    double const most = std::sqrt(std::max(0.0, b.rating_kva * b.rating_kva - b.q_kvar * b.q_kvar));
-    return std::clamp(b.p_kw * scale, -most, most);
-}
-
-double battery_p_kw(Battery const& b, double scale, double soc_percent) {
-    double const p = battery_p_kw(b, scale);
-    bool const spent = p > 0 ? soc_percent <= b.soc_min_percent : soc_percent >= b.soc_max_percent;
-    return spent ? 0 : p;
-}
-
-double battery_soc_slope(Battery const& b, double p_kw) {
-    double const of_cells = p_kw > 0 ? p_kw / b.efficiency : p_kw * b.efficiency;
-    return -100 * of_cells / (b.capacity_kwh * 3600);
-}
-
-double load_q_kvar(Load const& load) {
-    if (load.q_kvar) {
-        return *load.q_kvar;
-    }
-    if (load.model == LoadModel::dc_resistive || load.model == LoadModel::dc_constant_power) {
-        return 0;
-    }
-    return load.p_kw * std::sqrt(1 - load.power_factor * load.power_factor) / load.power_factor;
-}
-
 double profile_value(Profile const& p, double hours_since_start, double start_hour_of_day) {
     double const hours = p.time == Profile::Time::hour_of_day ? std::fmod(start_hour_of_day + hours_since_start, 24.0)
                                                               : hours_since_start;
@@ -82,6 +56,16 @@ double profile_value(Profile const& p, double hours_since_start, double start_ho
         value *= 1 - cloud.depth_percent / 100 * std::exp(-x * x);
     }
     return value;
+}
+
+Scale scale_of(Network const& network, Ref const& name, double start_hour_of_day) {
+    Profile const* profile = name.empty() ? nullptr : find(network.profiles, name.name);
+    if (profile == nullptr) {
+        return [](double) { return 1.0; };
+    }
+    return [profile = *profile, start_hour_of_day](double t_s) {
+        return profile_value(profile, t_s / 3600, start_hour_of_day);
+    };
 }
 
 } // namespace gridspace::sim

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/config/fields.hpp"
+#include "sim/components/elements.hpp"
 
 #include <array>
 #include <cstdint>
@@ -16,14 +16,6 @@
 /// The network as a user writes it: plain data in SI units of the file, no behaviour. Each engine converts what it
 /// needs once, when it is built. The meaning of every parameter is in docs/reference/components.md.
 namespace gridspace::sim {
-
-using config::Ref;
-
-/// What every named element has.
-struct Element {
-    Ref name;
-    std::string label; ///< display text; the name when empty
-};
 
 /// A voltage phasor.
 struct Polar {
@@ -216,62 +208,6 @@ struct Generator : Element {
     std::optional<double> q_min_kvar, q_max_kvar;
 };
 
-/// `dc_*`: behind a rectifier. `dc_resistive` draws with the square of the voltage; `dc_constant_power` is held by a
-/// converter.
-enum class LoadModel {
-    constant_power,
-    constant_current,
-    constant_impedance,
-    exponential,
-    zip,
-    dc_resistive,
-    dc_constant_power
-};
-
-struct Load : Element {
-    Ref bus;
-    double p_kw{0};
-    double power_factor{1};       ///< lagging, > 0
-    std::optional<double> q_kvar; ///< instead of a power factor
-    LoadModel model{LoadModel::constant_power};
-    double exponent_p{0}, exponent_q{0};
-    std::array<double, 3> zip_p{0, 0, 1}, zip_q{0, 0, 1}; ///< shares of constant impedance, current, power
-    std::vector<double> phase_p_kw, phase_q_kvar;         ///< a, b, c between phase and earth; empty: a third each
-    double lag_s{0};
-    Ref scale; ///< profile that multiplies p and q
-};
-
-struct Shunt : Element {
-    Ref bus;
-    double p_kw{0};   ///< consumed at 1 p.u.
-    double q_kvar{0}; ///< produced at 1 p.u. (a capacitor is positive)
-};
-
-struct Pv : Element {
-    Ref bus;
-    double p_kw{0}, rating_kva{0};
-    double power_factor{1};
-    Ref scale;
-};
-
-/// Battery of an electric vehicle behind an averaged DC-DC converter and a rectifier.
-struct Ev : Element {
-    Ref bus;
-    double capacity_kwh{24}, battery_v{360}, max_current_a{15}, efficiency{0.95};
-    double soc_start_percent{0}, soc_stop_percent{100};
-    double current_lag_s{1}; ///< first-order response of the converter to its reference
-};
-
-/// Stationary battery behind an averaged converter.
-struct Battery : Element {
-    Ref bus;
-    double capacity_kwh{0}, rating_kva{0};
-    double p_kw{0}, q_kvar{0}; ///< into the network: discharging is positive
-    double efficiency{0.95};   ///< of the converter, each way
-    double soc_start_percent{50}, soc_min_percent{0}, soc_max_percent{100};
-    Ref scale; ///< profile that multiplies p
-};
-
 struct ProfileHalfSine {
     double rise_h{6}, set_h{18}, exponent{1};
 };
@@ -287,7 +223,7 @@ struct Profile : Element {
     std::vector<Cloud> clouds;
 };
 
-struct Network {
+struct Network : OnePorts {
     std::string name;
     double frequency_hz{60};
     double power_kva{100}; ///< base power
@@ -305,11 +241,6 @@ struct Network {
     std::vector<MachineType> machine_types;
     std::vector<Machine> machines;
     std::vector<Generator> generators;
-    std::vector<Load> loads;
-    std::vector<Shunt> shunts;
-    std::vector<Pv> pv;
-    std::vector<Ev> evs;
-    std::vector<Battery> batteries;
     std::vector<Profile> profiles;
     config::SourceMark where; ///< the file
 };
@@ -358,22 +289,10 @@ struct LineTotals {
 };
 [[nodiscard]] LineTotals line_totals(Network const& network, Line const& line);
 
-/// More current than this share of its rating no converter gives.
-constexpr double kConverterOverload = 1.2;
-
-/// What a battery is asked to give its bus (negative: take) within its rating, kW; `scale` is the value of its profile.
-[[nodiscard]] double battery_p_kw(Battery const& battery, double scale);
-
-/// The same at a state of charge: nothing out of an empty one or into a full one.
-[[nodiscard]] double battery_p_kw(Battery const& battery, double scale, double soc_percent);
-
-/// Change of its state of charge while it gives `p_kw`, percent per second.
-[[nodiscard]] double battery_soc_slope(Battery const& battery, double p_kw);
-
-/// Reactive power of a load at nominal voltage, from its power factor or as given.
-[[nodiscard]] double load_q_kvar(Load const& load);
-
 /// The value of a profile at a simulated time (hours since start) when simulated time 0 is `start_hour_of_day`.
 [[nodiscard]] double profile_value(Profile const& profile, double hours_since_start, double start_hour_of_day);
+
+/// The same as a function of simulated seconds; 1 when the network has none of that name.
+[[nodiscard]] Scale scale_of(Network const& network, Ref const& profile, double start_hour_of_day);
 
 } // namespace gridspace::sim

@@ -88,11 +88,7 @@ void check_names(Network const& n, Diagnostics& diagnostics) {
     add(n.vts, "VT");
     add(n.machines, "machine");
     add(n.generators, "generator");
-    add(n.loads, "load");
-    add(n.shunts, "shunt");
-    add(n.pv, "PV");
-    add(n.evs, "EV");
-    add(n.batteries, "battery");
+    for_each_kind(n, [&]<class T>(std::vector<T> const& elements) { add(elements, T::kKind.word); });
     add(n.sources, "source");
 }
 
@@ -190,28 +186,34 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
     }
 }
 
-/// What the model of a load does not read is a mistake.
-void check_loads(Network const& n, Diagnostics& diagnostics) {
-    for (Load const& l : n.loads) {
-        auto const wrong = [&](std::string_view what, std::string hint) {
-            diagnostics.error(l.name.where, fmt::format("load '{}' {}", l.name.name, what), std::move(hint),
-                              width(l.name));
-        };
-        if (l.model != LoadModel::exponential && (l.exponent_p != 0 || l.exponent_q != 0)) {
-            wrong("has exponents, but its model is another", "they belong to `model: exponential`");
+/// An element's own check, with its words around what it finds.
+class Check final : public ElementCheck {
+  public:
+    Check(OnePort const& element, ByName<Profile> const& profiles, Diagnostics& diagnostics)
+        : element_{element}, owner_{fmt::format("{} '{}'", element.kind().word, element.name.name)},
+          profiles_{profiles}, diagnostics_{diagnostics} {}
+    void profile(Ref const& profile) override {
+        if (!profile.empty()) {
+            must_exist(profiles_, profile, "profile", owner_, diagnostics_);
         }
-        std::array<double, 3> const all_power{0, 0, 1};
-        if (l.model != LoadModel::zip && (l.zip_p != all_power || l.zip_q != all_power)) {
-            wrong("has shares zip_p or zip_q, but its model is another", "they belong to `model: zip`");
-        }
-        if (l.model != LoadModel::dc_resistive && l.model != LoadModel::dc_constant_power) {
-            continue;
-        }
-        if (!l.phase_p_kw.empty()) {
-            wrong("is a DC load: it has no powers by phase", "give p_kw");
-        } else if (l.q_kvar.value_or(0) != 0 || l.power_factor != 1) {
-            wrong("is a DC load: its rectifier has unity power factor", "leave out q_kvar and power_factor");
-        }
+    }
+    void wrong(std::string_view what, std::string hint) override {
+        diagnostics_.error(element_.name.where, fmt::format("{} {}", owner_, what), std::move(hint),
+                           width(element_.name));
+    }
+
+  private:
+    OnePort const& element_;
+    std::string owner_;
+    ByName<Profile> const& profiles_;
+    Diagnostics& diagnostics_;
+};
+
+void check_one_ports(Network const& n, Diagnostics& diagnostics) {
+    ByName const profiles{n.profiles};
+    for (OnePort const* e : one_ports(n)) {
+        Check check{*e, profiles, diagnostics};
+        e->check(check);
     }
 }
 
@@ -339,7 +341,7 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     check_names(n, diagnostics);
     check_branches(n, diagnostics);
     check_ideal_sources(n, diagnostics);
-    check_loads(n, diagnostics);
+    check_one_ports(n, diagnostics);
     check_line_ends(n, n.breakers, "breaker", diagnostics);
     check_line_ends(n, n.cts, "CT", diagnostics);
     ByName const buses{n.buses};
@@ -347,11 +349,8 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
     at_bus(buses, n.vts, "VT", diagnostics);
     at_bus(buses, n.machines, "machine", diagnostics);
     at_bus(buses, n.generators, "generator", diagnostics);
-    at_bus(buses, n.loads, "load", diagnostics);
-    at_bus(buses, n.shunts, "shunt", diagnostics);
-    at_bus(buses, n.pv, "PV", diagnostics);
-    at_bus(buses, n.evs, "EV", diagnostics);
-    at_bus(buses, n.batteries, "battery", diagnostics);
+    for_each_kind(
+        n, [&]<class T>(std::vector<T> const& elements) { at_bus(buses, elements, T::kKind.word, diagnostics); });
     for (Breaker const& b : n.breakers) {
         must_exist(ByName{n.breaker_types}, b.type, "breaker type", fmt::format("breaker '{}'", b.name.name),
                    diagnostics);
@@ -366,17 +365,6 @@ void check_network(Network const& n, Diagnostics& diagnostics) {
         must_exist(ByName{n.machine_types}, m.type, "machine type", fmt::format("machine '{}'", m.name.name),
                    diagnostics);
     }
-    auto const scaled = [&](auto const& elements, std::string_view kind) {
-        for (auto const& e : elements) {
-            if (!e.scale.empty()) {
-                must_exist(ByName{n.profiles}, e.scale, "profile", fmt::format("{} '{}'", kind, e.name.name),
-                           diagnostics);
-            }
-        }
-    };
-    scaled(n.loads, "load");
-    scaled(n.pv, "PV");
-    scaled(n.batteries, "battery");
     if (diagnostics.errors() == before) {
         check_islands(n, diagnostics);
     }

@@ -61,11 +61,12 @@ void describe(Fields& f, Network& n) {
     section(f, "machine_types", "synchronous machine data", n.machine_types, machine_type);
     section(f, "machines", "synchronous machines", n.machines, machine);
     section(f, "generators", "generators without dynamics", n.generators, generator);
-    section(f, "loads", "loads", n.loads, load);
-    section(f, "shunts", "shunts", n.shunts, shunt);
-    section(f, "pv", "photovoltaic inverters", n.pv, pv);
-    section(f, "evs", "electric vehicles", n.evs, ev);
-    section(f, "batteries", "stationary batteries", n.batteries, battery);
+    for_each_kind(n, [&]<class T>(std::vector<T>& elements) {
+        section<T>(f, T::kKind.section, T::kKind.doc, elements, [](Fields& e, T& element) {
+            e.reference("bus", element.bus, {.doc = "its bus", .required = true});
+            element.fields(e);
+        });
+    });
     section(f, "profiles", "values over time", n.profiles, profile);
 }
 

@@ -20,14 +20,14 @@ Complex limited_power(BusRule const& rule) {
 
 } // namespace
 
-NetworkDae::NetworkDae(std::vector<std::unique_ptr<Component>> const& components, std::size_t buses)
-    : components_{components}, buses_{buses}, rows_(buses), rules_(buses), components_at_(buses) {
+NetworkDae::NetworkDae(std::vector<std::unique_ptr<PhasorInjection>> const& injections, std::size_t buses)
+    : injections_{injections}, buses_{buses}, rows_(buses), rules_(buses), injections_at_(buses) {
     std::size_t most = 0;
-    for (std::size_t k = 0; k < components.size(); ++k) {
+    for (std::size_t k = 0; k < injections.size(); ++k) {
         state_start_.push_back(voltage_start_);
-        voltage_start_ += components[k]->states();
-        most = std::max(most, components[k]->states());
-        components_at_[components[k]->bus()].push_back(k);
+        voltage_start_ += injections[k]->states();
+        most = std::max(most, injections[k]->states());
+        injections_at_[injections[k]->bus()].push_back(k);
     }
     scratch_.resize(most);
     moved_.resize(most);
@@ -59,10 +59,10 @@ void NetworkDae::set_network(std::vector<TwoPort> branches, std::vector<Complex>
 }
 
 std::span<double> NetworkDae::states_of(std::size_t k, std::span<double> y) const {
-    return y.subspan(state_start_[k], components_[k]->states());
+    return y.subspan(state_start_[k], injections_[k]->states());
 }
 std::span<double const> NetworkDae::states_of(std::size_t k, std::span<double const> y) const {
-    return y.subspan(state_start_[k], components_[k]->states());
+    return y.subspan(state_start_[k], injections_[k]->states());
 }
 Complex NetworkDae::voltage(std::size_t bus, std::span<double const> y) const {
     return {y[voltage_start_ + 2 * bus], y[voltage_start_ + 2 * bus + 1]};
@@ -80,17 +80,17 @@ Complex NetworkDae::network_current(std::size_t bus, std::span<double const> y) 
     return current;
 }
 
-Complex NetworkDae::component_current(std::size_t bus, double t, std::span<double const> y) const {
+Complex NetworkDae::injected_current(std::size_t bus, double t, std::span<double const> y) const {
     Complex current{};
-    for (std::size_t const k : components_at_[bus]) {
+    for (std::size_t const k : injections_at_[bus]) {
         current +=
-            components_[k]->flow(t, states_of(k, y), voltage(bus, y), {scratch_.data(), components_[k]->states()});
+            injections_[k]->flow(t, states_of(k, y), voltage(bus, y), {scratch_.data(), injections_[k]->states()});
     }
     return current;
 }
 
 double NetworkDae::regulating_q(std::size_t bus, double t, std::span<double const> y) const {
-    Complex const current = network_current(bus, y) - component_current(bus, t, y);
+    Complex const current = network_current(bus, y) - injected_current(bus, t, y);
     return (voltage(bus, y) * std::conj(current)).imag();
 }
 
@@ -104,10 +104,10 @@ void NetworkDae::residual(double t, std::span<double const> y, std::span<double 
     for (std::size_t i = 0; i < buses_; ++i) {
         Complex const v = voltage(i, y);
         Complex injected{};
-        for (std::size_t const k : components_at_[i]) {
-            std::size_t const start = state_start_[k], count = components_[k]->states();
+        for (std::size_t const k : injections_at_[i]) {
+            std::size_t const start = state_start_[k], count = injections_[k]->states();
             std::span<double> const dx = f.subspan(start, count);
-            injected += components_[k]->flow(t, y.subspan(start, count), v, dx);
+            injected += injections_[k]->flow(t, y.subspan(start, count), v, dx);
             for (std::size_t s = 0; s < count; ++s) {
                 dx[s] = yp[start + s] - dx[s];
             }
@@ -149,7 +149,7 @@ void NetworkDae::assemble(double t, double c, std::span<double const> y, Emit co
         bool const sum = rule.kind == Kind::balance || rule.kind == Kind::limited;
         bool const coupled = sum || rule.kind == Kind::regulated;
         Complex const generated =
-            rule.kind == Kind::regulated ? network_current(i, y) - component_current(i, t, y) : Complex{};
+            rule.kind == Kind::regulated ? network_current(i, y) - injected_current(i, t, y) : Complex{};
         // How a change (dre, dim) of the injected minus the network current enters the two equations of the bus.
         auto const enter = [&](std::size_t column, Complex change) {
             if (sum) {
@@ -178,16 +178,16 @@ void NetworkDae::assemble(double t, double c, std::span<double const> y, Emit co
             emit(row, row, 1.0);
             emit(row + 1, row + 1, 1.0);
         }
-        // Each component sees its own states and its bus voltage only: differences of its flow give its block.
-        for (std::size_t const k : components_at_[i]) {
-            std::size_t const start = state_start_[k], count = components_[k]->states();
+        // Each injection sees its own states and its bus voltage only: differences of its flow give its block.
+        for (std::size_t const k : injections_at_[i]) {
+            std::size_t const start = state_start_[k], count = injections_[k]->states();
             std::span<double const> const x = y.subspan(start, count);
             std::span<double> const dx{scratch_.data(), count};
             std::span<double> const dx_moved{slopes_.data(), count};
-            Complex const at = components_[k]->flow(t, x, v, dx);
+            Complex const at = injections_[k]->flow(t, x, v, dx);
             auto const column_of = [&](std::size_t column, double step, std::span<double const> x_moved,
                                        Complex v_moved) {
-                Complex const moved = components_[k]->flow(t, x_moved, v_moved, dx_moved);
+                Complex const moved = injections_[k]->flow(t, x_moved, v_moved, dx_moved);
                 enter(column, (moved - at) / step);
                 for (std::size_t s = 0; s < count; ++s) {
                     double const own = start + s == column ? c : 0;
@@ -227,8 +227,8 @@ void NetworkDae::jacobian(double t, double c, std::span<double const> y, std::sp
 }
 
 void NetworkDae::event_values(double t, std::span<double const> y, std::span<double> g) {
-    for (std::size_t k = 0; k < components_.size(); ++k) {
-        g[k] = components_[k]->has_event() ? components_[k]->event(t, states_of(k, y)) : 1.0;
+    for (std::size_t k = 0; k < injections_.size(); ++k) {
+        g[k] = injections_[k]->has_event() ? injections_[k]->event(t, states_of(k, y)) : 1.0;
     }
     for (std::size_t i = 0; i < buses_; ++i) {
         BusRule const& rule = rules_[i];
@@ -239,7 +239,7 @@ void NetworkDae::event_values(double t, std::span<double const> y, std::span<dou
         } else if (rule.kind == Kind::limited) {
             value = rule.at_limit * (rule.v_set - std::abs(voltage(i, y))) + kRegained;
         }
-        g[components_.size() + i] = value;
+        g[injections_.size() + i] = value;
     }
 }
 

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/phasor/component.hpp"
+#include "sim/components/faces/phasor_injection.hpp"
 #include "sim/phasor/dae_solver.hpp"
+#include "sim/powerflow/two_port.hpp"
 
 #include <memory>
 #include <optional>
@@ -27,23 +28,23 @@ struct BusRule {
     int at_limit{0};                  ///< limited: 1 at q_max, -1 at q_min
 };
 
-/// The equations of network and components. Unknowns: all component states, then real and imaginary part of each bus
+/// The equations of network and injections. Unknowns: all injection states, then real and imaginary part of each bus
 /// voltage. p.u.
 class NetworkDae final : public DaeProblem {
   public:
-    NetworkDae(std::vector<std::unique_ptr<Component>> const& components, std::size_t buses);
+    NetworkDae(std::vector<std::unique_ptr<PhasorInjection>> const& injections, std::size_t buses);
 
     /// The network as it is now.
     void set_network(std::vector<TwoPort> branches, std::vector<Complex> shunts, std::vector<BusRule> rules);
 
-    [[nodiscard]] std::span<double> states_of(std::size_t component, std::span<double> y) const;
-    [[nodiscard]] std::span<double const> states_of(std::size_t component, std::span<double const> y) const;
+    [[nodiscard]] std::span<double> states_of(std::size_t injection, std::span<double> y) const;
+    [[nodiscard]] std::span<double const> states_of(std::size_t injection, std::span<double const> y) const;
     [[nodiscard]] Complex voltage(std::size_t bus, std::span<double const> y) const;
     void set_voltage(std::size_t bus, Complex v, std::span<double> y) const;
     /// Current that leaves the bus into lines, transformers and shunts.
     [[nodiscard]] Complex network_current(std::size_t bus, std::span<double const> y) const;
-    /// Current that all components inject at the bus.
-    [[nodiscard]] Complex component_current(std::size_t bus, double t, std::span<double const> y) const;
+    /// Current that all injections inject at the bus.
+    [[nodiscard]] Complex injected_current(std::size_t bus, double t, std::span<double const> y) const;
 
     [[nodiscard]] BusRule const& rule(std::size_t bus) const { return rules_[bus]; }
     /// Reactive power of the generators that hold a regulated bus, p.u.
@@ -55,8 +56,8 @@ class NetworkDae final : public DaeProblem {
     [[nodiscard]] std::vector<SparsityEntry> sparsity() const override;
     void jacobian(double t, double c, std::span<double const> y, std::span<double const> yp,
                   std::span<double> values) override;
-    /// Of the components, then of the buses: a generator meets its reactive limit, or leaves it.
-    [[nodiscard]] std::size_t events() const override { return components_.size() + buses_; }
+    /// Of the injections, then of the buses: a generator meets its reactive limit, or leaves it.
+    [[nodiscard]] std::size_t events() const override { return injections_.size() + buses_; }
     void event_values(double t, std::span<double const> y, std::span<double> g) override;
 
   private:
@@ -68,13 +69,13 @@ class NetworkDae final : public DaeProblem {
     template <class Emit>
     void assemble(double t, double c, std::span<double const> y, Emit const& emit) const;
 
-    std::vector<std::unique_ptr<Component>> const& components_;
+    std::vector<std::unique_ptr<PhasorInjection>> const& injections_;
     std::size_t buses_;
     std::vector<std::size_t> state_start_;
     std::size_t voltage_start_{0};
     std::vector<std::vector<RowEntry>> rows_;
     std::vector<BusRule> rules_;
-    std::vector<std::vector<std::size_t>> components_at_;
+    std::vector<std::vector<std::size_t>> injections_at_;
     mutable std::vector<double> scratch_, moved_, slopes_;
 };
 

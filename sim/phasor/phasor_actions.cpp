@@ -8,19 +8,36 @@
 
 namespace gridspace::sim::phasor {
 
+bool PhasorEngine::set_quantity(std::string const& section, std::string const& element, std::string_view quantity,
+                                double value) {
+    auto const it = units_.find(element);
+    if (it == units_.end() || it->second.kind == nullptr || it->second.kind->section != section) {
+        return false;
+    }
+    auto const& known = it->second.kind->settable;
+    bool const settable =
+        std::any_of(known.begin(), known.end(), [&](Quantity const& q) { return q.name == quantity && q.in_phasors; });
+    if (!settable || !it->second.injection->set(quantity, value)) {
+        return false;
+    }
+    input_changed_ = true;
+    return true;
+}
+
 Result<void> PhasorEngine::act(SetChargingCurrent const& a) {
-    auto const it = evs_.find(a.ev);
-    if (it == evs_.end()) {
+    if (!set_quantity("evs", a.ev, "current_a", std::max(a.current_a, 0.0))) {
         return fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
     }
-    it->second->set_reference(a.current_a);
-    input_changed_ = true;
     return {};
 }
 
 Result<void> PhasorEngine::act(SwitchBreaker const& a) {
     std::size_t const i = index_of(network_.breakers, a.breaker);
     if (i == network_.breakers.size()) {
+        auto const it = units_.find(a.breaker);
+        if (it != units_.end() && it->second.kind != nullptr && it->second.kind->switched) {
+            return connect(it->first, it->second, a.close);
+        }
         return fail(ExitCode::usage, fmt::format("there is no breaker '{}'", a.breaker));
     }
     std::erase_if(pending_, [&](auto const& p) { return p.second == i; });
@@ -50,23 +67,8 @@ bool PhasorEngine::opening(std::size_t breaker) const {
 
 Result<void> PhasorEngine::act(SetParameter const& a) {
     std::vector<std::string> const path = split(a.path, '.');
-    if (path.size() == 3 && path[0] == "loads" && path[2] == "p_kw") {
-        if (auto const it = loads_.find(path[1]); it != loads_.end()) {
-            it->second->set_power(a.value);
-            input_changed_ = true;
-            return {};
-        }
-    }
-    if (path.size() == 3 && path[0] == "evs" && path[2] == "current_a" && a.value >= 0) {
-        return act(SetChargingCurrent{path[1], a.value});
-    }
-    if (path.size() == 3 && path[0] == "batteries" && (path[2] == "p_kw" || path[2] == "q_kvar")) {
-        if (auto const it = batteries_.find(path[1]); it != batteries_.end()) {
-            Battery const& b = it->second->data();
-            it->second->set_power(path[2] == "p_kw" ? a.value : b.p_kw, path[2] == "p_kw" ? b.q_kvar : a.value);
-            input_changed_ = true;
-            return {};
-        }
+    if (path.size() == 3 && set_quantity(path[0], path[1], path[2], a.value)) {
+        return {};
     }
     for (std::size_t m = 0; m < machines_.size() && path.size() == 3 && path[0] == "machines"; ++m) {
         Machine& machine = network_.machines[m];
@@ -86,22 +88,29 @@ Result<void> PhasorEngine::act(SetParameter const& a) {
         return {};
     }
     return fail(ExitCode::usage, fmt::format("'{}' cannot be changed while a phasor simulation runs", a.path),
-                "loads.<name>.p_kw, machines.<name>.p_kw and .voltage_setpoint_pu, batteries.<name>.p_kw and "
-                ".q_kvar, evs.<name>.current_a can");
+                settable_paths(true) + ", machines.<name>.p_kw and .voltage_setpoint_pu can");
+}
+
+Result<void> PhasorEngine::connect(std::string const& name, Unit const& unit, bool connected) {
+    unit.injection->connect(connected);
+    if (connected) {
+        out_.erase(name);
+    } else {
+        out_.insert(name);
+    }
+    return set_topology();
 }
 
 Result<void> PhasorEngine::act(Disconnect const& a) {
-    if (auto const it = switchable_.find(a.element); it != switchable_.end()) {
-        it->second();
-        out_.insert(a.element);
-        return set_topology();
+    if (auto const it = units_.find(a.element); it != units_.end()) {
+        return connect(it->first, it->second, false);
     }
     if (std::size_t const i = index_of(network_.lines, a.element); i < network_.lines.size()) {
         switches_.line_out[i] = true;
     } else if (std::size_t const j = index_of(network_.transformers, a.element); j < network_.transformers.size()) {
         switches_.transformer_out[j] = true;
     } else {
-        return fail(ExitCode::usage, fmt::format("'{}' cannot be disconnected: there is no such load, PV, EV, battery, "
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be disconnected: there is no such element at one bus, "
                                                  "generator with given power, line or transformer",
                                                  a.element));
     }

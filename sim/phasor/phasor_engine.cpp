@@ -20,8 +20,8 @@ constexpr double kFrequencyLagS = 0.02;
 
 PhasorEngine::PhasorEngine(Network network, PhasorOptions options)
     : network_{std::move(network)}, options_{options}, switches_{network_} {
-    add_components();
-    dae_ = std::make_unique<NetworkDae>(components_, network_.buses.size());
+    add_injections();
+    dae_ = std::make_unique<NetworkDae>(injections_, network_.buses.size());
     y_.assign(dae_->size(), 0.0);
     at_q_limit_.assign(network_.buses.size(), 0);
     angles_.assign(network_.buses.size(), 0.0);
@@ -51,8 +51,8 @@ Result<void> PhasorEngine::initialise() {
     for (std::size_t m = 0; m < machines_.size(); ++m) {
         machines_[m]->set_start_power(Complex{flow->machines[m].p_kw, flow->machines[m].q_kvar} / network_.power_kva);
     }
-    for (std::size_t k = 0; k < components_.size(); ++k) {
-        components_[k]->start(0, flow->buses[components_[k]->bus()].v, dae_->states_of(k, std::span{y_}));
+    for (std::size_t k = 0; k < injections_.size(); ++k) {
+        injections_[k]->start(0, flow->buses[injections_[k]->bus()].v, dae_->states_of(k, std::span{y_}));
     }
     for (Generator const& g : network_.generators) {
         std::size_t const bus = bus_of(g.bus);
@@ -64,8 +64,8 @@ Result<void> PhasorEngine::initialise() {
     if (auto ok = set_topology(); !ok) {
         return ok;
     }
-    for (MachineComponent const* m : machines_) {
-        if (auto ok = m->check_field(dae_->states_of(component_index(m), std::span<double const>{y_})); !ok) {
+    for (MachineInjection const* m : machines_) {
+        if (auto ok = m->check_field(dae_->states_of(index_of_injection(m), std::span<double const>{y_})); !ok) {
             return ok;
         }
     }
@@ -96,11 +96,11 @@ Result<void> PhasorEngine::advance(SimTime until) {
             bool limits = false;
             for (int const found : stop->events) {
                 auto const k = static_cast<std::size_t>(found);
-                if (k < components_.size()) {
-                    components_[k]->on_event(dae_->states_of(k, std::span{y_}));
+                if (k < injections_.size()) {
+                    injections_[k]->on_event(dae_->states_of(k, std::span{y_}));
                 } else {
                     limits = true;
-                    reach_q_limit(k - components_.size());
+                    reach_q_limit(k - injections_.size());
                 }
             }
             if (auto ok = limits ? set_topology() : Result<void>{}; !ok) {
@@ -115,59 +115,61 @@ Result<void> PhasorEngine::advance(SimTime until) {
     return check_voltages();
 }
 
-Scale PhasorEngine::scale_of(Ref const& name) const {
-    Profile const* profile = find(network_.profiles, name.name);
-    if (profile == nullptr) {
-        return [](double) { return 1.0; };
-    }
-    return [profile, start = options_.start_hour_of_day](double t) { return profile_value(*profile, t / 3600, start); };
-}
+namespace {
 
-std::size_t PhasorEngine::component_index(Component const* component) const {
-    for (std::size_t k = 0; k < components_.size(); ++k) {
-        if (components_[k].get() == component) {
+class Around final : public Surroundings {
+  public:
+    Around(Network const& n, double start_hour_of_day) : n_{n}, start_hour_of_day_{start_hour_of_day} {}
+    [[nodiscard]] double base_kva() const override { return n_.power_kva; }
+    [[nodiscard]] std::size_t bus(Ref const& bus) const override { return index_of(n_.buses, bus.name); }
+    [[nodiscard]] double voltage_v(Ref const& bus) const override { return find(n_.buses, bus.name)->voltage_v; }
+    [[nodiscard]] Scale scale(Ref const& profile) const override { return scale_of(n_, profile, start_hour_of_day_); }
+
+  private:
+    Network const& n_;
+    double start_hour_of_day_;
+};
+
+} // namespace
+
+std::size_t PhasorEngine::index_of_injection(PhasorInjection const* injection) const {
+    for (std::size_t k = 0; k < injections_.size(); ++k) {
+        if (injections_[k].get() == injection) {
             return k;
         }
     }
-    return components_.size();
+    return injections_.size();
 }
 
-void PhasorEngine::add_components() {
-    double const base = network_.power_kva;
-    for (Load const& load : network_.loads) {
-        auto* c = add(std::make_unique<LoadComponent>(load, bus_of(load.bus), base, scale_of(load.scale)));
-        loads_[load.name.name] = c;
-        switchable_[load.name.name] = [c] { c->set_connected(false); };
-    }
-    for (Pv const& pv : network_.pv) {
-        auto* c = add(std::make_unique<PvComponent>(pv, bus_of(pv.bus), base, scale_of(pv.scale)));
-        switchable_[pv.name.name] = [c] { c->set_connected(false); };
-    }
-    for (Ev const& ev : network_.evs) {
-        auto* c = add(std::make_unique<EvComponent>(ev, bus_of(ev.bus), base));
-        evs_[ev.name.name] = c;
-        switchable_[ev.name.name] = [c] { c->set_connected(false); };
-    }
-    for (Battery const& b : network_.batteries) {
-        auto* c = add(std::make_unique<BatteryComponent>(b, bus_of(b.bus), base, scale_of(b.scale)));
-        batteries_[b.name.name] = c;
-        switchable_[b.name.name] = [c] { c->set_connected(false); };
+void PhasorEngine::add_unit(Ref const& name, std::unique_ptr<PhasorInjection> injection, Kind const* kind) {
+    units_[name.name] = {injection.get(), kind};
+    injections_.push_back(std::move(injection));
+}
+
+void PhasorEngine::add_injections() {
+    Around const around{network_, options_.start_hour_of_day};
+    for (OnePort const* e : one_ports(network_)) {
+        if (auto injection = e->phasor(around)) {
+            injection->connect(e->closed_at_start());
+            add_unit(e->name, std::move(injection), &e->kind());
+        }
+        if (!e->closed_at_start()) {
+            out_.insert(e->name.name);
+        }
     }
     for (Source const& source : network_.sources) {
         if (source.r_ohm != 0 || source.l_mh != 0) {
-            add(std::make_unique<SourceComponent>(network_, source, bus_of(source.bus)));
+            injections_.push_back(std::make_unique<SourceInjection>(network_, source, bus_of(source.bus)));
         }
     }
     for (Machine const& machine : network_.machines) {
-        auto* c = add(std::make_unique<MachineComponent>(network_, machine, bus_of(machine.bus)));
-        machines_.push_back(c);
-        switchable_[machine.name.name] = [c] { c->set_connected(false); };
+        auto injection = std::make_unique<MachineInjection>(network_, machine, bus_of(machine.bus));
+        machines_.push_back(injection.get());
+        add_unit(machine.name, std::move(injection));
     }
     for (Generator const& g : network_.generators) {
         if (g.role == GeneratorRole::pq) {
-            auto* c = add(std::make_unique<FixedPowerComponent>(g.name.name, Complex{g.p_kw, g.q_kvar} / base,
-                                                                g.rating_kva / base, bus_of(g.bus), base));
-            switchable_[g.name.name] = [c] { c->set_connected(false); };
+            add_unit(g.name, std::make_unique<GivenPower>(g, bus_of(g.bus), network_.power_kva));
         }
     }
 }
@@ -230,9 +232,11 @@ std::vector<std::string> unseen_by_phasors(Network const& n) {
     note(
         n.line_types, [](LineType const& t) { return !t.phase_r_ohm_per_km.empty(); },
         "unequal phases: they transpose the lines of type");
-    note(
-        n.loads, [](Load const& l) { return !l.phase_p_kw.empty(); },
-        "loads by phase: they take a third of the sum for each of load");
+    for_each_kind(n, [&]<class T>(std::vector<T> const& elements) {
+        note(
+            elements, [](OnePort const& e) { return e.unbalanced(); },
+            fmt::format("powers by phase: they take a third of the sum for each of {}", T::kKind.word));
+    });
     return out;
 }
 

@@ -18,7 +18,7 @@ struct PhasorOptions {
     double fixed_step_s{0};
 };
 
-/// Balanced phasor simulation: the network's algebraic equations together with the components' states, as one DAE
+/// Balanced phasor simulation: the network's algebraic equations together with the injections' states, as one DAE
 /// (docs/design/phasor.md). Fails when the network holds what it has no model for yet.
 [[nodiscard]] Result<std::unique_ptr<Engine>> make_phasor_engine(Network network, PhasorOptions options);
 

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/phasor/components.hpp"
 #include "sim/phasor/faults.hpp"
 #include "sim/phasor/fixed_step_solver.hpp"
-#include "sim/phasor/machine_component.hpp"
+#include "sim/phasor/machine_injection.hpp"
 #include "sim/phasor/network_dae.hpp"
 #include "sim/phasor/phasor_engine.hpp"
+#include "sim/phasor/source_injections.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
 #include <functional>
@@ -44,16 +44,18 @@ class PhasorEngine final : public Engine {
     Result<void> open_breakers();
     [[nodiscard]] bool opening(std::size_t breaker) const;
 
-    [[nodiscard]] Scale scale_of(Ref const& name) const;
-    [[nodiscard]] std::size_t component_index(Component const* component) const;
+    [[nodiscard]] std::size_t index_of_injection(PhasorInjection const* injection) const;
     [[nodiscard]] std::size_t bus_of(Ref const& bus) const { return index_of(network_.buses, bus.name); }
-    template <class C>
-    C* add(std::unique_ptr<C> component) {
-        C* raw = component.get();
-        components_.push_back(std::move(component));
-        return raw;
-    }
-    void add_components();
+    struct Unit {
+        PhasorInjection* injection{nullptr};
+        Kind const* kind{nullptr}; ///< of an element at one bus
+    };
+    void add_unit(Ref const& name, std::unique_ptr<PhasorInjection> injection, Kind const* kind = nullptr);
+    void add_injections();
+    /// False when there is no such quantity, or it cannot have this value.
+    bool set_quantity(std::string const& section, std::string const& element, std::string_view quantity, double value);
+    /// Puts a unit into service or takes it out.
+    Result<void> connect(std::string const& name, Unit const& unit, bool connected);
 
     /// Admittances and bus rules for the switches as they are now; the solver starts anew.
     Result<void> set_topology();
@@ -81,13 +83,10 @@ class PhasorEngine final : public Engine {
     Network network_;
     PhasorOptions options_;
     SwitchState switches_;
-    std::vector<std::unique_ptr<Component>> components_;
-    std::vector<MachineComponent*> machines_;
+    std::vector<std::unique_ptr<PhasorInjection>> injections_;
+    std::vector<MachineInjection*> machines_;
     Faults faults_;
-    std::map<std::string, BatteryComponent*> batteries_;
-    std::map<std::string, EvComponent*> evs_;
-    std::map<std::string, LoadComponent*> loads_;
-    std::map<std::string, std::function<void()>> switchable_;
+    std::map<std::string, Unit> units_; ///< what can be taken out of service, by name
     std::unique_ptr<NetworkDae> dae_;
     std::unique_ptr<DaeIntegrator> solver_;
     std::multimap<double, std::size_t> pending_; ///< breakers that will part, by time

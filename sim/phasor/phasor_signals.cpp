@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace gridspace::sim::phasor {
 namespace {
@@ -21,20 +22,26 @@ void PhasorEngine::define_signals() {
             return opening(i) ? kIntermediate : switches_.breaker_closed[i] ? kClosed : kOpen;
         });
     }
-    for (std::size_t k = 0; k < components_.size(); ++k) {
-        std::vector<SignalDef> const own = components_[k]->signals();
+    for (std::size_t k = 0; k < injections_.size(); ++k) {
+        std::vector<SignalDef> const own = injections_[k]->signals();
         for (std::size_t s = 0; s < own.size(); ++s) {
             signal(own[s].name, own[s].unit, [this, k, s] {
-                return components_[k]->value(s, t_, dae_->states_of(k, std::span<double const>{y_}),
-                                             dae_->voltage(components_[k]->bus(), y_));
+                return injections_[k]->value(s, t_, dae_->states_of(k, std::span<double const>{y_}),
+                                             dae_->voltage(injections_[k]->bus(), y_));
             });
+        }
+    }
+    for (auto const& [name, unit] : units_) {
+        if (unit.kind != nullptr && unit.kind->switched) {
+            signal(fmt::format("{}.{}.position", unit.kind->prefix, name), "dpc",
+                   [injection = unit.injection] { return injection->connected() ? kClosed : kOpen; });
         }
     }
     if (!machines_.empty()) {
         signal("system.coi_hz", "Hz", [this] {
             double weighted = 0, weight = 0;
-            for (MachineComponent const* m : machines_) {
-                auto const x = dae_->states_of(component_index(m), std::span<double const>{y_});
+            for (MachineInjection const* m : machines_) {
+                auto const x = dae_->states_of(index_of_injection(m), std::span<double const>{y_});
                 double const inertia = m->data().h * m->data().rating_kva;
                 weighted += inertia * m->value(0, t_, x, dae_->voltage(m->bus(), y_));
                 weight += inertia;
@@ -102,7 +109,7 @@ void PhasorEngine::define_generator_signals() {
     double const base = network_.power_kva;
     for (Generator const& g : network_.generators) {
         if (g.role != GeneratorRole::pq) {
-            // What the bus needs beyond its other components; shared equally where several hold one bus.
+            // What the bus needs beyond its other injections; shared equally where several hold one bus.
             std::size_t const bus = bus_of(g.bus);
             auto const holders = static_cast<double>(
                 std::count_if(network_.generators.begin(), network_.generators.end(), [&](Generator const& other) {
@@ -110,7 +117,7 @@ void PhasorEngine::define_generator_signals() {
                 }));
             auto const power = [this, bus, holders] {
                 Complex const v = dae_->voltage(bus, y_);
-                return v * std::conj(dae_->network_current(bus, y_) - dae_->component_current(bus, t_, y_)) / holders;
+                return v * std::conj(dae_->network_current(bus, y_) - dae_->injected_current(bus, t_, y_)) / holders;
             };
             signal("generator." + g.name.name + ".p_kw", "kW", [power, base] { return power().real() * base; });
             signal("generator." + g.name.name + ".q_kvar", "kvar", [power, base] { return power().imag() * base; });

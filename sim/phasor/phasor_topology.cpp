@@ -53,8 +53,11 @@ std::vector<BusRule> PhasorEngine::bus_rules(std::vector<bool>& fed) const {
 Result<void> PhasorEngine::set_topology() {
     std::vector<TwoPort> branches = two_ports(network_, switches_);
     std::vector<Complex> shunts(network_.buses.size());
-    for (Shunt const& s : network_.shunts) {
-        shunts[bus_of(s.bus)] += Complex{s.p_kw, s.q_kvar} / network_.power_kva;
+    for (OnePort const* e : one_ports(network_)) {
+        if (!units_.contains(e->name.name)) { // its admittance says all
+            std::size_t const bus = bus_of(e->bus);
+            shunts[bus] += e->admittance_kva(network_.buses[bus].voltage_v) / network_.power_kva;
+        }
     }
     if (auto ok = faults_.enter(network_, switches_, out_, branches, shunts); !ok) {
         return ok;
@@ -110,7 +113,7 @@ bool PhasorEngine::cross_q_limits() {
     dae_->event_values(t_, y_, values);
     bool any = false;
     for (std::size_t i = 0; i < network_.buses.size(); ++i) {
-        if (values[components_.size() + i] < kTouching) {
+        if (values[injections_.size() + i] < kTouching) {
             reach_q_limit(i);
             any = true;
         }

@@ -141,13 +141,10 @@ class SequenceNetwork {
             }
             earth(node_of(m.bus.name), m.rating_kva / n_.power_kva / Complex{d.ra, zero_ ? d.x0 : d.x2()});
         }
-        for (Load const& l : n_.loads) {
-            if (!out(l.name)) {
-                earth(node_of(l.bus.name), Complex{l.p_kw, -load_q_kvar(l)} / n_.power_kva);
+        for (OnePort const* e : one_ports(n_)) {
+            if (!out(e->name)) {
+                earth(node_of(e->bus.name), e->admittance_kva(find(n_.buses, e->bus.name)->voltage_v) / n_.power_kva);
             }
-        }
-        for (Shunt const& s : n_.shunts) {
-            earth(node_of(s.bus.name), Complex{s.p_kw, s.q_kvar} / n_.power_kva);
         }
     }
 

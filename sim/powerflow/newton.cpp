@@ -129,7 +129,7 @@ class Solver {
         }
         for (PowerFlowProblem::BusLoad const& load : problem_.loads) {
             VoltagePower const f =
-                load_factor(*load.load, out_.v[load.node], 0); // the model as it is, even when it has no solution
+                load.load->factor(out_.v[load.node], 0); // the model as it is, even when it has no solution
             specified_[load.node] -= scale_ * Complex{load.p * f.p, load.q * f.q};
             slopes_[load.node].first += scale_ * load.p * f.dp_dv;
             slopes_[load.node].second += scale_ * load.q * f.dq_dv;

@@ -101,7 +101,7 @@ Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, P
         needed[i] = {out.buses[i].p_kw, out.buses[i].q_kvar};
     }
     for (PowerFlowProblem::BusLoad const& load : problem.loads) {
-        VoltagePower const f = load_factor(*load.load, solved.v[load.node], 0);
+        VoltagePower const f = load.load->factor(solved.v[load.node], 0);
         needed[load.node] += base * Complex{load.p * f.p, load.q * f.q};
     }
     for (std::size_t s = 0; s < n.sources.size(); ++s) {

@@ -107,6 +107,35 @@ void given_start(Network const& network, PowerFlowProblem& problem) {
     problem.given = std::move(start);
 }
 
+/// Puts elements into the problem.
+class Filler final : public PowerFlowFace {
+  public:
+    Filler(Network const& n, PowerFlowOptions const& options, PowerFlowProblem& problem)
+        : n_{n}, options_{options}, problem_{problem}, buses_{n.buses} {}
+    void inject(Ref const& bus, Complex kva) override {
+        PowerFlowProblem::Node& node = problem_.nodes[buses_[bus.name]];
+        node.p += kva.real() / n_.power_kva;
+        node.q += kva.imag() / n_.power_kva;
+    }
+    void admit(Ref const& bus, Complex kva) override { problem_.shunts[buses_[bus.name]] += kva / n_.power_kva; }
+    void draw(Ref const& bus, VoltageDependent const& load, double scale) override {
+        double const k = scale / n_.power_kva;
+        Complex const nominal = load.nominal_kva();
+        problem_.loads.push_back({buses_[bus.name], &load, nominal.real() * k, nominal.imag() * k});
+    }
+    [[nodiscard]] double voltage_v(Ref const& bus) const override { return n_.buses[buses_[bus.name]].voltage_v; }
+    [[nodiscard]] double scale(Ref const& profile) const override {
+        Profile const* p = find(n_.profiles, profile.name);
+        return p == nullptr ? 1.0 : profile_value(*p, options_.hours, options_.start_hour_of_day);
+    }
+
+  private:
+    Network const& n_;
+    PowerFlowOptions const& options_;
+    PowerFlowProblem& problem_;
+    NameIndex buses_;
+};
+
 } // namespace
 
 PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerFlowOptions const& options) {
@@ -162,31 +191,12 @@ PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerF
         problem.nodes[bus_of(m.bus)].p += m.p_kw / base;
         hold(bus_of(m.bus), NodeKind::pv, m.voltage_setpoint_pu);
     }
-    auto const scale = [&](Ref const& profile) {
-        Profile const* p = find(n.profiles, profile.name);
-        return p == nullptr ? 1.0 : profile_value(*p, options.hours, options.start_hour_of_day);
-    };
-    for (Load const& l : n.loads) {
-        double const k = scale(l.scale) / base;
-        problem.loads.push_back({bus_of(l.bus), &l, l.p_kw * k, load_q_kvar(l) * k});
-    }
-    for (Pv const& p : n.pv) {
-        double power = p.p_kw * scale(p.scale);
-        if (p.rating_kva > 0) {
-            power = std::min(power, p.rating_kva * p.power_factor);
-        }
-        PowerFlowProblem::Node& node = problem.nodes[bus_of(p.bus)];
-        node.p += power / base;
-        node.q -= power / base * std::sqrt(1 - p.power_factor * p.power_factor) / p.power_factor;
-    }
-    for (Battery const& b : n.batteries) {
-        PowerFlowProblem::Node& node = problem.nodes[bus_of(b.bus)];
-        node.p += battery_p_kw(b, scale(b.scale), b.soc_start_percent) / base;
-        node.q += b.q_kvar / base;
-    }
     problem.shunts.assign(problem.nodes.size(), Complex{});
-    for (Shunt const& s : n.shunts) {
-        problem.shunts[bus_of(s.bus)] += Complex{s.p_kw, s.q_kvar} / base;
+    Filler filler{n, options, problem};
+    for (OnePort const* e : one_ports(n)) {
+        if (e->closed_at_start()) {
+            e->power_flow(filler);
+        }
     }
     hold_angles(n, problem);
     start_angles(problem);

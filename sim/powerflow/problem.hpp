@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/powerflow/load_power.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
 #include <optional>
@@ -28,7 +27,7 @@ struct PowerFlowProblem {
     };
     struct BusLoad {
         std::size_t node{0};
-        Load const* load{nullptr};
+        VoltageDependent const* load{nullptr};
         double p{0}, q{0}; ///< at 1 p.u., scaled
     };
     std::vector<Node> nodes;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/powerflow/three_phase.hpp"
 
-#include "sim/powerflow/load_power.hpp"
-
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
 #include <algorithm>
@@ -27,7 +25,7 @@ struct Coils {
     double rated_v{0};
 };
 
-class Feeder {
+class Feeder : private PowerFlowFace {
   public:
     Feeder(Network const& n, SwitchState const& state)
         : n_{n}, state_{state}, omega_{2 * std::numbers::pi * n.frequency_hz} {
@@ -65,19 +63,17 @@ class Feeder {
         if (auto ok = sources(); !ok) {
             return std::unexpected{ok.error()};
         }
-        for (Shunt const& s : n_.shunts) {
-            for (int k = 0; k < 3; ++k) {
-                int const node = node_of(s.bus) + k;
-                double const v = n_.buses[bus_of(s.bus)].voltage_v;
-                add(node, node, Complex{s.p_kw, s.q_kvar} * 1e3 / (v * v));
+        for (OnePort const* e : one_ports(n_)) {
+            if (e->closed_at_start()) {
+                e->power_flow(*this);
             }
         }
         // The share of a load that is an impedance belongs to the matrix: behind windings without earth it is all that
         // holds the potential. Where that does not lead to a solution, the whole load at nominal voltage may.
-        add_loads(impedance_shares);
+        add_loads([](VoltageDependent const& l) { return l.impedance_shares(); });
         auto flow = iterate(options);
         if (!flow) {
-            add_loads([](Load const&) { return std::pair{1.0, 1.0}; });
+            add_loads([](VoltageDependent const&) { return std::pair{1.0, 1.0}; });
             auto again = iterate(options);
             return again ? again : flow;
         }
@@ -85,43 +81,46 @@ class Feeder {
     }
 
   private:
-    /// Shares of a load's active and reactive power that go with the square of the voltage.
-    static std::pair<double, double> impedance_shares(Load const& l) {
-        switch (l.model) {
-        case LoadModel::constant_impedance:
-        case LoadModel::dc_resistive:
-            return {1, 1};
-        case LoadModel::constant_current:
-            return {0.5, 0.5};
-        case LoadModel::exponential:
-            return {std::clamp(l.exponent_p / 2, 0.0, 1.0), std::clamp(l.exponent_q / 2, 0.0, 1.0)};
-        case LoadModel::zip:
-            return {l.zip_p[0], l.zip_q[0]};
-        case LoadModel::constant_power:
-        case LoadModel::dc_constant_power:
-            break;
+    struct DrawnPower {
+        int node{0};
+        double rated_v{0}; ///< phase to earth
+        VoltageDependent const* load{nullptr};
+        double scale{1};
+        /// Nominal power of a phase, VA.
+        [[nodiscard]] Complex nominal(int k) const {
+            Complex const kva = load->nominal_kva(static_cast<std::size_t>(k));
+            double const times = 1e3 * scale;
+            return {kva.real() * times, kva.imag() * times};
         }
-        return {0, 0};
-    }
+    };
 
-    /// Nominal powers of a load's phase, VA.
-    Complex nominal(Load const& l, int k) const {
-        auto const phase = static_cast<std::size_t>(k);
-        double const times = 1e3 * scale(l.scale);
-        return {(l.phase_p_kw.empty() ? l.p_kw / 3 : l.phase_p_kw[phase]) * times,
-                (l.phase_q_kvar.empty() ? load_q_kvar(l) / 3 : l.phase_q_kvar[phase]) * times};
+    void inject(Ref const& bus, Complex kva) override { converters_.emplace_back(node_of(bus), kva); }
+    void admit(Ref const& bus, Complex kva) override {
+        for (int k = 0; k < 3; ++k) {
+            int const node = node_of(bus) + k;
+            double const v = n_.buses[bus_of(bus)].voltage_v;
+            add(node, node, kva * 1e3 / (v * v));
+        }
+    }
+    void draw(Ref const& bus, VoltageDependent const& load, double scale) override {
+        loads_.push_back({node_of(bus), phase_v_[bus_of(bus)], &load, scale});
+    }
+    [[nodiscard]] double voltage_v(Ref const& bus) const override { return n_.buses[bus_of(bus)].voltage_v; }
+    [[nodiscard]] double scale(Ref const& name) const override {
+        Profile const* profile = name.empty() ? nullptr : find(n_.profiles, name.name);
+        return profile == nullptr ? 1 : profile_value(*profile, hours_, start_hour_of_day_);
     }
 
     template <class Shares>
     void add_loads(Shares shares) {
         linear_.clear();
-        for (Load const& l : n_.loads) {
-            auto const [p, q] = shares(l);
-            double const v = phase_v_[bus_of(l.bus)];
+        for (DrawnPower const& l : loads_) {
+            auto const [p, q] = shares(*l.load);
             for (int k = 0; k < 3; ++k) {
-                Complex const s = nominal(l, k), y = std::conj(Complex{s.real() * p, s.imag() * q}) / (v * v);
+                Complex const s = l.nominal(k);
+                Complex const y = std::conj(Complex{s.real() * p, s.imag() * q}) / (l.rated_v * l.rated_v);
                 if (y != Complex{}) {
-                    linear_.emplace_back(node_of(l.bus) + k, y);
+                    linear_.emplace_back(l.node + k, y);
                 }
             }
         }
@@ -292,13 +291,8 @@ class Feeder {
         return {};
     }
 
-    double scale(Ref const& name) const {
-        Profile const* profile = name.empty() ? nullptr : find(n_.profiles, name.name);
-        return profile == nullptr ? 1 : profile_value(*profile, hours_, start_hour_of_day_);
-    }
-
-    /// Currents that loads draw at these voltages.
-    void draw(Eigen::VectorXcd const& v, Eigen::VectorXcd& i) const {
+    /// Currents of loads and converters at these voltages.
+    void currents(Eigen::VectorXcd const& v, Eigen::VectorXcd& i) const {
         auto const consume = [&](int node, Complex power_va) {
             if (std::abs(v[node]) > 0) {
                 i[node] -= std::conj(power_va / v[node]);
@@ -315,26 +309,18 @@ class Feeder {
                 i[node + 2] += current * turn;
             }
         };
-        for (Load const& l : n_.loads) {
-            int const node = node_of(l.bus);
+        for (DrawnPower const& l : loads_) {
             for (int k = 0; k < 3; ++k) {
-                Complex const s = nominal(l, k);
-                VoltagePower const f = load_factor(l, std::abs(v[node + k]) / phase_v_[bus_of(l.bus)]);
-                consume(node + k, {s.real() * f.p, s.imag() * f.q});
+                Complex const s = l.nominal(k);
+                VoltagePower const f = l.load->factor(std::abs(v[l.node + k]) / l.rated_v);
+                consume(l.node + k, {s.real() * f.p, s.imag() * f.q});
             }
         }
         for (auto const& [node, y] : linear_) { // the matrix has it
             i[node] += y * v[node];
         }
-        for (Pv const& pv : n_.pv) {
-            double p = pv.p_kw * scale(pv.scale);
-            if (pv.rating_kva > 0) {
-                p = std::min(p, pv.rating_kva * pv.power_factor);
-            }
-            convert(node_of(pv.bus), {p, -p * std::sqrt(1 - pv.power_factor * pv.power_factor) / pv.power_factor});
-        }
-        for (Battery const& b : n_.batteries) {
-            convert(node_of(b.bus), {battery_p_kw(b, scale(b.scale), b.soc_start_percent), b.q_kvar});
+        for (auto const& [node, kva] : converters_) {
+            convert(node, kva);
         }
         for (Generator const& g : n_.generators) {
             if (g.role == GeneratorRole::pq) {
@@ -381,7 +367,7 @@ class Feeder {
         ThreePhaseFlow out;
         for (out.iterations = 1; out.iterations <= options.max_iterations; ++out.iterations) {
             Eigen::VectorXcd i = driven;
-            draw(v, i);
+            currents(v, i);
             hold(i);
             Eigen::VectorXcd const next = factors.solve(i);
             out.change_pu = 0;
@@ -458,6 +444,8 @@ class Feeder {
     std::vector<Eigen::Triplet<Complex>> entries_;
     std::vector<std::pair<int, Complex>> sources_;
     std::vector<std::pair<int, Complex>> linear_; ///< admittances of loads that are in the matrix, by node
+    std::vector<DrawnPower> loads_;
+    std::vector<std::pair<int, Complex>> converters_; ///< first node, kVA
     std::vector<LineParts> lines_;
     std::vector<Limb> limbs_;
 };
@@ -465,7 +453,8 @@ class Feeder {
 } // namespace
 
 bool is_unbalanced(Network const& n) {
-    return std::any_of(n.loads.begin(), n.loads.end(), [](Load const& l) { return !l.phase_p_kw.empty(); }) ||
+    std::vector<OnePort const*> const elements = one_ports(n);
+    return std::any_of(elements.begin(), elements.end(), [](OnePort const* e) { return e->unbalanced(); }) ||
            std::any_of(n.line_types.begin(), n.line_types.end(),
                        [](LineType const& t) { return !t.phase_r_ohm_per_km.empty(); });
 }

@@ -10,8 +10,6 @@
 
 namespace gridspace::sim {
 
-using Complex = std::complex<double>;
-
 /// Which breakers are closed now; starts as the network file says.
 struct SwitchState {
     explicit SwitchState(Network const& network);

@@ -63,9 +63,9 @@ TEST(Load, ReactivePowerComesFromThePowerFactor) {
     Load load;
     load.p_kw = 9.5;
     load.power_factor = 0.95;
-    EXPECT_NEAR(load_q_kvar(load), 10 * std::sqrt(1 - 0.95 * 0.95), 1e-12);
+    EXPECT_NEAR(load.nominal_q_kvar(), 10 * std::sqrt(1 - 0.95 * 0.95), 1e-12);
     load.model = LoadModel::dc_resistive;
-    EXPECT_EQ(load_q_kvar(load), 0);
+    EXPECT_EQ(load.nominal_q_kvar(), 0);
 }
 
 } // namespace

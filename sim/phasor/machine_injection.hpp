@@ -3,16 +3,16 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "sim/components/faces/phasor_injection.hpp"
 #include "sim/machines/synchronous_machine.hpp"
-#include "sim/phasor/component.hpp"
 
 namespace gridspace::sim::phasor {
 
 /// Synchronous machine with regulators: the rotor of sim/machines, a stator without transients (flux follows at once,
 /// at nominal speed). States: those of the rotor.
-class MachineComponent final : public Component {
+class MachineInjection final : public PhasorInjection {
   public:
-    MachineComponent(Network const& network, Machine const& machine, std::size_t bus);
+    MachineInjection(Network const& network, Machine const& machine, std::size_t bus);
     [[nodiscard]] std::size_t states() const override { return machines::kStates; }
     /// Power out of the machine at the start, p.u. on the network's base; before start().
     void set_start_power(Complex s) { start_power_ = s; }
@@ -24,7 +24,6 @@ class MachineComponent final : public Component {
     [[nodiscard]] bool has_event() const override { return data_.avr.has_value() && !data_.classical; }
     [[nodiscard]] double event(double t, std::span<double const> x) const override;
     void on_event(std::span<double> x) override;
-    void set_connected(bool connected) { connected_ = connected; }
     /// Fails when the field voltage of the start is outside its limits.
     [[nodiscard]] Result<void> check_field(std::span<double const> x) const;
     machines::Setpoints& setpoints() { return set_; }
@@ -46,7 +45,6 @@ class MachineComponent final : public Component {
     double base_hz_;
     int at_limit_{0}; ///< -1 lower, 1 upper
     Complex start_power_;
-    bool connected_{true};
 };
 
 } // namespace gridspace::sim::phasor

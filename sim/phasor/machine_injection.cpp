@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/phasor/machine_component.hpp"
+#include "sim/phasor/machine_injection.hpp"
 
 #include "common/text.hpp"
 
@@ -29,8 +29,8 @@ State state_of(std::span<double const> x) {
 
 } // namespace
 
-MachineComponent::MachineComponent(Network const& network, Machine const& machine, std::size_t bus)
-    : Component{bus}, name_{machine.name.name}, data_{machines::machine_data(network, machine)},
+MachineInjection::MachineInjection(Network const& network, Machine const& machine, std::size_t bus)
+    : PhasorInjection{bus}, name_{machine.name.name}, data_{machines::machine_data(network, machine)},
       w0_{2 * std::numbers::pi * network.frequency_hz}, to_network_{machine.rating_kva / network.power_kva},
       base_hz_{network.frequency_hz} {
     if (data_.avr) {
@@ -43,19 +43,19 @@ MachineComponent::MachineComponent(Network const& network, Machine const& machin
     }
 }
 
-void MachineComponent::start(double, Complex v, std::span<double> x) {
+void MachineInjection::start(double, Complex v, std::span<double> x) {
     Complex const i = v == Complex{} ? Complex{} : std::conj(start_power_ / to_network_ / v);
     auto const start = machines::steady_state(data_, v, i);
     set_ = start.set;
     std::copy(start.x.begin(), start.x.end(), x.begin());
 }
 
-MachineComponent::Stator MachineComponent::stator(State const& x, Complex v) const {
+MachineInjection::Stator MachineInjection::stator(State const& x, Complex v) const {
     Complex const to_rotor = std::polar(1.0, std::numbers::pi / 2 - x[machines::kAngle]);
     Stator s;
     // Fluxes without the part that currents make of unequal axes; the axes have their own reactances here.
     machines::Flux const flux = machines::subtransient_flux(data_, x, 0, 0);
-    if (!connected_) {
+    if (!connected()) {
         s.v = std::hypot(flux.d, flux.q);
         return s;
     }
@@ -70,7 +70,7 @@ MachineComponent::Stator MachineComponent::stator(State const& x, Complex v) con
     return s;
 }
 
-Complex MachineComponent::flow(double, std::span<double const> states, Complex v, std::span<double> dx) const {
+Complex MachineInjection::flow(double, std::span<double const> states, Complex v, std::span<double> dx) const {
     State const x = state_of(states);
     Stator const s = stator(x, v);
     State d;
@@ -85,7 +85,7 @@ Complex MachineComponent::flow(double, std::span<double const> states, Complex v
     return s.i * to_network_;
 }
 
-Result<void> MachineComponent::check_field(std::span<double const> x) const {
+Result<void> MachineInjection::check_field(std::span<double const> x) const {
     double const efd = x[machines::kEfd];
     if (has_event() && (efd > data_.avr->efd_max_pu || efd < data_.avr->efd_min_pu)) {
         return fail(
@@ -97,7 +97,7 @@ Result<void> MachineComponent::check_field(std::span<double const> x) const {
     return {};
 }
 
-double MachineComponent::event(double, std::span<double const> x) const {
+double MachineInjection::event(double, std::span<double const> x) const {
     double const efd = x[machines::kEfd];
     if (at_limit_ == 0) {
         return std::min(data_.avr->efd_max_pu - efd, efd - data_.avr->efd_min_pu);
@@ -105,7 +105,7 @@ double MachineComponent::event(double, std::span<double const> x) const {
     return at_limit_ * (data_.avr->ka * (set_.v_ref - x[machines::kVmeas]) - efd);
 }
 
-void MachineComponent::on_event(std::span<double> x) {
+void MachineInjection::on_event(std::span<double> x) {
     double& efd = x[machines::kEfd];
     if (at_limit_ != 0) {
         at_limit_ = 0;
@@ -115,17 +115,17 @@ void MachineComponent::on_event(std::span<double> x) {
     efd = at_limit_ > 0 ? data_.avr->efd_max_pu : data_.avr->efd_min_pu;
 }
 
-std::vector<SignalDef> MachineComponent::signals() const {
+std::vector<SignalDef> MachineInjection::signals() const {
     std::string const p = "machine." + name_;
     return {{p + ".frequency_hz", "Hz"}, {p + ".speed_pu", "p.u."}, {p + ".angle_deg", "deg"},
             {p + ".torque_pu", "p.u."},  {p + ".v_pu", "p.u."},     {p + ".efd_pu", "p.u."},
             {p + ".p_kw", "kW"},         {p + ".q_kvar", "kvar"},   {p + ".mechanical_kw", "kW"}};
 }
 
-double MachineComponent::value(std::size_t signal, double, std::span<double const> states, Complex v) const {
+double MachineInjection::value(std::size_t signal, double, std::span<double const> states, Complex v) const {
     State const x = state_of(states);
     Stator const s = stator(x, v);
-    Complex const power = (connected_ ? v : Complex{}) * std::conj(s.i) * data_.rating_kva;
+    Complex const power = (connected() ? v : Complex{}) * std::conj(s.i) * data_.rating_kva;
     switch (signal) {
     case 0:
         return base_hz_ * (1 + x[machines::kSpeed]);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/powerflow/load_power.hpp"
+#include "sim/components/load/load.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ TEST(LoadFactor, IsOneAtNominalVoltageForEveryModel) {
         load.exponent_p = 1.3;
         load.exponent_q = 2;
         load.zip_p = {0.2, 0.3, 0.5};
-        EXPECT_DOUBLE_EQ(load_factor(load, 1).p, 1);
-        EXPECT_DOUBLE_EQ(load_factor(load, 1).q, 1);
+        EXPECT_DOUBLE_EQ(load.factor(1).p, 1);
+        EXPECT_DOUBLE_EQ(load.factor(1).q, 1);
     }
 }
 
@@ -33,11 +33,9 @@ TEST(LoadFactor, SlopesAreTheDerivatives) {
             load.exponent_q = 2.5;
             load.zip_p = {0.2, 0.3, 0.5};
             load.zip_q = {0.6, 0.3, 0.1};
-            VoltagePower const at = load_factor(load, v);
-            EXPECT_NEAR(at.dp_dv, (load_factor(load, v + kStep).p - load_factor(load, v - kStep).p) / (2 * kStep),
-                        1e-6);
-            EXPECT_NEAR(at.dq_dv, (load_factor(load, v + kStep).q - load_factor(load, v - kStep).q) / (2 * kStep),
-                        1e-6);
+            VoltagePower const at = load.factor(v);
+            EXPECT_NEAR(at.dp_dv, (load.factor(v + kStep).p - load.factor(v - kStep).p) / (2 * kStep), 1e-6);
+            EXPECT_NEAR(at.dq_dv, (load.factor(v + kStep).q - load.factor(v - kStep).q) / (2 * kStep), 1e-6);
         }
     }
 }
@@ -45,9 +43,9 @@ TEST(LoadFactor, SlopesAreTheDerivatives) {
 TEST(LoadFactor, BecomesAConstantImpedanceBelowTheFloorWithoutAJump) {
     Load load;
     load.model = LoadModel::constant_power;
-    EXPECT_DOUBLE_EQ(load_factor(load, 0.35).p, 0.25);
-    EXPECT_NEAR(load_factor(load, 0.7 - 1e-9).p, load_factor(load, 0.7 + 1e-9).p, 1e-8);
-    EXPECT_DOUBLE_EQ(load_factor(load, 0).p, 0);
+    EXPECT_DOUBLE_EQ(load.factor(0.35).p, 0.25);
+    EXPECT_NEAR(load.factor(0.7 - 1e-9).p, load.factor(0.7 + 1e-9).p, 1e-8);
+    EXPECT_DOUBLE_EQ(load.factor(0).p, 0);
 }
 
 } // namespace

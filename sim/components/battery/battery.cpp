@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/components/battery/battery.hpp"
+
+#include "sim/components/faces/converter.hpp"
+#include "sim/components/faces/number_specs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace gridspace::sim {
+
+using namespace elements;
+
+void Battery::fields(Fields& f) {
+    f.number("capacity_kwh", capacity_kwh, positive("energy of the cells", true));
+    f.number("rating_kva", rating_kva, positive("rated power of the converter", true));
+    f.number("p_kw", p_kw, any("power into the network; negative: charging"));
+    f.number("q_kvar", q_kvar, any("reactive power into the network"));
+    f.number("efficiency", efficiency, at_most_one("of the converter, each way"));
+    f.number("soc_start_percent", soc_start_percent, percent("state of charge at the start"));
+    f.number("soc_min_percent", soc_min_percent, percent("discharging stops exactly here"));
+    f.number("soc_max_percent", soc_max_percent, percent("charging stops exactly here"));
+    f.reference("scale", scale, {.doc = "profile that multiplies p_kw"});
+    if (!(soc_min_percent <= soc_start_percent && soc_start_percent <= soc_max_percent)) {
+        f.error("soc_start_percent", fmt::format("'{}' starts at {} %, which is not between {} % and {} %", name.name,
+                                                 soc_start_percent, soc_min_percent, soc_max_percent));
+    }
+    if (rating_kva > 0 && std::hypot(p_kw, q_kvar) > rating_kva * (1 + 1e-9)) {
+        f.error("rating_kva", fmt::format("p_kw and q_kvar of '{}' are {:.4g} kVA, more than its rating", name.name,
+                                          std::hypot(p_kw, q_kvar)));
+    }
+}
+
+double Battery::asked_kw(double times) const {
+    double const most = std::sqrt(std::max(0.0, rating_kva * rating_kva - q_kvar * q_kvar));
+    return std::clamp(p_kw * times, -most, most);
+}
+
+double Battery::asked_kw(double times, double soc_percent) const {
+    double const p = asked_kw(times);
+    bool const spent = p > 0 ? soc_percent <= soc_min_percent : soc_percent >= soc_max_percent;
+    return spent ? 0 : p;
+}
+
+double Battery::soc_slope(double given_kw) const {
+    double const of_cells = given_kw > 0 ? given_kw / efficiency : given_kw * efficiency;
+    return -100 * of_cells / (capacity_kwh * 3600);
+}
+
+namespace {
+
+/// State: state of charge (%). Meeting a limit and leaving it are events.
+class BatteryInjection final : public PowerInjection {
+  public:
+    BatteryInjection(Battery const& battery, Surroundings const& around)
+        : PowerInjection{Battery::kKind, battery.name, around.bus(battery.bus), around.base_kva()}, battery_{battery},
+          scale_{around.scale(battery.scale)} {}
+    [[nodiscard]] std::size_t states() const override { return 1; }
+    void start(double, Complex, std::span<double> x) override {
+        x[0] = battery_.soc_start_percent;
+        limit_ = x[0] <= battery_.soc_min_percent ? -1 : x[0] >= battery_.soc_max_percent ? 1 : 0;
+    }
+    [[nodiscard]] bool has_event() const override { return true; }
+    [[nodiscard]] double event(double t, std::span<double const> x) const override {
+        constexpr double kLeftPercent = 1e-6; // this far from a limit it is no longer at it
+        double const p = connected() ? battery_.asked_kw(scale_(t)) : 0;
+        if (limit_ < 0) {
+            return battery_.soc_min_percent + kLeftPercent - x[0];
+        }
+        if (limit_ > 0) {
+            return x[0] - battery_.soc_max_percent + kLeftPercent;
+        }
+        return p == 0 ? 1 : p > 0 ? x[0] - battery_.soc_min_percent : battery_.soc_max_percent - x[0];
+    }
+    void on_event(std::span<double> x) override {
+        if (limit_ != 0) {
+            limit_ = 0;
+            return;
+        }
+        limit_ = x[0] - battery_.soc_min_percent < battery_.soc_max_percent - x[0] ? -1 : 1;
+        x[0] = limit_ < 0 ? battery_.soc_min_percent : battery_.soc_max_percent;
+    }
+    [[nodiscard]] std::vector<SignalDef> signals() const override {
+        auto out = PowerInjection::signals();
+        out.push_back({prefix() + ".soc_percent", "%"});
+        return out;
+    }
+    [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override {
+        return signal == 2 ? x[0] : PowerInjection::value(signal, t, x, v);
+    }
+    bool set(std::string_view quantity, double value) override { return battery_.set(quantity, value); }
+
+  private:
+    [[nodiscard]] Complex power(double t, std::span<double const>, double v) const override {
+        double const p = battery_.asked_kw(scale_(t));
+        bool const spent = p > 0 ? limit_ < 0 : limit_ > 0;
+        return within_rating({spent ? 0 : p, battery_.q_kvar}, v, battery_.rating_kva) / base_kva();
+    }
+    void slopes(double t, std::span<double const> x, Complex v, std::span<double> dx) const override {
+        dx[0] = battery_.soc_slope(PowerInjection::value(0, t, x, v));
+    }
+    Battery battery_;
+    int limit_{0}; ///< -1: empty, 1: full; then it gives, or takes, nothing
+    Scale scale_;
+};
+
+class BatteryPower final : public PowerModel {
+  public:
+    BatteryPower(Battery const& battery, Scale scale) : battery_{battery}, scale_{std::move(scale)} {}
+    void start(double) override { soc_percent_ = battery_.soc_start_percent; }
+    Complex power_va(double t, double, double h) override {
+        double const p_kw = battery_.asked_kw(scale_(t), soc_percent_);
+        soc_percent_ =
+            std::clamp(soc_percent_ + battery_.soc_slope(p_kw) * h, battery_.soc_min_percent, battery_.soc_max_percent);
+        return {1e3 * p_kw, 1e3 * battery_.q_kvar};
+    }
+    bool set(std::string_view quantity, double value) override { return battery_.set(quantity, value); }
+    [[nodiscard]] std::vector<SignalDef> signals() const override { return {{"soc_percent", "%"}}; }
+    [[nodiscard]] double value(std::size_t) const override { return soc_percent_; }
+
+  private:
+    Battery battery_;
+    Scale scale_;
+    double soc_percent_{0};
+};
+
+} // namespace
+
+std::unique_ptr<PhasorInjection> Battery::phasor(Surroundings const& around) const {
+    return std::make_unique<BatteryInjection>(*this, around);
+}
+
+void Battery::circuit(CircuitFace& face) const {
+    face.converter(*this, rating_kva, std::make_unique<BatteryPower>(*this, face.scale(scale)));
+}
+
+} // namespace gridspace::sim

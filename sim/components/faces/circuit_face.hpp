@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/components/faces/surroundings.hpp"
+#include "sim/engine/engine.hpp"
+
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace gridspace::sim {
+
+struct OnePort;
+
+/// The power that a grid-following injection gives in the waveform simulation, and the states behind it.
+class PowerModel {
+  public:
+    virtual ~PowerModel() = default;
+    /// Back to the start. `kvar`: reactive power that the power flow found, of one that regulates its voltage.
+    virtual void start(double /*kvar*/) {}
+    /// Power into the network (VA) at voltage v (p.u.), after it has been so for a time of h.
+    virtual Complex power_va(double t, double v, double h) = 0;
+    /// The same of one phase, of what is unlike in the phases.
+    virtual Complex phase_power_va(std::size_t /*phase*/, double t, double v, double h) {
+        return power_va(t, v, h) / 3.0;
+    }
+    /// Taken out of service for good.
+    virtual void disconnect() {}
+    /// Changes a quantity in a run; false when it cannot have this value.
+    virtual bool set(std::string_view /*quantity*/, double /*value*/) { return true; }
+    /// Signals beside its powers and currents, and their values.
+    [[nodiscard]] virtual std::vector<SignalDef> signals() const { return {}; }
+    [[nodiscard]] virtual double value(std::size_t /*signal*/) const { return 0; }
+};
+
+/// The parts that an element can put into the circuit of the waveform simulation, behind poles of its own.
+class CircuitFace : public Surroundings {
+  public:
+    /// Impedances to earth, alike in the phases: OnePort::admittance_kva().
+    virtual void star(OnePort const& element) = 0;
+    /// Impedances to earth that draw these powers at nominal voltage, kVA.
+    virtual void star_by_phase(OnePort const& element, std::array<Complex, 3> const& kva) = 0;
+    /// An averaged converter with its filter. 0 kVA: nothing limits its current.
+    virtual void converter(OnePort const& element, double rating_kva, std::unique_ptr<PowerModel> model) = 0;
+    /// What the element draws beyond the star that it has already. `unlike`: phase by phase in an unbalanced network.
+    virtual void beyond_star(OnePort const& element, std::unique_ptr<PowerModel> model) = 0;
+};
+
+} // namespace gridspace::sim

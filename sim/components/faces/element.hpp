@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/config/fields.hpp"
+
+#include <complex>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace gridspace::sim {
+
+using config::Ref;
+using Complex = std::complex<double>;
+
+/// What every named element has.
+struct Element {
+    Ref name;
+    std::string label; ///< display text; the name when empty
+};
+
+/// A quantity that `set:` may change in a run.
+struct Quantity {
+    std::string_view name;
+    bool in_phasors{true}; ///< waveforms know all of them
+};
+
+/// What all elements of a kind have in common: words and small facts.
+struct Kind {
+    std::string_view section; ///< of a network file, and in the paths of `set:` ("loads")
+    std::string_view doc;     ///< of that section
+    std::string_view word;    ///< in messages ("load")
+    std::string_view prefix;  ///< of its signals, and its symbol in the one-line diagram ("load")
+    bool feeds{false};        ///< its powers count positive into the network, and it ceases when no grid holds its bus
+    bool has_signals{true};
+    bool switched{false}; ///< `open:` and `close:` of an event work on it
+    std::span<Quantity const> settable{};
+};
+
+} // namespace gridspace::sim

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/config/fields.hpp"
+
+#include <string_view>
+
+/// Ranges of numbers in a network file.
+namespace gridspace::sim::elements {
+
+using config::Fields;
+using config::NumberSpec;
+
+constexpr NumberSpec positive(std::string_view doc, bool required = false) {
+    NumberSpec spec;
+    spec.doc = doc;
+    spec.required = required;
+    spec.above = 0;
+    return spec;
+}
+constexpr NumberSpec at_most_one(std::string_view doc) {
+    NumberSpec spec = positive(doc);
+    spec.max = 1;
+    return spec;
+}
+constexpr NumberSpec not_negative(std::string_view doc, bool required = false) {
+    NumberSpec spec;
+    spec.doc = doc;
+    spec.required = required;
+    spec.min = 0;
+    return spec;
+}
+constexpr NumberSpec any(std::string_view doc, bool required = false) {
+    NumberSpec spec;
+    spec.doc = doc;
+    spec.required = required;
+    return spec;
+}
+constexpr NumberSpec percent(std::string_view doc, bool required = false) {
+    NumberSpec spec = not_negative(doc, required);
+    spec.max = 100;
+    return spec;
+}
+
+} // namespace gridspace::sim::elements

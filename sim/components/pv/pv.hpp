@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/components/faces/one_port.hpp"
+
+namespace gridspace::sim {
+
+/// Photovoltaic inverter: active power by a profile, limited by the rating, at a fixed power factor.
+struct Pv final : OnePort {
+    static constexpr Kind kKind{
+        .section = "pv", .doc = "photovoltaic inverters", .word = "PV", .prefix = "pv", .feeds = true};
+    double p_kw{0}, rating_kva{0}; ///< at full sun; 0: no limit
+    double power_factor{1};        ///< takes reactive power
+    Ref scale;                     ///< profile of the sun
+
+    /// Power into the network at a value of the profile, kVA.
+    [[nodiscard]] Complex power_kva(double sun) const;
+    /// Rating of the inverter, kVA; that of full sun when none is given.
+    [[nodiscard]] double inverter_kva() const { return rating_kva > 0 ? rating_kva : p_kw / power_factor; }
+
+    [[nodiscard]] Kind const& kind() const override { return kKind; }
+    void fields(config::Fields& f) override;
+    void check(ElementCheck& check) const override { check.profile(scale); }
+    [[nodiscard]] bool earthed() const override { return true; } // its filter
+    void power_flow(PowerFlowFace& face) const override { face.inject(bus, power_kva(face.scale(scale))); }
+    [[nodiscard]] std::unique_ptr<PhasorInjection> phasor(Surroundings const& around) const override;
+    void circuit(CircuitFace& face) const override;
+};
+
+} // namespace gridspace::sim

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/phasor/source_injections.hpp"
+
+#include "sim/components/faces/converter.hpp"
+#include "sim/powerflow/two_port.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gridspace::sim::phasor {
+namespace {
+
+constexpr Kind kGenerator{
+    .section = "generators", .doc = "", .word = "generator", .prefix = "generator", .feeds = true};
+
+} // namespace
+
+SourceInjection::SourceInjection(Network const& network, Source const& source, std::size_t bus)
+    : PhasorInjection{bus}, name_{source.name.name}, base_kva_{network.power_kva},
+      emf_{std::polar(source.voltage_pu, source.angle_deg * std::numbers::pi / 180)} {
+    double const omega = 2 * std::numbers::pi * network.frequency_hz;
+    admittance_ = base_impedance(network, network.buses[bus]) / Complex{source.r_ohm, omega * source.l_mh * 1e-3};
+}
+
+Complex SourceInjection::flow(double, std::span<double const>, Complex v, std::span<double>) const {
+    return (emf_ - v) * admittance_;
+}
+
+std::vector<SignalDef> SourceInjection::signals() const {
+    return {{"source." + name_ + ".p_kw", "kW"}, {"source." + name_ + ".q_kvar", "kvar"}};
+}
+
+double SourceInjection::value(std::size_t signal, double, std::span<double const>, Complex v) const {
+    Complex const s = v * std::conj((emf_ - v) * admittance_);
+    return (signal == 0 ? s.real() : s.imag()) * base_kva_;
+}
+
+GivenPower::GivenPower(Generator const& g, std::size_t bus, double base_kva)
+    : PowerInjection{kGenerator, g.name, bus, base_kva}, power_{Complex{g.p_kw, g.q_kvar} / base_kva},
+      rating_{std::max(g.rating_kva / base_kva, std::abs(power_))} {}
+
+Complex GivenPower::power(double, std::span<double const>, double v) const {
+    return within_rating(power_, v, rating_);
+}
+
+} // namespace gridspace::sim::phasor

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/components/faces/phasor_injection.hpp"
+#include "sim/network/network.hpp"
+
+namespace gridspace::sim::phasor {
+
+/// Ideal source behind an impedance.
+class SourceInjection final : public PhasorInjection {
+  public:
+    SourceInjection(Network const& network, Source const& source, std::size_t bus);
+    Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
+    [[nodiscard]] std::vector<SignalDef> signals() const override;
+    [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
+
+  private:
+    std::string name_;
+    double base_kva_;
+    Complex emf_, admittance_;
+};
+
+/// Generator with given powers (role pq; pv in quasi-static runs is a held voltage, see PhasorEngine).
+class GivenPower final : public PowerInjection {
+  public:
+    GivenPower(Generator const& generator, std::size_t bus, double base_kva);
+
+  private:
+    [[nodiscard]] Complex power(double t, std::span<double const> x, double v) const override;
+    Complex power_;
+    double rating_;
+};
+
+} // namespace gridspace::sim::phasor
