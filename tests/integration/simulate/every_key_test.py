@@ -152,13 +152,15 @@ UNBALANCED_CHANGES = {
 }
 
 
-# Elements whose example stands in the reference: it is part of the network. A number of it becomes nine tenths, a word is left out.
+# Elements whose example stands in the reference: it is part of the network. Where a key stands first,
+# a number becomes nine tenths and a word is left out.
 REFERENCE = (SOURCE / "docs/reference/components.md").read_text()
 for section, elements in re.findall(r"```yaml\n(\w+):(.*?)```", REFERENCE, re.S):
     NETWORK[section] = json.loads(re.sub(r"[A-Za-z_]\w*", r'"\g<0>"', elements))
-    for name, keys in NETWORK[section].items():
-        for key, value in keys.items():
-            CHANGES[f"{section}.{name}.{key}"] = None if isinstance(value, str) else 0.9 * value
+    first = {key: name for name, keys in reversed(NETWORK[section].items()) for key in keys}
+    for key, name in first.items():
+        value = NETWORK[section][name][key]
+        CHANGES[f"{section}.{name}.{key}"] = None if isinstance(value, str) else 0.9 * value
 
 
 def changed(network, path, value):
