@@ -241,7 +241,7 @@ std::optional<program::Declaration> ask_program(std::vector<std::string> const& 
 } // namespace
 
 std::unique_ptr<ProcessSettings> read_foreign_program(config::Fields& fields, Node const& written, std::string& name,
-                                                      Diagnostics& diagnostics) {
+                                                      bool may_start, Diagnostics& diagnostics) {
     Ref path;
     std::vector<Ref> arguments;
     fields.object("program", {}, [&](config::Fields& f) {
@@ -255,7 +255,9 @@ std::unique_ptr<ProcessSettings> read_foreign_program(config::Fields& fields, No
     for (Ref& word : arguments) {
         command.push_back(std::move(word.name));
     }
-    if (!path.empty()) {
+    if (!path.empty() && !may_start) {
+        diagnostics.error(path.where, "no program of somebody else is started here", "");
+    } else if (!path.empty()) {
         declaration = ask_program(command, path, diagnostics);
     }
     if (!declaration) {

@@ -38,7 +38,7 @@ class DeclaredSettings final : public ProcessSettings {
 /// with five seconds to answer, and its keys are read from `fields`. Its name goes to `name`. Nothing when it does not
 /// say: mistakes are reported at its path, or by line and column of what it printed.
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_foreign_program(config::Fields& fields, config::Node const& written,
-                                                                    std::string& name,
+                                                                    std::string& name, bool may_start,
                                                                     config::Diagnostics& diagnostics);
 
 } // namespace gridspace::launcher

@@ -114,6 +114,7 @@ struct LoadOptions {
     std::optional<std::string> until{}; ///< --until 10s
     std::optional<std::string> seed{};  ///< --seed; read as the value of the file
     std::string allow_attacks_on{};     ///< --allow-attacks-on
+    bool start_programs{true};          ///< programs of somebody else are asked what they are; false: refused
 };
 
 /// Reads and checks a scenario: syntax, keys, references, network and power flow, dataflow, expectations. Everything

@@ -113,7 +113,7 @@ void describe_process(Fields& f, Process& p) {
 }
 
 /// The whole file, by the programs that it names.
-void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& diagnostics) {
+void describe_scenario(Fields& f, Scenario& s, Node const& root, bool start_programs, Diagnostics& diagnostics) {
     std::int64_t version = 1;
     f.integer("gridspace", version, {.doc = "version of this format", .required = true, .min = 1, .max = 1});
     f.text("name", s.name, {.doc = "name of the scenario", .required = true});
@@ -168,7 +168,7 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, Diagnostics& di
         describe_process(p, process);
         if (Node const* own = process.node.find("program"); own != nullptr && own->is_map()) {
             process.program.where = own->where;
-            process.settings = read_foreign_program(p, process.node, process.program.name, diagnostics);
+            process.settings = read_foreign_program(p, process.node, process.program.name, start_programs, diagnostics);
             if (auto const* declared = dynamic_cast<DeclaredSettings const*>(process.settings.get());
                 declared != nullptr && process.qos.empty()) {
                 process.qos = {declared->declaration().role, name.where};
@@ -282,7 +282,7 @@ void describe_scenario_keys(config::Fields& fields) {
     Node root = Node::map(), processes = Node::map();
     processes.set("NAME", Node::map());
     root.set("processes", std::move(processes));
-    describe_scenario(fields, scenario, root, ignored);
+    describe_scenario(fields, scenario, root, false, ignored);
 }
 
 Process const* Scenario::find_process(std::string_view process) const {
@@ -347,8 +347,9 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     auto scenario = std::make_unique<Scenario>();
     scenario->file = file;
     scenario->allow_attacks_on = options.allow_attacks_on;
-    config::read_fields(*root, "", diagnostics,
-                        [&](Fields& f) { describe_scenario(f, *scenario, *root, diagnostics); });
+    config::read_fields(*root, "", diagnostics, [&](Fields& f) {
+        describe_scenario(f, *scenario, *root, options.start_programs, diagnostics);
+    });
     scenario->resolved = std::move(*root);
     scenario->resolved.erase("defaults"); // they are in the processes now
     if (!scenario->simulation.network.empty()) {

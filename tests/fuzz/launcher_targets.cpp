@@ -5,8 +5,9 @@
 #include "common/config/yaml.hpp"
 #include "ids/data/recording_file.hpp"
 #include "ids/forecaster/model_file.hpp"
-#include "launcher/report/results.hpp"
+#include "launcher/judge/results.hpp"
 #include "launcher/report/run_info.hpp"
+#include "launcher/report/summary.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "monitor/graph/graph_text.hpp"
 #include "router/router_config.hpp"
@@ -57,7 +58,7 @@ void scenario(std::uint8_t const* data, std::size_t size) {
     std::filesystem::path const file = folder.path() / "scenario.yaml";
     write(file, text_of(data, size));
     config::Diagnostics diagnostics;
-    auto const scenario = launcher::load_scenario(file, {}, diagnostics);
+    auto const scenario = launcher::load_scenario(file, {.start_programs = false}, diagnostics);
     require(scenario != nullptr || !diagnostics.ok(), "a scenario was refused without a word");
     (void)diagnostics.render();
 }
@@ -118,9 +119,9 @@ void run_folder(std::uint8_t const* data, std::size_t size) {
     auto const results = launcher::read_results(folder.path());
     require(info && results, "a folder without a recording cannot be shown");
     require(info->text.find('\x1b') == std::string::npos, "a name reached the terminal as it is");
-    (void)summary_json(*results);
-    (void)to_junit(*results);
-    (void)to_text(*results, false);
+    (void)launcher::summary_json(*results);
+    (void)launcher::to_junit(*results);
+    (void)launcher::to_text(*results, false);
 }
 
 } // namespace gridspace::fuzz
