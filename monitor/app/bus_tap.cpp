@@ -4,10 +4,12 @@
 
 #include "bus/raw_access.hpp"
 #include "common/log.hpp"
+#include "common/text.hpp"
 
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <fmt/format.h>
 #include <map>
 #include <set>
 #include <string_view>
@@ -57,6 +59,13 @@ struct BusTap::Network final : bus::DiscoveryObserver {
         std::lock_guard const lock{run.mutex};
         run.graph.participant_found(name, found);
         known.insert(found.id);
+        auto const bearers = run.graph.bearers(name, found.peer);
+        if (bearers.size() > 1 && !found.peer.process.empty() && found.peer.process != self.peer.process) {
+            run.tell_once("same_name",
+                          fmt::format("{} participants on '{}' call themselves '{}' ({}): only one of them "
+                                      "is that process; one may be its last life, whose lease runs out",
+                                      bearers.size(), name, found.peer.process, gridspace::join(bearers, ", ")));
+        }
     }
     void participant_gone(std::string const& id, bool clean) override {
         std::lock_guard const lock{run.mutex};

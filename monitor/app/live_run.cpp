@@ -24,6 +24,7 @@ constexpr std::size_t kKeptEvents = 10'000;
 constexpr std::size_t kGroups = 256;
 constexpr std::size_t kStreamEnds = 4096;
 constexpr std::size_t kTypes = 4096;
+constexpr std::size_t kTold = 1024;
 constexpr std::size_t kProcesses = 4096;         ///< that acknowledge
 constexpr std::size_t kWindowValues = 4'000'000; ///< of one group and level: 16 MB, 32 MB in the coarser ones
 
@@ -249,11 +250,13 @@ void LiveRun::add_event(RunEvent event) {
 }
 
 void LiveRun::full(std::string const& what, std::size_t limit) {
-    if (full_.insert(what).second) {
-        std::string const text =
-            fmt::format("there are more than {} {} on the bus: the others are not shown", limit, what);
+    tell_once("limit", fmt::format("there are more than {} {} on the bus: the others are not shown", limit, what));
+}
+
+void LiveRun::tell_once(std::string const& event, std::string const& text) {
+    if (told_.size() < kTold && told_.insert(text).second) {
         log::warning("{}", text);
-        add_event({0, clock.time_s, "monitor", "limit", text});
+        add_event({0, clock.time_s, "monitor", event, text});
     }
 }
 

@@ -106,8 +106,10 @@ struct LiveRun {
     /// Rates and pace; about twice a second, with the mutex not held.
     void measure(std::chrono::duration<double> since_last);
     void add_event(RunEvent event); ///< mutex held
-    /// There is no room for more of these: said once, as an event and in the log. Mutex held.
+    /// There is no room for more of these: said once. Mutex held.
     void full(std::string const& what, std::size_t limit);
+    /// As an event and in the log, when it has not been said yet. Mutex held.
+    void tell_once(std::string const& event, std::string const& text);
     /// Says of each writer that is not heard why, once; with the mutex not held.
     void tell_not_heard();
     /// The window that has the signal, and its column. Mutex held.
@@ -120,7 +122,7 @@ struct LiveRun {
     void reach(std::int64_t time_ns, std::uint64_t tick);
     mutable std::optional<graph::Snapshot> snapshot_; ///< of the newest revision that somebody has asked for
     IntrusionView intrusion_;
-    std::set<std::string> full_;                   ///< what there was no room for
+    std::set<std::string> told_;                   ///< once
     std::set<std::string> unheard_, told_unheard_; ///< when it was last looked at, and ever
     std::string clock_process_;                    ///< who publishes the clock
     double time_then_s_{0};

@@ -67,6 +67,18 @@ void GraphModel::participant_gone(std::string const& id, bool clean) {
     }
 }
 
+std::vector<std::string> GraphModel::bearers(std::string const& network, bus::Peer const& peer) const {
+    std::vector<std::string> out;
+    for (auto const& [id, participant] : participants_) {
+        bus::Peer const& other = participant.info.peer;
+        if (participant.here && participant.network == network && other.process == peer.process &&
+            other.incarnation == peer.incarnation) {
+            out.push_back(participant.info.addresses.empty() ? "nowhere" : participant.info.addresses.front());
+        }
+    }
+    return out;
+}
+
 void GraphModel::process_died(std::string const& process) {
     std::vector<std::string> ids;
     for (auto const& [id, participant] : participants_) {

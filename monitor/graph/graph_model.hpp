@@ -76,6 +76,8 @@ class GraphModel {
 
     void participant_found(std::string const& network, bus::DiscoveredParticipant const& participant);
     void participant_gone(std::string const& id, bool clean);
+    /// The addresses of those on a network that are this process in this incarnation, or say so: one entry for each.
+    [[nodiscard]] std::vector<std::string> bearers(std::string const& network, bus::Peer const& peer) const;
     /// Somebody who watches processes has seen it die: its lease runs out only seconds later.
     void process_died(std::string const& process);
     /// False: there is no room for it.

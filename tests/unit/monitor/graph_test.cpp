@@ -238,6 +238,17 @@ TEST(GraphModel, DoesNotBlameAnybodyForAReaderOfTheMonitor) {
     EXPECT_THAT(edge(graph, "stranger").problems, ElementsAre(HasSubstr("mcca does not get it: reliability")));
 }
 
+TEST(GraphModel, KnowsWhoElseBearsTheNameOfAProcess) {
+    GraphModel sut = pair();
+    bus::Peer const ev1{"ev1", 0, "gridspace-ev"};
+    EXPECT_THAT(sut.bearers("data", ev1), ElementsAre("10.10.0.3"));
+    sut.participant_found("data", {"p3", {"ev1", 0, ""}, {"10.10.0.99"}});
+    sut.participant_found("management", {"p4", ev1, {"10.10.0.3"}});
+    EXPECT_THAT(sut.bearers("data", ev1), ElementsAre("10.10.0.3", "10.10.0.99"));
+    sut.participant_found("data", {"p5", {"ev1", 1, "gridspace-ev"}, {"10.10.0.3"}});
+    EXPECT_THAT(sut.bearers("data", {"ev1", 1, ""}), ElementsAre("10.10.0.3")) << "its next life";
+}
+
 TEST(GraphModel, KeepsABoundedNumberOfStrangers) {
     GraphModel sut = pair();
     for (int i = 0; i < 10'000; ++i) {
