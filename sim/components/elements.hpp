@@ -7,6 +7,7 @@
 #include "sim/components/load/load.hpp"
 #include "sim/components/pv/pv.hpp"
 #include "sim/components/shunt/shunt.hpp"
+#include "sim/components/shunt_capacitor/shunt_capacitor.hpp"
 
 #include <string>
 #include <tuple>
@@ -21,12 +22,13 @@ struct OnePorts {
     std::vector<Pv> pv;
     std::vector<Ev> evs;
     std::vector<Battery> batteries;
+    std::vector<ShuntCapacitor> shunt_capacitors;
 };
 
 /// The list of kinds, in the order in which everybody takes them up: sums, states and signals are in this order, so it
 /// decides the last bits of results.
-constexpr std::tuple kOnePorts{&OnePorts::loads, &OnePorts::shunts, &OnePorts::pv, &OnePorts::evs,
-                               &OnePorts::batteries};
+constexpr std::tuple kOnePorts{&OnePorts::loads, &OnePorts::shunts,    &OnePorts::pv,
+                               &OnePorts::evs,   &OnePorts::batteries, &OnePorts::shunt_capacitors};
 
 /// Calls visit(vector) for the elements of each kind.
 template <class Elements, class Visit>
