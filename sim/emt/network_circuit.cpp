@@ -79,82 +79,90 @@ class Builder final : private CircuitFace {
         return static_cast<int>(c_.capacitors.size()) - 1;
     }
 
+    using Section = NetworkCircuit::LineParts::Section;
+
     Result<void> line(Line const& l) {
         LineType const* const type = find(n_.line_types, l.type.name);
         bool const by_phase = type != nullptr && !type->phase_r_ohm_per_km.empty();
         LineTotals const t = line_totals(n_, l);
 
         NetworkCircuit::LineParts parts;
-        auto const end = [&](LineEnd which, Ref const& bus, int& switch_index) {
-            bool closed = true;
-            for (Breaker const& b : n_.breakers) {
-                if (b.line == l.name && b.end == which) {
-                    closed = b.closed;
-                }
-            }
-            int const node =
-                terminal(fmt::format("line '{}' ({} end)", l.name.name, which == LineEnd::from ? "from" : "to"),
-                         out_.bus_node[bus_of(bus)], switch_index, closed);
-            for (std::size_t b = 0; b < n_.breakers.size(); ++b) {
-                if (n_.breakers[b].line == l.name && n_.breakers[b].end == which) {
-                    out_.breaker_switch[b] = switch_index;
-                }
-            }
-            return node;
-        };
-        parts.from_node = end(LineEnd::from, l.from, parts.from_switch);
-        parts.to_node = end(LineEnd::to, l.to, parts.to_switch);
+        parts.from_node = line_end(l, LineEnd::from, l.from, parts.from_switch);
+        parts.to_node = line_end(l, LineEnd::to, l.to, parts.to_switch);
         if (l.model == LineModel::bergeron) {
-            if (by_phase) {
-                return fail(ExitCode::usage,
-                            fmt::format("line '{}': travelling waves need a transposed line", l.name.name),
-                            "use `model: pi`, or give its type r_ohm_per_km, x_ohm_per_km, r0 and x0");
+            if (auto ok = wave(l, t, by_phase, parts); !ok) {
+                return ok;
             }
-            if (t.l_h <= 0 || t.c_f <= 0 || t.l0_h <= 0 || t.c0_f <= 0) {
-                return fail(ExitCode::usage,
-                            fmt::format("line '{}': a travelling wave needs inductance and capacitance", l.name.name),
-                            "give l_mh and c_nf, or use `model: pi`");
-            }
-            flows(parts.from_switch, Kind::bergeron_from, c_.bergeron.size(), 1);
-            flows(parts.to_switch, Kind::bergeron_to, c_.bergeron.size(), 1);
-            c_.bergeron.push_back({parts.from_node, parts.to_node, std::sqrt(t.l_h / t.c_f), std::sqrt(t.l0_h / t.c0_f),
-                                   std::sqrt(t.l_h * t.c_f), std::sqrt(t.l0_h * t.c0_f), t.r_ohm, t.r0_ohm,
-                                   l.name.name});
-            parts.sections.push_back(
-                {NetworkCircuit::LineParts::Section::Kind::wave, static_cast<int>(c_.bergeron.size()) - 1, 0, 1});
-            out_.terminals[l.name.name] = {parts.from_switch, parts.to_switch};
-            out_.lines.push_back(std::move(parts));
-            return {};
-        }
-        if (by_phase) {
-            double const km = l.length_km.value_or(0), w = 2 * std::numbers::pi * n_.frequency_hz;
-            c_.coupled.push_back({CoupledBranch::Kind::inductive,
-                                  parts.from_node,
-                                  parts.to_node,
-                                  full(type->phase_r_ohm_per_km, km),
-                                  full(type->phase_x_ohm_per_km, km / w),
-                                  {}});
-            parts.sections.push_back(
-                {NetworkCircuit::LineParts::Section::Kind::coupled, static_cast<int>(c_.coupled.size()) - 1, 0, 1});
-            flows(parts.from_switch, Kind::coupled, c_.coupled.size() - 1, 1);
-            flows(parts.to_switch, Kind::coupled, c_.coupled.size() - 1, -1);
+        } else if (by_phase) {
+            coupled(l, *type, parts);
         } else {
             int const series = rl(parts.from_node, parts.to_node, PhaseMatrix::sequence(t.r_ohm, t.r0_ohm),
                                   PhaseMatrix::sequence(t.l_h, t.l0_h));
-            parts.sections.push_back({NetworkCircuit::LineParts::Section::Kind::rl, series, 0, 1});
+            parts.sections.push_back({Section::Kind::rl, series, 0, 1});
             flows(parts.from_switch, Kind::rl, static_cast<std::size_t>(series), 1);
             flows(parts.to_switch, Kind::rl, static_cast<std::size_t>(series), -1);
         }
-        if (t.c_f > 0 || t.c0_f > 0) {
+        if (l.model == LineModel::pi && (t.c_f > 0 || t.c0_f > 0)) {
             PhaseMatrix const half = PhaseMatrix::sequence(t.c_f / 2, t.c0_f / 2);
-            flows(parts.from_switch, Kind::capacitor,
-                  static_cast<std::size_t>(capacitor(parts.from_node, kEarth, half)), 1);
-            flows(parts.to_switch, Kind::capacitor, static_cast<std::size_t>(capacitor(parts.to_node, kEarth, half)),
-                  1);
+            for (auto const& [node, breaker] :
+                 {std::pair{parts.from_node, parts.from_switch}, std::pair{parts.to_node, parts.to_switch}}) {
+                flows(breaker, Kind::capacitor, static_cast<std::size_t>(capacitor(node, kEarth, half)), 1);
+            }
         }
         out_.terminals[l.name.name] = {parts.from_switch, parts.to_switch};
         out_.lines.push_back(std::move(parts));
         return {};
+    }
+
+    /// A triple behind the breaker of an end, or behind poles that stay closed.
+    int line_end(Line const& l, LineEnd which, Ref const& bus, int& switch_index) {
+        std::vector<std::size_t> breakers;
+        bool closed = true;
+        for (std::size_t b = 0; b < n_.breakers.size(); ++b) {
+            if (n_.breakers[b].line == l.name && n_.breakers[b].end == which) {
+                breakers.push_back(b);
+                closed = n_.breakers[b].closed;
+            }
+        }
+        int const node =
+            terminal(fmt::format("line '{}' ({} end)", l.name.name, which == LineEnd::from ? "from" : "to"),
+                     out_.bus_node[bus_of(bus)], switch_index, closed);
+        for (std::size_t const b : breakers) {
+            out_.breaker_switch[b] = switch_index;
+        }
+        return node;
+    }
+
+    Result<void> wave(Line const& l, LineTotals const& t, bool by_phase, NetworkCircuit::LineParts& parts) {
+        if (by_phase) {
+            return fail(ExitCode::usage, fmt::format("line '{}': travelling waves need a transposed line", l.name.name),
+                        "use `model: pi`, or give its type r_ohm_per_km, x_ohm_per_km, r0 and x0");
+        }
+        if (t.l_h <= 0 || t.c_f <= 0 || t.l0_h <= 0 || t.c0_f <= 0) {
+            return fail(ExitCode::usage,
+                        fmt::format("line '{}': a travelling wave needs inductance and capacitance", l.name.name),
+                        "give l_mh and c_nf, or use `model: pi`");
+        }
+        flows(parts.from_switch, Kind::bergeron_from, c_.bergeron.size(), 1);
+        flows(parts.to_switch, Kind::bergeron_to, c_.bergeron.size(), 1);
+        parts.sections.push_back({Section::Kind::wave, static_cast<int>(c_.bergeron.size()), 0, 1});
+        c_.bergeron.push_back({parts.from_node, parts.to_node, std::sqrt(t.l_h / t.c_f), std::sqrt(t.l0_h / t.c0_f),
+                               std::sqrt(t.l_h * t.c_f), std::sqrt(t.l0_h * t.c0_f), t.r_ohm, t.r0_ohm, l.name.name});
+        return {};
+    }
+
+    /// A line that is not transposed.
+    void coupled(Line const& l, LineType const& type, NetworkCircuit::LineParts& parts) {
+        double const km = l.length_km.value_or(0), w = 2 * std::numbers::pi * n_.frequency_hz;
+        parts.sections.push_back({Section::Kind::coupled, static_cast<int>(c_.coupled.size()), 0, 1});
+        flows(parts.from_switch, Kind::coupled, c_.coupled.size(), 1);
+        flows(parts.to_switch, Kind::coupled, c_.coupled.size(), -1);
+        c_.coupled.push_back({CoupledBranch::Kind::inductive,
+                              parts.from_node,
+                              parts.to_node,
+                              full(type.phase_r_ohm_per_km, km),
+                              full(type.phase_x_ohm_per_km, km / w),
+                              {}});
     }
 
     NetworkCircuit::SourceParts ideal_source(std::string const& kind, std::string const& name, Ref const& bus,
