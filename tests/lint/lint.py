@@ -181,8 +181,21 @@ def check_layout(root, sources):
         yield f"{path}: not laid out as .clang-format says: clang-format-19 -i {path}"
 
 
+def check_named_files(root, path, text):
+    """What a page names in code quotes as a file or folder of the project is there."""
+    tops = {entry.name for entry in pathlib.Path(root).iterdir() if entry.is_dir() and entry.name not in ("build", "runs")}
+    for match in NAMED.finditer(text):
+        name = match.group(1)
+        there = (pathlib.Path(root) / name).exists() or any((pathlib.Path(root) / name).parent.glob(pathlib.Path(name).name + ".*"))
+        if name.split("/")[0] in tops and not there:
+            yield f"{path}:{line_of(text, match.start())}: names '{name}', which is not there"
+
+
 def lint(root):
     mistakes, scripts, sources = [], [], []
+    for path in project_files(root):
+        if path.endswith(".md"):
+            mistakes += check_named_files(root, path, (pathlib.Path(root) / path).read_text(errors="replace"))
     for path in project_files(root):
         is_source = path.endswith(SOURCES)
         is_script = path.endswith((".sh", ".py")) or path in ("gridspace", ".ci/run")
@@ -203,6 +216,7 @@ def lint(root):
     return mistakes
 
 
+NAMED = re.compile(r"`([a-z_]+/[A-Za-z0-9_./-]*[A-Za-z0-9_])/?`")
 HEAD = "// SPDX-License-Identifier: Apache-2.0\n"
 SELF_TESTS = [  # (file, text, a word of the expected message; None: nothing is wrong)
     ("common/a.cpp", '#include "sim/network/network.hpp"', "lower layers"),
@@ -251,11 +265,18 @@ def self_test():
             print("self-test: a circle of three folders is not found")
             wrong += 1
     with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "sim").mkdir()
+        (pathlib.Path(folder) / "sim/a.hpp").write_text(HEAD + "#pragma once\n")
+        (pathlib.Path(folder) / "README.md").write_text("see `sim/a.hpp`, `sim/b.hpp` and `other/c`\n")
+        if [m for m in lint(folder)] != ["README.md:1: names 'sim/b.hpp', which is not there"]:
+            print("self-test: a file that a page names and that is not there is not found")
+            wrong += 1
+    with tempfile.TemporaryDirectory() as folder:
         (pathlib.Path(folder) / "a.py").write_text("x = 1\n")
         if not any("SPDX" in m for m in lint(folder)):
             print("self-test: a missing licence is not found")
             wrong += 1
-    print(f"{len(SELF_TESTS) + 2} checks of the checks, {wrong} failed")
+    print(f"{len(SELF_TESTS) + 3} checks of the checks, {wrong} failed")
     return wrong
 
 
