@@ -3,6 +3,7 @@
 //
 // What the launcher's verbs read: scenarios, routers, models, and the folders of runs.
 #include "common/config/yaml.hpp"
+#include "common/source_tree.hpp"
 #include "ids/data/recording_file.hpp"
 #include "ids/forecaster/model_file.hpp"
 #include "launcher/judge/results.hpp"
@@ -55,7 +56,18 @@ void write(std::filesystem::path const& file, std::string const& text) {
 
 void scenario(std::uint8_t const* data, std::size_t size) {
     static Folder const folder;
-    std::filesystem::path const file = folder.path() / "scenario.yaml";
+    static std::filesystem::path const file = [] { // among those that it may extend, and beside their networks
+        for (auto const& part : std::filesystem::directory_iterator{source_tree("configs")}) {
+            if (part.path().filename() != "scenarios") {
+                std::filesystem::create_directory_symlink(part.path(), folder.path() / part.path().filename());
+            }
+        }
+        std::filesystem::create_directory(folder.path() / "scenarios");
+        for (auto const& other : std::filesystem::directory_iterator{source_tree("configs/scenarios")}) {
+            std::filesystem::create_symlink(other.path(), folder.path() / "scenarios" / other.path().filename());
+        }
+        return folder.path() / "scenarios" / "fuzzed.yaml";
+    }();
     write(file, text_of(data, size));
     config::Diagnostics diagnostics;
     auto const scenario = launcher::load_scenario(file, {.start_programs = false}, diagnostics);
