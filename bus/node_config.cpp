@@ -83,7 +83,8 @@ void describe(Fields& f, ClockConfig& clock) {
     if (auto const seconds = parse_utc(epoch)) {
         clock.epoch_unix_s = *seconds;
     } else {
-        f.error("epoch", fmt::format("'{}' is not a UTC time", epoch), "for example \"2019-12-01T09:00:00Z\"");
+        f.error("epoch", fmt::format("'{}' is not a UTC time from 1970 to 2199", epoch),
+                "for example \"2019-12-01T09:00:00Z\"");
     }
     f.number("member_timeout_s", clock.member_timeout_s,
              {.doc = "how long a wait inside a tick may last before the run is stalled; 0: no limit", .min = 0});

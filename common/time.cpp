@@ -85,8 +85,9 @@ std::optional<std::int64_t> parse_utc(std::string_view text) {
     using namespace std::chrono;
     year_month_day const date{std::chrono::year{year}, std::chrono::month{static_cast<unsigned>(month)},
                               std::chrono::day{static_cast<unsigned>(day)}};
-    if (year < 0 || month < 0 || day < 0 || !date.ok() || hour < 0 || hour > 23 || minute < 0 || minute > 59 ||
-        second < 0 || second > 59) {
+    constexpr int kFirstYear = 1970, kLastYear = 2199; // recordings count nanoseconds from 1970, in 63 bits
+    if (year < kFirstYear || year > kLastYear || month < 0 || day < 0 || !date.ok() || hour < 0 || hour > 23 ||
+        minute < 0 || minute > 59 || second < 0 || second > 59) {
         return std::nullopt;
     }
     return duration_cast<seconds>(sys_days{date}.time_since_epoch()).count() + hour * 3600 + minute * 60 + second;

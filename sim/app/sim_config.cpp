@@ -58,7 +58,8 @@ void describe(config::Fields& f, SimulationConfig& s) {
     f.fraction("duration_h", s.duration_h, {.doc = "simulated time", .above = 0});
     f.text("epoch", s.epoch, {.doc = "UTC of simulated time 0"});
     if (!parse_utc(s.epoch)) {
-        f.error("epoch", fmt::format("'{}' is not a UTC time", s.epoch), "for example \"2019-12-01T09:00:00Z\"");
+        f.error("epoch", fmt::format("'{}' is not a UTC time from 1970 to 2199", s.epoch),
+                "for example \"2019-12-01T09:00:00Z\"");
     }
     f.raw("gateways", s.gateways, {.doc = "per_bus, or a map of line gateways"});
     f.raw("sampling", s.sampling, {.doc = "sampled values of line gateways"});

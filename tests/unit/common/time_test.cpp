@@ -31,9 +31,11 @@ TEST(TimeBase, LatenciesRoundUpToWholeQuanta) {
 TEST(Utc, ReadsAndWritesTheSameText) {
     EXPECT_EQ(parse_utc("1970-01-01T00:00:00Z"), 0);
     EXPECT_EQ(parse_utc("2019-12-01T09:00:00Z"), 1'575'190'800);
+    EXPECT_EQ(parse_utc("2199-12-31T23:59:59Z"), 7'258'118'399);
     EXPECT_EQ(format_utc(1'575'190'800), "2019-12-01T09:00:00Z");
-    for (char const* text : {"2019-12-01", "2019-13-01T00:00:00Z", "2019-02-29T00:00:00Z", "2019-12-01T24:00:00Z",
-                             "2019-12-01T09:00:00", "2019-12-01 09:00:00Z", "x019-12-01T09:00:00Z"}) {
+    for (char const* text :
+         {"2019-12-01", "2019-13-01T00:00:00Z", "2019-02-29T00:00:00Z", "2019-12-01T24:00:00Z", "2019-12-01T09:00:00",
+          "2019-12-01 09:00:00Z", "x019-12-01T09:00:00Z", "1969-12-31T23:59:59Z", "2200-01-01T00:00:00Z"}) {
         EXPECT_FALSE(parse_utc(text).has_value()) << text;
     }
 }
