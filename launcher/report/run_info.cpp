@@ -34,7 +34,7 @@ std::string shown(Json const& text) {
 
 struct Topic {
     std::string type;
-    std::uint64_t samples{0};
+    std::uint64_t samples{0}, octets{0};
     double first_s{0}, last_s{0};
     std::set<std::string> processes;
 };
@@ -58,6 +58,7 @@ Result<Json> recording_json(fs::path const& file, std::int64_t epoch_ns) {
         first = first.is_null() ? from : std::min(first.get<double>(), from);
         last = last.is_null() ? to : std::max(last.get<double>(), to);
         topic.samples += c.messages;
+        topic.octets += c.octets;
         topic.type = topic.type.empty() ? c.type : topic.type;
         if (auto const process = c.channel.metadata.find("process"); process != c.channel.metadata.end()) {
             topic.processes.insert(process->second);
@@ -70,6 +71,7 @@ Result<Json> recording_json(fs::path const& file, std::int64_t epoch_ns) {
         list.push_back({{"name", name},
                         {"type", topic.type},
                         {"samples", topic.samples},
+                        {"octets", topic.octets},
                         {"rate_hz", length_s > 0 ? static_cast<double>(topic.samples - 1) / length_s : 0},
                         {"first_s", topic.first_s},
                         {"last_s", topic.last_s},

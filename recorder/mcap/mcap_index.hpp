@@ -16,6 +16,7 @@ struct ChannelContent {
     Channel channel;
     std::string type;
     std::uint64_t messages{0};
+    std::uint64_t octets{0};               ///< of the messages' data
     std::uint64_t first_ns{0}, last_ns{0}; ///< earliest and latest, when there are messages
 };
 

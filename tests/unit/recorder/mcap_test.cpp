@@ -306,6 +306,32 @@ TEST_P(Recording, ItsContentIsKnownWithoutReadingItsData) {
     EXPECT_EQ(sut->channels[1].last_ns, 1999U);
 }
 
+TEST_P(Recording, ItsOctetsAreKnownWithoutReadingItsDataAlsoOfChannelsThatComeLater) {
+    auto writer = Writer::create(file_, {.compress = GetParam(), .chunk_octets = 4096});
+    ASSERT_TRUE(writer);
+    std::uint16_t schema = 0;
+    std::vector<std::uint16_t> channels;
+    std::vector<std::uint64_t> written;
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+        if (i % 300 == 0) {
+            schema = i % 600 == 0 ? writer->add_schema("T" + std::to_string(i), "omgidl", std::string(i, 'x')) : schema;
+            channels.push_back(writer->add_channel(schema, "t" + std::to_string(i), "cdr", {{"process", "p"}}));
+            written.push_back(0);
+        }
+        std::size_t const at = i % 300 == 0 ? channels.size() - 1 : i * 7 % channels.size();
+        std::vector<std::byte> const data(i % 97);
+        ASSERT_TRUE(writer->write(channels[at], 1, i, data));
+        written[at] += data.size();
+    }
+    ASSERT_TRUE(writer->close());
+    auto const sut = content_of(file_);
+    ASSERT_TRUE(sut && sut->indexed);
+    ASSERT_EQ(sut->channels.size(), written.size());
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        EXPECT_EQ(sut->channels[i].octets, written[i]) << i;
+    }
+}
+
 TEST_P(Recording, ItsContentIsReadWhereItHasNoIndex) {
     ASSERT_NO_FATAL_FAILURE(write(1000, false));
     auto sut = content_of(file_);
