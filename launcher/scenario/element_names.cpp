@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 
 namespace gridspace::launcher {
 namespace {
@@ -57,22 +60,30 @@ constexpr Kind kind(std::string_view name, std::string_view title) {
     return {name, title, names_of<Member>, quantity_of<Member>};
 }
 
-constexpr std::array kKinds{
-    kind<&Network::buses>("bus", "bus"),
-    kind<&Network::sources>("source", "source"),
-    kind<&Network::lines>("line", "line"),
-    kind<&Network::transformers>("transformer", "transformer"),
-    kind<&Network::breakers>("breaker", "breaker"),
-    kind<&Network::cts>("ct", "current transformer"),
-    kind<&Network::vts>("vt", "voltage transformer"),
-    kind<&Network::machines>("machine", "machine"),
-    kind<&Network::generators>("generator", "generator"),
-    kind<&Network::loads>("load", "load"),
-    kind<&Network::shunts>("shunt", "shunt"),
-    kind<&Network::pv>("pv", "PV"),
-    kind<&Network::evs>("ev", "EV"),
-    kind<&Network::batteries>("battery", "battery"),
-};
+/// One that lies at one bus says itself what it is called.
+template <auto Member>
+constexpr Kind one_port() {
+    using Elements = std::remove_cvref_t<decltype(std::declval<Network const&>().*Member)>;
+    return kind<Member>(Elements::value_type::kKind.prefix, Elements::value_type::kKind.word);
+}
+
+template <std::size_t... I>
+constexpr auto all_kinds(std::index_sequence<I...>) {
+    return std::array{
+        kind<&Network::buses>("bus", "bus"),
+        kind<&Network::sources>("source", "source"),
+        kind<&Network::lines>("line", "line"),
+        kind<&Network::transformers>("transformer", "transformer"),
+        kind<&Network::breakers>("breaker", "breaker"),
+        kind<&Network::cts>("ct", "current transformer"),
+        kind<&Network::vts>("vt", "voltage transformer"),
+        kind<&Network::machines>("machine", "machine"),
+        kind<&Network::generators>("generator", "generator"),
+        one_port<std::get<I>(sim::kOnePorts)>()...,
+    };
+}
+
+constexpr auto kKinds = all_kinds(std::make_index_sequence<std::tuple_size_v<decltype(sim::kOnePorts)>>{});
 
 Kind const* find_kind(std::string_view name) {
     auto const found = std::find_if(kKinds.begin(), kKinds.end(), [&](Kind const& k) { return k.name == name; });

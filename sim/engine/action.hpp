@@ -7,12 +7,13 @@
 
 namespace gridspace::sim {
 
-/// What an EV's charger is told; A of battery current.
+/// Reference of an EV's charger; A of battery current.
 struct SetChargingCurrent {
     std::string ev;
     double current_a{0};
 };
 
+/// A breaker, or an element with a switch of its own, by its name.
 struct SwitchBreaker {
     std::string breaker;
     bool close{false};

@@ -43,7 +43,7 @@ class CircuitFace : public Surroundings {
     virtual void star_by_phase(OnePort const& element, std::array<Complex, 3> const& kva) = 0;
     /// An averaged converter with its filter. 0 kVA: nothing limits its current.
     virtual void converter(OnePort const& element, double rating_kva, std::unique_ptr<PowerModel> model) = 0;
-    /// What the element draws beyond the star that it has already. `unlike`: phase by phase in an unbalanced network.
+    /// What the element draws beyond the star that it has already; phase by phase in an unbalanced network.
     virtual void beyond_star(OnePort const& element, std::unique_ptr<PowerModel> model) = 0;
 };
 
