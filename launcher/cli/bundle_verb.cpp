@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/cli/bundle_verb.hpp"
-
 #include "common/text.hpp"
 #include "common/version.hpp"
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/run_plan.hpp"
 #include "launcher/scenario/installation.hpp"
@@ -166,7 +165,7 @@ int bundle(BundleArguments const& a) {
 
 } // namespace
 
-void add_bundle_verb(CLI::App& app, std::function<int()>& action) {
+void add_bundle(CLI::App& app, Action& action) {
     auto const a = std::make_shared<BundleArguments>();
     CLI::App* verb =
         app.add_subcommand("bundle", "pack one process of a scenario for a board: tarball and Debian package");

@@ -2,16 +2,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ids/evaluation/evaluate.hpp"
 #include "ids/forecaster/model_file.hpp"
-#include "launcher/cli/ids_verbs.hpp"
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
 #include "launcher/ids/recordings.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <fmt/format.h>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 namespace gridspace::cli {
 namespace {
+
+struct IdsEvaluateArguments {
+    std::filesystem::path model;
+    std::vector<std::filesystem::path> data; ///< CSV, npy, or a training configuration
+    double percent{2}, nominal_peak_a{0};
+    std::optional<double> rate_hz, event_s;
+    std::string threshold{"larger_peak"}; ///< for the attacks
+    std::int64_t seed{1};
+    bool attacks{true}, json{false};
+};
 
 using Json = nlohmann::ordered_json;
 
@@ -77,8 +89,6 @@ void print(ids::Evaluation const& e, IdsEvaluateArguments const& a) {
     fmt::print(
         "\n\"both ends\": runs in which the two ends of the line differed by more than 2 %, without any forecast\n");
 }
-
-} // namespace
 
 int ids_evaluate(IdsEvaluateArguments const& a) {
     auto const model = ids::load_model(a.model);
@@ -160,6 +170,30 @@ int ids_evaluate(IdsEvaluateArguments const& a) {
                             {"attacks", attacks}}
                            .dump(2));
     return 0;
+}
+
+} // namespace
+
+void add_ids_evaluate(CLI::App& ids, Action& action) {
+    auto const a = std::make_shared<IdsEvaluateArguments>();
+    CLI::App* verb =
+        ids.add_subcommand("evaluate", "judge a forecaster: false positives by situation, error, detection by attack");
+    verb->add_option("MODEL", a->model, "model file (JSON)")->required();
+    verb->add_option("DATA", a->data, "recordings (CSV, npy), or a training configuration for unseen ones of its kind")
+        ->required();
+    verb->add_option("--percent", a->percent, "threshold")->check(CLI::PositiveNumber);
+    verb->add_option("--nominal-peak-a", a->nominal_peak_a,
+                     "crest of the nominal current (default: the largest of the first two cycles)")
+        ->check(CLI::PositiveNumber);
+    verb->add_option("--rate-hz", a->rate_hz, "samples a second, for npy")->check(CLI::PositiveNumber);
+    verb->add_option("--event-s", a->event_s, "when something happens in the recordings")
+        ->check(CLI::NonNegativeNumber);
+    verb->add_option("--threshold", a->threshold, "what the threshold of the attack table is relative to")
+        ->check(CLI::IsMember({"instantaneous", "nominal_peak", "running_peak", "larger_peak", "adaptive"}));
+    verb->add_option("--seed", a->seed, "of unseen recordings and attacks")->check(CLI::NonNegativeNumber);
+    verb->add_flag("!--no-attacks", a->attacks, "only the false positives");
+    verb->add_flag("--json", a->json, "as JSON");
+    verb->callback([a, &action] { action = [a] { return ids_evaluate(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -5,18 +5,26 @@
 // published loop bears.
 #include "common/text.hpp"
 #include "ids/evaluation/study.hpp"
-#include "launcher/cli/ids_verbs.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/progress_line.hpp"
+#include "launcher/cli/verbs.hpp"
 #include "launcher/ids/recordings.hpp"
 #include "launcher/ids/study_tables.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <memory>
 
 namespace gridspace::cli {
 namespace {
+
+struct IdsStudyArguments {
+    std::filesystem::path config, out{"ids_study"};
+    std::vector<int> windows{5, 10, 20, 40}, hidden{5, 10, 20};
+    bool json{false};
+};
 
 /// Recordings in closed form, when no configuration names others: noise up to 0.5 % as in the published field data.
 ids::TrainingConfig closed_form() {
@@ -68,8 +76,6 @@ int usual(std::vector<int> const& values, int published) {
                ? published
                : *std::max_element(values.begin(), values.end());
 }
-
-} // namespace
 
 int ids_study(IdsStudyArguments const& a) {
     config::Diagnostics diagnostics;
@@ -129,6 +135,23 @@ int ids_study(IdsStudyArguments const& a) {
                    a.out.string());
     }
     return 0;
+}
+
+} // namespace
+
+void add_ids_study(CLI::App& ids, Action& action) {
+    auto const a = std::make_shared<IdsStudyArguments>();
+    CLI::App* verb = ids.add_subcommand(
+        "study", "window and neurons against error and time; fakes in a row against the published loop");
+    verb->add_option("CONFIG", a->config,
+                     "training configuration (YAML): its data are used (default: closed-form recordings)");
+    verb->add_option("--windows", a->windows, "window lengths")->delimiter(',')->check(CLI::Range(1, 4096));
+    verb->add_option("--hidden", a->hidden, "neurons; a linear forecaster is always tried too")
+        ->delimiter(',')
+        ->check(CLI::Range(0, 1000));
+    verb->add_option("--out", a->out, "folder for tables and figures");
+    verb->add_flag("--json", a->json, "as JSON");
+    verb->callback([a, &action] { action = [a] { return ids_study(*a); }; });
 }
 
 } // namespace gridspace::cli

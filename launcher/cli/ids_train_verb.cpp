@@ -4,17 +4,25 @@
 #include "common/time.hpp"
 #include "common/version.hpp"
 #include "ids/forecaster/model_file.hpp"
-#include "launcher/cli/ids_verbs.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/progress_line.hpp"
+#include "launcher/cli/verbs.hpp"
 #include "launcher/ids/recordings.hpp"
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <fmt/format.h>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 namespace gridspace::cli {
 namespace {
+
+struct IdsTrainArguments {
+    std::filesystem::path config, output; ///< output: instead of the configuration's
+    std::optional<std::int64_t> seed;
+    bool json{false}, quiet{false};
+};
 
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
@@ -36,8 +44,6 @@ char const* word(ids::TrainParams::Method method) {
     }
     return "?";
 }
-
-} // namespace
 
 int ids_train(IdsTrainArguments const& arguments) {
     config::Diagnostics diagnostics;
@@ -111,6 +117,19 @@ int ids_train(IdsTrainArguments const& arguments) {
                    output.string(), model->parameters(), last_rms, unseen_rms, took);
     }
     return 0;
+}
+
+} // namespace
+
+void add_ids_train(CLI::App& ids, Action& action) {
+    auto const a = std::make_shared<IdsTrainArguments>();
+    CLI::App* verb = ids.add_subcommand("train", "train a forecaster");
+    verb->add_option("CONFIG", a->config, "training configuration (YAML)")->required();
+    verb->add_option("--out", a->output, "model file instead of the configuration's");
+    verb->add_option("--seed", a->seed, "seed instead of the configuration's")->check(CLI::NonNegativeNumber);
+    verb->add_flag("--json", a->json, "the result as JSON");
+    verb->add_flag("--quiet", a->quiet, "no progress");
+    verb->callback([a, &action] { action = [a] { return ids_train(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -1,23 +1,43 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/cli/live_verbs.hpp"
-
 #include "common/text.hpp"
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
 #include "launcher/run/monitor_client.hpp"
 #include "monitor/app/foreign_idl.hpp"
 #include "monitor/app/sample_json.hpp"
 #include "monitor/graph/graph_text.hpp"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
 namespace gridspace::cli {
 namespace {
+
+struct GraphArguments {
+    std::filesystem::path run{"latest"};
+    std::string format{"text"}; ///< text, dot, json or svg
+    bool framework{false};
+};
+
+struct ControlArguments {
+    std::filesystem::path run{"latest"};
+    std::string action; ///< pause, continue, step or stop
+    std::int64_t ticks{1};
+};
+
+struct TopicArguments {
+    std::filesystem::path run{"latest"};
+    std::string topic;
+    std::filesystem::path idl; ///< of types that nobody publishes
+    bool json{false}, framework{false};
+};
 
 using Json = nlohmann::ordered_json;
 
@@ -131,8 +151,6 @@ Result<void> decode_samples(Json& answer, std::filesystem::path const& file) {
     }
     return {};
 }
-
-} // namespace
 
 int control(ControlArguments const& arguments) {
     std::string const action = arguments.action == "step" ? fmt::format("step {}", arguments.ticks) : arguments.action;
@@ -262,6 +280,65 @@ int topic_hz(TopicArguments const& arguments) {
     fmt::print("{:.2f} samples/s of wall clock, {} so far\n", json->value("samples_per_second", 0.0),
                json->value("samples", std::uint64_t{0}));
     return 0;
+}
+
+} // namespace
+
+void add_graph(CLI::App& app, Action& action) {
+    auto const a = std::make_shared<GraphArguments>();
+    CLI::App* verb = app.add_subcommand("graph", "who talks to whom in a running scenario");
+    verb->add_option("RUN", a->run, "run folder, or address of a monitor (default: latest)");
+    auto const format = [&](char const* name, char const* description) {
+        return verb->add_flag_callback("--" + std::string{name}, [a, name] { a->format = name; }, description);
+    };
+    CLI::Option* as_dot = format("dot", "for Graphviz");
+    CLI::Option* as_json = format("json", "everything, as JSON")->excludes(as_dot);
+    format("svg", "as a picture")->excludes(as_dot)->excludes(as_json);
+    verb->add_flag("--framework", a->framework, "with the topics of the framework itself");
+    verb->callback([a, &action] { action = [a] { return graph(*a); }; });
+}
+
+void add_topic(CLI::App& app, Action& action) {
+    auto const a = std::make_shared<TopicArguments>();
+    CLI::App* verb = app.add_subcommand("topic", "look at the topics of a running scenario");
+    verb->require_subcommand(1);
+    auto const add = [&](char const* name, char const* description, bool one, int (*act)(TopicArguments const&)) {
+        CLI::App* command = verb->add_subcommand(name, description);
+        if (one) {
+            command->add_option("TOPIC", a->topic, "its name")->required();
+        } else {
+            command->add_flag("--framework", a->framework, "with the topics of the framework itself");
+        }
+        command->add_option("--run", a->run, "run folder, or address of a monitor (default: latest)");
+        command->add_flag("--json", a->json, "as JSON");
+        if (act == topic_echo) {
+            command->add_option("--idl", a->idl, "IDL of its type, when nobody publishes it")->check(CLI::ExistingFile);
+        }
+        command->callback([a, act, &action] { action = [a, act] { return act(*a); }; });
+    };
+    add("list", "all topics, with rates", false, topic_list);
+    add("info", "its type, readers and writers, IDL", true, topic_info);
+    add("echo", "its newest samples, decoded", true, topic_echo);
+    add("hz", "how often it is written", true, topic_hz);
+}
+
+void add_control(CLI::App& app, Action& action) {
+    auto const a = std::make_shared<ControlArguments>();
+    auto const add = [&](char const* name, char const* description) {
+        CLI::App* verb = app.add_subcommand(name, description);
+        verb->add_option("RUN", a->run, "run folder (default: latest), started with --allow-control");
+        verb->callback([a, name, &action] {
+            a->action = name;
+            action = [a] { return control(*a); };
+        });
+        return verb;
+    };
+    add("pause", "let a lockstep run wait after its present tick");
+    add("continue", "let a paused run go on");
+    add("step", "let a paused run go on for some ticks")
+        ->add_option("--ticks", a->ticks, "how many")
+        ->check(CLI::PositiveNumber);
+    add("stop", "end a run");
 }
 
 } // namespace gridspace::cli

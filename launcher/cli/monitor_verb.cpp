@@ -12,10 +12,12 @@
 #include "monitor/app/foreign_idl.hpp"
 #include "monitor/web/listening.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -158,6 +160,28 @@ int monitor(MonitorArguments const& arguments) {
     ::execv(program.c_str(), argv.data());
     return print_error({ExitCode::environment, fmt::format("cannot start '{}': {}", program, std::strerror(errno)),
                         "is Gridspace built completely?"});
+}
+
+void add_monitor(CLI::App& app, Action& action) {
+    auto const a = std::make_shared<MonitorArguments>();
+    CLI::App* verb = app.add_subcommand("monitor", "look at a finished run, or at any DDS domain, in the dashboard");
+    CLI::Option* const monitored_run = verb->add_option("RUN", a->run, "run folder (default: latest)");
+    CLI::Option* const domain =
+        verb->add_option("--domain", a->domain, "a DDS domain instead of a run: whoever talks there")
+            ->check(CLI::Range(0, 232))
+            ->excludes(monitored_run);
+    verb->add_option("--address", a->addresses,
+                     "address of this machine at which it joins the domain (default: 127.0.0.1; may be repeated)")
+        ->check(CLI::ValidIPV4)
+        ->allow_extra_args(false)
+        ->needs(domain);
+    verb->add_option("--bind,--listen", a->listen,
+                     "address and port (port 0: a free one); elsewhere than 127.0.0.1 only with a token and TLS");
+    verb->add_option("--token-file", a->token_file, "file with the secret of whoever may look (mode 0600)");
+    CLI::Option* certificate = verb->add_option("--tls-cert", a->tls_cert, "certificate (PEM)");
+    verb->add_option("--tls-key", a->tls_key, "its key (PEM)")->needs(certificate);
+    verb->add_option("--idl", a->idl, "IDL of foreign types")->check(CLI::ExistingFile);
+    verb->callback([a, &action] { action = [a] { return monitor(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // gridspace play RUN: gridspace-player takes the place of this process.
-#include "launcher/cli/play_verb.hpp"
-
 #include "launcher/cli/become.hpp"
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
 #include "launcher/play/play_options.hpp"
 
 #include <CLI/CLI.hpp>
@@ -36,7 +35,7 @@ int play(play::PlayOptions options) {
 
 } // namespace
 
-void add_play_verb(CLI::App& app, std::function<int()>& action) {
+void add_play(CLI::App& app, Action& action) {
     CLI::App* const verb =
         app.add_subcommand("play", "put a recorded run back onto the bus and the wire, or into the dashboard");
     auto const options = std::make_shared<play::PlayOptions>();

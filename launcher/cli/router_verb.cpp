@@ -5,11 +5,20 @@
 #include "launcher/cli/become.hpp"
 #include "launcher/cli/verbs.hpp"
 
+#include <CLI/CLI.hpp>
+#include <memory>
+
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace gridspace::cli {
+namespace {
+
+struct RouterArguments {
+    std::filesystem::path config;
+    bool check{false}, json{false};
+};
 
 int router(RouterArguments const& arguments) {
     std::vector<std::string> words{"--config", arguments.config.string()};
@@ -22,6 +31,17 @@ int router(RouterArguments const& arguments) {
         words.emplace_back("warning");
     }
     return become("gridspace-router", "router", std::move(words));
+}
+
+} // namespace
+
+void add_router(CLI::App& app, Action& action) {
+    auto const a = std::make_shared<RouterArguments>();
+    CLI::App* verb = app.add_subcommand("router", "carry topics between DDS domains and sites");
+    verb->add_option("CONFIG", a->config, "ends and the topics that may pass (YAML)")->required();
+    verb->add_flag("--check", a->check, "check the configuration and end");
+    verb->add_flag("--json", a->json, "what happens, as JSON lines on standard output");
+    verb->callback([a, &action] { action = [a] { return router(*a); }; });
 }
 
 } // namespace gridspace::cli

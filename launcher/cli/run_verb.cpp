@@ -11,13 +11,22 @@
 #include "launcher/run/run.hpp"
 #include "launcher/run/say.hpp"
 
+#include <CLI/CLI.hpp>
 #include <csignal>
 #include <fmt/format.h>
 #include <fstream>
+#include <memory>
 #include <unistd.h>
 
 namespace gridspace::cli {
 namespace {
+
+struct RunArguments {
+    ScenarioArguments scenario;
+    bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false}, allow_control{false};
+    std::filesystem::path out, parent{"runs"}, junit;
+    std::string log_level{"info"};
+};
 
 using namespace launcher;
 
@@ -122,8 +131,6 @@ int conclude(FinishedRun const& finished, RunArguments const& arguments) {
     return code;
 }
 
-} // namespace
-
 int run(RunArguments const& arguments) {
     ScenarioArguments scenario_arguments = arguments.scenario;
     if (arguments.no_deadlines) {
@@ -169,6 +176,26 @@ int run(RunArguments const& arguments) {
     interrupts.let_finish();
     int const code = conclude(*finished, arguments);
     return interrupts.came_late() && finished->outcome.exit_code == 0 ? static_cast<int>(ExitCode::interrupted) : code;
+}
+
+} // namespace
+
+void add_run(CLI::App& app, Action& action) {
+    auto const a = std::make_shared<RunArguments>();
+    CLI::App* verb = app.add_subcommand("run", "run a scenario: start, watch, record, judge, report");
+    scenario_options(verb, a->scenario);
+    verb->add_flag("--dry-run", a->dry_run, "show what would be started");
+    verb->add_option("--out", a->out, "run folder (default: runs/<scenario>-<utc>)");
+    verb->add_option("--junit", a->junit, "write the expectations as JUnit XML");
+    verb->add_flag("--json", a->json, "progress as JSON lines, the summary as JSON");
+    verb->add_flag("--quiet", a->quiet, "print nothing but errors");
+    verb->add_flag("--no-namespaces", a->no_namespaces, "everything on the loopback interface");
+    verb->add_flag("--no-deadlines", a->no_deadlines, "wait for ever (a debugger is attached)");
+    verb->add_flag("--allow-control", a->allow_control,
+                   "pause, continue, step and stop it from the dashboard and the command line");
+    verb->add_option("--log-level", a->log_level, "of the processes")
+        ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
+    verb->callback([a, &action] { action = [a] { return run(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `gridspace scl import | export`: streams from and to the files of substation engineering.
-#include "launcher/cli/scl_verbs.hpp"
-
 #include "common/config/merge.hpp"
 #include "common/text.hpp"
 #include "gateways/scl/scl_export.hpp"
 #include "gateways/scl/scl_import.hpp"
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -129,7 +128,7 @@ int export_scl(Arguments const& a) {
 
 } // namespace
 
-void add_scl_verbs(CLI::App& app, std::function<int()>& action) {
+void add_scl(CLI::App& app, Action& action) {
     CLI::App* const verb = app.add_subcommand("scl", "streams from and to SCL files (IEC 61850-6)");
     verb->require_subcommand(1);
     auto const a = std::make_shared<Arguments>();

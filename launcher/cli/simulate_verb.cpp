@@ -13,16 +13,27 @@
 #include "sim/phasor/phasor_engine.hpp"
 #include "sim/runtime/simulation.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <unistd.h>
 
 namespace gridspace::cli {
 namespace {
+
+struct SimulateArguments {
+    std::filesystem::path network, events, csv, comtrade;
+    std::string solver{"emt"}, until{"1"}, step;
+    bool fixed_step{false};
+    std::vector<std::string> signals; ///< patterns; empty: the usual ones
+    std::int64_t every{1};
+    bool timing{false}, quiet{false}, list_signals{false};
+};
 
 using Clock = std::chrono::steady_clock;
 
@@ -240,8 +251,6 @@ void print_timing(std::vector<float>& step_us, double simulated_s) {
                step_us.size(), simulated_s, total_s, simulated_s / total_s);
 }
 
-} // namespace
-
 int simulate(SimulateArguments const& a) {
     config::Diagnostics diagnostics;
     auto network = sim::load_network(a.network, diagnostics);
@@ -380,6 +389,29 @@ int simulate(SimulateArguments const& a) {
         print_timing(step_us, duration_s);
     }
     return 0;
+}
+
+} // namespace
+
+void add_simulate(CLI::App& app, Action& action) {
+    auto const a = std::make_shared<SimulateArguments>();
+    CLI::App* verb =
+        app.add_subcommand("simulate", "simulate a network offline: waveforms or phasors to CSV or COMTRADE");
+    verb->add_option("NETWORK", a->network, "network file (YAML or MATPOWER)")->required();
+    verb->add_option("--events", a->events, "YAML file with `events:` as in a scenario");
+    verb->add_flag("--fixed-step", a->fixed_step, "phasor: steps of --step, not of the integrator's choice");
+    verb->add_option("--solver", a->solver, "emt (waveforms) or phasor")->check(CLI::IsMember({"emt", "phasor"}));
+    verb->add_option("--until", a->until, "end at this simulated time: 10s, 5min, 2h");
+    verb->add_option("--step", a->step, "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
+    verb->add_option("--signals", a->signals, "what is written: names or patterns, separated by commas")
+        ->delimiter(',');
+    verb->add_flag("--list-signals", a->list_signals, "list what can be written, and end");
+    verb->add_option("--csv", a->csv, "write a table: time_s first, one header row");
+    verb->add_option("--comtrade", a->comtrade, "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");
+    verb->add_option("--every", a->every, "write every n-th step")->check(CLI::PositiveNumber);
+    verb->add_flag("--timing", a->timing, "print wall time per step and the real-time factor");
+    verb->add_flag("--quiet", a->quiet, "print nothing but errors");
+    verb->callback([a, &action] { action = [a] { return simulate(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -3,12 +3,20 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-/// The verbs of `gridspace`, as functions that return an exit code. The command line is parsed in main.cpp.
+namespace CLI { // NOLINT(readability-identifier-naming): the library's
+class App;
+}
+
+/// The verbs of `gridspace`. Each is a file that adds it to the command line and holds what it does; main.cpp has the
+/// table of them.
 namespace gridspace::cli {
+
+using Action = std::function<int()>; ///< what the command line asks for; returns the exit code
 
 struct ScenarioArguments {
     std::filesystem::path file;
@@ -16,47 +24,10 @@ struct ScenarioArguments {
     std::optional<std::string> speed, until, seed;
     std::string allow_attacks_on;
 };
+/// SCENARIO and the options that change it.
+void scenario_options(CLI::App* verb, ScenarioArguments& arguments);
 
-struct RunArguments {
-    ScenarioArguments scenario;
-    bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false}, allow_control{false};
-    std::filesystem::path out, parent{"runs"}, junit;
-    std::string log_level{"info"};
-};
-int run(RunArguments const& arguments);
-
-struct ValidateArguments {
-    std::vector<std::filesystem::path> files;
-    std::vector<std::string> set;
-    bool json{false};
-};
-int validate(ValidateArguments const& arguments);
-
-int signals(ScenarioArguments const& arguments, bool json);
-
-struct CompareArguments {
-    std::filesystem::path a, b;
-    double tolerance{0};
-    std::vector<std::string> signals;
-};
-int compare(CompareArguments const& arguments);
-
-struct PowerFlowArguments {
-    std::filesystem::path network;
-    bool json{false}, enforce_q_limits{false}, three_phase{false};
-};
-int powerflow(PowerFlowArguments const& arguments);
-
-struct SimulateArguments {
-    std::filesystem::path network, events, csv, comtrade;
-    std::string solver{"emt"}, until{"1"}, step;
-    bool fixed_step{false};
-    std::vector<std::string> signals; ///< patterns; empty: the usual ones
-    std::int64_t every{1};
-    bool timing{false}, quiet{false}, list_signals{false};
-};
-int simulate(SimulateArguments const& arguments);
-
+/// The dashboard of a finished run or of a domain; `play` shows it too.
 struct MonitorArguments {
     std::filesystem::path run{"latest"};
     std::optional<int> domain;                       ///< a DDS domain instead of a run
@@ -66,29 +37,29 @@ struct MonitorArguments {
 };
 int monitor(MonitorArguments const& arguments);
 
-struct RouterArguments {
-    std::filesystem::path config;
-    bool check{false}, json{false};
-};
-int router(RouterArguments const& arguments);
-
-int report(std::filesystem::path const& run, bool json);
-
-int info(std::filesystem::path const& run, bool json);
-
-struct ExportArguments {
-    std::filesystem::path run, out;
-    bool csv{false}, comtrade{false};
-    std::string trigger; ///< comtrade: these override what the scenario says
-    std::optional<double> before_ms, after_ms;
-    std::vector<std::string> signals;
-};
-int export_run(ExportArguments const& arguments);
-
-/// Writes configs/schema/*.json and docs/reference/config.md below `root`.
-int schema(std::filesystem::path const& root);
-
-int doctor(bool json);
-int version(bool json);
+void add_bundle(CLI::App& app, Action& action);
+void add_compare(CLI::App& app, Action& action);
+void add_completion(CLI::App& app, Action& action);
+void add_control(CLI::App& app, Action& action); ///< pause, continue, step, stop
+void add_doctor(CLI::App& app, Action& action);
+void add_export(CLI::App& app, Action& action);
+void add_graph(CLI::App& app, Action& action);
+void add_ids_evaluate(CLI::App& ids, Action& action);
+void add_ids_study(CLI::App& ids, Action& action);
+void add_ids_train(CLI::App& ids, Action& action);
+void add_info(CLI::App& app, Action& action);
+void add_monitor(CLI::App& app, Action& action);
+void add_play(CLI::App& app, Action& action);
+void add_powerflow(CLI::App& app, Action& action);
+void add_report(CLI::App& app, Action& action);
+void add_router(CLI::App& app, Action& action);
+void add_run(CLI::App& app, Action& action);
+void add_schema(CLI::App& app, Action& action);
+void add_scl(CLI::App& app, Action& action);
+void add_signals(CLI::App& app, Action& action);
+void add_simulate(CLI::App& app, Action& action);
+void add_topic(CLI::App& app, Action& action);
+void add_validate(CLI::App& app, Action& action);
+void add_wire(CLI::App& app, Action& action);
 
 } // namespace gridspace::cli

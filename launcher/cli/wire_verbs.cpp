@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `gridspace wire ...`: frames of IEC 61850 for people at the bench.
-#include "launcher/cli/wire_verbs.hpp"
-
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
 #include "launcher/wire/capture_statistics.hpp"
 #include "launcher/wire/tools.hpp"
 
@@ -73,7 +72,7 @@ std::pair<CLI::App*, std::shared_ptr<Options>> verb_of(CLI::App* wire, std::func
 
 } // namespace
 
-void add_wire_verbs(CLI::App& app, std::function<int()>& action) {
+void add_wire(CLI::App& app, Action& action) {
     CLI::App* const wire =
         app.add_subcommand("wire", "send, receive, list, replay and judge GOOSE and sampled-value frames");
     wire->require_subcommand(1);

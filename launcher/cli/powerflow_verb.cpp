@@ -1,19 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-//
-// Verbs that look at a scenario or a network without running it: validate, signals, powerflow.
-#include "common/config/yaml.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
-#include "launcher/schema/schema_pages.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/powerflow/power_flow.hpp"
 #include "sim/powerflow/three_phase.hpp"
 
-#include <algorithm>
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -22,18 +18,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(config::Diagnostics const& diagnostics) {
-    Json out = Json::array();
-    for (config::Diagnostic const& d : diagnostics.sorted()) {
-        out.push_back({{"severity", d.severity == config::Severity::error ? "error" : "warning"},
-                       {"file", d.where.source == nullptr ? "" : d.where.source->name},
-                       {"line", d.where.line},
-                       {"column", d.where.column},
-                       {"message", d.message},
-                       {"hint", d.hint}});
-    }
-    return out;
-}
+struct PowerFlowArguments {
+    std::filesystem::path network;
+    bool json{false}, enforce_q_limits{false}, three_phase{false};
+};
 
 double degrees(sim::Complex v) {
     return std::arg(v) * 180 / std::numbers::pi;
@@ -142,91 +130,6 @@ int three_phase(sim::Network const& n, bool json) {
     return 0;
 }
 
-} // namespace
-
-int validate(ValidateArguments const& arguments) {
-    bool all_valid = true;
-    Json json = Json::array();
-    for (std::filesystem::path const& file : arguments.files) {
-        config::Diagnostics diagnostics;
-        // A network file is told by its own version key.
-        config::Diagnostics probe;
-        auto const root = file.extension() == ".m" ? std::nullopt : config::load_yaml(file, probe);
-        bool const is_network = file.extension() == ".m" || (root && root->find("gridspace_network") != nullptr);
-        std::string kind = is_network ? "network" : "scenario", summary;
-        if (is_network) {
-            if (auto const network = sim::load_network(file, diagnostics)) {
-                auto const flow = solve_power_flow(*network, sim::SwitchState{*network});
-                if (!flow) {
-                    diagnostics.error(network->where, flow.error().message, flow.error().remedy);
-                } else {
-                    summary = fmt::format("{} buses", network->buses.size());
-                }
-            }
-        } else if (auto const scenario = launcher::load_scenario(file, {.set = arguments.set}, diagnostics)) {
-            summary = fmt::format("{} processes on {} hosts", scenario->processes.size(), scenario->hosts.size());
-        }
-        all_valid = all_valid && diagnostics.ok();
-        if (arguments.json) {
-            json.push_back({{"file", file.string()},
-                            {"kind", kind},
-                            {"valid", diagnostics.ok()},
-                            {"diagnostics", to_json(diagnostics)}});
-            continue;
-        }
-        if (diagnostics.errors() + diagnostics.warnings() > 0) {
-            fmt::print(stderr, "{}\n", diagnostics.render());
-        }
-        if (diagnostics.ok()) {
-            fmt::print("{}: valid {}, {}\n", file.string(), kind, summary);
-        }
-    }
-    if (arguments.json) {
-        fmt::print("{}\n", json.dump(2));
-    }
-    return all_valid ? 0 : static_cast<int>(ExitCode::usage);
-}
-
-int signals(ScenarioArguments const& arguments, bool json) {
-    auto const scenario = load(arguments);
-    if (!scenario) {
-        return static_cast<int>(ExitCode::usage);
-    }
-    Json list = Json::array();
-    for (launcher::Process const& process : scenario->processes) {
-        for (launcher::SignalUse const& s : process.settings->signals(*scenario, process)) {
-            if (json) {
-                list.push_back(
-                    {{"name", s.name}, {"unit", s.unit}, {"rate_hz", s.rate_hz}, {"process", process.name.name}});
-            } else {
-                fmt::print("{:<36} {:<8} {}\n", s.name, s.unit.empty() ? "-" : s.unit,
-                           s.rate_hz > 0 ? fmt::format("{:.6g} Hz", s.rate_hz) : "on change");
-            }
-        }
-    }
-    if (json) {
-        fmt::print("{}\n", list.dump(2));
-    }
-    return 0;
-}
-
-int schema(std::filesystem::path const& root) {
-    std::error_code ignored;
-    std::filesystem::create_directories(root / "configs/schema", ignored);
-    for (auto const& [file, text] : {std::pair{"configs/schema/scenario.schema.json", launcher::scenario_schema()},
-                                     {"configs/schema/network.schema.json", launcher::network_schema()},
-                                     {"configs/schema/router.schema.json", launcher::router_schema()},
-                                     {"docs/reference/config.md", launcher::config_page()}}) {
-        std::ofstream stream{root / file, std::ios::trunc};
-        stream << text;
-        stream.close();
-        if (!stream) {
-            return print_error({ExitCode::environment, fmt::format("cannot write '{}'", (root / file).string()), ""});
-        }
-    }
-    return 0;
-}
-
 int powerflow(PowerFlowArguments const& arguments) {
     config::Diagnostics diagnostics;
     auto const network = sim::load_network(arguments.network, diagnostics);
@@ -261,6 +164,19 @@ int powerflow(PowerFlowArguments const& arguments) {
         print_power_flow(*network, *flow);
     }
     return 0;
+}
+
+} // namespace
+
+void add_powerflow(CLI::App& app, Action& action) {
+    auto const a = std::make_shared<PowerFlowArguments>();
+    CLI::App* verb = app.add_subcommand("powerflow", "solve the power flow of a network (YAML or MATPOWER)");
+    verb->add_option("NETWORK", a->network, "network file")->required();
+    verb->add_flag("--json", a->json, "as JSON");
+    verb->add_flag("--enforce-q-limits", a->enforce_q_limits,
+                   "generators give up their voltage at their reactive limits");
+    verb->add_flag("--three-phase", a->three_phase, "unbalanced: voltages and currents by phase");
+    verb->callback([a, &action] { action = [a] { return powerflow(*a); }; });
 }
 
 } // namespace gridspace::cli

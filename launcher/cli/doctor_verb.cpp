@@ -9,12 +9,14 @@
 #include "launcher/run/virtual_network.hpp"
 #include "launcher/scenario/installation.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sched.h>
 #include <sys/mman.h>
@@ -159,8 +161,6 @@ Finding check_profile_file() {
             stray ? "runs ignore it; your own DDS programs do not" : ""};
 }
 
-} // namespace
-
 int doctor(bool json) {
     std::vector<Finding> const findings{check_programs(),
                                         check_qos(),
@@ -190,6 +190,15 @@ int doctor(bool json) {
         fmt::print("{}\n", list.dump(2));
     }
     return problem ? static_cast<int>(ExitCode::environment) : 0;
+}
+
+} // namespace
+
+void add_doctor(CLI::App& app, Action& action) {
+    auto const json = std::make_shared<bool>(false);
+    CLI::App* verb = app.add_subcommand("doctor", "look at what this machine allows, and what helps");
+    verb->add_flag("--json", *json, "as JSON");
+    verb->callback([json, &action] { action = [json] { return doctor(*json); }; });
 }
 
 } // namespace gridspace::cli
