@@ -5,6 +5,7 @@ import re
 import unittest
 
 from harness import SHORT_CASE_2, ScenarioTest
+from pcapng_file import Capture
 
 # Sampled values, GOOSE and others, plain and tagged, as fast as they go: from before the start until it is ended.
 STRANGER = """
@@ -69,6 +70,11 @@ processes:
 FOREIGN = "020000000099"
 
 
+def frames_of(run):
+    """(time, octets) of the capture, wherever they were seen."""
+    return sorted((p.time_ns, p.octets) for p in Capture(run.folder / "bus.pcapng").packets)
+
+
 class ForeignFrames(ScenarioTest):
     def setUp(self):
         super().setUp()
@@ -93,8 +99,14 @@ class ForeignFrames(ScenarioTest):
         self.script = self.write("copier.py", COPIER)
         for name, keep, source in (("under_another_address", 0, FOREIGN), ("as_they_were", 1, "024753")):
             copied = self.run_beside(name, keep)
+            if keep:  # a copy octet for octet may come first: the capture then has it at the copier's port
+                self.assertGreater(len(frames_of(calm)), 500)
+                self.assertEqual(frames_of(calm), frames_of(copied))
+                for run in (calm, copied):
+                    (run.folder / "bus.pcapng").unlink()
+            else:
+                self.assertEqual((calm.folder / "bus.pcapng").read_bytes(), (copied.folder / "bus.pcapng").read_bytes())
             self.assert_identical(calm, copied)
-            self.assertEqual((calm.folder / "bus.pcapng").read_bytes(), (copied.folder / "bus.pcapng").read_bytes())
             said = " ".join(event["text"] for event in copied.events() if event["event"] == "foreign_frames")
             self.assertRegex(said, "from " + ":".join(source[i:i + 2] for i in range(0, len(source), 2)), name)
 
