@@ -38,10 +38,9 @@ class TripPublisher {
         std::int64_t at_ns;
         bool trip;
     };
-    TripPublisher(bus::Node& node, gateways::WirePort& port) : node_{node}, port_{port}, clock_{node} {}
+    TripPublisher(bus::Node& node, gateways::WirePort& port) : port_{port}, clock_{node} {}
     void stamp();
 
-    bus::Node& node_;
     gateways::WirePort& port_;
     gateways::WireClock clock_;
     std::unique_ptr<iec61850::GoosePublisher> publisher_;

@@ -81,7 +81,7 @@ class Definitions {
 
 std::string to_lines(Json const& json, std::size_t indent) {
     constexpr std::size_t kLine = 120;
-    std::string const text = json.dump();
+    std::string text = json.dump();
     if (!json.is_structured() || json.empty() || indent + text.size() + 20 <= kLine) {
         return text;
     }
