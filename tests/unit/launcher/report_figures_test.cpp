@@ -5,6 +5,7 @@
 #include "launcher/report/series.hpp"
 #include "launcher/report/tables.hpp"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace gridspace::launcher {
