@@ -6,6 +6,7 @@
 #include "launcher/scenario/element_names.hpp"
 #include "launcher/scenario/limited_command.hpp"
 #include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/wire_programs.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -148,9 +149,8 @@ void DeclaredSettings::check(Scenario const& s, Process const& process, Diagnost
         auto const span_s = value.empty() ? std::nullopt : Rational::parse(value.front());
         if (span_s && s.simulation.step_s > Rational{0} && !(*span_s / s.simulation.step_s).is_whole()) {
             diagnostics.error(written == nullptr ? process.name.where : written->where,
-                              fmt::format("{} of {} s is not a whole number of steps of {} s",
-                                          key == "period_s" ? "the period" : "'" + key + "'", span_s->to_string(),
-                                          s.simulation.step_s.to_string()));
+                              fmt::format("'{}' of {} s is not a whole number of steps of {} s", key,
+                                          span_s->to_string(), s.simulation.step_s.to_string()));
         }
     }
     if (s.network) {
@@ -161,8 +161,7 @@ void DeclaredSettings::check(Scenario const& s, Process const& process, Diagnost
 std::vector<TopicUse> DeclaredSettings::writes(Scenario const&, Process const& process) const {
     std::vector<TopicUse> out = uses(declaration_.writes, declaration_, process, command_);
     if (!declaration_.signals.empty()) {
-        out.push_back({"signals", "SignalFrame"});
-        out.push_back({"signal_catalog", "SignalCatalog"});
+        add_signals(out);
     }
     return out;
 }
@@ -240,8 +239,19 @@ std::optional<program::Declaration> ask_program(std::vector<std::string> const& 
 
 } // namespace
 
-std::unique_ptr<ProcessSettings> read_foreign_program(config::Fields& fields, Node const& written, std::string& name,
-                                                      bool may_start, Diagnostics& diagnostics) {
+std::optional<program::Declaration> const& ForeignPrograms::ask(std::vector<std::string> const& command,
+                                                                Ref const& path, Diagnostics& diagnostics) {
+    auto const [known, is_new] = answers_.try_emplace(command);
+    if (is_new && may_start_) {
+        known->second = ask_program(command, path, diagnostics);
+    } else if (is_new) {
+        diagnostics.error(path.where, "no program of somebody else is started here");
+    }
+    return known->second;
+}
+
+std::unique_ptr<ProcessSettings> ForeignPrograms::read(config::Fields& fields, Node const& written, std::string& name,
+                                                       Diagnostics& diagnostics) {
     Ref path;
     std::vector<Ref> arguments;
     fields.object("program", {}, [&](config::Fields& f) {
@@ -255,10 +265,8 @@ std::unique_ptr<ProcessSettings> read_foreign_program(config::Fields& fields, No
     for (Ref& word : arguments) {
         command.push_back(std::move(word.name));
     }
-    if (!path.empty() && !may_start) {
-        diagnostics.error(path.where, "no program of somebody else is started here", "");
-    } else if (!path.empty()) {
-        declaration = ask_program(command, path, diagnostics);
+    if (!path.empty()) {
+        declaration = ask(command, path, diagnostics);
     }
     if (!declaration) {
         Node ignored;

@@ -19,6 +19,7 @@
 #include <array>
 #include <fmt/format.h>
 #include <set>
+#include <span>
 
 namespace gridspace::launcher {
 namespace {
@@ -41,12 +42,6 @@ bool check_name(Ref const& ref, std::vector<std::string> const& names, std::stri
     return false;
 }
 
-std::vector<TopicUse> with_signals(std::vector<TopicUse> topics) {
-    topics.push_back({"signals", "SignalFrame"});
-    topics.push_back({"signal_catalog", "SignalCatalog"});
-    return topics;
-}
-
 class SimSettings final : public ProcessSettings {
   public:
     static std::unique_ptr<ProcessSettings> read(Fields&) { return std::make_unique<SimSettings>(); }
@@ -62,7 +57,8 @@ class SimSettings final : public ProcessSettings {
                 out.push_back({publish.topic.name, "LineCurrents"});
             }
         }
-        return with_signals(std::move(out));
+        add_signals(out);
+        return out;
     }
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const&) const override {
         std::vector<TopicUse> out;
@@ -131,10 +127,14 @@ class SimSettings final : public ProcessSettings {
 
 /// One of ours that has declared what it is; `describe` reads it, with the checks that are its own.
 template <class Config, program::Declaration (*declare)()>
-std::unique_ptr<ProcessSettings> read_declared(Fields& f) {
-    Config config;
-    describe(f, config);
-    return std::make_unique<DeclaredSettings>(declare(), std::vector<std::string>{});
+Program declared() {
+    static program::Declaration const declaration = declare();
+    return {declaration.name, declaration.description, declaration.role,
+            [](Fields& f) -> std::unique_ptr<ProcessSettings> {
+                Config config;
+                describe(f, config);
+                return std::make_unique<DeclaredSettings>(declare(), std::vector<std::string>{});
+            }};
 }
 
 class RecorderSettings final : public ProcessSettings {
@@ -285,32 +285,35 @@ class ExecSettings final : public ProcessSettings {
     Node settings_;
 };
 
-constexpr std::array kPrograms{
-    Program{"gridspace-sim", "simulator", "simulator", SimSettings::read},
-    Program{"gridspace-ev", "EV agent", "ev_agent", read_declared<agents::EvConfig, agents::ev_declaration>},
-    Program{"gridspace-mu", "merging unit", "merging_unit", read_merging_unit},
-    Program{"gridspace-relay", "line differential relay", "relay", read_relay},
-    Program{"gridspace-attacker", "attacks on streams and topics", "attacker", read_attacker},
-    Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
-    Program{"gridspace-link", "impairments of a cable", "member", read_link},
-    Program{"gridspace-gateway", "translator between topics and streams", "gateway", read_gateway},
-    Program{"gridspace-mcca", "microgrid control agent", "mcca",
-            read_declared<agents::MccaConfig, agents::mcca_declaration>},
-    Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
-    Program{"gridspace-monitor", "monitor and dashboard", "monitor", read_monitor},
-    Program{"exec", "a program of your own", "member", ExecSettings::read},
-};
+std::span<Program const> programs() {
+    static std::array const all{
+        Program{"gridspace-sim", "simulator", "simulator", SimSettings::read},
+        declared<agents::EvConfig, agents::ev_declaration>(),
+        Program{"gridspace-mu", "merging unit", "merging_unit", read_merging_unit},
+        Program{"gridspace-relay", "line differential relay", "relay", read_relay},
+        Program{"gridspace-attacker", "attacks on streams and topics", "attacker", read_attacker},
+        Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
+        Program{"gridspace-link", "impairments of a cable", "member", read_link},
+        Program{"gridspace-gateway", "translator between topics and streams", "gateway", read_gateway},
+        declared<agents::MccaConfig, agents::mcca_declaration>(),
+        Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
+        Program{"gridspace-monitor", "monitor and dashboard", "monitor", read_monitor},
+        Program{"exec", "a program of your own", "member", ExecSettings::read},
+    };
+    return all;
+}
 
 } // namespace
 
 Program const* find_program(std::string_view name) {
-    auto const it = std::find_if(kPrograms.begin(), kPrograms.end(), [&](Program const& p) { return p.name == name; });
-    return it == kPrograms.end() ? nullptr : &*it;
+    auto const all = programs();
+    auto const it = std::find_if(all.begin(), all.end(), [&](Program const& p) { return p.name == name; });
+    return it == all.end() ? nullptr : &*it;
 }
 
 std::vector<std::string> program_names() {
     std::vector<std::string> out;
-    for (Program const& program : kPrograms) {
+    for (Program const& program : programs()) {
         out.emplace_back(program.name);
     }
     return out;

@@ -161,6 +161,7 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, bool start_prog
     });
     Node defaults;
     f.raw("defaults", defaults, {.doc = "settings by program; a process may override them"});
+    ForeignPrograms foreign{start_programs};
     f.map("processes", {.doc = "what is started", .required = true}, [&](Ref const& name, Fields& p) {
         Process process;
         process.name = name;
@@ -168,7 +169,7 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, bool start_prog
         describe_process(p, process);
         if (Node const* own = process.node.find("program"); own != nullptr && own->is_map()) {
             process.program.where = own->where;
-            process.settings = read_foreign_program(p, process.node, process.program.name, start_programs, diagnostics);
+            process.settings = foreign.read(p, process.node, process.program.name, diagnostics);
             if (auto const* declared = dynamic_cast<DeclaredSettings const*>(process.settings.get());
                 declared != nullptr && process.qos.empty()) {
                 process.qos = {declared->declaration().role, name.where};

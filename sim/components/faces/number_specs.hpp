@@ -12,10 +12,14 @@ namespace gridspace::sim::elements {
 using config::Fields;
 using config::NumberSpec;
 
-constexpr NumberSpec positive(std::string_view doc, bool required = false) {
+constexpr NumberSpec any(std::string_view doc, bool required = false) {
     NumberSpec spec;
     spec.doc = doc;
     spec.required = required;
+    return spec;
+}
+constexpr NumberSpec positive(std::string_view doc, bool required = false) {
+    NumberSpec spec = any(doc, required);
     spec.above = 0;
     return spec;
 }
@@ -25,16 +29,8 @@ constexpr NumberSpec at_most_one(std::string_view doc) {
     return spec;
 }
 constexpr NumberSpec not_negative(std::string_view doc, bool required = false) {
-    NumberSpec spec;
-    spec.doc = doc;
-    spec.required = required;
+    NumberSpec spec = any(doc, required);
     spec.min = 0;
-    return spec;
-}
-constexpr NumberSpec any(std::string_view doc, bool required = false) {
-    NumberSpec spec;
-    spec.doc = doc;
-    spec.required = required;
     return spec;
 }
 constexpr NumberSpec percent(std::string_view doc, bool required = false) {

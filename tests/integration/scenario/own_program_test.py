@@ -62,6 +62,13 @@ class OwnProgram(harness.ScenarioTest):
         self.refused("No such file", ev1={"program": {"path": "./nowhere"}})
         self.refused("lacks the key 'path'", ev1={"program": {"file": "x"}})
 
+    def test_each_program_is_asked_once(self):
+        text = json.dumps({"gridspace_program": 1, "name": "watcher", "member": False})
+        agent = {"program": {"path": str(self.script("watcher", f"echo asked >>{self.folder}/count; echo '{text}'"))}, "host": "controller"}
+        code, out, err = harness.gridspace("validate", self.scenario(one=agent, two=agent, three=agent))
+        self.assertEqual(code, harness.OK, out + err)
+        self.assertEqual((self.folder / "count").read_text(), "asked\n")
+
     def test_what_it_declares_is_part_of_the_dataflow(self):
         text = json.dumps({"gridspace_program": 1, "name": "ems", "member": False, "settings": [{"key": "from", "kind": "name", "doc": "topic", "required": True}],
                            "reads": [{"topic": "{from}", "type": "ChargingRequest"}]})
