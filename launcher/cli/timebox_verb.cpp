@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/cli/load.hpp"
+#include "launcher/cli/verbs.hpp"
+#include "timebox/box.hpp"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <fmt/format.h>
+#include <memory>
+
+namespace gridspace::cli {
+namespace {
+
+struct TimeboxArguments {
+    std::vector<std::string> command;
+    std::optional<double> until_s;
+    std::uint64_t seed{1};
+    std::int64_t epoch_unix_s{1'575'158'400}; // as of scenarios: 2019-12-01
+    double patience_s{60};
+    bool trace{false}, quiet{false};
+};
+
+int timebox(TimeboxArguments const& arguments) {
+    timebox::BoxOptions options;
+    options.command = arguments.command;
+    options.seed = arguments.seed;
+    options.epoch_unix_s = arguments.epoch_unix_s;
+    options.patience_s = arguments.patience_s;
+    if (arguments.until_s) {
+        options.until_ns = static_cast<std::int64_t>(*arguments.until_s * 1e9);
+    }
+    if (arguments.trace) {
+        options.on_held = [](double time_s, int thread, char const* call, double held_s) {
+            fmt::print(stderr, "{:16.9f} s  thread {:<3} {:<16} held {:.9f} s\n", time_s, thread, call, held_s);
+        };
+    }
+    auto const began = std::chrono::steady_clock::now();
+    auto const report = timebox::run_in_simulated_time(options);
+    if (!report) {
+        return print_error(report.error());
+    }
+    std::chrono::duration<double> const took = std::chrono::steady_clock::now() - began;
+    for (auto const& [what, times] : report->refused) {
+        fmt::print(stderr, "timebox: refused {} time{}: {}, which cannot be had in simulated time\n", times,
+                   times == 1 ? "" : "s", what);
+    }
+    if (!arguments.quiet) {
+        fmt::print(stderr,
+                   "timebox: {:.9f} s simulated in {:.2f} s{}; {} threads, {} calls held, {} looks at the clock\n",
+                   static_cast<double>(report->simulated_ns) / 1e9, took.count(),
+                   report->until_reached ? ", ended there" : "", report->threads, report->held, report->clock_reads);
+    }
+    return report->exit_code;
+}
+
+} // namespace
+
+void add_timebox(CLI::App& app, Action& action) {
+    auto const arguments = std::make_shared<TimeboxArguments>();
+    CLI::App* verb = app.add_subcommand(
+        "timebox", "run an unmodified program in simulated time, as fast as it goes, with the same result each time");
+    verb->add_option("command", arguments->command, "the program and its arguments, behind --")->required();
+    verb->add_option("--until", arguments->until_s, "simulated time at which it is ended, s")
+        ->check(CLI::PositiveNumber);
+    verb->add_option("--seed", arguments->seed, "of the random numbers that the kernel gives");
+    verb->add_option("--epoch", arguments->epoch_unix_s, "what the clock shows at the start, s since 1970 (UTC)");
+    verb->add_option("--patience", arguments->patience_s, "real time that it may compute without a call, s")
+        ->check(CLI::PositiveNumber);
+    verb->add_flag("--trace", arguments->trace, "list the calls that were held, with simulated times (stderr)");
+    verb->add_flag("-q,--quiet", arguments->quiet, "no summary");
+    verb->callback([arguments, &action] { action = [arguments] { return timebox(*arguments); }; });
+}
+
+} // namespace gridspace::cli

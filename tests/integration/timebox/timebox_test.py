@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Unmodified programs in simulated time: what they see is what arithmetic says, and the same each time."""
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+GRIDSPACE = pathlib.Path(os.environ["GRIDSPACE_BIN_DIR"]) / "gridspace"
+EPOCH = 1_575_158_400
+
+ABSOLUTE = """
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <time.h>
+int main(void) {
+    for (long k = 1; k <= 4800; ++k) { /* a publisher of 4800 Hz */
+        long ns = k * 1000000000L / 4800;
+        struct timespec t = {ns / 1000000000L, ns % 1000000000L};
+        clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, NULL);
+        clock_gettime(CLOCK_REALTIME, &t);
+        printf("%ld.%09ld\\n", (long)t.tv_sec, t.tv_nsec);
+    }
+    return 3;
+}
+"""
+
+THREADS = """
+#include <pthread.h>
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+static pthread_mutex_t m = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t c = PTHREAD_COND_INITIALIZER;
+static int waiting;
+static void *produce(void *period_us) {
+    for (int i = 0; i < 5; ++i) {
+        usleep((useconds_t)(long)period_us);
+        pthread_mutex_lock(&m); ++waiting; pthread_cond_signal(&c); pthread_mutex_unlock(&m);
+    }
+    return NULL;
+}
+int main(void) {
+    pthread_t p[3];
+    for (long i = 0; i < 3; ++i) pthread_create(&p[i], NULL, produce, (void *)(100000 * (i + 1)));
+    for (int got = 0; got < 15;) {
+        pthread_mutex_lock(&m);
+        while (!waiting) {
+            struct timespec t;
+            clock_gettime(CLOCK_REALTIME, &t);
+            t.tv_nsec += 60000000;
+            if (t.tv_nsec >= 1000000000) { t.tv_nsec -= 1000000000; ++t.tv_sec; }
+            if (pthread_cond_timedwait(&c, &m, &t)) { struct timespec n; clock_gettime(CLOCK_MONOTONIC, &n); printf("none by %ld ms\\n", n.tv_sec * 1000 + n.tv_nsec / 1000000); }
+        }
+        --waiting; ++got;
+        pthread_mutex_unlock(&m);
+        struct timespec n; clock_gettime(CLOCK_MONOTONIC, &n);
+        printf("%d at %ld ms\\n", got, n.tv_sec * 1000 + n.tv_nsec / 1000000);
+    }
+    for (int i = 0; i < 3; ++i) pthread_join(p[i], NULL);
+    return 0;
+}
+"""
+
+EPOLL = """
+#include <poll.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <sys/epoll.h>
+#include <sys/timerfd.h>
+#include <time.h>
+#include <unistd.h>
+static long us(void) { struct timespec t; clock_gettime(CLOCK_MONOTONIC, &t); return t.tv_sec * 1000000 + t.tv_nsec / 1000; }
+int main(void) {
+    int e = epoll_create1(0), t = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK);
+    struct itimerspec s = {{0, 250000}, {0, 250000}};
+    timerfd_settime(t, 0, &s, NULL);
+    struct epoll_event event = {EPOLLIN, {.fd = t}};
+    epoll_ctl(e, EPOLL_CTL_ADD, t, &event);
+    uint64_t rung = 0, n;
+    while (rung < 400) {
+        if (epoll_wait(e, &event, 1, 1000) != 1 || read(t, &n, 8) != 8) return 1;
+        rung += n;
+    }
+    printf("%lu at %ld us\\n", (unsigned long)rung, us());
+    for (int i = 0; i < 100; ++i) poll(NULL, 0, 1);
+    printf("polled until %ld us\\n", us());
+    return 0;
+}
+"""
+
+PYTHON = """
+import asyncio, os, queue, random, select, signal, socket, subprocess, threading, time
+begin = time.monotonic()
+now = lambda: round(time.monotonic() - begin, 2)
+print(now(), random.random(), os.urandom(4).hex())
+def work(n):
+    for i in range(3):
+        time.sleep(0.1 * (n + 1))
+        print(now(), n, i, flush=True)
+threads = [threading.Thread(target=work, args=(n,)) for n in range(3)]
+for t in threads: t.start()
+for t in threads: t.join()
+try: queue.Queue().get(timeout=5)
+except queue.Empty: print(now(), "empty")
+print(now(), subprocess.run(["sh", "-c", "sleep 2; date -u +%s"], capture_output=True, text=True).stdout.strip(), now())
+r, w = os.pipe()
+print(select.select([r], [], [], 0.5), now())
+signal.signal(signal.SIGALRM, lambda *_: print(now(), "alarm"))
+signal.setitimer(signal.ITIMER_REAL, 3, 0)
+time.sleep(10)
+print(now())
+a, b = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
+a.settimeout(1.5)
+try: a.recv(10)
+except TimeoutError: print(now(), "nothing came")
+threading.Timer(0.25, lambda: b.send(b"something")).start()
+print(a.recv(10), now())
+async def two():
+    await asyncio.gather(asyncio.sleep(0.3), asyncio.sleep(0.7))
+asyncio.run(two())
+print(now())
+"""
+
+
+class Timebox(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="gridspace-timebox-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def compiled(self, source, *options):
+        (self.folder / "program.c").write_text(source)
+        subprocess.run(["cc", "-O1", "-pthread", *options, "program.c", "-o", "program"], cwd=self.folder, check=True)
+        return str(self.folder / "program")
+
+    def box(self, *command, options=()):
+        return subprocess.run([GRIDSPACE, "timebox", *options, "--", *command], capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=300)
+
+    def test_a_program_that_sleeps_to_absolute_deadlines_wakes_at_them_whether_linked_statically_or_not(self):
+        for options in ((), ("-static",)):
+            done = self.box(self.compiled(ABSOLUTE, *options))
+            stamps = done.stdout.splitlines()
+            self.assertEqual(done.returncode, 3, "the program's own")
+            self.assertEqual(stamps, [f"{EPOCH + k * 10**9 // 4800 // 10**9}.{k * 10**9 // 4800 % 10**9:09d}" for k in range(1, 4801)])
+            self.assertIn("1.000000100 s simulated", done.stderr, "the last look took 100 ns")
+
+    def test_threads_with_a_condition_variable_meet_at_the_instants_that_arithmetic_says(self):
+        lines = self.box(self.compiled(THREADS)).stdout.splitlines()
+        got = [int(line.split()[2]) for line in lines if " at " in line]
+        self.assertEqual(got, sorted(100 * (n + 1) * (i + 1) for n in range(3) for i in range(5)))
+        self.assertEqual(lines[0], "none by 60 ms")
+        self.assertNotEqual([line for line in lines if line.startswith("none by 1260")], [])
+
+    def test_epoll_with_a_timerfd_and_poll_keep_their_periods(self):
+        self.assertEqual(self.box(self.compiled(EPOLL)).stdout, "400 at 100000 us\npolled until 200000 us\n")
+
+    def test_python_with_threads_processes_signals_and_sockets_ends_at_the_same_instant_with_the_same_random_numbers_each_time(self):
+        (self.folder / "program.py").write_text(PYTHON)
+        first, again, other = (self.box("python3", str(self.folder / "program.py"), options=("--seed", seed)) for seed in ("7", "7", "8"))
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertEqual(first.stdout, again.stdout)
+        self.assertNotEqual(first.stdout.splitlines()[0], other.stdout.splitlines()[0])
+        self.assertEqual(first.stdout.splitlines()[1:], other.stdout.splitlines()[1:])
+        said = first.stdout.splitlines()
+        for line in ("5.9 empty", "([], [], []) 8.4", "11.4 alarm", "18.4", "19.9 nothing came", "b'something' 20.15", "20.85"):
+            self.assertIn(line, said)
+        self.assertTrue(any(line.startswith(f"5.9 {EPOCH + 7}") for line in said), said)
+
+    def test_until_ends_it_and_trace_lists_the_held_calls(self):
+        done = self.box("sleep", "100", options=("--until", "5", "--trace"))
+        self.assertEqual((done.returncode, done.stdout), (0, ""))
+        self.assertIn("5.000000000 s simulated", done.stderr)
+        done = self.box("sh", "-c", "sleep 1; sleep 2", options=("--trace",))
+        self.assertRegex(done.stderr, r"1\.0\d+ s  thread 2 +clock_nanosleep +held 1\.000000000 s")
+
+    def test_what_cannot_be_is_refused_and_said(self):
+        code = """
+import socket
+s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+try: s.setsockopt(socket.SOL_SOCKET, 35, 1)
+except OSError as e: print(e.errno)
+"""
+        done = self.box("python3", "-c", code)
+        self.assertEqual(done.stdout, "92\n")
+        self.assertIn("refused 1 time: SO_TIMESTAMP", done.stderr)
+
+    def test_a_loop_without_calls_a_deadlock_and_a_missing_program_end_with_a_reason(self):
+        done = self.box("python3", "-c", "while True: pass", options=("--patience", "1"))
+        self.assertEqual(done.returncode, 5)
+        self.assertRegex(done.stderr, r"python3\S* \(\d+\) has computed for \d+ s without a call")
+        done = self.box("python3", "-c", "import threading; x = threading.Lock(); x.acquire(); x.acquire()")
+        self.assertEqual(done.returncode, 5)
+        self.assertRegex(done.stderr, r"nothing can happen any more at 0\.\d+ s: python3\S* \(\d+\) in futex")
+        done = self.box("/no/such/program")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("cannot start '/no/such/program': No such file or directory", done.stderr)
+
+    def test_a_program_that_dies_of_a_signal_has_the_exit_code_of_a_shell(self):
+        self.assertEqual(self.box("sh", "-c", "kill -SEGV $$").returncode, 139)
+
+    def test_what_comes_from_outside_is_waited_for(self):
+        done = subprocess.run([GRIDSPACE, "timebox", "-q", "--", "cat"], input="from outside\n", capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.stdout, "from outside\n")
+
+
+if __name__ == "__main__":
+    unittest.main()

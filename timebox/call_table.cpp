@@ -1,0 +1,432 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "timebox/call_table.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <fmt/format.h>
+#include <fstream>
+#include <linux/futex.h>
+#include <linux/if_packet.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <sys/timerfd.h>
+#include <sys/times.h>
+#include <sys/wait.h>
+
+namespace gridspace::timebox {
+namespace {
+
+constexpr std::uint64_t kSignalPid = 16; // of si_pid in siginfo_t
+
+std::int64_t to_ns(timeval const& t) {
+    return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_usec * 1000;
+}
+timeval to_timeval(std::int64_t ns) {
+    return {ns / 1'000'000'000, ns % 1'000'000'000 / 1000};
+}
+
+} // namespace
+
+CallTable::CallTable(std::uint64_t seed, std::int64_t epoch_unix_s, BoxReport& report)
+    : clock_{epoch_unix_s}, random_{seed}, report_{report} {}
+
+CallTable::Next CallTable::enter(Thread& t) {
+    t.call = call_of(t.tid);
+    t.what = find_held_call(t.call.number);
+    t.on_exit = Thread::OnExit::nothing;
+    if (t.what == nullptr) {
+        return Next::go;
+    }
+    switch (t.what->treatment) {
+    case Treatment::clock:
+        return answer_clock(t);
+    case Treatment::sleep:
+        return sleep(t);
+    case Treatment::descriptors:
+        return look_at_descriptors(t);
+    case Treatment::receive:
+        return transfer(t, POLLIN);
+    case Treatment::send:
+        return transfer(t, POLLOUT);
+    case Treatment::futex:
+        return futex(t);
+    case Treatment::child:
+        return wait_for_child(t);
+    case Treatment::timer:
+        return timer(t);
+    case Treatment::option:
+        return option(t);
+    case Treatment::refused:
+        return refuse(t, t.what->name, t.what->error);
+    case Treatment::signal: {
+        auto const wait = t.call.arguments[2];
+        return hold_until(t, t.call.number == SYS_rt_sigtimedwait && wait != 0
+                                 ? std::optional{clock_.now_ns() + timebox::to_ns(value_at<timespec>(t.tid, wait))}
+                                 : std::nullopt);
+    }
+    case Treatment::random: {
+        std::vector<std::uint8_t> octets(std::min<std::uint64_t>(t.call.arguments[1], 1U << 20U));
+        std::generate(octets.begin(), octets.end(), [&] { return static_cast<std::uint8_t>(random_.next()); });
+        bool const there = octets.empty() || write_memory(t.tid, t.call.arguments[0], octets.data(), octets.size());
+        answer(t.tid, there ? static_cast<std::int64_t>(octets.size()) : -EFAULT);
+        return Next::go;
+    }
+    case Treatment::yield:
+        clock_.look();
+        answer(t.tid, 0);
+        return Next::let_others_go;
+    case Treatment::kill:
+        signalled_.insert(0); // which one is theirs to see
+        return Next::go;
+    }
+    return Next::go;
+}
+
+CallTable::Next CallTable::answer_clock(Thread& t) {
+    auto const& a = t.call.arguments;
+    std::int64_t result = 0;
+    switch (t.call.number) {
+    case SYS_clock_gettime:
+        put(t.tid, a[1], to_timespec(clock_.reading_ns(static_cast<clockid_t>(a[0]))));
+        break;
+    case SYS_gettimeofday:
+        if (a[0] != 0) {
+            put(t.tid, a[0], to_timeval(clock_.reading_ns(CLOCK_REALTIME)));
+        }
+        break;
+    case SYS_time:
+        result = clock_.reading_ns(CLOCK_REALTIME) / 1'000'000'000;
+        if (a[0] != 0) {
+            put(t.tid, a[0], result);
+        }
+        break;
+    default: { // times(2): in hundredths of a second
+        result = clock_.now_ns() / 10'000'000;
+        if (a[0] != 0) {
+            put(t.tid, a[0], tms{result, 0, 0, 0});
+        }
+    }
+    }
+    ++report_.clock_reads;
+    clock_.look();
+    answer(t.tid, result);
+    return Next::go;
+}
+
+CallTable::Next CallTable::hold_until(Thread& t, std::optional<std::int64_t> deadline_ns) {
+    if (!t.made_again) {
+        t.deadline_ns = deadline_ns;
+        t.since_ns = clock_.now_ns();
+        ++report_.held;
+    }
+    t.made_again = t.interrupted = t.child_ended = false;
+    return Next::hold;
+}
+
+CallTable::Next CallTable::sleep(Thread& t) {
+    auto const& a = t.call.arguments;
+    bool const on_a_clock = t.call.number == SYS_clock_nanosleep;
+    std::int64_t const ns = timebox::to_ns(value_at<timespec>(t.tid, on_a_clock ? a[2] : a[0]));
+    bool const absolute = on_a_clock && (a[1] & TIMER_ABSTIME) != 0;
+    t.interests.clear();
+    return hold_until(t, absolute ? clock_.when(static_cast<clockid_t>(a[0]), ns) : clock_.now_ns() + ns);
+}
+
+CallTable::Next CallTable::look_at_descriptors(Thread& t) {
+    DescriptorWait wait = wait_of(t.tid, t.call);
+    if (wait.timeout_ns == 0) {
+        clock_.look(); // who looks again and again gets on
+        return Next::go;
+    }
+    bool const ready = !t.made_again && descriptors(t.process).any_ready(wait.interests);
+    t.interests = std::move(wait.interests);
+    (void)hold_until(t, wait.timeout_ns ? std::optional{clock_.now_ns() + *wait.timeout_ns} : std::nullopt);
+    return ready ? try_it(t) : Next::hold;
+}
+
+CallTable::Next CallTable::transfer(Thread& t, short event) {
+    auto const fd = static_cast<int>(t.call.arguments[0]);
+    bool const message = t.call.number == SYS_recvfrom || t.call.number == SYS_sendto;
+    auto const flags = message                                                        ? t.call.arguments[3]
+                       : t.call.number == SYS_recvmsg || t.call.number == SYS_sendmsg ? t.call.arguments[2]
+                                                                                      : 0;
+    Descriptors const& files = descriptors(t.process);
+    Interest const interest{fd, event};
+    if ((flags & MSG_DONTWAIT) != 0 || files.any_ready({&interest, 1}) || files.does_not_block(fd)) {
+        return Next::go;
+    }
+    t.interests = {interest};
+    auto const patience = event == POLLIN ? files.receive_timeout_ns(fd) : std::nullopt;
+    return hold_until(t, patience ? std::optional{clock_.now_ns() + *patience} : std::nullopt);
+}
+
+CallTable::Next CallTable::futex(Thread& t) {
+    auto const& a = t.call.arguments;
+    auto const operation = static_cast<int>(a[1]);
+    Futexes::Place const place{t.process, a[0]};
+    auto const value = static_cast<std::uint32_t>(a[2]);
+    switch (operation & FUTEX_CMD_MASK) {
+    case FUTEX_WAIT:
+    case FUTEX_WAIT_BITSET: {
+        if (value_at<std::uint32_t>(t.tid, a[0]) != value) {
+            answer(t.tid, -EAGAIN);
+            return Next::go;
+        }
+        bool const bitset = (operation & FUTEX_CMD_MASK) == FUTEX_WAIT_BITSET; // its time is absolute
+        std::optional<std::int64_t> deadline;
+        if (a[3] != 0) {
+            std::int64_t const ns = timebox::to_ns(value_at<timespec>(t.tid, a[3]));
+            clockid_t const of = (operation & FUTEX_CLOCK_REALTIME) != 0 ? CLOCK_REALTIME : CLOCK_MONOTONIC;
+            deadline = bitset ? clock_.when(of, ns) : clock_.now_ns() + ns;
+        }
+        futexes_.wait(t.tid, place, value, bitset ? static_cast<std::uint32_t>(a[5]) : FUTEX_BITSET_MATCH_ANY);
+        t.interests.clear();
+        return hold_until(t, deadline);
+    }
+    case FUTEX_WAKE:
+    case FUTEX_WAKE_BITSET: {
+        bool const bitset = (operation & FUTEX_CMD_MASK) == FUTEX_WAKE_BITSET;
+        answer(t.tid, futexes_.wake(place, bitset ? static_cast<std::uint32_t>(a[5]) : FUTEX_BITSET_MATCH_ANY, value));
+        return Next::go;
+    }
+    case FUTEX_REQUEUE:
+    case FUTEX_CMP_REQUEUE: // to be woken for nothing is allowed; who is moved looks again and waits there
+        answer(t.tid, futexes_.wake(place, FUTEX_BITSET_MATCH_ANY, INT32_MAX));
+        return Next::go;
+    default:
+        return refuse(t, fmt::format("futex operation {}", operation & FUTEX_CMD_MASK), ENOSYS);
+    }
+}
+
+CallTable::Next CallTable::wait_for_child(Thread& t) {
+    std::size_t const options = t.call.number == SYS_wait4 ? 2 : 3;
+    if ((t.call.arguments[options] & WNOHANG) != 0) {
+        return Next::go;
+    }
+    Call trial = t.call;
+    trial.arguments[options] |= WNOHANG;
+    replace(t.tid, trial);
+    t.on_exit = Thread::OnExit::wait_or_restore;
+    return Next::go_to_exit;
+}
+
+CallTable::Next CallTable::timer(Thread& t) {
+    auto const& a = t.call.arguments;
+    if (t.call.number == SYS_timerfd_create) {
+        Call eventfd = t.call; // the flags are the same
+        eventfd.number = SYS_eventfd2;
+        eventfd.arguments = {0, a[1]};
+        replace(t.tid, eventfd);
+        t.on_exit = Thread::OnExit::new_timer;
+        return Next::go_to_exit;
+    }
+    auto const remaining = [&](std::optional<Timer> const& timer) {
+        return timer ? std::max<std::int64_t>(timer->next_ns - clock_.now_ns(), 0) : 0;
+    };
+    if (t.call.number == SYS_alarm || t.call.number == SYS_setitimer) {
+        if (t.call.number == SYS_setitimer && a[0] != ITIMER_REAL) {
+            return refuse(t, "setitimer of processor time", ENOSYS);
+        }
+        auto const before = timers_.alarm_of(t.process);
+        itimerval value{};
+        if (t.call.number == SYS_alarm) {
+            value.it_value.tv_sec = static_cast<time_t>(a[0]);
+        } else if (a[1] != 0) {
+            value = value_at<itimerval>(t.tid, a[1]);
+        }
+        std::int64_t const first = to_ns(value.it_value);
+        timers_.set_alarm(t.process, first > 0 ? std::optional{Timer{clock_.now_ns() + first, to_ns(value.it_interval)}}
+                                               : std::nullopt);
+        if (t.call.number == SYS_setitimer && a[2] != 0) {
+            put(t.tid, a[2], itimerval{to_timeval(before ? before->interval_ns : 0), to_timeval(remaining(before))});
+        }
+        answer(t.tid, t.call.number == SYS_alarm ? (remaining(before) + 999'999'999) / 1'000'000'000 : 0);
+        return Next::go;
+    }
+    Timers::File* const file = timers_.find(t.process, static_cast<int>(a[0]));
+    if (file == nullptr) {
+        return Next::go; // the kernel says that it is none
+    }
+    itimerspec const before{to_timespec(file->timer ? file->timer->interval_ns : 0),
+                            to_timespec(remaining(file->timer))};
+    if (t.call.number == SYS_timerfd_gettime) {
+        put(t.tid, a[1], before);
+    } else {
+        auto const value = value_at<itimerspec>(t.tid, a[2]);
+        std::int64_t const first = timebox::to_ns(value.it_value);
+        bool const absolute = (a[1] & TFD_TIMER_ABSTIME) != 0;
+        file->timer.reset();
+        if (first != 0) {
+            file->timer = Timer{absolute ? clock_.when(file->clock, first) : clock_.now_ns() + first,
+                                timebox::to_ns(value.it_interval)};
+        }
+        Timers::forget_count(*file);
+        if (a[3] != 0) {
+            put(t.tid, a[3], before);
+        }
+    }
+    answer(t.tid, 0);
+    return Next::go;
+}
+
+/// Stamps of the kernel's clock would tell real time, and a ring is filled without a call.
+CallTable::Next CallTable::option(Thread& t) {
+    auto const level = static_cast<int>(t.call.arguments[1]), name = static_cast<int>(t.call.arguments[2]);
+    bool const stamps =
+        level == SOL_SOCKET && (name == SO_TIMESTAMP || name == SO_TIMESTAMPNS || name == SO_TIMESTAMPING);
+    bool const ring = level == SOL_PACKET && (name == PACKET_RX_RING || name == PACKET_TX_RING);
+    return stamps ? refuse(t, "SO_TIMESTAMP (stamps of the kernel's clock)", ENOPROTOOPT)
+           : ring ? refuse(t, "PACKET_RX_RING (a ring that the kernel fills)", ENOPROTOOPT)
+                  : Next::go;
+}
+
+CallTable::Next CallTable::refuse(Thread& t, std::string const& what, int error) {
+    ++report_.refused[what];
+    answer(t.tid, -error);
+    return Next::go;
+}
+
+CallTable::Next CallTable::try_it(Thread& t) {
+    DescriptorWait const wait = wait_of(t.tid, t.call);
+    Call trial = t.call;
+    std::uint64_t& timeout = trial.arguments[wait.timeout_argument];
+    if (wait.timeout_is_pointer) {
+        timeout = scratch_of(t.tid);
+        put(t.tid, timeout, timespec{}); // a timeval of 0 looks the same
+    } else {
+        timeout = 0;
+    }
+    replace(t.tid, trial);
+    t.on_exit = Thread::OnExit::wait_or_restore;
+    return Next::go_to_exit;
+}
+
+CallTable::Next CallTable::leave(Thread& t) {
+    std::int64_t const result = result_of(t.tid);
+    auto const done = std::exchange(t.on_exit, Thread::OnExit::nothing);
+    if (done == Thread::OnExit::new_timer) {
+        if (result >= 0) {
+            auto const fd = static_cast<int>(result);
+            timers_.create(t.process, fd, descriptors(t.process).copy_of(fd), static_cast<int>(t.call.arguments[0]));
+        }
+        restore(t.tid, t.call);
+        return Next::go;
+    }
+    if (done != Thread::OnExit::wait_or_restore) {
+        return Next::go;
+    }
+    bool nothing = result == 0;
+    if (t.call.number == SYS_waitid && result == 0 && t.call.arguments[2] != 0) {
+        nothing = value_at<int>(t.tid, t.call.arguments[2] + kSignalPid) == 0;
+    }
+    bool const over = t.deadline_ns && *t.deadline_ns <= clock_.now_ns();
+    if (nothing && (t.what->treatment == Treatment::child || !over)) {
+        make_again(t.tid, t.call);
+        t.made_again = true;
+        t.interrupted = false;
+        if (t.what->treatment == Treatment::child) {
+            t.deadline_ns.reset();
+            t.since_ns = clock_.now_ns();
+            t.interests.clear();
+            t.child_ended = false;
+            ++report_.held;
+        }
+        return Next::hold;
+    }
+    restore(t.tid, t.call);
+    return Next::go;
+}
+
+CallTable::Next CallTable::release(Thread& t) {
+    bool const over = t.deadline_ns && *t.deadline_ns <= clock_.now_ns();
+    if (t.made_again) { // it stands before its call: it comes to enter() once more
+        t.made_again = t.what->treatment != Treatment::child; // that one is tried anew
+        t.child_ended = false;
+        return Next::go;
+    }
+    if (t.interrupted) {
+        futexes_.leave(t.tid);
+        if (t.what->treatment != Treatment::signal) {
+            answer(t.tid, -EINTR);
+        }
+        return Next::go; // a wait for signals runs, and finds it
+    }
+    switch (t.what->treatment) {
+    case Treatment::sleep:
+        answer(t.tid, 0);
+        return Next::go;
+    case Treatment::futex:
+        answer(t.tid, futexes_.is_woken(t.tid) ? 0 : -ETIMEDOUT);
+        futexes_.leave(t.tid);
+        return Next::go;
+    case Treatment::signal:
+        answer(t.tid, -EAGAIN);
+        return Next::go;
+    case Treatment::receive:
+    case Treatment::send:
+        if (over && !descriptors_ready(t)) {
+            answer(t.tid, -EAGAIN);
+        }
+        return Next::go;
+    case Treatment::descriptors:
+        return try_it(t);
+    default:
+        return Next::go;
+    }
+}
+
+bool CallTable::may_go(Thread const& t) const {
+    return (t.deadline_ns && *t.deadline_ns <= clock_.now_ns()) || t.interrupted || t.child_ended ||
+           futexes_.is_woken(t.tid);
+}
+
+bool CallTable::descriptors_ready(Thread const& t) {
+    return descriptors(t.process).any_ready(t.interests);
+}
+
+bool CallTable::has_signal(Thread const& t) const {
+    std::ifstream status{fmt::format("/proc/{}/task/{}/status", t.process, t.tid)};
+    std::uint64_t pending = 0, blocked = 0, ignored = 0;
+    for (std::string line; std::getline(status, line);) {
+        auto const mask = [&] { return std::stoull(line.substr(line.find(':') + 1), nullptr, 16); };
+        if (line.starts_with("SigPnd") || line.starts_with("ShdPnd")) {
+            pending |= mask();
+        } else if (line.starts_with("SigBlk")) {
+            blocked = mask();
+        } else if (line.starts_with("SigIgn")) {
+            ignored = mask();
+        }
+    }
+    if (t.call.number == SYS_rt_sigsuspend) {
+        blocked = value_at<std::uint64_t>(t.tid, t.call.arguments[0]);
+    } else if (t.call.number == SYS_rt_sigtimedwait) {
+        return (pending & value_at<std::uint64_t>(t.tid, t.call.arguments[0])) != 0;
+    }
+    return (pending & ~blocked & ~ignored) != 0;
+}
+
+Descriptors const& CallTable::descriptors(pid_t process) {
+    return descriptors_.try_emplace(process, process).first->second;
+}
+
+void CallTable::forget(pid_t process) {
+    descriptors_.erase(process);
+    timers_.ended(process);
+}
+
+void CallTable::forget_image(pid_t process) {
+    auto const alarm = timers_.alarm_of(process);
+    forget(process);
+    timers_.set_alarm(process, alarm);
+}
+
+std::array<std::uint8_t, 16> CallTable::random_octets() {
+    std::array<std::uint8_t, 16> out{};
+    std::generate(out.begin(), out.end(), [&] { return static_cast<std::uint8_t>(random_.next()); });
+    return out;
+}
+
+} // namespace gridspace::timebox

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/unique_fd.hpp"
+#include "timebox/tracee.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gridspace::timebox {
+
+/// A descriptor of a program, and what is waited for (events of poll(2)).
+struct Interest {
+    int fd{-1};
+    short events{0};
+};
+
+/// What a call waits for.
+struct DescriptorWait {
+    std::vector<Interest> interests;
+    std::optional<std::int64_t> timeout_ns; ///< from now; nothing: without end; 0: it only looks
+    std::size_t timeout_argument{0};        ///< of the call
+    bool timeout_is_pointer{false};
+};
+/// Of poll, ppoll, select, pselect6, epoll_wait, epoll_pwait, epoll_pwait2.
+[[nodiscard]] DescriptorWait wait_of(pid_t tid, Call const& call);
+
+/// The descriptors of one process, from outside (pidfd_getfd(2)).
+class Descriptors {
+  public:
+    explicit Descriptors(pid_t process);
+    [[nodiscard]] UniqueFd copy_of(int fd) const; ///< of the same open file; none: it is not open
+    [[nodiscard]] bool any_ready(std::span<Interest const> interests) const;
+    /// Waits for that in real time, for what comes from outside of the box.
+    [[nodiscard]] bool wait_outside(std::span<Interest const> interests, int timeout_ms) const;
+    [[nodiscard]] bool does_not_block(int fd) const;
+    [[nodiscard]] std::optional<std::int64_t> receive_timeout_ns(int fd) const; ///< SO_RCVTIMEO
+
+  private:
+    [[nodiscard]] bool poll(std::span<Interest const> interests, int timeout_ms) const;
+    UniqueFd process_;
+};
+
+} // namespace gridspace::timebox

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "timebox/held_calls.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <linux/audit.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#include <vector>
+
+namespace gridspace::timebox {
+namespace {
+
+#ifndef SYS_epoll_pwait2
+#define SYS_epoll_pwait2 441
+#endif
+
+constexpr std::array kCalls = std::to_array<HeldCall>({
+    {SYS_clock_gettime, "clock_gettime", Treatment::clock},
+    {SYS_gettimeofday, "gettimeofday", Treatment::clock},
+    {SYS_time, "time", Treatment::clock},
+    {SYS_times, "times", Treatment::clock},
+    {SYS_nanosleep, "nanosleep", Treatment::sleep},
+    {SYS_clock_nanosleep, "clock_nanosleep", Treatment::sleep},
+    {SYS_poll, "poll", Treatment::descriptors},
+    {SYS_ppoll, "ppoll", Treatment::descriptors},
+    {SYS_select, "select", Treatment::descriptors},
+    {SYS_pselect6, "pselect6", Treatment::descriptors},
+    {SYS_epoll_wait, "epoll_wait", Treatment::descriptors},
+    {SYS_epoll_pwait, "epoll_pwait", Treatment::descriptors},
+    {SYS_epoll_pwait2, "epoll_pwait2", Treatment::descriptors},
+    {SYS_read, "read", Treatment::receive},
+    {SYS_readv, "readv", Treatment::receive},
+    {SYS_recvfrom, "recvfrom", Treatment::receive},
+    {SYS_recvmsg, "recvmsg", Treatment::receive},
+    {SYS_recvmmsg, "recvmmsg", Treatment::receive},
+    {SYS_accept, "accept", Treatment::receive},
+    {SYS_accept4, "accept4", Treatment::receive},
+    {SYS_write, "write", Treatment::send},
+    {SYS_writev, "writev", Treatment::send},
+    {SYS_sendto, "sendto", Treatment::send},
+    {SYS_sendmsg, "sendmsg", Treatment::send},
+    {SYS_sendmmsg, "sendmmsg", Treatment::send},
+    {SYS_futex, "futex", Treatment::futex},
+    {SYS_wait4, "wait4", Treatment::child},
+    {SYS_waitid, "waitid", Treatment::child},
+    {SYS_pause, "pause", Treatment::signal},
+    {SYS_rt_sigsuspend, "rt_sigsuspend", Treatment::signal},
+    {SYS_rt_sigtimedwait, "rt_sigtimedwait", Treatment::signal},
+    {SYS_timerfd_create, "timerfd_create", Treatment::timer},
+    {SYS_timerfd_settime, "timerfd_settime", Treatment::timer},
+    {SYS_timerfd_gettime, "timerfd_gettime", Treatment::timer},
+    {SYS_setitimer, "setitimer", Treatment::timer},
+    {SYS_alarm, "alarm", Treatment::timer},
+    {SYS_getrandom, "getrandom", Treatment::random},
+    {SYS_sched_yield, "sched_yield", Treatment::yield},
+    {SYS_kill, "kill", Treatment::kill},
+    {SYS_tkill, "tkill", Treatment::kill},
+    {SYS_tgkill, "tgkill", Treatment::kill},
+    {SYS_setsockopt, "setsockopt", Treatment::option},
+    {SYS_timer_create, "timer_create", Treatment::refused, ENOSYS},
+    {SYS_io_uring_setup, "io_uring_setup", Treatment::refused, ENOSYS},
+    {SYS_perf_event_open, "perf_event_open", Treatment::refused, EPERM},
+    {SYS_clock_settime, "clock_settime", Treatment::refused, EPERM},
+    {SYS_settimeofday, "settimeofday", Treatment::refused, EPERM},
+    {SYS_clock_adjtime, "clock_adjtime", Treatment::refused, EPERM},
+});
+
+sock_filter statement(std::uint16_t code, std::uint32_t k) {
+    return {code, 0, 0, k};
+}
+
+} // namespace
+
+std::span<HeldCall const> held_calls() {
+    return kCalls;
+}
+
+HeldCall const* find_held_call(long number) {
+    auto const it = std::find_if(kCalls.begin(), kCalls.end(), [&](HeldCall const& c) { return c.number == number; });
+    return it == kCalls.end() ? nullptr : &*it;
+}
+
+int install_filter() {
+    std::vector<sock_filter> program;
+    program.push_back(statement(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, arch)));
+    program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 1, 0, AUDIT_ARCH_X86_64});
+    program.push_back(statement(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS)); // calls of 32 bits would not be seen
+    program.push_back(statement(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)));
+    for (HeldCall const& call : kCalls) {
+        program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 0, 1, static_cast<std::uint32_t>(call.number)});
+        program.push_back(statement(BPF_RET | BPF_K, SECCOMP_RET_TRACE));
+    }
+    program.push_back(statement(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+    sock_fprog const code{static_cast<unsigned short>(program.size()), program.data()};
+    if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &code) != 0) {
+        return errno;
+    }
+    return 0;
+}
+
+} // namespace gridspace::timebox

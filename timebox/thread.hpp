@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "timebox/descriptors.hpp"
+#include "timebox/held_calls.hpp"
+#include "timebox/tracee.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace gridspace::timebox {
+
+/// One thread in the box. All but one stand still.
+struct Thread {
+    pid_t tid{0}, process{0};
+    int number{0}; ///< 1, 2, ... as they were made
+
+    enum class State {
+        standing, ///< it may run
+        held,     ///< in a call, see below
+        in_fork,  ///< vfork: the kernel holds it until its child has a program of its own
+    } state{State::standing};
+    int signal{0}; ///< to be delivered when it runs
+
+    // The call that it is held in, or that is being tried:
+    Call call;
+    HeldCall const* what{nullptr};
+    std::optional<std::int64_t> deadline_ns;
+    std::vector<Interest> interests;
+    std::int64_t since_ns{0};
+    bool interrupted{false}; ///< a signal has come
+    bool child_ended{false};
+    bool made_again{false}; ///< it stands before the call, not in it, and comes back with the same deadline
+
+    /// What to do when the call that was let through comes back.
+    enum class OnExit { nothing, wait_or_restore, new_timer } on_exit{OnExit::nothing};
+};
+
+} // namespace gridspace::timebox

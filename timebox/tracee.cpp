@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "timebox/tracee.hpp"
+
+#include <elf.h>
+#include <sys/ptrace.h>
+#include <sys/uio.h>
+#include <sys/user.h>
+
+namespace gridspace::timebox {
+namespace {
+
+user_regs_struct registers_of(pid_t tid) {
+    user_regs_struct out{};
+    ::ptrace(PTRACE_GETREGS, tid, nullptr, &out);
+    return out;
+}
+
+void set(pid_t tid, user_regs_struct const& registers) {
+    auto copy = registers; // ptrace takes no pointer to const
+    ::ptrace(PTRACE_SETREGS, tid, nullptr, &copy);
+}
+
+void set_arguments(user_regs_struct& r, Call const& call) {
+    r.rdi = call.arguments[0];
+    r.rsi = call.arguments[1];
+    r.rdx = call.arguments[2];
+    r.r10 = call.arguments[3];
+    r.r8 = call.arguments[4];
+    r.r9 = call.arguments[5];
+}
+
+constexpr std::uint64_t kCallInstruction = 2; // octets of SYSCALL
+
+} // namespace
+
+Call call_of(pid_t tid) {
+    user_regs_struct const r = registers_of(tid);
+    return {static_cast<long>(r.orig_rax), {r.rdi, r.rsi, r.rdx, r.r10, r.r8, r.r9}};
+}
+
+void answer(pid_t tid, std::int64_t result) {
+    user_regs_struct r = registers_of(tid);
+    r.orig_rax = static_cast<unsigned long long>(-1LL); // seccomp(2): a number of -1 is no call
+    r.rax = static_cast<unsigned long long>(result);
+    set(tid, r);
+}
+
+void replace(pid_t tid, Call const& by) {
+    user_regs_struct r = registers_of(tid);
+    r.orig_rax = static_cast<unsigned long long>(by.number);
+    set_arguments(r, by);
+    set(tid, r);
+}
+
+void restore(pid_t tid, Call const& original) {
+    user_regs_struct r = registers_of(tid);
+    set_arguments(r, original);
+    set(tid, r);
+}
+
+std::int64_t result_of(pid_t tid) {
+    return static_cast<std::int64_t>(registers_of(tid).rax);
+}
+
+void make_again(pid_t tid, Call const& call) {
+    user_regs_struct r = registers_of(tid);
+    set_arguments(r, call);
+    r.rip -= kCallInstruction;
+    r.rax = static_cast<unsigned long long>(call.number);
+    r.orig_rax = static_cast<unsigned long long>(-1LL); // the kernel restarts nothing by itself
+    set(tid, r);
+}
+
+bool read_memory(pid_t tid, std::uint64_t address, void* to, std::size_t octets) {
+    iovec const local{to, octets}, remote{reinterpret_cast<void*>(address), octets};
+    return ::process_vm_readv(tid, &local, 1, &remote, 1, 0) == static_cast<ssize_t>(octets);
+}
+
+bool write_memory(pid_t tid, std::uint64_t address, void const* from, std::size_t octets) {
+    iovec const local{const_cast<void*>(from), octets}, remote{reinterpret_cast<void*>(address), octets};
+    return ::process_vm_writev(tid, &local, 1, &remote, 1, 0) == static_cast<ssize_t>(octets);
+}
+
+std::uint64_t scratch_of(pid_t tid) {
+    constexpr std::uint64_t kBelow = 512; // beyond the red zone of 128 octets
+    return (registers_of(tid).rsp - kBelow) & ~std::uint64_t{15};
+}
+
+void prepare_image(pid_t tid, std::array<std::uint8_t, 16> const& random) {
+    // The stack of a new image: argc, argv, 0, environment, 0, auxiliary vector (System V ABI, x86-64, 3.4.1).
+    std::uint64_t at = registers_of(tid).rsp;
+    at += 8 * (value_at<std::uint64_t>(tid, at) + 2);
+    while (value_at<std::uint64_t>(tid, at) != 0) {
+        at += 8;
+    }
+    at += 8;
+    for (auto entry = value_at<Elf64_auxv_t>(tid, at); entry.a_type != AT_NULL;
+         at += sizeof entry, entry = value_at<Elf64_auxv_t>(tid, at)) {
+        if (entry.a_type == AT_SYSINFO_EHDR) {
+            put(tid, at, std::uint64_t{AT_IGNORE});
+        } else if (entry.a_type == AT_RANDOM) {
+            put(tid, entry.a_un.a_val, random);
+        }
+    }
+}
+
+bool answer_tick_counter(pid_t tid, std::uint64_t ticks) {
+    user_regs_struct r = registers_of(tid);
+    std::array<std::uint8_t, 3> code{};
+    (void)read_memory(tid, r.rip, code.data(), code.size());
+    bool const plain = code[0] == 0x0F && code[1] == 0x31;
+    bool const with_id = code[0] == 0x0F && code[1] == 0x01 && code[2] == 0xF9;
+    if (!plain && !with_id) {
+        return false;
+    }
+    r.rip += plain ? 2 : 3;
+    r.rax = ticks & 0xFFFFFFFFU;
+    r.rdx = ticks >> 32U;
+    r.rcx = with_id ? 0 : r.rcx;
+    set(tid, r);
+    return true;
+}
+
+} // namespace gridspace::timebox
