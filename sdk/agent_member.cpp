@@ -1,0 +1,316 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/agent_member.hpp"
+
+#include "common/text.hpp"
+#include "sdk/described_settings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+
+namespace gridspace::sdk {
+namespace {
+
+gridspace_agent* handle(AgentMember* member) {
+    return static_cast<gridspace_agent*>(member);
+}
+
+/// From input to output, as the setting that the description names says.
+SimSpan latency_of(program::Declaration const& declaration, config::Node const& settings, TimeBase const& base) {
+    auto const text = declaration.latency.empty() ? std::nullopt : setting_at(settings, declaration.latency);
+    auto const us = text ? Rational::parse(*text) : std::nullopt;
+    return base.ceil(us.value_or(Rational{0}) / Rational{1'000'000});
+}
+
+Result<std::shared_ptr<TopicType const>> load_type(program::Topic const& topic, std::filesystem::path const& folder) {
+    return TopicType::load(topic.type, topic.idl.empty() ? std::filesystem::path{} : folder / topic.idl);
+}
+
+template <class Ends>
+std::optional<int> number_of(Ends const& ends, std::string_view topic) {
+    auto const found = std::find_if(ends.begin(), ends.end(), [&](auto const& end) { return end.topic == topic; });
+    return found == ends.end() ? std::nullopt : std::optional{static_cast<int>(found - ends.begin())};
+}
+
+template <class Ends>
+std::string topics_of(Ends const& ends) {
+    std::string out;
+    for (auto const& end : ends) {
+        out += fmt::format(R"({}{{"topic":"{}","type":"{}","layout":{}}})", out.empty() ? "" : ",", end.topic,
+                           end.type->name(), end.type->layout_json());
+    }
+    return out;
+}
+
+} // namespace
+
+AgentMember::AgentMember(DescribedProgram const& program, config::Node settings, bus::Node& node)
+    : program_{program}, settings_{with_defaults(settings, program.declaration.settings)},
+      settings_json_{to_json(settings_, program.declaration.settings)}, node_{node},
+      latency_{latency_of(program.declaration, settings_, node.time_base())}, grid_{node.config().clock} {}
+
+AgentMember::~AgentMember() = default;
+
+Result<void> AgentMember::prepare() {
+    program::Values const values = values_of(settings_, node_.config().process);
+    for (auto const open : {&AgentMember::open_reads, &AgentMember::open_writes, &AgentMember::open_signals}) {
+        if (auto ok = (this->*open)(values); !ok) {
+            return ok;
+        }
+    }
+    describe_topics();
+    return {};
+}
+
+Result<void> AgentMember::open_reads(program::Values const& values) {
+    for (program::Topic const& topic : program::expand(program_.declaration.reads, values)) {
+        auto const type = load_type(topic, program_.folder);
+        if (!type) {
+            return std::unexpected{type.error()};
+        }
+        auto inbox = std::make_shared<SampleInbox>(*type);
+        if (auto ok = node_.reader(topic.topic, (*type)->codec(), inbox); !ok) {
+            return ok;
+        }
+        readers_.push_back({topic.topic, *type, std::move(inbox)});
+    }
+    return {};
+}
+
+Result<void> AgentMember::open_writes(program::Values const& values) {
+    for (program::Topic const& topic : program::expand(program_.declaration.writes, values)) {
+        auto const type = load_type(topic, program_.folder);
+        if (!type) {
+            return std::unexpected{type.error()};
+        }
+        auto writer = node_.cdr_writer(topic.topic, (*type)->codec());
+        if (!writer) {
+            return std::unexpected{writer.error()};
+        }
+        writers_.push_back({topic.topic, *type, std::move(*writer)});
+    }
+    return {};
+}
+
+Result<void> AgentMember::open_signals(program::Values const& values) {
+    std::vector<program::Signal> const& declared = program_.declaration.signals;
+    for (program::Signal& signal : program::expand(declared, values)) {
+        columns_.push_back({std::move(signal.name), std::move(signal.unit)});
+    }
+    if (columns_.empty()) {
+        return {};
+    }
+    auto signals = bus::SignalPublisher::create(node_, "agent", declared.front().rate_hz, columns_);
+    if (!signals) {
+        return std::unexpected{signals.error()};
+    }
+    signals_ = std::move(*signals);
+    row_.assign(columns_.size(), 0);
+    return {};
+}
+
+void AgentMember::describe_topics() {
+    std::string signals;
+    for (bus::SignalColumn const& column : columns_) {
+        signals +=
+            fmt::format(R"({}{{"name":"{}","unit":"{}"}})", signals.empty() ? "" : ",", column.name, column.unit);
+    }
+    topics_json_ = fmt::format(R"({{"reads":[{}],"writes":[{}],"signals":[{}]}})", topics_of(readers_),
+                               topics_of(writers_), signals);
+}
+
+void AgentMember::begin(bus::Tick const& tick) {
+    if (signals_ != nullptr) {
+        signals_->announce(tick.time);
+    }
+    now_ = tick.time;
+    begins_ = true;
+    if (program_.callbacks.begin != nullptr) {
+        begun_ = returned(program_.callbacks.begin(handle(this), program_.callbacks.user), "begin");
+    }
+    begins_ = false;
+}
+
+Result<void> AgentMember::work(bus::Tick const& tick) {
+    if (!begun_) {
+        return begun_;
+    }
+    // Who was paused goes on with what is due now: what it would have done meanwhile is of no use any more.
+    timers_.skip([&](SimTime due, SimSpan period) {
+        return node_.lockstep() ? node_.is_over(due, tick) : due + period <= tick.time;
+    });
+    for (std::size_t i = 0; i < readers_.size(); ++i) {
+        readers_[i].inbox->take(static_cast<int>(i), arrivals_);
+    }
+    std::sort(arrivals_.begin(), arrivals_.end(),
+              [](auto const& a, auto const& b) { return std::tie(a.origin, a.reader) < std::tie(b.origin, b.reader); });
+    auto ok = hand_over(tick);
+    arrivals_.clear();
+    if (ok && tick.final && signals_ != nullptr) {
+        signals_->flush();
+    }
+    return ok;
+}
+
+Result<void> AgentMember::hand_over(bus::Tick const& tick) {
+    gridspace_program const& callbacks = program_.callbacks;
+    auto arrival = arrivals_.begin();
+    while (true) {
+        auto timer = timers_.next();
+        if (timer && timer->time > tick.time) {
+            timer.reset();
+        }
+        Result<void> ok;
+        if (arrival != arrivals_.end() && (!timer || arrival->origin.time <= timer->time)) {
+            now_ = arrival->origin.time;
+            if (callbacks.sample != nullptr) {
+                std::size_t const size = readers_[static_cast<std::size_t>(arrival->reader)].type->layout().size();
+                ok = returned(
+                    callbacks.sample(handle(this), arrival->reader, arrival->sample.get(), size, callbacks.user),
+                    "sample");
+            }
+            ++arrival;
+        } else if (timer) {
+            now_ = timer->time;
+            timers_.passed(timer->timer); // before the call, which may cancel it
+            if (callbacks.due != nullptr) {
+                ok = returned(callbacks.due(handle(this), timer->timer, callbacks.user), "due");
+            }
+        } else {
+            return {};
+        }
+        if (!ok) {
+            return ok;
+        }
+    }
+}
+
+std::uint64_t AgentMember::next_tick(bus::Tick const&) const {
+    auto const timer = timers_.next();
+    return timer ? grid_.tick_of(timer->time) : bus::TickGrid::kNever;
+}
+
+void AgentMember::end(bus::Tick const&) {
+    if (program_.callbacks.end != nullptr) {
+        program_.callbacks.end(handle(this), program_.callbacks.user);
+    }
+}
+
+Result<void> AgentMember::returned(int code, std::string_view callback) {
+    if (failure_) {
+        return std::unexpected{*failure_};
+    }
+    if (code != 0) {
+        return fail(ExitCode::child_died,
+                    refused_.empty() ? fmt::format("its callback '{}' returned {}", callback, code) : refused_,
+                    "gridspace_fail says why in the program's own words");
+    }
+    refused_.clear();
+    if (std::exchange(row_is_new_, false)) {
+        signals_->row(effect_time(), row_);
+    }
+    return {};
+}
+
+std::string const* AgentMember::setting(std::string_view path) const {
+    if (auto const known = asked_.find(path); known != asked_.end()) {
+        return &known->second;
+    }
+    auto text = setting_at(settings_, path);
+    return text ? &asked_.emplace(path, std::move(*text)).first->second : nullptr;
+}
+
+Result<int> AgentMember::every(std::string_view period_s) {
+    auto const seconds = Rational::parse(period_s);
+    SimSpan const period = seconds ? node_.time_base().nearest(*seconds) : SimSpan{};
+    if (period.quanta <= 0) {
+        return fail(ExitCode::usage,
+                    fmt::format("a timer every '{}' s: expected a number of seconds, at least the {} s that time is "
+                                "counted in",
+                                period_s, node_.time_base().quantum_s().to_string()),
+                    "\"60\", \"0.25\" or \"1/4800\"");
+    }
+    // Who begins late, begins with the period that it is in.
+    return timers_.every(period, begins_ ? now_ : now_ + SimSpan{period.quanta - 1});
+}
+
+Result<int> AgentMember::at(std::int64_t time_ns) {
+    SimTime const time = node_.time_base().from_nanoseconds(time_ns);
+    if (time < now_) {
+        return fail(ExitCode::usage,
+                    fmt::format("a timer at {} s, and it is {} s already", shortest(node_.time_base().seconds(time)),
+                                shortest(node_.time_base().seconds(now_))));
+    }
+    return timers_.at(time);
+}
+
+Result<void> AgentMember::cancel(int timer) {
+    return timers_.cancel(timer) ? Result<void>{} : fail(ExitCode::usage, fmt::format("there is no timer {}", timer));
+}
+
+std::optional<int> AgentMember::reader(std::string_view topic) const {
+    return number_of(readers_, topic);
+}
+
+std::optional<int> AgentMember::writer(std::string_view topic) const {
+    return number_of(writers_, topic);
+}
+
+std::optional<int> AgentMember::signal_number(std::string_view name) const {
+    auto const found =
+        std::find_if(columns_.begin(), columns_.end(), [&](bus::SignalColumn const& c) { return c.name == name; });
+    return found == columns_.end() ? std::nullopt : std::optional{static_cast<int>(found - columns_.begin())};
+}
+
+Result<void> AgentMember::write(int number, void const* sample, std::size_t size) {
+    if (number < 0 || static_cast<std::size_t>(number) >= writers_.size()) {
+        return fail(ExitCode::usage,
+                    fmt::format("there is no writer {}: the description names {} topics that it writes", number,
+                                writers_.size()));
+    }
+    Writer& writer = writers_[static_cast<std::size_t>(number)];
+    TopicType const& type = *writer.type;
+    if (size != type.layout().size()) {
+        return fail(ExitCode::usage,
+                    fmt::format("a sample of {} octets for '{}', whose type {} has {}", size, writer.topic, type.name(),
+                                type.layout().size()),
+                    "its struct is of another IDL: make it again with `gridspace types`");
+    }
+    SimTime const effect = effect_time();
+    if (auto const offset = type.time_offset()) {
+        auto const* const octets = static_cast<std::byte const*>(sample);
+        sample_.assign(octets, octets + size);
+        std::int64_t const time_ns = node_.time_base().nanoseconds(effect);
+        std::memcpy(sample_.data() + *offset, &time_ns, sizeof time_ns);
+        sample = sample_.data();
+    }
+    if (auto ok = idl::encode(type.layout(), sample, cdr_); !ok) {
+        return ok;
+    }
+    auto const key = type.key_hash(cdr_);
+    writer.cdr->write(cdr_, effect, key ? &*key : nullptr);
+    return {};
+}
+
+Result<void> AgentMember::signal(int number, double value) {
+    if (number < 0 || static_cast<std::size_t>(number) >= row_.size()) {
+        return fail(ExitCode::usage, fmt::format("there is no signal {}: the description has {}", number, row_.size()));
+    }
+    if (!std::isfinite(value)) {
+        return fail(ExitCode::usage, fmt::format("the signal '{}' is {}, which is not finite",
+                                                 columns_[static_cast<std::size_t>(number)].name, value));
+    }
+    row_[static_cast<std::size_t>(number)] = value;
+    row_is_new_ = true;
+    return {};
+}
+
+void AgentMember::fail_with(Error error) {
+    if (!failure_) {
+        failure_ = std::move(error);
+    }
+}
+
+} // namespace gridspace::sdk

@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""An agent in Python is a member like ours: the same run, the same times, and its mistakes end the run with its own words."""
+import json
+import pathlib
+import sys
+import textwrap
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenario"))
+from harness import BASE, BIN, CHILD_DIED, OK, SOURCE, USAGE, ScenarioTest, gridspace  # noqa: E402
+
+EXAMPLE = SOURCE / "examples/agents/python_ev_agent"
+NO_EXPECTATIONS = [*BASE, "--set", "expect=~"]
+SHORT = [*NO_EXPECTATIONS, "--until", "2h"]
+
+WEATHER = """
+module station {
+    enum Sky { CLEAR, CLOUDY };
+    @final struct Layer { double height_m; float speed; octet quality; };
+    @final struct Weather { @key string<8> place; long long time_ns; Sky sky; sequence<double> curve; sequence<Layer, 8> layers; double pair[2]; };
+};
+"""
+
+
+class Agents(ScenarioTest):
+    def script(self, name, body):
+        text = "#!/usr/bin/env python3\nimport gridspace\nfrom gridspace import Reads, Setting, Signal, Writes\n" + textwrap.dedent(body)
+        file = self.write(name, text + f"\nif __name__ == '__main__':\n    {text.rpartition('class ')[2].partition('(')[0]}.main()\n")
+        file.chmod(0o755)
+        return file
+
+    def scenario(self, **processes):
+        return self.write("own.yaml", json.dumps({"extends": str(SOURCE / "configs/scenarios/ev_charging.yaml"), "processes": processes}))
+
+    def message_of(self, body, expected_code=CHILD_DIED, **settings):
+        """Runs an agent that makes a mistake beside case 1; what the run says."""
+        agent = {"program": {"path": str(self.script("wrong.py", body))}, "host": "controller", **settings}
+        run = self.run_to_end("wrong", [*NO_EXPECTATIONS, "--until", "20min"], self.scenario(wrong=agent), expected_code)
+        self.log = (run.folder / "logs/wrong.log").read_text()
+        return run.summary().get("cause")
+
+    def test_its_run_is_the_same_as_ours_octet_for_octet(self):
+        ours = self.run_to_end("ours", SHORT)
+        python = self.run_to_end("python", SHORT, EXAMPLE / "ev_charging_python.yaml")
+        self.assert_identical(ours, python)
+        other = self.run_to_end("other", [*SHORT, "--set", "processes.ev4.requested_h=6"], EXAMPLE / "ev_charging_python.yaml")
+        self.assertNotEqual(self.compare(ours, other)[0], OK, "another wish is another result")
+
+    def test_it_survives_its_own_restart_and_that_of_its_reader(self):
+        arguments = [*SHORT, "--set", "events={x: {at_s: 1800, restart: ev4}, y: {at_s: 3000, restart: mcca}, z: {at_s: 4000, kill: ev2}}"]
+        self.assert_identical(self.run_to_end("ours", arguments), self.run_to_end("python", arguments, EXAMPLE / "ev_charging_python.yaml"))
+
+    def test_it_takes_part_in_real_time(self):
+        run = self.run_to_end("run", [*NO_EXPECTATIONS, "--set", "clock.mode=realtime", "--speed", "900", "--until", "1h"],
+                              EXAMPLE / "ev_charging_python.yaml")
+        code, out, err = gridspace("export", run.folder, "--csv", "--out", run.folder / "csv")
+        self.assertEqual(code, OK, err)
+        header, *rows = next(p.read_text() for p in map(pathlib.Path, out.split()) if "agent.ev4.requested_a" in p.read_text()).splitlines()
+        column = header.split(",").index("agent.ev4.requested_a")
+        self.assertGreaterEqual(sum(bool(row.split(",")[column]) for row in rows), 9, "an hour has ten periods; the last may be beyond the end")
+
+    def test_an_exception_in_a_tick_ends_the_run_with_its_words(self):
+        said = self.message_of("""
+            class Wrong(gridspace.Agent):
+                def begin(self):
+                    self.every(60, self.work)
+                def work(self):
+                    if self.now_s == 600:
+                        raise LookupError("no price for 00:10")
+        """)
+        self.assertEqual(said, "wrong: LookupError: no price for 00:10 (wrong.py:10 in work)")
+        self.assertIn("Traceback (most recent call last)", self.log)
+        self.assertIn('raise LookupError("no price for 00:10")', self.log)
+
+    def test_what_a_sample_cannot_hold_is_said_by_its_member(self):
+        mistakes = {
+            "self.extra(ev='E', current_a='12 A')": "TypeError: ChargingRequest.current_a is a number (double), and not a str, '12 A'",
+            "self.extra(ev='E', current_a=float('nan'))": "ValueError: ChargingRequest.current_a is nan, which is not finite",
+            "self.extra(ev='E' * 33)": "ValueError: ChargingRequest.ev has 33 characters, and at most 32 fit",
+            "self.extra(ev='E', curent_a=1)": "AttributeError: ChargingRequest has no member 'curent_a'; did you mean 'current_a'?",
+            "self.extra(ev=7)": "TypeError: ChargingRequest.ev is a text, and not an int, 7",
+            "self.extra.write(gridspace.sample_type('BusMeasurement')())": "TypeError: a BusMeasurement was written, and the topic has ChargingRequest",
+            "self.level = float('inf')": "ValueError: the signal 'agent.{process}.level' is inf, which is not finite",
+            "self.every(0, self.begin)": "ValueError: a timer every '0' s: expected a number of seconds, at least the 1 s that time is counted in; "
+                                         '"60", "0.25" or "1/4800"',
+            "gridspace.sample_type('Whether')": "Error: 'Whether' is no type of Gridspace; name the file that defines it: `idl` beside the topic",
+        }
+        self.message_of(f"""
+            class Wrong(gridspace.Agent):
+                extra = Writes("extra", "ChargingRequest", optional=True)
+                level = Signal("agent.{{process}}.level")
+                def begin(self):
+                    for code in {list(mistakes)!r}:
+                        try:
+                            eval(code) if " = " not in code.partition("(")[0] else exec(code)
+                        except Exception as e:
+                            print(f"{{code}} -> {{type(e).__name__}}: {{e}}")
+        """, OK)
+        self.assertEqual([line for line in self.log.splitlines() if " -> " in line], [f"{code} -> {said}" for code, said in mistakes.items()])
+
+    def test_another_idl_for_a_type_of_ours_is_refused_before_anything_starts(self):
+        self.write("other.idl", "@final struct BusMeasurement { string<2> bus; long long time_ns; };")
+        agent = self.script("wrong.py", """
+            class Wrong(gridspace.Agent):
+                measurements = Reads("bus_measurements", "BusMeasurement", idl="other.idl")
+        """)
+        code, out, err = gridspace("validate", self.scenario(wrong={"program": {"path": str(agent)}, "host": "controller"}))
+        self.assertEqual(code, USAGE)
+        self.assertIn("'BusMeasurement' is a type of Gridspace, and '", out + err)
+
+    def test_a_mistake_in_what_it_says_of_itself_is_shown_by_line_and_column(self):
+        agent = self.script("wrong.py", """
+            class Wrong(gridspace.Agent):
+                level = Setting("numbr", 3)
+        """)
+        code, out, err = gridspace("validate", self.scenario(wrong={"program": {"path": str(agent)}, "host": "controller"}))
+        self.assertEqual(code, USAGE)
+        self.assertRegex(out + err, r"wrong\.py --describe:\d+:\d+: error: 'numbr' is no kind of setting")
+
+    def test_types_of_its_own_and_views_of_their_sequences(self):
+        self.write("weather.idl", WEATHER)
+        source = self.script("station.py", """
+            class Station(gridspace.Agent):
+                weather = Writes("weather", "station::Weather", idl="weather.idl")
+                def begin(self):
+                    self.every(60, self.work)
+                def work(self):
+                    self.weather(place="N", sky="CLOUDY", curve=[self.now_s, 1, 2], pair=(3, 4), layers=[{"height_m": 10, "speed": 2.5, "quality": 7}] * 2)
+        """)
+        reader = self.script("reader.py", """
+            class Reader(gridspace.Agent):
+                weather = Reads("weather", "station::Weather", idl="weather.idl", triggers=True)
+                def begin(self):
+                    self.kept = []
+                def on_weather(self, w):
+                    self.kept.append(w)
+                def end(self):
+                    first, second = self.kept[:2]     # views of memory that is still theirs
+                    assert (first.place, first.sky.name, list(first.curve), second.curve[0]) == ("N", "CLOUDY", [0, 1, 2], 60), first
+                    assert [*first.pair] == [3, 4] and first.layers[1].speed == 2.5 and first.layers[-1].to_dict()["quality"] == 7, first
+                    assert first.time_ns == 0 and second.time_ns == 60_000_000_000
+                    try:
+                        import numpy
+                    except ImportError:
+                        return print("no numpy here")
+                    curve, layers = numpy.asarray(first.curve), numpy.asarray(second.layers)
+                    assert curve.dtype == float and not curve.flags.owndata and curve.sum() == 3
+                    assert layers["height_m"].tolist() == [10, 10] and layers["speed"].dtype == "f4"
+                    del self.kept, first, second
+                    assert curve[2] == 2
+        """)
+        run = self.run_to_end("run", [*NO_EXPECTATIONS, "--until", "3min"], self.scenario(
+            station={"program": {"path": str(source)}, "host": "controller"}, reader={"program": {"path": str(reader)}, "host": "controller"}))
+        self.assertNotIn("Traceback", (run.folder / "logs/reader.log").read_text())
+        self.assertEqual({t["name"]: t["samples"] for t in run.summary()["topics"]}["weather"], 4)
+
+
+class WithoutARun(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        sys.path[:0] = [str(SOURCE / "python"), str(EXAMPLE)]
+        import ev_agent
+        cls.agent_type = ev_agent.EvAgent
+
+    def test_an_agent_is_tried_without_a_run(self):
+        from gridspace.types import BusMeasurement
+        sut = self.agent_type(ev="EV1", bus="B1")
+        sut.begin()
+        sut.on_measurements(BusMeasurement(bus="B1", v_pu=0.97, evs=[{"ev": "EV1", "soc_percent": 79}]))
+        sut.now_s = 3600
+        sut.ask()
+        self.assertAlmostEqual(sut.requests.sent[0].current_a, 0.01 * 24e3 / (3 * 360))
+        self.assertEqual(sut.v_pu, 0.97)
+        with self.assertRaisesRegex(TypeError, "EvAgent has no setting 'colour'"):
+            self.agent_type(colour="red")
+
+    def test_an_unknown_type_is_named(self):
+        import gridspace
+        with self.assertRaisesRegex(gridspace.Error, "'Whether' is no type of Gridspace"):
+            gridspace.sample_type("Whether")
+
+    def test_the_library_that_is_loaded_is_that_of_the_programs(self):
+        from gridspace import library
+        self.assertEqual(pathlib.Path(library.load()._name).parent, BIN.resolve().parent / "lib")
+
+
+if __name__ == "__main__":
+    unittest.main()
