@@ -8,6 +8,7 @@
 #include "gateways/streams/stream.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/schema/schema_definitions.hpp"
+#include "launcher/sweep/study.hpp"
 #include "router/router_config.hpp"
 #include "sim/network/network_config.hpp"
 
@@ -37,6 +38,9 @@ Keys program_keys(std::string const& program) {
 Keys router_keys() {
     router::RouterConfig router;
     return keys_of([&](config::Fields& f) { describe(f, router); });
+}
+Keys study_keys() {
+    return keys_of([](config::Fields& f) { describe_study_keys(f); });
 }
 Keys stream_keys() {
     streams::Stream smv, goose;
@@ -240,6 +244,10 @@ std::string router_schema() {
     return finished(properties_of(router_keys()), "Gridspace router");
 }
 
+std::string study_schema() {
+    return finished(properties_of(study_keys()), "Gridspace study");
+}
+
 std::string scenario_schema() {
     Json root = properties_of(scenario_keys());
     Keys const common = [] {
@@ -316,6 +324,7 @@ yours. A key whose value is left open here is described where the table says.
     out += "\n## Network\n\n" + tables("", network_keys());
     out += "\n## Router\nWhat `gridspace router CONFIG` reads ([how to](../how_to/connect_two_sites.md)).\n\n" +
            tables("", router_keys());
+    out += "\n## Study\nWhat `gridspace sweep STUDY` reads ([what it does](sweep.md)).\n\n" + tables("", study_keys());
     bus::NodeConfig node;
     out += "\n## Place on the bus\n`bus:` of the configuration file of a process, which `gridspace run` writes.\n\n" +
            tables("bus", keys_of([&](config::Fields& f) { bus::describe(f, node); }));

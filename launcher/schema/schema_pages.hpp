@@ -11,6 +11,8 @@ namespace gridspace::launcher {
 [[nodiscard]] std::string scenario_schema();
 [[nodiscard]] std::string network_schema();
 [[nodiscard]] std::string router_schema();
+[[nodiscard]] std::string study_schema();
 [[nodiscard]] std::string config_page();
+[[nodiscard]] std::string actions_page();
 
 } // namespace gridspace::launcher

@@ -12,6 +12,7 @@
 #include "sim/app/publisher_thread.hpp"
 #include "sim/app/signal_output.hpp"
 #include "sim/gateway/bus_gateway.hpp"
+#include "sim/gateway/control_gateway.hpp"
 #include "sim/gateway/line_gateway.hpp"
 #include "sim/runtime/simulation.hpp"
 
@@ -39,10 +40,10 @@ class SimApp {
             stop_ = true;
             node_.request_stop();
         });
-        struct Deaf { // on every way out: a signal that comes while this object goes must not find it
+        struct ForgetStopHandler { // on every way out: a signal that comes while this object goes must not find it
             DaemonRun& run;
-            ~Deaf() { run.on_stop({}); }
-        } const deaf{run_};
+            ~ForgetStopHandler() { run.on_stop({}); }
+        } const forget_at_the_end{run_};
         if (auto ok = prepare(); !ok) {
             return ok;
         }
@@ -61,6 +62,9 @@ class SimApp {
         }
         log::info("{} ticks, {} overruns, worst {:.3f} ms late", clock_.ticks(), pacer_.overruns(),
                   static_cast<double>(pacer_.worst().count()) / 1e6);
+        if (controls_ != nullptr && controls_->controls().refused() > 0) {
+            log::info("{} set-points and commands refused", controls_->controls().refused());
+        }
         return result;
     }
 
@@ -69,9 +73,17 @@ class SimApp {
         config::Diagnostics diagnostics; // the scenario was checked; a hand-written file may still be wrong
         GatewaysConfig const gateways = read_gateways(config_.simulation.gateways, diagnostics);
         SamplingConfig const sampling = read_sampling(config_.simulation.sampling, diagnostics);
+        std::vector<ControlConfig> const controls = read_controls(config_.simulation.controls, diagnostics);
+        bool const waveform = config_.simulation.solver == SolverKind::emt;
         check_gateways(gateways, network_, diagnostics);
+        check_controls(controls, network_, waveform, diagnostics);
         if (!diagnostics.ok()) {
             return fail(ExitCode::usage, diagnostics.render());
+        }
+        if (!controls.empty()) {
+            if (auto ok = open_controls(controls, waveform); !ok) {
+                return ok;
+            }
         }
         if (gateways.per_bus) {
             for (Bus const& bus : network_.buses) {
@@ -112,6 +124,24 @@ class SimApp {
         return {};
     }
 
+    Result<void> open_controls(std::vector<ControlConfig> const& configs, bool waveform) {
+        auto gateway = ControlGateway::create(
+            node_, network_, configs, waveform,
+            {node_.time_base(), node_.time_base().nearest(config_.simulation.step_s), duration_});
+        if (!gateway) {
+            return std::unexpected{gateway.error()};
+        }
+        controls_ = std::move(*gateway);
+        controls_->controls().on_event([this](SimTime t, std::string_view event, std::string const& text) {
+            log::warning("{}", text);
+            run_.status.event(node_.time_base().seconds(t), node_.config().process, std::string{event}, text);
+        });
+        simulation_.on_refusal([this](SimTime t, std::string const& what, Error const& error) {
+            controls_->controls().refused_by_engine(t, what, error);
+        });
+        return {};
+    }
+
     void observe(SimTime t) {
         for (auto const& gateway : gateways_) {
             gateway->publish(t);
@@ -141,6 +171,9 @@ class SimApp {
                 }
                 for (auto const& gateway : line_gateways_) {
                     gateway->take_commands(simulation_);
+                }
+                if (controls_ != nullptr) {
+                    controls_->take_commands(simulation_, end);
                 }
             }
             // Lockstep or not, tick k is not published before its time at the wanted pace.
@@ -281,6 +314,7 @@ class SimApp {
     bus::TickGrid grid_;
     std::vector<std::unique_ptr<BusGateway>> gateways_;
     std::vector<std::unique_ptr<LineGateway>> line_gateways_;
+    std::unique_ptr<ControlGateway> controls_; ///< where there is something to be steered
     std::unique_ptr<SignalOutput> signals_;
     std::unique_ptr<PublisherThread> publisher_; ///< real time; uses what stands above
     std::atomic<bool> stop_{false};

@@ -63,6 +63,7 @@ void describe(config::Fields& f, SimulationConfig& s) {
     }
     f.raw("gateways", s.gateways, {.doc = "per_bus, or a map of line gateways"});
     f.raw("sampling", s.sampling, {.doc = "sampled values of line gateways"});
+    f.raw("controls", s.controls, {.doc = "who may set quantities of elements, or command them"});
     if (s.duration_s.has_value() == s.duration_h.has_value()) {
         f.error(s.duration_s ? "duration_s" : "",
                 s.duration_s ? "the simulation has both duration_s and duration_h" : "the simulation has no duration",

@@ -28,6 +28,7 @@ struct SimulationConfig {
     std::string epoch{"2020-01-01T00:00:00Z"};
     config::Node gateways; ///< `per_bus`, or a map of line gateways
     config::Node sampling;
+    config::Node controls;                   ///< who may steer what
     [[nodiscard]] Rational duration() const; ///< seconds
 };
 void describe(config::Fields& f, SimulationConfig& simulation);

@@ -9,7 +9,6 @@
 #include "sim/components/shunt/shunt.hpp"
 #include "sim/components/shunt_capacitor/shunt_capacitor.hpp"
 
-#include <string>
 #include <tuple>
 #include <vector>
 
@@ -55,8 +54,5 @@ void for_each_kind(Elements& elements, Visit const& visit) {
     });
     return out;
 }
-
-/// What `set:` may change in a run, for messages: "loads.<name>.p_kw, ...".
-[[nodiscard]] std::string settable_paths(bool in_phasors);
 
 } // namespace gridspace::sim

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 
 /// Changes while a simulation runs. They take effect at the present instant: the next step starts with them.
 namespace gridspace::sim::emt {
@@ -41,39 +42,6 @@ FaultBranch branch_of(ApplyFault const& a, int node) {
 
 Result<void> EmtEngine::apply(Action const& action) {
     return std::visit([this](auto const& a) { return act(a); }, action);
-}
-
-Result<bool> EmtEngine::set_quantity(std::string const& section, std::string const& element, std::string_view quantity,
-                                     double value) {
-    auto const it = std::find_if(one_ports_.begin(), one_ports_.end(), [&](OnePort const* e) {
-        return e->kind().section == section && e->name.name == element;
-    });
-    if (it == one_ports_.end()) {
-        return false;
-    }
-    OnePort& found = **it;
-    auto const& known = found.kind().settable;
-    bool const settable =
-        std::any_of(known.begin(), known.end(), [&](Quantity const& q) { return q.name == quantity; });
-    if (auto const refusal = settable ? found.refuses(quantity) : std::nullopt) {
-        return fail(ExitCode::usage,
-                    fmt::format("'{}.{}.{}' cannot be set: {}", section, element, quantity, refusal->why),
-                    std::string{refusal->hint});
-    }
-    if (!settable || !found.set(quantity, value)) {
-        return false;
-    }
-    auto const index = static_cast<std::size_t>(it - one_ports_.begin());
-    if (int const i = parts_.one_ports[index].injection; i >= 0) {
-        parts_.injections[static_cast<std::size_t>(i)].model->set(quantity, value);
-    }
-    change_star(index);
-    return true;
-}
-
-Result<void> EmtEngine::act(SetChargingCurrent const& a) {
-    auto const set = set_quantity("evs", a.ev, "current_a", std::max(a.current_a, 0.0));
-    return set && *set ? Result<void>{} : fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
 }
 
 std::optional<std::size_t> EmtEngine::switch_named(std::string const& name) const {
@@ -262,78 +230,37 @@ Result<void> EmtEngine::act(Disconnect const& a) {
     return {};
 }
 
-void EmtEngine::change_star(std::size_t index) {
-    NetworkCircuit::OnePortParts& parts = parts_.one_ports[index];
-    if (parts.resistance < 0) {
-        return; // it has none: a converter
+void EmtEngine::resume_converters(std::vector<int> const& switches) {
+    std::complex<double> const turn = std::polar(1.0, -2 * std::numbers::pi / 3);
+    for (std::size_t i = 0; i < converters_.size(); ++i) {
+        NetworkCircuit::Injection const& injection = parts_.injections[i];
+        if (converters_[i].tripped() &&
+            std::find(switches.begin(), switches.end(), injection.breaker) != switches.end()) {
+            Space const s = bus_voltage(injection.bus);
+            std::complex<double> const v{s.alpha, s.beta};
+            converters_[i].resume(v);
+            phase_currents_[i].resume({v, v * turn, v * turn * turn});
+        }
     }
-    double const voltage_v = network_.buses[parts.bus].voltage_v;
-    StarElements const e =
-        star_elements(one_ports_[index]->admittance_kva(voltage_v), voltage_v, network_.frequency_hz);
-    Circuit& c = solver_.circuit();
-    auto& terms = c.switches[static_cast<std::size_t>(parts.breaker)].terms;
-    auto const all = [](double x) { return PhaseMatrix::sequence(x, x); };
-    c.rl[static_cast<std::size_t>(parts.resistance)].r = all(e.r_ohm);
-    if (parts.inductance >= 0) {
-        c.rl[static_cast<std::size_t>(parts.inductance)].l = all(e.l_h);
-    } else if (e.l_h < kNothing) {
-        parts.inductance = static_cast<int>(c.rl.size());
-        c.rl.push_back({parts.node, kEarth, {}, all(e.l_h)});
-        terms.push_back({CurrentTerm::Kind::rl, parts.inductance, 1});
-    }
-    if (parts.capacitance >= 0) {
-        c.capacitors[static_cast<std::size_t>(parts.capacitance)].c = all(e.c_f);
-    } else if (e.c_f > 0) {
-        parts.capacitance = static_cast<int>(c.capacitors.size());
-        c.capacitors.push_back({parts.node, kEarth, all(e.c_f)});
-        terms.push_back({CurrentTerm::Kind::capacitor, parts.capacitance, 1});
-    }
-    solver_.rebuild();
 }
 
-Result<void> EmtEngine::act(SetParameter const& a) {
-    std::vector<std::string> const path = split(a.path, '.');
-    if (path.size() == 3 && std::isfinite(a.value)) {
-        auto const set = set_quantity(path[0], path[1], path[2], a.value);
-        if (!set) {
-            return std::unexpected{set.error()};
-        }
-        if (*set) {
-            return {};
-        }
-        if (std::size_t const i = index_of(network_.sources, path[1]);
-            path[0] == "sources" && i < network_.sources.size()) {
-            auto const source = static_cast<std::size_t>(parts_.sources[i].source);
-            double const step_s = options_.time_base.seconds(options_.step);
-            if (path[2] == "frequency_hz" && a.value > 0 && a.value * step_s * kLeastStepsPerPeriod <= 1) {
-                solver_.set_source_frequency(source, a.value);
-                return {};
-            }
-            if (path[2] == "voltage_pu" && a.value >= 0) {
-                std::size_t const bus = index_of(network_.buses, network_.sources[i].bus.name);
-                solver_.set_source_amplitude(source, a.value * parts_.bus_peak_v[bus]);
-                return {};
-            }
-        }
-        if (std::size_t const i = index_of(network_.machines, path[1]);
-            path[0] == "machines" && i < network_.machines.size()) {
-            EmtMachine& m = solver_.machines()[i];
-            if (path[2] == "p_kw") {
-                m.setpoints().p_ref += (a.value - network_.machines[i].p_kw) / network_.machines[i].rating_kva;
-                network_.machines[i].p_kw = a.value;
-                return {};
-            }
-            if (path[2] == "voltage_setpoint_pu" && a.value > 0) {
-                m.setpoints().v_ref += a.value - network_.machines[i].voltage_setpoint_pu;
-                network_.machines[i].voltage_setpoint_pu = a.value;
-                return {};
-            }
-        }
+Result<void> EmtEngine::act(Connect const& a) {
+    auto const it = parts_.terminals.find(a.element);
+    if (it == parts_.terminals.end()) {
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be connected: there is no such element", a.element));
     }
-    return fail(ExitCode::usage,
-                fmt::format("'{}' cannot be set to {} while a waveform simulation runs", a.path, shortest(a.value)),
-                settable_paths(false) + ", sources.<name>.voltage_pu, .frequency_hz, machines.<name>.p_kw and "
-                                        ".voltage_setpoint_pu can");
+    auto const is = [&](auto const& elements) { return find(elements, a.element) != nullptr; };
+    Generator const* generator = find(network_.generators, a.element);
+    bool const ideal = is(network_.sources) || (generator != nullptr && generator->role == GeneratorRole::slack);
+    if (ideal || is(network_.machines)) {
+        return fail(ExitCode::usage,
+                    fmt::format("'{}' cannot be connected again: nothing brings it to the grid's angle", a.element));
+    }
+    resume_converters(it->second);
+    for (int const breaker : it->second) {
+        solver_.close_switch(static_cast<std::size_t>(breaker));
+    }
+    return {};
 }
 
 } // namespace gridspace::sim::emt

@@ -185,11 +185,11 @@ namespace {
 
 /// Waves that the step cannot resolve would appear as others.
 Result<void> check_step(Network const& n, double step_s) {
-    if (step_s * n.frequency_hz * kLeastStepsPerPeriod > 1) {
+    if (step_s * n.frequency_hz * kMinStepsPerPeriod > 1) {
         return fail(ExitCode::usage,
                     fmt::format("a step of {} s is too long for {} Hz: a period needs at least {} steps",
-                                shortest(step_s), shortest(n.frequency_hz), kLeastStepsPerPeriod),
-                    fmt::format("a step of at most {:.3g} s", 1 / (kLeastStepsPerPeriod * n.frequency_hz)));
+                                shortest(step_s), shortest(n.frequency_hz), kMinStepsPerPeriod),
+                    fmt::format("a step of at most {:.3g} s", 1 / (kMinStepsPerPeriod * n.frequency_hz)));
     }
     for (Source const& s : n.sources) {
         for (Source::Harmonic const& h : s.harmonics) {

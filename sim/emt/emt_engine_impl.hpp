@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sim/actions/action_table.hpp"
 #include "sim/emt/emt_engine.hpp"
 #include "sim/emt/grid_following.hpp"
 #include "sim/emt/instrument_transformer.hpp"
@@ -17,7 +18,7 @@
 namespace gridspace::sim::emt {
 
 /// Fewer steps in a period of the fundamental do not describe it.
-constexpr double kLeastStepsPerPeriod = 8;
+constexpr double kMinStepsPerPeriod = 8;
 
 /// An instrument transformer and what it is connected to.
 struct Instrument {
@@ -39,22 +40,27 @@ class EmtEngine final : public Engine {
     void will_read(std::span<std::size_t const> signals) override;
 
   private:
-    [[nodiscard]] Result<void> act(SetChargingCurrent const& a);
     [[nodiscard]] Result<void> act(SwitchBreaker const& a);
     [[nodiscard]] Result<void> act(ApplyFault const& a);
     [[nodiscard]] Result<void> act(ClearFault const& a);
     [[nodiscard]] Result<void> act(SetParameter const& a);
     [[nodiscard]] Result<void> act(Disconnect const& a);
+    [[nodiscard]] Result<void> act(Connect const& a);
     [[nodiscard]] Result<int> fault_place(ApplyFault const& a);
     [[nodiscard]] int far_node(NetworkCircuit::LineParts::Section const& section) const;
     [[nodiscard]] Result<int> cut(NetworkCircuit::LineParts& line, std::size_t section, double place,
                                   std::string const& name);
     /// The switch that `open:` and `close:` work: of a breaker, or of an element that has one.
     [[nodiscard]] std::optional<std::size_t> switch_named(std::string const& name) const;
-    /// Sets a quantity of an element at one bus. False when there is none, or it cannot have this value; fails where
-    /// the element refuses it.
-    Result<bool> set_quantity(std::string const& section, std::string const& element, std::string_view quantity,
-                              double value);
+    /// False when there is no such element at one bus, or it cannot have this value; fails where it refuses it.
+    [[nodiscard]] Result<bool> set_one_port(Setting const& setting, double value);
+    /// False when there is none, or it cannot have this value.
+    bool set_source(Setting const& setting, double value);
+    bool set_generator(Setting const& setting, double value);
+    bool set_machine(Setting const& setting, double value);
+    bool set_transformer(Setting const& setting, double value);
+    /// Those behind these switches, which are about to close.
+    void resume_converters(std::vector<int> const& switches);
     /// Gives the star of an element at one bus the admittance that the element has now.
     void change_star(std::size_t one_port);
     [[nodiscard]] Result<void> step(double t_end, double h);

@@ -15,6 +15,14 @@ class GeneratorPower final : public PowerModel {
   public:
     GeneratorPower(Generator const& generator, double base_kva) : g_{generator}, base_kva_{base_kva} {}
     void start(double kvar) override { regulated_kvar_ = kvar; }
+    bool set(std::string_view quantity, double value) override {
+        bool const reactive = quantity == "q_kvar", voltage = quantity == "voltage_setpoint_pu";
+        if (g_.role == GeneratorRole::pq ? voltage : reactive) {
+            return false;
+        }
+        (reactive ? g_.q_kvar : voltage ? g_.voltage_setpoint_pu : g_.p_kw) = value;
+        return true;
+    }
     Complex power_va(double, double v, double h) override {
         if (g_.role == GeneratorRole::pq) {
             return {1e3 * g_.p_kw, 1e3 * g_.q_kvar};

@@ -9,7 +9,7 @@ namespace gridspace::sim::emt {
 namespace {
 
 /// Below this share of nominal voltage the current no longer rises to hold the power.
-constexpr double kLeastVoltage = 0.5;
+constexpr double kMinVoltage = 0.5;
 
 // When a source ceases and comes back (grid_following.hpp): p.u., shares of nominal frequency, seconds.
 constexpr double kUnfitBelow = 0.5, kUnfitAbove = 1.2, kUnfitFrequency = 0.1, kUnfitS = 0.16;
@@ -23,7 +23,7 @@ GridFollowing::GridFollowing(double frequency_hz, double nominal_peak_v, double 
       ceases_{ceases} {}
 
 std::complex<double> GridFollowing::reference(std::complex<double> power) const {
-    std::complex<double> i = std::conj(power) / (1.5 * std::max(voltage_, kLeastVoltage * nominal_));
+    std::complex<double> i = std::conj(power) / (1.5 * std::max(voltage_, kMinVoltage * nominal_));
     double const size = std::abs(i);
     return max_peak_a_ > 0 && size > max_peak_a_ ? i * (max_peak_a_ / size) : i;
 }
@@ -67,6 +67,14 @@ void GridFollowing::watch_grid(double h) {
         pll_.rest();
     }
     share_ = ceased_ ? 0 : std::min(1.0, share_ + h / kRampS);
+}
+
+void GridFollowing::resume(std::complex<double> v) {
+    (void)start(v, 0);
+    tripped_ = false;
+    ceased_ = ceases_;
+    share_ = ceases_ ? 0 : 1;
+    outside_s_ = inside_s_ = 0;
 }
 
 void GridFollowing::trip() {

@@ -33,8 +33,11 @@ class GridFollowing {
     [[nodiscard]] std::array<double, 3> currents(double h) const;
     /// After the step, with its terminal voltage (V) and the power that is wanted from now on.
     void step(Space const& v, std::complex<double> power, double h);
-    /// Blocks at once and for ever.
+    /// Blocks at once, until resume().
     void trip();
+    /// Back in service at voltage `v` (phasor as in start()): the current begins at zero, that of a source when it has
+    /// seen a grid for as long as after a cessation.
+    void resume(std::complex<double> v);
     [[nodiscard]] bool tripped() const { return tripped_; }
     /// Gives no current until there is a grid again.
     [[nodiscard]] bool ceased() const { return ceased_; }

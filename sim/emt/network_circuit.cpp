@@ -210,8 +210,9 @@ class Builder final : private CircuitFace {
             out_.generators.push_back(parts);
             return;
         }
-        out_.generators.push_back(
-            {ideal_source("generator", g.name.name, g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {}, {}).breaker});
+        auto const ideal =
+            ideal_source("generator", g.name.name, g.bus, g.voltage_setpoint_pu, g.angle_deg, {}, {}, {});
+        out_.generators.push_back({.breaker = ideal.breaker, .injection = -1, .source = ideal.source});
     }
 
     void machine(Machine const& m) {
@@ -323,6 +324,7 @@ class Builder final : private CircuitFace {
         Winding3 const from = side(t.from, t.from_winding, "from", parts.from_switch);
         Winding3 const to = side(t.to, t.to_winding, "to", parts.to_switch);
         out_.terminals[t.name.name] = {parts.from_switch, parts.to_switch};
+        parts.limbs = static_cast<int>(c_.windings.size());
         out_.transformers.push_back(parts);
         return add_transformer(c_, t, from, to, parts.from_switch, parts.to_switch);
     }

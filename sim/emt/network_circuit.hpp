@@ -50,12 +50,14 @@ struct NetworkCircuit {
     struct GeneratorParts {
         int breaker{0};
         int injection{-1}; ///< of a converter; -1: an ideal source
+        int source{-1};    ///< that
     };
     struct MachineParts {
         int breaker{0};
     };
     struct TransformerParts {
         int from_switch{0}, to_switch{0};
+        int limbs{0}; ///< the first of three windings that hold its ratio
     };
 
     Circuit circuit;

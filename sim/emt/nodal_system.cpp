@@ -118,7 +118,7 @@ Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits c
 void NodalSystem::solve(double* b, double* x) const {
     if (update) {
         update->base->solve(b, x);
-        std::array<double, Update::kMostRank> seen{};
+        std::array<double, Update::kMaxRank> seen{};
         for (std::size_t k = 0; k < update->rank; ++k) {
             for (auto const& [slot, weight] : update->columns[k]) {
                 seen[k] += slot < topology.unknowns ? weight * x[slot] : 0;
@@ -147,7 +147,7 @@ void NodalSystem::add_column(int slot, double value, double* x) const {
     auto const n = static_cast<std::size_t>(topology.unknowns);
     if (update) {
         update->base->add_column(slot, value, x);
-        std::array<double, Update::kMostRank> seen{};
+        std::array<double, Update::kMaxRank> seen{};
         for (std::size_t k = 0; k < update->rank; ++k) {
             seen[k] = value * update->w[k * n + static_cast<std::size_t>(slot)];
         }

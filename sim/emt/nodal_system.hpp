@@ -47,14 +47,14 @@ struct NodalSystem {
     std::uint64_t last_used{0};
     /// What a system that differs little from another adds to its solution (nodal_update.cpp).
     struct Update {
-        static constexpr std::size_t kMostRank = 6;
+        static constexpr std::size_t kMaxRank = 6;
         std::shared_ptr<NodalSystem const> base;
         std::size_t rank{0};
         std::vector<std::vector<std::pair<int, double>>> columns; ///< of U: slots and weights
         std::vector<double> w;                                    ///< A^-1 U, column-major
-        std::array<std::array<double, kMostRank>, kMostRank> c{};
+        std::array<std::array<double, kMaxRank>, kMaxRank> c{};
         /// x -= W C seen
-        void subtract(std::array<double, kMostRank> const& seen, double* x) const;
+        void subtract(std::array<double, kMaxRank> const& seen, double* x) const;
     };
     std::optional<Update> update;
 

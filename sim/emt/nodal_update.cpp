@@ -10,11 +10,11 @@
 namespace gridspace::sim::emt {
 namespace {
 
-constexpr std::size_t kMost = NodalSystem::Update::kMostRank;
-using Small = std::array<std::array<double, kMost>, kMost>;
+constexpr std::size_t kMax = NodalSystem::Update::kMaxRank;
+using Small = std::array<std::array<double, kMax>, kMax>;
 
 /// Below this share of the largest, a pivot says that the change cuts something off from earth.
-constexpr double kLeastPivot = 1e-9;
+constexpr double kMinPivot = 1e-9;
 
 /// B := A^-1 B by elimination with pivoting; false when A is singular to working accuracy.
 bool solve_small(Small& a, Small& b, std::size_t n) {
@@ -29,7 +29,7 @@ bool solve_small(Small& a, Small& b, std::size_t n) {
                 largest = std::max(largest, std::abs(a[r][k]));
             }
         }
-        if (!(std::abs(a[pivot][c]) > kLeastPivot * largest)) {
+        if (!(std::abs(a[pivot][c]) > kMinPivot * largest)) {
             return false;
         }
         std::swap(a[c], a[pivot]);
@@ -68,7 +68,7 @@ bool difference(Circuit const& c, NodalSystem const& base, SwitchBits const& bit
         if (bits.faulted[f] == base.bits.faulted[f]) {
             continue;
         }
-        if (out.columns.size() + 3 > kMost) {
+        if (out.columns.size() + 3 > kMax) {
             return false;
         }
         Conductances const now = fault_conductances(c.faults[f], bits.faulted[f]);
@@ -92,7 +92,7 @@ bool difference(Circuit const& c, NodalSystem const& base, SwitchBits const& bit
         if (now == before) {
             continue;
         }
-        if (out.columns.size() + 1 > kMost) {
+        if (out.columns.size() + 1 > kMax) {
             return false;
         }
         double const unsaturated = h / (2 * c.cores[i].l), saturated = h / (2 * c.cores[i].l_air);
@@ -165,7 +165,7 @@ std::shared_ptr<NodalSystem> update_system(Circuit const& c, std::shared_ptr<Nod
     return out;
 }
 
-void NodalSystem::Update::subtract(std::array<double, kMostRank> const& seen, double* x) const {
+void NodalSystem::Update::subtract(std::array<double, kMaxRank> const& seen, double* x) const {
     auto const n = w.size() / rank;
     for (std::size_t i = 0; i < rank; ++i) {
         double s = 0;

@@ -30,8 +30,12 @@ class PhaseFollowing {
     [[nodiscard]] std::array<double, 3> currents(double h) const;
     /// After the step, with its terminal voltages (V) and the powers that are wanted from now on.
     void step(std::array<double, 3> const& v, Powers const& power, double h);
-    /// Blocks at once and for ever.
+    /// Blocks at once, until resume(): back at voltage phasors v as in start(), with currents from zero.
     void trip() { tripped_ = true; }
+    void resume(std::array<std::complex<double>, 3> const& v) {
+        (void)start(v, {});
+        tripped_ = false;
+    }
     [[nodiscard]] bool tripped() const { return tripped_; }
 
   private:

@@ -15,7 +15,7 @@ constexpr double kIntegral = kNatural * kNatural;
 constexpr double kNoVoltage = 1e-6;
 
 /// Share of nominal frequency by which the loop's own frequency may be off: what it follows on a dead bus is noise.
-constexpr double kMostOff = 0.25;
+constexpr double kMaxOff = 0.25;
 
 /// Sine and cosine of a small angle by their series (|x| < 0.5: exact to rounding), without the library.
 void small_rotation(double x, double& s, double& c) {
@@ -54,7 +54,7 @@ void Pll::step(double alpha, double beta, double h) {
     sin_ = s * length;
     double const size = std::sqrt(alpha * alpha + beta * beta);
     double const error = size > kNoVoltage ? (beta * cos_ - alpha * sin_) / size : 0;
-    double const most = kMostOff * w0_;
+    double const most = kMaxOff * w0_;
     integral_ = std::clamp(integral_ + kIntegral * error * h, -most, most);
     w_ = w0_ + integral_ + kProportional * error;
 }

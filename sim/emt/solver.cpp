@@ -149,7 +149,7 @@ Result<void> Solver::use(double h) {
 }
 
 Result<void> Solver::advance(double t_end, double h) {
-    double const least = kLeastSegment * step_s_;
+    double const least = kMinSegment * step_s_;
     int changes = 0; // without time between them
     for (double left = h; left > 0;) {
         part_contacts();
@@ -182,7 +182,7 @@ Result<void> Solver::advance(double t_end, double h) {
             return ok;
         }
         remember_currents(watched_after_);
-        Crossing const crossing = first_crossing(changes <= kMostChangesAtOnce);
+        Crossing const crossing = first_crossing(changes <= kMaxChangesAtOnce);
         if (!crossing.found || crossing.share * piece >= piece - least) {
             left = last ? 0 : left - piece;
             changes = 0;

@@ -155,9 +155,9 @@ class Solver {
     double limit_v_{0};                               ///< voltages beyond are divergence
 
     /// Nothing is cut shorter than this share of the usual step.
-    static constexpr double kLeastSegment = 1e-5;
+    static constexpr double kMinSegment = 1e-5;
     /// Cores that change slope to and fro at one instant keep theirs for a segment after so many changes.
-    static constexpr int kMostChangesAtOnce = 12;
+    static constexpr int kMaxChangesAtOnce = 12;
 };
 
 } // namespace gridspace::sim::emt

@@ -133,7 +133,7 @@ void Solver::part_contacts() {
     waiting_ = false;
     for (std::size_t i = 0; i < switches_.size(); ++i) {
         SwitchControl& s = switches_[i];
-        if (s.part_at <= t_ + kLeastSegment * step_s_) {
+        if (s.part_at <= t_ + kMinSegment * step_s_) {
             s.part_at = std::numeric_limits<double>::infinity();
             if (s.at_once) {
                 bits_.closed[i] = {false, false, false};

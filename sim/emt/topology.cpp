@@ -10,7 +10,7 @@ namespace gridspace::sim::emt {
 namespace {
 
 /// A short circuit: far below any impedance of a network, far above rounding.
-constexpr double kLeastFaultOhm = 1e-6;
+constexpr double kMinFaultOhm = 1e-6;
 
 template <class S>
 class Stamper {
@@ -122,7 +122,7 @@ Result<Topology> make_topology(Circuit const& c, SwitchBits const& bits) {
 }
 
 Conductances fault_conductances(FaultBranch const& fault, std::array<bool, 3> const& on) {
-    double const g = 1 / std::max(fault.r_ohm, kLeastFaultOhm);
+    double const g = 1 / std::max(fault.r_ohm, kMinFaultOhm);
     int const count = static_cast<int>(on[0]) + static_cast<int>(on[1]) + static_cast<int>(on[2]);
     Conductances out{};
     for (std::size_t i = 0; i < 3; ++i) {

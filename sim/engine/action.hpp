@@ -7,12 +7,6 @@
 
 namespace gridspace::sim {
 
-/// Reference of an EV's charger; A of battery current.
-struct SetChargingCurrent {
-    std::string ev;
-    double current_a{0};
-};
-
 /// A breaker, or an element with a switch of its own, by its name.
 struct SwitchBreaker {
     std::string breaker;
@@ -45,6 +39,11 @@ struct Disconnect {
     std::string element;
 };
 
-using Action = std::variant<SetChargingCurrent, SwitchBreaker, ApplyFault, ClearFault, SetParameter, Disconnect>;
+/// Puts it back.
+struct Connect {
+    std::string element;
+};
+
+using Action = std::variant<SwitchBreaker, ApplyFault, ClearFault, SetParameter, Disconnect, Connect>;
 
 } // namespace gridspace::sim

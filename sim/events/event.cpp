@@ -3,6 +3,7 @@
 #include "sim/events/event.hpp"
 
 #include "common/text.hpp"
+#include "sim/actions/action_table.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -11,10 +12,42 @@ namespace gridspace::sim {
 
 using config::Fields;
 
+namespace {
+
+constexpr EventAction kActions[] = {
+    {"set", "quantities of the table below, or keys of `impairments:`, by path, and their new values", "`set_points`"},
+    {"open", "breakers and switched elements to open", "`COMMAND_OPEN`"},
+    {"close", "breakers and switched elements to close", "`COMMAND_CLOSE`"},
+    {"apply_fault", "short circuit on a line or at a bus"},
+    {"disconnect", "element taken out of service", "`COMMAND_DISCONNECT`"},
+    {"connect", "element put back into service", "`COMMAND_CONNECT`"},
+    {"fail_to_open", "breakers that stay closed from then on, whatever opens them"},
+    {"desynchronise", "merging unit that loses its clock: smpSynch becomes 0"},
+    {"resynchronise", "merging unit whose clock is right again"},
+    {"kill", "process killed (SIGKILL)"},
+    {"pause", "process stopped (SIGSTOP)"},
+    {"resume", "process continued (SIGCONT)"},
+    {"restart", "process killed and started again"}};
+
+constexpr config::Spec what(std::string_view key) {
+    for (EventAction const& action : kActions) {
+        if (action.key == key) {
+            return {.doc = action.doc};
+        }
+    }
+    return {};
+}
+
+} // namespace
+
+std::span<EventAction const> event_actions() {
+    return kActions;
+}
+
 void describe(Fields& f, Event& e) {
     f.fraction("at_s", e.at_s, {.doc = "simulated time", .required = true, .min = 0});
     config::Node set;
-    f.raw("set", set, {.doc = "parameters of the network or of `impairments:` by path, and their new values"});
+    f.raw("set", set, what("set"));
     for (config::Node::Entry const& entry : set.entries) {
         bool const of_a_cable = entry.key.starts_with("impairments.");
         bool const flag =
@@ -27,9 +60,9 @@ void describe(Fields& f, Event& e) {
                     "expected a number");
         }
     }
-    f.references("open", e.open, {.doc = "breakers and switched elements to open"});
-    f.references("close", e.close, {.doc = "breakers and switched elements to close"});
-    f.object("apply_fault", {.doc = "short circuit on a line or at a bus"}, [&](Fields& g) {
+    f.references("open", e.open, what("open"));
+    f.references("close", e.close, what("close"));
+    f.object("apply_fault", what("apply_fault"), [&](Fields& g) {
         ApplyFault& fault = e.fault.emplace();
         fault.name = e.name.name;
         g.reference("line", e.fault_line, {.doc = "the faulted line"});
@@ -52,24 +85,23 @@ void describe(Fields& f, Event& e) {
         }
     });
     f.fraction("clear_after_ms", e.clear_after_ms, {.doc = "the fault clears by itself after so long", .above = 0});
-    f.reference("disconnect", e.disconnect, {.doc = "element taken out of service"});
-    f.references("fail_to_open", e.fail_to_open,
-                 {.doc = "breakers that stay closed from then on, whatever opens them"});
-    f.reference("desynchronise", e.desynchronise, {.doc = "merging unit that loses its clock: smpSynch becomes 0"});
+    f.reference("disconnect", e.disconnect, what("disconnect"));
+    f.reference("connect", e.connect, what("connect"));
+    f.references("fail_to_open", e.fail_to_open, what("fail_to_open"));
+    f.reference("desynchronise", e.desynchronise, what("desynchronise"));
     f.integer("shift_samples", e.shift_samples,
               {.doc = "desynchronise: how far its counter runs ahead of the samples", .min = -4800, .max = 4800});
-    f.reference("resynchronise", e.resynchronise, {.doc = "merging unit whose clock is right again"});
-    f.reference("kill", e.kill, {.doc = "process killed (SIGKILL)"});
-    f.reference("pause", e.pause, {.doc = "process stopped (SIGSTOP)"});
-    f.reference("resume", e.resume, {.doc = "process continued (SIGCONT)"});
-    f.reference("restart", e.restart, {.doc = "process killed and started again"});
-    constexpr std::string_view kDeeds[] = {"set",        "open",         "close",         "apply_fault",
-                                           "disconnect", "fail_to_open", "desynchronise", "resynchronise",
-                                           "kill",       "pause",        "resume",        "restart"};
-    if (std::none_of(std::begin(kDeeds), std::end(kDeeds), [&](std::string_view deed) { return f.has(deed); })) {
-        f.error("", fmt::format("event '{}' does nothing", e.name.name),
-                "one of: set, open, close, apply_fault, disconnect, fail_to_open, desynchronise, resynchronise, kill, "
-                "pause, resume, restart");
+    f.reference("resynchronise", e.resynchronise, what("resynchronise"));
+    f.reference("kill", e.kill, what("kill"));
+    f.reference("pause", e.pause, what("pause"));
+    f.reference("resume", e.resume, what("resume"));
+    f.reference("restart", e.restart, what("restart"));
+    if (std::none_of(std::begin(kActions), std::end(kActions), [&](EventAction const& a) { return f.has(a.key); })) {
+        std::vector<std::string> keys;
+        for (EventAction const& action : kActions) {
+            keys.emplace_back(action.key);
+        }
+        f.error("", fmt::format("event '{}' does nothing", e.name.name), "one of: " + join(keys, ", "));
     }
     if (e.shift_samples != 0 && e.desynchronise.empty()) {
         f.error("shift_samples", fmt::format("event '{}' desynchronises nothing", e.name.name),
@@ -114,6 +146,9 @@ std::vector<TimedAction> timeline(std::vector<Event> const& events) {
         if (!e.disconnect.empty()) {
             add(*e.at_s, Disconnect{e.disconnect.name});
         }
+        if (!e.connect.empty()) {
+            add(*e.at_s, Connect{e.connect.name});
+        }
     }
     std::stable_sort(out.begin(), out.end(), [](auto const& a, auto const& b) { return a.at_s < b.at_s; });
     return out;
@@ -133,88 +168,46 @@ std::vector<StuckBreaker> stuck_breakers(std::vector<Event> const& events) {
 
 namespace {
 
-template <class T>
-std::vector<std::string> names_of(std::vector<T> const& elements) {
-    std::vector<std::string> names;
-    for (T const& element : elements) {
-        names.push_back(element.name.name);
-    }
-    return names;
-}
-
-/// A path of `set:` must lead to something that the solver can change while it runs.
-void check_set(Event const& e, Ref const& path, Network const& n, bool waveform, config::Diagnostics& diagnostics) {
-    struct Section {
-        std::string name;
-        std::vector<std::string> elements, parameters;
+/// A path of `set:` must lead to something that the solver can change while it runs, and to a value that it can have.
+void check_set(Event const& e, Ref const& path, double value, Network const& n, bool waveform,
+               config::Diagnostics& diagnostics) {
+    auto const wrong = [&](std::string_view what, std::string hint) {
+        diagnostics.error(path.where, fmt::format("event '{}' sets '{}'{}", e.name.name, path.name, what),
+                          std::move(hint), static_cast<int>(path.name.size()));
     };
-    std::vector<Section> sections;
-    for_each_kind(n, [&]<class T>(std::vector<T> const& elements) {
-        Section section{std::string{T::kKind.section}, names_of(elements), {}};
-        for (Quantity const& q : T::kKind.settable) {
-            if (waveform || q.in_phasors) {
-                section.parameters.emplace_back(q.name);
+    auto const unknown = [&](std::string_view what, std::string const& word, std::vector<std::string> const& words) {
+        wrong(what, spelling_hint(word, words, "the network has none"));
+    };
+    std::vector<std::string> const parts = split(path.name, '.');
+    if (parts.size() != 3) {
+        return wrong("", "expected section.element.parameter, for example loads.AC3.p_kw");
+    }
+    ActionKind const* kind = kind_of_section(parts[0]);
+    if (kind == nullptr || kind->quantity_names(waveform).empty()) {
+        std::vector<std::string> sections;
+        for (ActionKind const& one : action_kinds()) {
+            if (!one.quantity_names(waveform).empty()) {
+                sections.emplace_back(one.section);
             }
         }
-        if (!section.parameters.empty()) {
-            sections.push_back(std::move(section));
-        }
-    });
-    sections.push_back({"machines", names_of(n.machines), {"p_kw", "voltage_setpoint_pu"}});
-    if (waveform) {
-        sections.push_back({"sources", names_of(n.sources), {"voltage_pu", "frequency_hz"}});
+        return unknown(fmt::format(": '{}' cannot be changed in a run", parts[0]), parts[0], sections);
     }
-    std::vector<std::string> const parts = split(path.name, '.');
-    auto const wrong = [&](std::string message, std::string const& word, std::vector<std::string> const& words) {
-        diagnostics.error(path.where, std::move(message), spelling_hint(word, words, "the network has none"),
-                          static_cast<int>(path.name.size()));
-    };
-    if (parts.size() != 3) {
-        diagnostics.error(path.where, fmt::format("event '{}' sets '{}'", e.name.name, path.name),
-                          "expected section.element.parameter, for example loads.AC3.p_kw",
-                          static_cast<int>(path.name.size()));
-        return;
+    std::vector<std::string> const names = kind->names(n);
+    if (std::find(names.begin(), names.end(), parts[1]) == names.end()) {
+        unknown(fmt::format(", and there is no '{}' in {}", parts[1], parts[0]), parts[1], names);
     }
-    std::vector<std::string> section_names;
-    for (Section const& s : sections) {
-        section_names.push_back(s.name);
+    Quantity const* quantity = kind->quantity(parts[2], waveform);
+    if (quantity == nullptr) {
+        return unknown(fmt::format(": '{}' cannot be changed in a run", parts[2]), parts[2],
+                       kind->quantity_names(waveform));
     }
-    auto const section =
-        std::find_if(sections.begin(), sections.end(), [&](Section const& s) { return s.name == parts[0]; });
-    if (section == sections.end()) {
-        wrong(fmt::format("event '{}' sets '{}': '{}' cannot be changed in a run", e.name.name, path.name, parts[0]),
-              parts[0], section_names);
-        return;
+    if (auto const refusal = refusal_of(n, *kind, parts[1], *quantity)) {
+        wrong(fmt::format(", but {}", refusal->why), std::string{refusal->hint});
     }
-    auto const among = [](std::vector<std::string> const& words, std::string const& word) {
-        return std::find(words.begin(), words.end(), word) != words.end();
-    };
-    if (!among(section->elements, parts[1])) {
-        wrong(
-            fmt::format("event '{}' sets '{}', and there is no '{}' in {}", e.name.name, path.name, parts[1], parts[0]),
-            parts[1], section->elements);
+    if (!within(quantity->range, value)) {
+        wrong(fmt::format(" to {}, which is out of range", shortest(value)),
+              fmt::format("expected {}", range_text(quantity->range)));
     }
-    if (!among(section->parameters, parts[2])) {
-        wrong(fmt::format("event '{}' sets '{}': '{}' cannot be changed in a run", e.name.name, path.name, parts[2]),
-              parts[2], section->parameters);
-    }
-    for (OnePort const* element : one_ports(n)) {
-        if (element->kind().section != parts[0] || element->name.name != parts[1]) {
-            continue;
-        }
-        if (auto const refusal = element->refuses(parts[2])) {
-            diagnostics.error(path.where,
-                              fmt::format("event '{}' sets '{}', but {}", e.name.name, path.name, refusal->why),
-                              std::string{refusal->hint}, static_cast<int>(path.name.size()));
-        }
-    }
-}
-
-/// An element at one bus with a switch of its own.
-bool is_switched_element(Network const& n, std::string_view name) {
-    std::vector<OnePort const*> const elements = one_ports(n);
-    return std::any_of(elements.begin(), elements.end(),
-                       [&](OnePort const* e) { return e->kind().switched && e->name.name == name; });
 }
 
 } // namespace
@@ -234,9 +227,10 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
             static_cast<int>(ref.name.size()));
     };
     for (Event const& e : events) {
-        for (std::vector<Ref> const* switched : {&e.open, &e.close}) {
+        for (auto const& [command, switched] :
+             {std::pair{Command::open, &e.open}, std::pair{Command::close, &e.close}}) {
             for (Ref const& b : *switched) {
-                if (!is_switched_element(n, b.name)) {
+                if (!follows(n, b.name, command, waveform)) {
                     must(n.breakers, b, "breaker", e);
                 }
             }
@@ -247,7 +241,7 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
         must(n.lines, e.fault_line, "line", e);
         must(n.buses, e.fault_bus, "bus", e);
         for (auto const& [path, value] : e.set) {
-            check_set(e, path, n, waveform, diagnostics);
+            check_set(e, path, value, n, waveform, diagnostics);
         }
     }
 }

@@ -8,7 +8,9 @@
 #include "sim/network/network.hpp"
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gridspace::sim {
@@ -24,7 +26,7 @@ struct Event {
     std::optional<ApplyFault> fault;
     Ref fault_line, fault_bus;
     std::optional<Rational> clear_after_ms;
-    Ref disconnect;
+    Ref disconnect, connect;
     std::vector<Ref> fail_to_open;    ///< breakers that no command opens from then on
     Ref desynchronise, resynchronise; ///< merging units whose clock is lost, and found again
     std::int64_t shift_samples{0};    ///< desynchronise: how far the clock runs ahead
@@ -46,6 +48,13 @@ struct StuckBreaker {
     std::string breaker;
 };
 [[nodiscard]] std::vector<StuckBreaker> stuck_breakers(std::vector<Event> const& events);
+
+/// What an entry of `events:` may do, for its reader and for docs/reference/actions.md.
+struct EventAction {
+    std::string_view key, doc;
+    std::string_view of_agents{}; ///< how an agent does the same; empty: it cannot
+};
+[[nodiscard]] std::span<EventAction const> event_actions();
 
 /// Reads the whole `events:` map of `parent`.
 void describe_events(config::Fields& parent, std::vector<Event>& events);

@@ -25,6 +25,11 @@ std::optional<std::string> fault_of(double current_a, double valid_for_s) {
     return std::nullopt;
 }
 
+/// A charger gives nothing back: what is asked for below 0 is 0.
+SetParameter current_of(std::string const& ev, double current_a) {
+    return {"evs." + ev + ".current_a", std::max(current_a, 0.0)};
+}
+
 } // namespace
 
 ChargingOrders::ChargingOrders(TimeBase base, std::vector<std::string> const& evs) : base_{base} {
@@ -48,29 +53,21 @@ std::optional<std::string> ChargingOrders::take(Simulation& simulation, SimTime 
         return std::exchange(order->refused, true) ? std::nullopt : std::move(fault);
     }
     order->refused = false;
-    simulation.command(effect, SetChargingCurrent{order->ev, current_a});
+    simulation.command(effect, current_of(order->ev, current_a));
     if (order->expires && *order->expires < effect) {
-        simulation.command(*order->expires, SetChargingCurrent{order->ev, 0});
+        simulation.command(*order->expires, current_of(order->ev, 0));
     }
-    order->expires = end_of(effect, valid_for_s);
+    order->expires = base_.later(effect, valid_for_s);
     return std::nullopt;
 }
 
 void ChargingOrders::expire(Simulation& simulation, SimTime until) {
     for (Order& order : orders_) {
         if (order.expires && *order.expires <= until) {
-            simulation.command(*order.expires, SetChargingCurrent{order.ev, 0});
+            simulation.command(*order.expires, current_of(order.ev, 0));
             order.expires.reset();
         }
     }
-}
-
-/// Longer than any run is as good as for ever: 30 years of nanoseconds still fit into 64 bits.
-SimTime ChargingOrders::end_of(SimTime effect, double valid_for_s) const {
-    constexpr double kLongestS = 1e9;
-    auto const ns = static_cast<std::int64_t>(std::min(valid_for_s, kLongestS) * 1e9);
-    SimSpan const span = base_.from_nanoseconds(ns) - SimTime{};
-    return effect.quanta > INT64_MAX - span.quanta ? SimTime{INT64_MAX} : effect + span;
 }
 
 } // namespace gridspace::sim

@@ -34,7 +34,6 @@ class ChargingOrders {
         std::optional<SimTime> expires;
         bool refused{false}; ///< the last decision, and it was said
     };
-    [[nodiscard]] SimTime end_of(SimTime effect, double valid_for_s) const;
 
     TimeBase base_;
     std::vector<Order> orders_;

@@ -94,7 +94,7 @@ void check_names(Network const& n, Diagnostics& diagnostics) {
 
 /// Below this share of the base impedance the current of a branch is a difference of voltages that agree in nearly all
 /// of their digits: rounding errors would be amperes.
-constexpr double kLeastImpedancePu = 1e-10;
+constexpr double kMinImpedancePu = 1e-10;
 
 /// Impedances in ohm, `positive` and `zero` sequence, of something at a bus.
 void check_least_impedance(Network const& n, std::string const& owner, Ref const& name, Bus const* bus,
@@ -102,7 +102,7 @@ void check_least_impedance(Network const& n, std::string const& owner, Ref const
     if (bus == nullptr) {
         return;
     }
-    double const least = kLeastImpedancePu * bus->voltage_v * bus->voltage_v / (n.power_kva * 1e3);
+    double const least = kMinImpedancePu * bus->voltage_v * bus->voltage_v / (n.power_kva * 1e3);
     double const smaller = std::min(positive_ohm, zero_ohm);
     if (smaller > 0 && smaller < least) {
         diagnostics.error(
@@ -175,12 +175,12 @@ void check_branches(Network const& n, Diagnostics& diagnostics) {
             diagnostics.error(t.name.where, fmt::format("{} has no short-circuit impedance", owner),
                               "give x_percent; an ideal transformer has no current that could be computed",
                               width(t.name));
-        } else if (std::hypot(t.r_percent, t.x_percent) / 100 * n.power_kva < kLeastImpedancePu * t.rating_kva) {
+        } else if (std::hypot(t.r_percent, t.x_percent) / 100 * n.power_kva < kMinImpedancePu * t.rating_kva) {
             diagnostics.error(
                 t.name.where,
                 fmt::format("{} has {} %, too little to compute its current", owner,
                             shortest(std::hypot(t.r_percent, t.x_percent))),
-                fmt::format("give it at least {:.2g} %", 100 * kLeastImpedancePu * t.rating_kva / n.power_kva),
+                fmt::format("give it at least {:.2g} %", 100 * kMinImpedancePu * t.rating_kva / n.power_kva),
                 width(t.name));
         }
     }

@@ -13,9 +13,9 @@
 namespace gridspace::sim::phasor {
 namespace {
 
-constexpr double kLeastOhm = 1e-6;
+constexpr double kMinOhm = 1e-6;
 /// A fault nearer to an end of a line than this share is at this share.
-constexpr double kLeastShare = 1e-6;
+constexpr double kMinShare = 1e-6;
 
 /// A line with a fault admittance inside, seen from its buses: nodes `from`, fault, `to`, of which open ends and the
 /// fault are eliminated (Kron).
@@ -27,7 +27,7 @@ void put_on_line(Network const& n, SwitchState const& switches, ApplyFault const
     double const z_base = base_impedance(n, n.buses[port.from]);
     Complex const series = z_base / Complex{t.r_ohm, omega * t.l_h};
     Complex const half{0, omega * t.c_f / 2 * z_base};
-    double const share = std::clamp(fault.position_percent / 100, kLeastShare, 1 - kLeastShare);
+    double const share = std::clamp(fault.position_percent / 100, kMinShare, 1 - kMinShare);
     Complex const near = series / share, far = series / (1 - share);
     std::array<std::array<Complex, 3>, 3> y{}; // from, to, fault
     y[0][0] = near + half;
@@ -104,7 +104,7 @@ Result<void> Faults::enter(Network const& n, SwitchState const& switches, std::s
     for (auto const& [name, f] : active_) {
         std::string const& bus_name = f.line.empty() ? f.bus : find(n.lines, f.line)->from.name;
         double const z_base = base_impedance(n, *find(n.buses, bus_name));
-        double const r = std::max(f.resistance_ohm, kLeastOhm) / z_base;
+        double const r = std::max(f.resistance_ohm, kMinOhm) / z_base;
         Complex y = 1 / r;
         if (!balanced(f)) {
             auto const z = sequence_impedances(n, switches, out, f);

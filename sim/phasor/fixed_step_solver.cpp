@@ -11,7 +11,7 @@ namespace gridspace::sim::phasor {
 namespace {
 
 constexpr double kGamma = 0.29289321881345247560; ///< 1 - 1/sqrt(2)
-constexpr int kMostIterations = 12;
+constexpr int kMaxIterations = 12;
 constexpr double kTolerance = 1e-11;
 /// A stage is an implicit Euler step; one of this length (s) leaves differential unknowns where they are.
 constexpr double kInstant = 1e-9;
@@ -53,7 +53,7 @@ struct FixedStepSolver::Impl {
 
     /// Solves F(t, Y, (Y - base) c) = 0 for Y from the guess in `trial`; the derivative is left in `slope`.
     bool stage(double at, double c) {
-        for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+        for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
             for (std::size_t i = 0; i < n; ++i) {
                 slope[i] = differential[i] * (trial[i] - base[i]) * c;
             }

@@ -32,7 +32,7 @@ State state_of(std::span<double const> x) {
 MachineInjection::MachineInjection(Network const& network, Machine const& machine, std::size_t bus)
     : PhasorInjection{bus}, name_{machine.name.name}, data_{machines::machine_data(network, machine)},
       w0_{2 * std::numbers::pi * network.frequency_hz}, to_network_{machine.rating_kva / network.power_kva},
-      base_hz_{network.frequency_hz} {
+      base_hz_{network.frequency_hz}, p_kw_{machine.p_kw}, voltage_setpoint_pu_{machine.voltage_setpoint_pu} {
     if (data_.avr) {
         soften(data_.avr->ta_s);
         soften(data_.avr->tr_s);
@@ -48,6 +48,19 @@ void MachineInjection::start(double, Complex v, std::span<double> x) {
     auto const start = machines::steady_state(data_, v, i);
     set_ = start.set;
     std::copy(start.x.begin(), start.x.end(), x.begin());
+}
+
+bool MachineInjection::set(std::string_view quantity, double value) {
+    if (quantity == "p_kw") {
+        set_.p_ref += (value - p_kw_) / data_.rating_kva;
+        p_kw_ = value;
+    } else if (quantity == "voltage_setpoint_pu") {
+        set_.v_ref += value - voltage_setpoint_pu_;
+        voltage_setpoint_pu_ = value;
+    } else if (data_.governor) {
+        data_.governor->droop_percent = value;
+    }
+    return quantity != "droop_percent" || data_.governor;
 }
 
 MachineInjection::Stator MachineInjection::stator(State const& x, Complex v) const {

@@ -26,7 +26,7 @@ class MachineInjection final : public PhasorInjection {
     void on_event(std::span<double> x) override;
     /// Fails when the field voltage of the start is outside its limits.
     [[nodiscard]] Result<void> check_field(std::span<double const> x) const;
-    machines::Setpoints& setpoints() { return set_; }
+    bool set(std::string_view quantity, double value) override;
     [[nodiscard]] machines::MachineData const& data() const { return data_; }
     [[nodiscard]] std::string const& name() const { return name_; }
 
@@ -45,6 +45,7 @@ class MachineInjection final : public PhasorInjection {
     double base_hz_;
     int at_limit_{0}; ///< -1 lower, 1 upper
     Complex start_power_;
+    double p_kw_, voltage_setpoint_pu_; ///< as in the network file, or as set since
 };
 
 } // namespace gridspace::sim::phasor

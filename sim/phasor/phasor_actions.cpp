@@ -1,35 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "common/text.hpp"
+#include "sim/actions/action_table.hpp"
 #include "sim/phasor/phasor_engine_impl.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 
 namespace gridspace::sim::phasor {
-
-bool PhasorEngine::set_quantity(std::string const& section, std::string const& element, std::string_view quantity,
-                                double value) {
-    auto const it = units_.find(element);
-    if (it == units_.end() || it->second.kind == nullptr || it->second.kind->section != section) {
-        return false;
-    }
-    auto const& known = it->second.kind->settable;
-    bool const settable =
-        std::any_of(known.begin(), known.end(), [&](Quantity const& q) { return q.name == quantity && q.in_phasors; });
-    if (!settable || !it->second.injection->set(quantity, value)) {
-        return false;
-    }
-    input_changed_ = true;
-    return true;
-}
-
-Result<void> PhasorEngine::act(SetChargingCurrent const& a) {
-    if (!set_quantity("evs", a.ev, "current_a", std::max(a.current_a, 0.0))) {
-        return fail(ExitCode::usage, fmt::format("there is no EV '{}'", a.ev));
-    }
-    return {};
-}
 
 Result<void> PhasorEngine::act(SwitchBreaker const& a) {
     std::size_t const i = index_of(network_.breakers, a.breaker);
@@ -66,29 +43,50 @@ bool PhasorEngine::opening(std::size_t breaker) const {
 }
 
 Result<void> PhasorEngine::act(SetParameter const& a) {
-    std::vector<std::string> const path = split(a.path, '.');
-    if (path.size() == 3 && set_quantity(path[0], path[1], path[2], a.value)) {
-        return {};
+    auto const setting = setting_of(a, false);
+    if (!setting) {
+        return std::unexpected{setting.error()};
     }
-    for (std::size_t m = 0; m < machines_.size() && path.size() == 3 && path[0] == "machines"; ++m) {
-        Machine& machine = network_.machines[m];
-        if (path[1] != machine.name.name) {
-            continue;
-        }
-        if (path[2] == "p_kw") {
-            machines_[m]->setpoints().p_ref += (a.value - machine.p_kw) / machine.rating_kva;
-            machine.p_kw = a.value;
-        } else if (path[2] == "voltage_setpoint_pu") {
-            machines_[m]->setpoints().v_ref += a.value - machine.voltage_setpoint_pu;
-            machine.voltage_setpoint_pu = a.value;
-        } else {
-            break;
-        }
-        input_changed_ = true;
-        return {};
+    auto const [kind, element, quantity] = *setting;
+    input_changed_ = true;
+    if (std::size_t const i = index_of(network_.transformers, element);
+        kind->section == "transformers" && i < network_.transformers.size()) {
+        network_.transformers[i].tap_ratio = a.value;
+        return set_topology();
     }
-    return fail(ExitCode::usage, fmt::format("'{}' cannot be changed while a phasor simulation runs", a.path),
-                settable_paths(true) + ", machines.<name>.p_kw and .voltage_setpoint_pu can");
+    if (kind->section == "generators" && set_generator(element, quantity->name, a.value)) {
+        return set_topology();
+    }
+    if (std::size_t const i = index_of(network_.sources, element);
+        kind->section == "sources" && i < network_.sources.size()) {
+        network_.sources[i].voltage_pu = a.value;
+        if (auto const behind = sources_.find(i); behind != sources_.end()) {
+            behind->second->set(quantity->name, a.value);
+            return {};
+        }
+        return set_topology(); // it holds its bus
+    }
+    bool const one_port = kind->section != "transformers" && kind->section != "sources";
+    auto const it = one_port ? units_.find(element) : units_.end();
+    bool const known = it != units_.end() && it->second.section == kind->section;
+    return known && it->second.injection->set(quantity->name, a.value) ? Result<void>{}
+                                                                       : std::unexpected{cannot_be_set(a, false)};
+}
+
+bool PhasorEngine::set_generator(std::string_view name, std::string_view quantity, double value) {
+    std::size_t const i = index_of(network_.generators, name);
+    if (i == network_.generators.size() || network_.generators[i].role == GeneratorRole::pq) {
+        return false; // an injection
+    }
+    Generator& g = network_.generators[i];
+    if (quantity == "voltage_setpoint_pu") {
+        g.voltage_setpoint_pu = value;
+    } else if (quantity == "p_kw" && g.role == GeneratorRole::pv) {
+        g.p_kw = value;
+    } else {
+        return false;
+    }
+    return true;
 }
 
 Result<void> PhasorEngine::connect(std::string const& name, Unit const& unit, bool connected) {
@@ -102,17 +100,35 @@ Result<void> PhasorEngine::connect(std::string const& name, Unit const& unit, bo
 }
 
 Result<void> PhasorEngine::act(Disconnect const& a) {
-    if (auto const it = units_.find(a.element); it != units_.end()) {
-        return connect(it->first, it->second, false);
+    return put(a.element, false);
+}
+
+Result<void> PhasorEngine::act(Connect const& a) {
+    return put(a.element, true);
+}
+
+Result<void> PhasorEngine::put(std::string const& element, bool into_service) {
+    if (auto const it = units_.find(element); it != units_.end()) {
+        if (into_service && it->second.section == "machines") {
+            return fail(ExitCode::usage, fmt::format("machine '{}' cannot be connected again", element),
+                        "nothing brings it to the grid's angle before");
+        }
+        return connect(it->first, it->second, into_service);
     }
-    if (std::size_t const i = index_of(network_.lines, a.element); i < network_.lines.size()) {
-        switches_.line_out[i] = true;
-    } else if (std::size_t const j = index_of(network_.transformers, a.element); j < network_.transformers.size()) {
-        switches_.transformer_out[j] = true;
+    if (std::size_t const i = index_of(network_.lines, element); i < network_.lines.size()) {
+        switches_.line_out[i] = !into_service;
+    } else if (std::size_t const j = index_of(network_.transformers, element); j < network_.transformers.size()) {
+        switches_.transformer_out[j] = !into_service;
+    } else if (find(network_.shunts, element) != nullptr) {
+        if (into_service) {
+            out_.erase(element);
+        } else {
+            out_.insert(element);
+        }
     } else {
-        return fail(ExitCode::usage, fmt::format("'{}' cannot be disconnected: there is no such element at one bus, "
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be {}connected: there is no such element at one bus, "
                                                  "generator with given power, line or transformer",
-                                                 a.element));
+                                                 element, into_service ? "" : "dis"));
     }
     return set_topology();
 }

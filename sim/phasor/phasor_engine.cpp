@@ -141,8 +141,9 @@ std::size_t PhasorEngine::index_of_injection(PhasorInjection const* injection) c
     return injections_.size();
 }
 
-void PhasorEngine::add_unit(Ref const& name, std::unique_ptr<PhasorInjection> injection, Kind const* kind) {
-    units_[name.name] = {injection.get(), kind};
+void PhasorEngine::add_unit(Ref const& name, std::unique_ptr<PhasorInjection> injection, std::string_view section,
+                            Kind const* kind) {
+    units_[name.name] = {injection.get(), section, kind};
     injections_.push_back(std::move(injection));
 }
 
@@ -151,25 +152,28 @@ void PhasorEngine::add_injections() {
     for (OnePort const* e : one_ports(network_)) {
         if (auto injection = e->phasor(around)) {
             injection->connect(e->closed_at_start());
-            add_unit(e->name, std::move(injection), &e->kind());
+            add_unit(e->name, std::move(injection), e->kind().section, &e->kind());
         }
         if (!e->closed_at_start()) {
             out_.insert(e->name.name);
         }
     }
-    for (Source const& source : network_.sources) {
+    for (std::size_t i = 0; i < network_.sources.size(); ++i) {
+        Source const& source = network_.sources[i];
         if (source.r_ohm != 0 || source.l_mh != 0) {
-            injections_.push_back(std::make_unique<SourceInjection>(network_, source, bus_of(source.bus)));
+            auto injection = std::make_unique<SourceInjection>(network_, source, bus_of(source.bus));
+            sources_[i] = injection.get();
+            injections_.push_back(std::move(injection));
         }
     }
     for (Machine const& machine : network_.machines) {
         auto injection = std::make_unique<MachineInjection>(network_, machine, bus_of(machine.bus));
         machines_.push_back(injection.get());
-        add_unit(machine.name, std::move(injection));
+        add_unit(machine.name, std::move(injection), "machines");
     }
     for (Generator const& g : network_.generators) {
         if (g.role == GeneratorRole::pq) {
-            add_unit(g.name, std::make_unique<GivenPower>(g, bus_of(g.bus), network_.power_kva));
+            add_unit(g.name, std::make_unique<GivenPower>(g, bus_of(g.bus), network_.power_kva), "generators");
         }
     }
 }

@@ -34,10 +34,10 @@ class PhasorEngine final : public Engine {
     [[nodiscard]] double value(std::size_t signal) const override { return readers_[signal](); }
 
   private:
-    Result<void> act(SetChargingCurrent const& a);
     Result<void> act(SwitchBreaker const& a);
     Result<void> act(SetParameter const& a);
     Result<void> act(Disconnect const& a);
+    Result<void> act(Connect const& a);
     Result<void> act(ApplyFault const& a);
     Result<void> act(ClearFault const& a);
     /// Contacts that part now.
@@ -48,13 +48,16 @@ class PhasorEngine final : public Engine {
     [[nodiscard]] std::size_t bus_of(Ref const& bus) const { return index_of(network_.buses, bus.name); }
     struct Unit {
         PhasorInjection* injection{nullptr};
+        std::string_view section;
         Kind const* kind{nullptr}; ///< of an element at one bus
     };
-    void add_unit(Ref const& name, std::unique_ptr<PhasorInjection> injection, Kind const* kind = nullptr);
+    void add_unit(Ref const& name, std::unique_ptr<PhasorInjection> injection, std::string_view section,
+                  Kind const* kind = nullptr);
     void add_injections();
-    /// False when there is no such quantity, or it cannot have this value.
-    bool set_quantity(std::string const& section, std::string const& element, std::string_view quantity, double value);
-    /// Puts a unit into service or takes it out.
+    /// One that holds a voltage. False when it is none, or has no such quantity.
+    bool set_generator(std::string_view name, std::string_view quantity, double value);
+    /// Puts an element into service or takes it out; the same of a unit.
+    Result<void> put(std::string const& element, bool into_service);
     Result<void> connect(std::string const& name, Unit const& unit, bool connected);
 
     /// Admittances and bus rules for the switches as they are now; the solver starts anew.
@@ -86,7 +89,8 @@ class PhasorEngine final : public Engine {
     std::vector<std::unique_ptr<PhasorInjection>> injections_;
     std::vector<MachineInjection*> machines_;
     Faults faults_;
-    std::map<std::string, Unit> units_; ///< what can be taken out of service, by name
+    std::map<std::string, Unit, std::less<>> units_;  ///< what can be taken out of service, by name
+    std::map<std::size_t, SourceInjection*> sources_; ///< behind an impedance, by their index in the network
     std::unique_ptr<NetworkDae> dae_;
     std::unique_ptr<DaeIntegrator> solver_;
     std::multimap<double, std::size_t> pending_; ///< breakers that will part, by time

@@ -54,7 +54,7 @@ Result<void> PhasorEngine::set_topology() {
     std::vector<TwoPort> branches = two_ports(network_, switches_);
     std::vector<Complex> shunts(network_.buses.size());
     for (OnePort const* e : one_ports(network_)) {
-        if (!units_.contains(e->name.name)) { // its admittance says all
+        if (!units_.contains(e->name.name) && !out_.contains(e->name.name)) { // its admittance says all
             std::size_t const bus = bus_of(e->bus);
             shunts[bus] += e->admittance_kva(network_.buses[bus].voltage_v) / network_.power_kva;
         }

@@ -19,7 +19,7 @@ constexpr Kind kGenerator{
 
 SourceInjection::SourceInjection(Network const& network, Source const& source, std::size_t bus)
     : PhasorInjection{bus}, name_{source.name.name}, base_kva_{network.power_kva},
-      emf_{std::polar(source.voltage_pu, source.angle_deg * std::numbers::pi / 180)} {
+      angle_rad_{source.angle_deg * std::numbers::pi / 180}, emf_{std::polar(source.voltage_pu, angle_rad_)} {
     double const omega = 2 * std::numbers::pi * network.frequency_hz;
     admittance_ = base_impedance(network, network.buses[bus]) / Complex{source.r_ohm, omega * source.l_mh * 1e-3};
 }
@@ -40,6 +40,16 @@ double SourceInjection::value(std::size_t signal, double, std::span<double const
 GivenPower::GivenPower(Generator const& g, std::size_t bus, double base_kva)
     : PowerInjection{kGenerator, g.name, bus, base_kva}, power_{Complex{g.p_kw, g.q_kvar} / base_kva},
       rating_{std::max(g.rating_kva / base_kva, std::abs(power_))} {}
+
+bool GivenPower::set(std::string_view quantity, double value) {
+    if (quantity == "voltage_setpoint_pu") {
+        return false;
+    }
+    double const pu = value / base_kva();
+    power_ = quantity == "p_kw" ? Complex{pu, power_.imag()} : Complex{power_.real(), pu};
+    rating_ = std::max(rating_, std::abs(power_));
+    return true;
+}
 
 Complex GivenPower::power(double, std::span<double const>, double v) const {
     return within_rating(power_, v, rating_);

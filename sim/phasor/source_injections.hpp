@@ -14,10 +14,14 @@ class SourceInjection final : public PhasorInjection {
     Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
     [[nodiscard]] std::vector<SignalDef> signals() const override;
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
+    bool set(std::string_view, double voltage_pu) override {
+        emf_ = std::polar(voltage_pu, angle_rad_);
+        return true;
+    }
 
   private:
     std::string name_;
-    double base_kva_;
+    double base_kva_, angle_rad_;
     Complex emf_, admittance_;
 };
 
@@ -25,6 +29,7 @@ class SourceInjection final : public PhasorInjection {
 class GivenPower final : public PowerInjection {
   public:
     GivenPower(Generator const& generator, std::size_t bus, double base_kva);
+    bool set(std::string_view quantity, double value) override;
 
   private:
     [[nodiscard]] Complex power(double t, std::span<double const> x, double v) const override;

@@ -18,6 +18,10 @@ void Simulation::command(SimTime at, Action action) {
     changes_.insert({{std::max(at, now_), 1}, {std::move(action), nullptr}});
 }
 
+void Simulation::request(SimTime at, Action action, std::string what) {
+    changes_.insert({{std::max(at, now_), 1}, {std::move(action), nullptr, std::move(what)}});
+}
+
 void Simulation::cancel(std::function<bool(SimTime, Action const&)> const& drop) {
     std::erase_if(changes_, [&](auto const& entry) {
         return entry.second.event == nullptr && drop(entry.first.first, entry.second.action);
@@ -97,7 +101,12 @@ Result<void> Simulation::apply_changes() {
                 return fail(ok.error().code, fmt::format("event '{}': {}", change.event->event, ok.error().message),
                             ok.error().remedy);
             }
-            return ok;
+            if (change.request.empty()) {
+                return ok;
+            }
+            if (on_refusal_) {
+                on_refusal_(now_, change.request, ok.error());
+            }
         }
         if (change.event != nullptr && on_event_) {
             on_event_(now_, *change.event);

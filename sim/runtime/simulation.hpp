@@ -28,6 +28,12 @@ class Simulation {
     /// A change that takes effect at `at`; in the past (real time only): at once. At equal times the scenario's events
     /// come first, then commands in the order in which they were given.
     void command(SimTime at, Action action);
+    /// The same for somebody who may ask for what the engine refuses: then nothing changes, and on_refusal hears of it.
+    /// `what` is asked for, in words.
+    void request(SimTime at, Action action, std::string what);
+    void on_refusal(std::function<void(SimTime, std::string const& what, Error const&)> callback) {
+        on_refusal_ = std::move(callback);
+    }
     /// Forgets commands for which `drop` is true and that have not taken effect.
     void cancel(std::function<bool(SimTime at, Action const&)> const& drop);
 
@@ -59,6 +65,7 @@ class Simulation {
     struct Change {
         Action action;
         TimedAction const* event{nullptr};
+        std::string request{}; ///< what is asked for; empty: it may not be refused
     };
     [[nodiscard]] Result<void> apply_changes();
     [[nodiscard]] bool is_held_back(Action const& action);
@@ -70,6 +77,7 @@ class Simulation {
     std::function<void(SimTime, TimedAction const&)> on_event_;
     std::map<std::string, SimTime> stuck_; ///< breakers, and since when
     std::function<void(SimTime, std::string const&)> on_failure_;
+    std::function<void(SimTime, std::string const&, Error const&)> on_refusal_;
     TimedAction const* refused_event_{nullptr};
     SimTime now_;
     SimTime next_step_;

@@ -22,19 +22,20 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parents[1]
 BIN = pathlib.Path(os.environ.get("GRIDSPACE_BIN_DIR", SOURCE / "build/release/bin"))
-BASES = {name: HERE / "base" / name for name in ("ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml", "wire.yaml")}  # copies: line numbers stay
+BASES = {name: HERE / "base" / name for name in ("ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml", "study.yaml", "wire.yaml")}  # copies: line numbers stay
 MODEL = (SOURCE / "configs/models/ar_20.json").read_text()
 BESIDE = {  # what the bases refer to
     "adn_set_a.yaml": (SOURCE / "configs/networks/adn_set_a.yaml").read_text(),
     "ar_20.json": MODEL,
     "damaged.json": MODEL.replace('"scale_a": 0.', '"scale_a": 0.5', 1),  # one digit, and the hash does not fit
+    "table.csv": "load_kw,requested_h,requested_h\n5,4,5\n",
     "weather.idl": "@final struct Weather { string<32> place; double celsius; };\n",
     "other_weather.idl": "@final struct Weather { string<32> place; double kelvin; };\n",
     "request.idl": "@final struct ChargingRequest { double current_a; };\n",
     "damaged.idl": "@final struct Weather {\n    double celsius\n};\n",
     "other_rate.json": (HERE / "base" / "model_4000_hz.json").read_text(),
 }
-VALID = ["ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml", "wire.yaml"]  # the negative control: without a mistake nothing is said
+VALID = ["ev_charging.yaml", "ev_microgrid.yaml", "fdi.yaml", "study.yaml", "wire.yaml"]  # the negative control: without a mistake nothing is said
 
 
 def make(file, folder):

@@ -3,7 +3,6 @@
 #include "sim/components/battery/battery.hpp"
 
 #include "sim/components/faces/converter.hpp"
-#include "sim/components/faces/number_specs.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sim/components/faces/number_specs.hpp"
 #include "sim/components/faces/one_port.hpp"
 
 namespace gridspace::sim {
 
 /// Stationary battery behind an averaged converter. State: state of charge (%), which stops exactly at its limits.
 struct Battery final : OnePort {
-    static constexpr Quantity kSettable[] = {{"p_kw"}, {"q_kvar"}};
+    static constexpr Quantity kSettable[] = {
+        {"p_kw", elements::any("power into the network, within its rating; negative: charging")},
+        {"q_kvar", elements::any("reactive power into the network")}};
     static constexpr Kind kKind{.section = "batteries",
                                 .doc = "stationary batteries",
                                 .word = "battery",
@@ -41,6 +44,7 @@ struct Battery final : OnePort {
         (quantity == "p_kw" ? p_kw : q_kvar) = value;
         return true;
     }
+    [[nodiscard]] double value(std::string_view quantity) const override { return quantity == "p_kw" ? p_kw : q_kvar; }
 };
 
 } // namespace gridspace::sim

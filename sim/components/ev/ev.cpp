@@ -3,7 +3,6 @@
 #include "sim/components/ev/ev.hpp"
 
 #include "sim/components/faces/converter.hpp"
-#include "sim/components/faces/number_specs.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -99,10 +98,7 @@ class EvPower final : public PowerModel {
         }
         return {-ev_.power_w(current_a_), 0};
     }
-    void disconnect() override { // of no more use: it charges nothing
-        full_ = true;
-        current_a_ = 0;
-    }
+    void disconnect() override { current_a_ = 0; }
     bool set(std::string_view, double current_a) override {
         reference_a_ = ev_.reference_a(current_a);
         return true;

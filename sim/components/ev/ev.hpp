@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sim/components/faces/number_specs.hpp"
 #include "sim/components/faces/one_port.hpp"
 
 namespace gridspace::sim {
@@ -10,7 +11,8 @@ namespace gridspace::sim {
 /// state of charge (%). i' = (reference - i) / lag; soc' = 100 i V / capacity; power from the grid i V / efficiency, at
 /// unity power factor. Charging stops exactly at soc_stop_percent.
 struct Ev final : OnePort {
-    static constexpr Quantity kSettable[] = {{"current_a"}};
+    static constexpr Quantity kSettable[] = {
+        {"current_a", elements::not_negative("battery current that its charger shall give; more than it can is less")}};
     static constexpr Kind kKind{
         .section = "evs", .doc = "electric vehicles", .word = "EV", .prefix = "ev", .settable = kSettable};
     double capacity_kwh{24}, battery_v{360}, max_current_a{15}, efficiency{0.95};

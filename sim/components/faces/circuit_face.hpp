@@ -25,7 +25,7 @@ class PowerModel {
     virtual Complex phase_power_va(std::size_t /*phase*/, double t, double v, double h) {
         return power_va(t, v, h) / 3.0;
     }
-    /// Taken out of service for good.
+    /// Taken out of service; what it gives is not asked until it is back.
     virtual void disconnect() {}
     /// Changes a quantity in a run; false when it cannot have this value.
     virtual bool set(std::string_view /*quantity*/, double /*value*/) { return true; }

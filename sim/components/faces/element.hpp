@@ -20,10 +20,11 @@ struct Element {
     std::string label; ///< display text; the name when empty
 };
 
-/// A quantity that `set:` may change in a run.
+/// A quantity that an event or an agent may set in a run. Its unit is the suffix of its name.
 struct Quantity {
     std::string_view name;
-    bool in_phasors{true}; ///< waveforms know all of them
+    config::NumberSpec range{}; ///< for every element of the kind, and what the quantity is
+    bool in_phasors{true}, in_waveforms{true};
 };
 
 /// What all elements of a kind have in common: words and small facts.

@@ -63,6 +63,8 @@ struct OnePort : Element {
     /// this value.
     virtual bool set(std::string_view /*quantity*/, double /*value*/) { return true; }
     [[nodiscard]] virtual std::optional<Refusal> refuses(std::string_view /*quantity*/) const { return {}; }
+    /// What such a quantity is now.
+    [[nodiscard]] virtual double value(std::string_view /*quantity*/) const { return 0; }
 };
 
 } // namespace gridspace::sim

@@ -37,8 +37,7 @@ double Load::nominal_q_kvar() const {
 }
 
 Complex Load::nominal_kva(std::size_t phase) const {
-    return phase_p_kw.empty() ? Complex{p_kw / 3, nominal_q_kvar() / 3}
-                              : Complex{phase_p_kw[phase], phase_q_kvar[phase]};
+    return phase_p_kw.empty() ? nominal_kva() / 3.0 : Complex{phase_p_kw[phase], phase_q_kvar[phase]};
 }
 
 VoltagePower Load::factor(double v, double floor_pu) const {
@@ -104,10 +103,20 @@ bool Load::set(std::string_view quantity, double value) {
     } else if (quantity == "power_factor" && value > 0 && value <= 1) {
         power_factor = value;
         q_kvar.reset();
+    } else if (quantity == "demand_pu") {
+        demand_pu = value;
     } else {
         return false;
     }
     return true;
+}
+
+double Load::value(std::string_view quantity) const {
+    return quantity == "p_kw"     ? p_kw
+           : quantity == "q_kvar" ? nominal_q_kvar()
+           : quantity == "demand_pu"
+               ? demand_pu
+               : (q_kvar && p_kw != 0 ? std::abs(p_kw) / std::hypot(p_kw, *q_kvar) : power_factor);
 }
 
 std::optional<Refusal> Load::refuses(std::string_view quantity) const {
@@ -115,7 +124,8 @@ std::optional<Refusal> Load::refuses(std::string_view quantity) const {
         return Refusal{"this load has powers by phase",
                        "take it out of service with `disconnect`, or describe it with p_kw"};
     }
-    return quantity != "p_kw" && is_dc() ? std::optional{Refusal{"a DC load has only p_kw", ""}} : std::nullopt;
+    bool const reactive = quantity == "q_kvar" || quantity == "power_factor";
+    return reactive && is_dc() ? std::optional{Refusal{"a DC load has only p_kw", ""}} : std::nullopt;
 }
 
 } // namespace gridspace::sim

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sim/components/faces/number_specs.hpp"
 #include "sim/components/faces/one_port.hpp"
 
 #include <array>
@@ -25,7 +26,11 @@ enum class LoadModel {
 /// Load: P = p · scale(t) · f(v), Q alike, f by its model, with a first-order lag of lag_s. In waveforms an impedance
 /// draws the nominal powers, and an injection that follows the voltage what they are not.
 struct Load final : OnePort, VoltageDependent {
-    static constexpr Quantity kSettable[] = {{"p_kw"}, {"q_kvar", false}, {"power_factor", false}};
+    static constexpr Quantity kSettable[] = {
+        {"p_kw", elements::any("active power at 1 p.u.; not of a load with powers by phase")},
+        {"q_kvar", elements::any("reactive power at 1 p.u., instead of a power factor; not of a DC load")},
+        {"power_factor", elements::at_most_one("lagging; not of a DC load")},
+        {"demand_pu", elements::not_negative("times what it draws otherwise, its profile included")}};
     static constexpr Kind kKind{
         .section = "loads", .doc = "loads", .word = "load", .prefix = "load", .settable = kSettable};
     double p_kw{0};
@@ -36,7 +41,8 @@ struct Load final : OnePort, VoltageDependent {
     std::array<double, 3> zip_p{0, 0, 1}, zip_q{0, 0, 1}; ///< shares of constant impedance, current, power
     std::vector<double> phase_p_kw, phase_q_kvar;         ///< a, b, c between phase and earth; empty: a third each
     double lag_s{0};
-    Ref scale; ///< profile that multiplies p and q
+    Ref scale;           ///< profile that multiplies p and q
+    double demand_pu{1}; ///< multiplies them too; set in a run
 
     /// Reactive power at nominal voltage, from its power factor or as given.
     [[nodiscard]] double nominal_q_kvar() const;
@@ -46,7 +52,7 @@ struct Load final : OnePort, VoltageDependent {
 
     using VoltageDependent::factor;
     [[nodiscard]] VoltagePower factor(double v, double floor_pu) const override;
-    [[nodiscard]] Complex nominal_kva() const override { return {p_kw, nominal_q_kvar()}; }
+    [[nodiscard]] Complex nominal_kva() const override { return {p_kw * demand_pu, nominal_q_kvar() * demand_pu}; }
     [[nodiscard]] Complex nominal_kva(std::size_t phase) const override;
     [[nodiscard]] std::pair<double, double> impedance_shares() const override;
 
@@ -60,6 +66,7 @@ struct Load final : OnePort, VoltageDependent {
     void circuit(CircuitFace& face) const override;
     bool set(std::string_view quantity, double value) override;
     [[nodiscard]] std::optional<Refusal> refuses(std::string_view quantity) const override;
+    [[nodiscard]] double value(std::string_view quantity) const override;
 };
 
 } // namespace gridspace::sim

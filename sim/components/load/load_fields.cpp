@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/components/faces/number_specs.hpp"
 #include "sim/components/load/load.hpp"
 
 #include <fmt/format.h>

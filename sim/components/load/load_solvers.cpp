@@ -88,7 +88,9 @@ class BeyondStar final : public LoadPower {
 class RectifierPower final : public LoadPower {
   public:
     using LoadPower::LoadPower;
-    Complex power_va(double t, double, double h) override { return -1e3 * lag(load().p_kw * scale(t), 0, h); }
+    Complex power_va(double t, double, double h) override {
+        return -1e3 * lag(load().nominal_kva().real() * scale(t), 0, h);
+    }
 };
 
 } // namespace

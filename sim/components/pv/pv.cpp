@@ -3,7 +3,6 @@
 #include "sim/components/pv/pv.hpp"
 
 #include "sim/components/faces/converter.hpp"
-#include "sim/components/faces/number_specs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,11 +19,36 @@ void Pv::fields(Fields& f) {
 }
 
 Complex Pv::power_kva(double sun) const {
-    double p = p_kw * sun;
+    double p = p_kw * irradiance_pu.value_or(sun);
+    if (p_limit_kw) {
+        p = std::min(p, *p_limit_kw);
+    }
+    if (q_kvar) {
+        double const rating = inverter_kva(), q = std::clamp(*q_kvar, -rating, rating);
+        return {std::min(p, std::sqrt(rating * rating - q * q)), q};
+    }
     if (rating_kva > 0) {
         p = std::min(p, rating_kva * power_factor);
     }
     return {p, -p * std::sqrt(1 - power_factor * power_factor) / power_factor};
+}
+
+bool Pv::set(std::string_view quantity, double value) {
+    if (quantity == "power_factor") {
+        rating_kva = inverter_kva(); // another power factor does not make it larger
+        power_factor = value;
+        q_kvar.reset();
+    } else {
+        (quantity == "p_limit_kw" ? p_limit_kw : quantity == "q_kvar" ? q_kvar : irradiance_pu) = value;
+    }
+    return true;
+}
+
+double Pv::value(std::string_view quantity) const {
+    return quantity == "power_factor" ? power_factor
+           : quantity == "q_kvar"     ? power_kva(1).imag()
+           : quantity == "p_limit_kw" ? p_limit_kw.value_or(p_kw)
+                                      : irradiance_pu.value_or(1);
 }
 
 namespace {
@@ -34,6 +58,7 @@ class PvInjection final : public PowerInjection {
     PvInjection(Pv const& pv, Surroundings const& around)
         : PowerInjection{Pv::kKind, pv.name, around.bus(pv.bus), around.base_kva()}, pv_{pv},
           sun_{around.scale(pv.scale)} {}
+    bool set(std::string_view quantity, double value) override { return pv_.set(quantity, value); }
 
   private:
     [[nodiscard]] Complex power(double t, std::span<double const>, double v) const override {
@@ -47,6 +72,7 @@ class PvPower final : public PowerModel {
   public:
     PvPower(Pv const& pv, Scale sun) : pv_{pv}, sun_{std::move(sun)} {}
     Complex power_va(double t, double, double) override { return 1e3 * pv_.power_kva(sun_(t)); }
+    bool set(std::string_view quantity, double value) override { return pv_.set(quantity, value); }
 
   private:
     Pv pv_;

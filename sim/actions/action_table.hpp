@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "sim/engine/action.hpp"
+#include "sim/network/network.hpp"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// The one table of what can be done to elements of the grid in a run: by `events:` at a time, by agents with a sample.
+/// docs/reference/actions.md is made from it.
+namespace gridspace::sim {
+
+/// In the order of CommandKind in idl/controls.idl.
+enum class Command { open, close, connect, disconnect, start, stop, reset, mode };
+constexpr std::array<std::string_view, 8> kCommands{"open",  "close", "connect", "disconnect",
+                                                    "start", "stop",  "reset",   "mode"};
+
+/// A command that elements of a kind follow.
+struct CommandUse {
+    Command command{};
+    std::string_view doc{};
+    bool in_phasors{true}, in_waveforms{true};
+};
+
+/// A kind of element, and what can be done to it.
+struct ActionKind {
+    std::string_view section; ///< of the network file, and in the paths of `set:` ("batteries")
+    std::string_view prefix;  ///< of its signals, and in the names that agents use ("battery")
+    std::string_view word;    ///< in messages ("battery")
+    std::span<Quantity const> quantities;
+    std::span<CommandUse const> commands;
+    std::vector<std::string> (*names)(Network const& network);
+
+    /// Nothing where the kind has no such quantity, or that solver cannot follow it.
+    [[nodiscard]] Quantity const* quantity(std::string_view name, bool waveform) const;
+    [[nodiscard]] CommandUse const* use(Command command, bool waveform) const;
+    [[nodiscard]] std::vector<std::string> quantity_names(bool waveform) const;
+};
+
+/// Elements at one bus in the order of their list, then the others.
+[[nodiscard]] std::span<ActionKind const> action_kinds();
+[[nodiscard]] ActionKind const* kind_of_section(std::string_view section);
+[[nodiscard]] ActionKind const* kind_of_prefix(std::string_view prefix);
+
+/// Finite, and within a range.
+[[nodiscard]] bool within(config::NumberSpec const& range, double value);
+/// "> 0 and <= 1"; empty: any number.
+[[nodiscard]] std::string range_text(config::NumberSpec const& range);
+
+/// What a path of the network file leads to ("loads.AC3.p_kw").
+struct Setting {
+    ActionKind const* kind{nullptr};
+    std::string_view element; ///< a part of the path
+    Quantity const* quantity{nullptr};
+};
+/// Fails where nothing of this path can be set by that solver, or not to this value. Elements are not looked for.
+[[nodiscard]] Result<Setting> setting_of(SetParameter const& action, bool waveform);
+[[nodiscard]] Error cannot_be_set(SetParameter const& action, bool waveform);
+
+/// Why this one element refuses what its kind allows.
+[[nodiscard]] std::optional<Refusal> refusal_of(Network const& network, ActionKind const& kind,
+                                                std::string_view element, Quantity const& quantity);
+/// What a quantity of an element is before anybody has set it.
+[[nodiscard]] double start_value(Network const& network, ActionKind const& kind, std::string_view element,
+                                 Quantity const& quantity);
+/// Commands that are given by a bare name, as in `open:` of an event: whether an element of that name follows.
+[[nodiscard]] bool follows(Network const& network, std::string_view element, Command command, bool waveform);
+
+} // namespace gridspace::sim
