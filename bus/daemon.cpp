@@ -135,14 +135,20 @@ std::optional<int> parse(Daemon const& daemon, int argc, char** argv, Options& o
 /// What came from outside and was kept out: for the events of the run and its report.
 void tell_of_strangers(bus::Node const& node, StatusReporter& status) {
     double const now_s = node.lockstep() ? node.time_base().seconds(node.latest_time()) : 0;
-    for (auto const& [link, ethertype, frames] : node.foreign_frames_by_link()) {
+    auto const say = [&](std::string const& text) {
+        log::warning("{}", text);
+        status.event(now_s, node.config().process, "foreign_frames", text);
+    };
+    for (auto const& [link, ethertype, frames, not_fetched] : node.foreign_frames_by_link()) {
         if (frames.total() > 0) {
-            std::string const text =
-                fmt::format("{} frames of ethertype {:#06x} on '{}' that no process of the run has "
+            say(fmt::format("{} frames of ethertype {:#06x} on '{}' that no process of the run has "
                             "announced, and that nobody took: {}",
-                            frames.total(), ethertype, link, frames.text());
-            log::warning("{}", text);
-            status.event(now_s, node.config().process, "foreign_frames", text);
+                            frames.total(), ethertype, link, frames.text()));
+        }
+        if (not_fetched > 0) {
+            say(fmt::format("{} frames on '{}' from addresses that are not of this run came faster than they could be "
+                            "looked at",
+                            not_fetched, link));
         }
     }
     for (auto const& [process, samples] : node.impostor_samples()) {
@@ -363,10 +369,10 @@ int run_daemon(Daemon const& daemon, int argc, char** argv) {
         log::info("{}; {}", scheduling_text(),
                   why_not.empty() ? "memory is locked" : "memory is not locked: " + why_not);
     }
-    if (!forbid_what_no_process_does()) {
+    if (daemon.is_ours && !forbid_what_no_process_does()) {
         log::debug("this kernel has no filters of system calls");
     }
-    node.is_daemon = true;
+    node.is_daemon = daemon.is_ours;
     DaemonRun run{std::move(node), status,
                   [&signals](std::function<void()> stop) { signals.on_stop(std::move(stop)); }};
     Result<void> const result = daemon.run(run);
@@ -375,7 +381,9 @@ int run_daemon(Daemon const& daemon, int argc, char** argv) {
         return 0;
     }
     if (signals.received()) {
-        return static_cast<int>(ExitCode::interrupted);
+        // All were asked to end: that the simulator or a member has gone is what was asked for, whoever was faster.
+        bool const others_ended_first = result.error().code == ExitCode::child_died;
+        return others_ended_first ? 0 : static_cast<int>(ExitCode::interrupted);
     }
     log::error("{}", describe(result.error()));
     status.failed(result.error());
