@@ -25,7 +25,7 @@ struct ClockServer::State {
     std::unique_ptr<RawReader> status_reader;
     SimClock clock;
     std::uint64_t next_tick{0};
-    std::chrono::steady_clock::time_point told_at; ///< real time: the newest clock sample
+    std::chrono::steady_clock::time_point sent_at; ///< real time: the newest clock sample
 
     struct Status {
         std::uint32_t incarnation{0};
@@ -278,12 +278,12 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
         // Nobody waits for it, and each sample wakes every process: a hundred a second are enough.
         constexpr std::chrono::milliseconds kPeriod{10};
         auto const now = std::chrono::steady_clock::now();
-        if (number > 0 && !final && now - s.told_at < kPeriod) {
+        if (number > 0 && !final && now - s.sent_at < kPeriod) {
             uncork();
             cork(); // what the next tick publishes leaves together
             return {};
         }
-        s.told_at = now;
+        s.sent_at = now;
     }
     s.clock.tick(number);
     s.clock.time_ns(core.base.nanoseconds(time));

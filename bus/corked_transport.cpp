@@ -89,7 +89,7 @@ Shape shape_of(std::uint8_t const* message, std::size_t size) {
     return shape;
 }
 
-struct Held {
+struct CorkedMessage {
     rtps::SenderResource* resource{nullptr};
     std::vector<rtps::Locator_t> locators;
     std::vector<std::uint8_t> bytes; ///< without `tail`
@@ -100,7 +100,7 @@ struct Held {
 /// The gathered messages of one thread. Buffers are kept for the next tick.
 struct Gathering {
     bool corked{false};
-    std::vector<Held> held;
+    std::vector<CorkedMessage> held;
     std::size_t used{0};
     std::vector<rtps::Locator_t> locators; // of the message at hand
 };
@@ -118,7 +118,7 @@ void flush() {
     Gathering& g = t_gathering;
     auto const timeout = Clock::now() + std::chrono::milliseconds{100};
     for (std::size_t i = 0; i < g.used; ++i) {
-        Held& held = g.held[i];
+        CorkedMessage& held = g.held[i];
         held.bytes.insert(held.bytes.end(), held.tail.begin(), held.tail.end());
         send_now(held.resource, held.bytes.data(), held.bytes.size(), held.locators, timeout);
     }
@@ -148,7 +148,7 @@ class CorkedTransport final : public fdds::ChainingTransport {
             return send_now(resource, bytes, size, g.locators, timeout);
         }
         for (std::size_t i = g.used; i-- > 0;) {
-            Held& held = g.held[i];
+            CorkedMessage& held = g.held[i];
             if (held.resource != resource || held.locators != g.locators) {
                 continue;
             }
@@ -167,7 +167,7 @@ class CorkedTransport final : public fdds::ChainingTransport {
             g.held.emplace_back();
             g.held.back().bytes.reserve(kMaxMessage);
         }
-        Held& held = g.held[g.used++];
+        CorkedMessage& held = g.held[g.used++];
         held.resource = resource;
         held.locators = g.locators;
         held.bytes.assign(bytes, bytes + shape.body);

@@ -73,6 +73,7 @@ struct Daemon {
     std::function<Result<void>(DaemonRun&)> run;
     bool joins_always{true}; ///< false: it may look at files instead, and then needs no QoS profiles
     std::function<program::Declaration()> declaration{}; ///< for --describe; without it the settings are what is known
+    bool is_ours{true}; ///< false: somebody else's code, which may start programs and open raw sockets
 };
 
 /// The main function of every daemon: options --config FILE, --check, --describe, --log-level, --status-fd, --version,

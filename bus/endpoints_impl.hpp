@@ -123,7 +123,7 @@ class Reader final : public RawReader, private dds::DataReaderListener {
             if (guid.guidPrefix == ignored_) {
                 continue;
             }
-            if (std::size_t const index = writer_index(guid); index < kMostWriters) {
+            if (std::size_t const index = writer_index(guid); index < kMaxWriters) {
                 header.source = static_cast<std::uint32_t>(index);
             } else {
                 continue;
@@ -139,15 +139,15 @@ class Reader final : public RawReader, private dds::DataReaderListener {
         matches_.update(rtps::iHandle2GUID(status.last_publication_handle), status.current_count_change);
         directory_.changed();
     }
-    /// kMostWriters: there is no room for it.
+    /// kMaxWriters: there is no room for it.
     std::size_t writer_index(rtps::GUID_t const& guid) {
         auto const known = std::ranges::find(writers_, guid, &KnownWriter::guid);
-        if (known == writers_.end() && writers_.size() >= kMostWriters) {
-            if (!std::exchange(told_, true)) {
+        if (known == writers_.end() && writers_.size() >= kMaxWriters) {
+            if (!std::exchange(reported_, true)) {
                 log::warning("topic '{}': more than {} writers have come; new ones are not heard",
-                             reader_->get_topicdescription()->get_name(), kMostWriters);
+                             reader_->get_topicdescription()->get_name(), kMaxWriters);
             }
-            return kMostWriters;
+            return kMaxWriters;
         }
         if (known == writers_.end()) {
             writers_.push_back({guid, directory_.index_of(guid.guidPrefix)});
@@ -156,7 +156,7 @@ class Reader final : public RawReader, private dds::DataReaderListener {
         return static_cast<std::size_t>(known - writers_.begin());
     }
 
-    static constexpr std::size_t kMostWriters = 16'384; ///< over all of its life
+    static constexpr std::size_t kMaxWriters = 16'384; ///< over all of its life
     struct KnownWriter {
         rtps::GUID_t guid;
         std::uint32_t peer;
@@ -171,7 +171,7 @@ class Reader final : public RawReader, private dds::DataReaderListener {
     std::mutex take_mutex_; // guards the next three
     Incoming incoming_;
     std::vector<KnownWriter> writers_;
-    bool told_{false}; ///< that there is no room
+    bool reported_{false}; ///< that there is no room
 };
 
 } // namespace gridspace::bus

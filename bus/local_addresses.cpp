@@ -18,14 +18,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Held {
+struct InterfaceAddress {
     std::string interface, address;
 };
 
 /// IPv4 addresses of the interfaces that run: Fast DDS uses no others, and a link that has just been set up runs a
 /// moment later.
-std::vector<Held> held_addresses() {
-    std::vector<Held> out;
+std::vector<InterfaceAddress> interface_addresses() {
+    std::vector<InterfaceAddress> out;
     ifaddrs* list = nullptr;
     if (::getifaddrs(&list) != 0) {
         return out;
@@ -51,10 +51,11 @@ Result<void> wait_for_addresses(std::vector<std::string> const& addresses, std::
     auto const began = Clock::now();
     bool said = false;
     while (true) {
-        std::vector<Held> const here = held_addresses();
+        std::vector<InterfaceAddress> const here = interface_addresses();
         std::vector<std::string> missing;
         for (std::string const& address : addresses) {
-            if (std::none_of(here.begin(), here.end(), [&](Held const& held) { return held.address == address; })) {
+            if (std::none_of(here.begin(), here.end(),
+                             [&](InterfaceAddress const& held) { return held.address == address; })) {
                 missing.push_back(address);
             }
         }
@@ -64,7 +65,7 @@ Result<void> wait_for_addresses(std::vector<std::string> const& addresses, std::
         auto const waited = Clock::now() - began;
         if (waited >= patience) {
             std::vector<std::string> listed;
-            for (Held const& held : here) {
+            for (InterfaceAddress const& held : here) {
                 listed.push_back(fmt::format("{} {}", held.interface, held.address));
             }
             return fail(ExitCode::environment,

@@ -61,6 +61,10 @@ class Node {
     [[nodiscard]] Result<std::unique_ptr<Writer<T>>> writer(std::string const& topic);
     template <class T>
     [[nodiscard]] Result<std::shared_ptr<Reader<T>>> reader(std::string const& topic);
+    /// Samples go to an inbox of the caller's.
+    [[nodiscard]] Result<void> reader(std::string const& topic, Codec const& codec, std::shared_ptr<Inbox> inbox) {
+        return open_reader(topic, codec, std::move(inbox));
+    }
     /// Samples of any type as CDR.
     [[nodiscard]] Result<std::shared_ptr<CdrReader>> cdr_reader(std::string const& topic, Codec const& codec);
     [[nodiscard]] Result<std::unique_ptr<CdrWriter>> cdr_writer(std::string const& topic, Codec const& codec);
@@ -124,6 +128,7 @@ class Node {
         std::string link;
         std::uint16_t ethertype{0};
         lockstep::ForeignFrames frames;
+        std::uint64_t not_fetched{0}; ///< from others' addresses, of any ethertype of the port; see WireReader
     };
     [[nodiscard]] std::vector<ForeignOnLink> foreign_frames_by_link() const;
     /// Samples of somebody who is not the process of the run whose name he bears, by that name. Not obeyed.

@@ -87,11 +87,11 @@ struct Node::Core {
     std::vector<lockstep::WireBook::Record> wire_records; ///< reused
     std::unique_ptr<lockstep::TickGate> gate;
     bool joining{true}; ///< until READY; a late joiner takes ledgers as baselines meanwhile
-    struct Held {       ///< the tick after which this incarnation joins
+    struct Joining {    ///< the tick after which this incarnation joins
         std::uint64_t tick;
         std::vector<std::uint8_t> awaited; ///< members whose ledgers are to come
     };
-    std::optional<Held> held;
+    std::optional<Joining> held;
     std::map<std::string, std::uint64_t> ledgers_of; ///< while joining: newest acknowledged tick by process
     bool restate_ledger{false};                      ///< a held clock asks for it
     std::set<std::string> absent;                    ///< expected peers that the run goes on without
@@ -106,13 +106,14 @@ struct Node::Core {
     std::uint64_t input_generation{0};
     std::uint64_t input_taken{0};
     SimTime latest_time;
-    /// Real time: the clock is not told at every tick; between its samples time goes on at the pace of the run so far.
+    /// Real time: the clock is not told at every tick; between its samples time goes on at the pace of the run so
+    /// far.
     struct Pace {
         std::chrono::steady_clock::time_point first_arrived, last_arrived;
         std::int64_t first_sent_ns{0}, last_sent_ns{0}; ///< who joins late gets many at once
         SimTime first;
     } pace;
-    mutable SimTime told{INT64_MIN}; ///< time_now() never goes back
+    mutable SimTime newest_now{INT64_MIN}; ///< time_now() never goes back
     [[nodiscard]] SimTime time_now() const;
     ClockWatch clock_watch;                              ///< real time
     void watch_clock();                                  ///< fails when this machine's clock was set. Under the mutex.

@@ -40,8 +40,8 @@ SimTime Node::Core::time_now() const {
     double const quanta_per_s = static_cast<double>((latest_time - pace.first).quanta) / std::max(arrived_s, sent_s);
     double const since_s =
         std::min(kLongestGapS, Seconds{std::chrono::steady_clock::now() - pace.last_arrived}.count());
-    told = std::max(told, latest_time + SimSpan{static_cast<std::int64_t>(quanta_per_s * since_s)});
-    return told;
+    newest_now = std::max(newest_now, latest_time + SimSpan{static_cast<std::int64_t>(quanta_per_s * since_s)});
+    return newest_now;
 }
 
 void Node::Core::watch_clock() {
@@ -222,7 +222,7 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
 void Node::Core::on_held_clock() {
     if (joining) {
         if (is_late_joiner() && config.joins_at_s && SimTime{} + base.nearest(*config.joins_at_s) <= latest_time) {
-            held = Held{clock.tick(), {clock.awaited().begin(), clock.awaited().end()}};
+            held = Joining{clock.tick(), {clock.awaited().begin(), clock.awaited().end()}};
         }
     } else {
         std::vector<std::string> const& members = config.clock.members; // in the order of names

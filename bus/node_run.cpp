@@ -519,7 +519,7 @@ bool Node::has_come(SimTime t) const {
 Node::Counters Node::counters() const {
     std::uint64_t foreign_frames = 0;
     for (ForeignOnLink const& link : foreign_frames_by_link()) {
-        foreign_frames += link.frames.total();
+        foreign_frames += link.frames.total() + link.not_fetched;
     }
     return {core_->foreign_samples.load(), core_->refused_writes.load(), foreign_frames, core_->lost_samples.load()};
 }
@@ -540,7 +540,8 @@ std::vector<Node::ForeignOnLink> Node::foreign_frames_by_link() const {
     std::lock_guard const lock{core_->mutex};
     for (auto const& reader : core_->wire_readers) {
         if (core_->lockstep() && core_->wire_book != nullptr) {
-            out.push_back({reader->link, reader->ethertype, core_->wire_book->foreign(reader->channel)});
+            out.push_back(
+                {reader->link, reader->ethertype, core_->wire_book->foreign(reader->channel), reader->not_fetched});
         }
     }
     return out;

@@ -8,6 +8,7 @@
 #include "bus/endpoints_impl.hpp"
 #include "bus/local_addresses.hpp"
 #include "bus/raw_access_impl.hpp"
+#include "bus/thread_ids.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
 
@@ -314,7 +315,7 @@ class FastDdsParticipant final : public Participant {
     /// However many participants and endpoints somebody invents: memory for so many, and no more.
     static void bound_the_others(dds::DomainParticipantQos& qos) {
         auto& allocation = qos.allocation();
-        allocation.participants.maximum = rtps_guard::KnownParticipants::kMost;
+        allocation.participants.maximum = rtps_guard::KnownParticipants::kMax;
         // The library bounds the sum over all participants: this times the above.
         allocation.readers.maximum = allocation.writers.maximum = 16;
     }
@@ -390,6 +391,7 @@ class FastDdsParticipant final : public Participant {
 } // namespace
 
 Result<std::unique_ptr<Participant>> Participant::create(ParticipantOptions options, DiscoveryObserver* observer) {
+    remember_thread_ids();
     auto participant = std::make_unique<FastDdsParticipant>(std::move(options), observer);
     if (auto opened = participant->open(); !opened) {
         return std::unexpected{opened.error()};

@@ -26,7 +26,7 @@ namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastdds::rtps::TCPv4TransportDescriptor;
 
 /// Of one process on the other side, of which one listens: that many numbers are asked for (the default is four).
-constexpr std::uint32_t kMostParticipants = 24;
+constexpr std::uint32_t kMaxParticipants = 24;
 
 /// Fast DDS would throw, or end a thread, on a file that it cannot read.
 Result<void> check_readable(std::filesystem::path const& file, char const* what) {
@@ -138,7 +138,7 @@ Result<void> apply(TcpLink const& link, dds::DomainParticipantQos& qos) {
         }
         rtps::IPLocator::setIPv4(peer, *address);
         rtps::IPLocator::setPhysicalPort(peer, link.port);
-        tcp->maxInitialPeersRange = kMostParticipants;
+        tcp->maxInitialPeersRange = kMaxParticipants;
         qos.wire_protocol().builtin.initialPeersList.clear();
         qos.wire_protocol().builtin.initialPeersList.push_back(peer);
     }

@@ -10,7 +10,7 @@
 
 namespace gridspace::bus {
 
-static_assert(kMostSignals == MAX_SIGNALS);
+static_assert(kMaxSignals == MAX_SIGNALS);
 
 struct SignalPublisher::Writers {
     std::unique_ptr<Writer<SignalCatalog>> catalog;
@@ -37,9 +37,9 @@ SignalPublisher::create(Node& node, std::string group, std::vector<program::Sign
 
 Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std::string group, double rate_hz,
                                                                  std::vector<SignalColumn> columns) {
-    if (columns.size() > kMostSignals) {
+    if (columns.size() > kMaxSignals) {
         return fail(ExitCode::usage,
-                    fmt::format("{} signals in group '{}', and {} fit", columns.size(), group, kMostSignals),
+                    fmt::format("{} signals in group '{}', and {} fit", columns.size(), group, kMaxSignals),
                     "choose some with record.signals");
     }
     auto out = std::unique_ptr<SignalPublisher>{new SignalPublisher};

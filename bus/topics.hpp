@@ -8,7 +8,7 @@
 namespace gridspace::bus {
 
 /// That fit into one sample of `signals` (MAX_SIGNALS of idl/signals.idl).
-inline constexpr std::size_t kMostSignals = 1024;
+inline constexpr std::size_t kMaxSignals = 1024;
 
 /// Topics that always travel on the management network: the framework's own.
 [[nodiscard]] bool is_management_topic(std::string_view topic);

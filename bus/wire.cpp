@@ -42,6 +42,11 @@ std::uint64_t WireReader::dropped() const {
     return impl_->dropped;
 }
 
+void WireReader::not_fetched(std::uint64_t total) {
+    std::lock_guard const lock{impl_->core.mutex};
+    impl_->not_fetched = total;
+}
+
 bool WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port,
                       std::int64_t arrived_ns) {
     Impl& r = *impl_;

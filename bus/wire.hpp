@@ -32,6 +32,8 @@ class WireReader {
     /// In real time nobody waits for this reader: what comes when so many octets wait already is dropped, and counted.
     void bound(std::size_t octets);
     [[nodiscard]] std::uint64_t dropped() const;
+    /// Lockstep: so many frames from addresses that are not of the run came faster than they could be fetched.
+    void not_fetched(std::uint64_t total);
     /// From the receiving thread. No allocation once its buffers have grown. False: there was no room for it.
     bool push(std::span<std::byte const> frame, std::int64_t kernel_ns, std::uint32_t port = 0,
               std::int64_t arrived_ns = 0);

@@ -19,6 +19,7 @@ struct WireReader::Impl {
     SimTime until{INT64_MAX};
     std::size_t kept_octets{0}, bound{SIZE_MAX}; ///< real time: of what is waiting or taken
     std::uint64_t dropped{0};
+    std::uint64_t not_fetched{0};
 
     void due(lockstep::FrameBuffer frame, SimTime time);
 };

@@ -10,8 +10,8 @@
 namespace gridspace {
 namespace {
 
-constexpr std::size_t kLongestWord = 64;     ///< that may be misspelt: longer texts are no names
-constexpr std::size_t kMostCandidates = 256; ///< that are compared: a hint is not worth more, in a file of mistakes
+constexpr std::size_t kLongestWord = 64;    ///< that may be misspelt: longer texts are no names
+constexpr std::size_t kMaxCandidates = 256; ///< that are compared: a hint is not worth more, in a file of mistakes
 
 /// Optimal string alignment distance of two short words: insert, delete, replace, swap neighbours.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -53,7 +53,7 @@ std::optional<std::string> nearest_spelling(std::string_view word, std::vector<s
         return best;
     }
     std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
-    for (std::size_t i = 0; i < std::min(candidates.size(), kMostCandidates); ++i) {
+    for (std::size_t i = 0; i < std::min(candidates.size(), kMaxCandidates); ++i) {
         std::string const& candidate = candidates[i];
         std::string const offered = plain(candidate);
         std::size_t const apart = std::max(wanted.size(), offered.size()) - std::min(wanted.size(), offered.size());

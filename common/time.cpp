@@ -4,7 +4,9 @@
 
 #include "common/text.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
 
 namespace gridspace {
@@ -27,6 +29,14 @@ std::int64_t TimeBase::nanoseconds(SimTime t) const {
 SimTime TimeBase::from_nanoseconds(std::int64_t ns) const {
     return {divide_to_nearest(static_cast<Wide>(ns) * quantum_s_.den(),
                               static_cast<Wide>(quantum_s_.num()) * kNsPerSecond)};
+}
+
+/// Longer than any run is as good as for ever: 30 years of nanoseconds still fit into 64 bits.
+SimTime TimeBase::later(SimTime t, double seconds) const {
+    constexpr double kLongestS = 1e9;
+    auto const ns = static_cast<std::int64_t>(std::min(seconds, kLongestS) * 1e9);
+    SimSpan const span = from_nanoseconds(ns) - SimTime{};
+    return t.quanta > INT64_MAX - span.quanta ? SimTime{INT64_MAX} : t + span;
 }
 
 SimSpan TimeBase::ceil(Rational seconds) const {

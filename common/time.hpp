@@ -58,6 +58,9 @@ class TimeBase {
     [[nodiscard]] SimSpan ceil(Rational seconds) const;
     [[nodiscard]] SimSpan nearest(Rational seconds) const;
 
+    /// So many seconds (not negative) after `t`, in whole nanoseconds; as late as can be when that is out of reach.
+    [[nodiscard]] SimTime later(SimTime t, double seconds) const;
+
     friend bool operator==(TimeBase, TimeBase) = default;
 
   private:

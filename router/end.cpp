@@ -16,7 +16,7 @@
 namespace gridspace::router {
 namespace {
 
-constexpr std::size_t kMostWaiting = 32U << 20U; ///< octets in front of one end
+constexpr std::size_t kMaxWaiting = 32U << 20U; ///< octets in front of one end
 constexpr std::chrono::milliseconds kLastWords{1000};
 constexpr std::chrono::milliseconds kAddressPatience{2000}; ///< a link that was just set up
 
@@ -124,7 +124,7 @@ void End::carry(std::shared_ptr<Lane> const& lane, std::span<std::byte const> cd
     {
         std::lock_guard const lock{mutex_};
         waiting_octets_ += cdr.size();
-        while (waiting_octets_ > kMostWaiting && !waiting_.empty() && !waiting_.front().last) {
+        while (waiting_octets_ > kMaxWaiting && !waiting_.empty() && !waiting_.front().last) {
             waiting_octets_ -= waiting_.front().cdr.size();
             ++waiting_.front().lane->dropped;
             waiting_.pop_front();

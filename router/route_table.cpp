@@ -11,7 +11,7 @@
 namespace gridspace::router {
 namespace {
 
-constexpr std::size_t kMostNotes = 1000;
+constexpr std::size_t kMaxNotes = 1000;
 
 bool contains(std::vector<std::size_t> const& list, std::size_t value) {
     return std::find(list.begin(), list.end(), value) != list.end();
@@ -149,7 +149,7 @@ std::vector<Route> RouteTable::routes() const {
 }
 
 void RouteTable::note(std::string text) {
-    if (noted_.size() < kMostNotes && noted_.insert(text).second) { // partitions have whatever names
+    if (noted_.size() < kMaxNotes && noted_.insert(text).second) { // partitions have whatever names
         notes_.push_back(std::move(text));
     }
 }

@@ -11,7 +11,7 @@
 namespace gridspace::router {
 namespace {
 
-constexpr std::size_t kMostTypes = 4096; ///< whose IDL is kept
+constexpr std::size_t kMaxTypes = 4096; ///< whose IDL is kept
 
 } // namespace
 
@@ -81,7 +81,7 @@ Result<void> Router::open(std::filesystem::path const& qos_file, std::function<v
                                              TypeCatalogEntry entry;
                                              if (bus::codec_of<TypeCatalogEntry>().decode(cdr, &entry)) {
                                                  std::lock_guard const lock{mutex_};
-                                                 if (idl_.size() >= kMostTypes) {
+                                                 if (idl_.size() >= kMaxTypes) {
                                                      return;
                                                  }
                                                  idl_.emplace(entry.type_name().c_str(), entry.idl());

@@ -14,7 +14,7 @@
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 #include "common/spsc_ring.hpp"
-#include "gateways/cut_in/cut_in.hpp"
+#include "gateways/bump_in_the_wire/bump_in_the_wire.hpp"
 #include "gateways/ethernet/interface.hpp"
 #include "gateways/port/wire_clock.hpp"
 #include "gateways/port/wire_port.hpp"
@@ -26,21 +26,21 @@
 namespace gridspace::attacker {
 namespace {
 
-using gateways::CutIn;
+using gateways::BumpInTheWire;
 using gateways::WireClock;
 using gateways::WirePort;
 
 struct Settings {
     AttackerSettings own;
     gateways::WireConfig wire; ///< interface empty: nothing is sent beside a publisher
-    std::vector<gateways::CutInConfig> cut_ins;
+    std::vector<gateways::BumpConfig> bumps;
     double speed{1};
 };
 
 void describe(config::Fields& f, Settings& s) {
     describe(f, s.own);
     gateways::describe_wire(f, s.wire);
-    gateways::describe_cut_ins(f, s.cut_ins);
+    gateways::describe_bumps(f, s.bumps);
     f.number("speed", s.speed, {.doc = "of the simulation clock, in real time", .above = 0});
 }
 
@@ -51,13 +51,13 @@ struct Running {
     std::unique_ptr<GooseForger> messages;
     std::unique_ptr<TopicAttack> topic;
     std::int64_t now_ns{0}; ///< simulated: of what is being forged
-    struct Told {
+    struct TimedLabel {
         Label label;
         std::int64_t time_ns{0};
     };
-    SpscRing<Told> told{16'384};
+    SpscRing<TimedLabel> timed_labels{16'384};
     std::atomic<std::uint64_t> lost{0};
-    Tell tell{[this](Label const& label) { lost += told.push({label, now_ns}) ? 0U : 1U; }};
+    Tell tell{[this](Label const& label) { lost += timed_labels.push({label, now_ns}) ? 0U : 1U; }};
     std::unique_ptr<LabelPublisher> labels;
     bool began{false}, ended{false};
 
@@ -142,8 +142,8 @@ class AttackerAgent final : public bus::Member {
     void begin(bus::Tick const& tick) override { signals_->announce(tick.time); }
 
     Result<void> work(bus::Tick const& tick) override {
-        for (auto const& cut_in : cut_ins_) {
-            cut_in->work(tick.time);
+        for (auto const& bump : bumps_) {
+            bump->work(tick.time);
         }
         beside(clock_.simulated() ? clock_.of(tick.time) : simulated_now());
         publish(tick.time, tick.final);
@@ -155,8 +155,8 @@ class AttackerAgent final : public bus::Member {
 
     std::uint64_t next_tick(bus::Tick const& tick) const override {
         std::uint64_t needed = next_second(tick.time);
-        for (auto const& cut_in : cut_ins_) {
-            needed = std::min(needed, cut_in->next_tick(grid_));
+        for (auto const& bump : bumps_) {
+            needed = std::min(needed, bump->next_tick(grid_));
         }
         if (auto const work = next_work()) {
             needed = std::min(needed, grid_.tick_of(clock_.at_or_after(*work)));
@@ -176,8 +176,8 @@ class AttackerAgent final : public bus::Member {
         if (!settings_.wire.interface.empty()) {
             interfaces.push_back(settings_.wire.interface);
         }
-        for (auto const& cut_in : settings_.cut_ins) {
-            interfaces.insert(interfaces.end(), {cut_in.host_interface, cut_in.switch_interface});
+        for (auto const& bump : settings_.bumps) {
+            interfaces.insert(interfaces.end(), {bump.host_interface, bump.switch_interface});
         }
         for (std::string const& interface : interfaces) {
             std::string const kind = ethernet::interface_kind(interface);
@@ -230,7 +230,7 @@ class AttackerAgent final : public bus::Member {
 
     /// Cut-ins with the attacks of their cable, and the port of the attacks beside a publisher.
     Result<void> open_wires() {
-        for (auto const& config : settings_.cut_ins) {
+        for (auto const& config : settings_.bumps) {
             hooks_.push_back(std::make_unique<AttackHook>(node_));
             AttackHook& hook = *hooks_.back();
             for (auto const& attack : attacks_) {
@@ -239,11 +239,11 @@ class AttackerAgent final : public bus::Member {
                     hook.add(*attack);
                 }
             }
-            auto cut_in = CutIn::open(node_, config, settings_.speed, {&hook, &hook});
-            if (!cut_in) {
-                return std::unexpected{cut_in.error()};
+            auto bump = BumpInTheWire::open(node_, config, settings_.speed, {&hook, &hook});
+            if (!bump) {
+                return std::unexpected{bump.error()};
             }
-            cut_ins_.push_back(std::move(*cut_in));
+            bumps_.push_back(std::move(*bump));
         }
         std::vector<std::uint16_t> ethertypes;
         for (auto const& attack : attacks_) {
@@ -387,10 +387,10 @@ class AttackerAgent final : public bus::Member {
     /// Labels that have come, events, and counters once a simulated second.
     void publish(SimTime now, bool final) {
         for (auto const& attack : attacks_) {
-            for (Running::Told told; attack->told.pop(told);) {
+            for (Running::TimedLabel timed; attack->timed_labels.pop(timed);) {
                 if (attack->labels) {
-                    attack->labels->add(told.label, told.time_ns,
-                                        node_.lockstep() ? std::min(clock_.at_or_after(told.time_ns), now) : now);
+                    attack->labels->add(timed.label, timed.time_ns,
+                                        node_.lockstep() ? std::min(clock_.at_or_after(timed.time_ns), now) : now);
                 }
             }
             if (final && attack->labels) {
@@ -445,7 +445,7 @@ class AttackerAgent final : public bus::Member {
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::vector<std::uint16_t> ethertypes_;
     std::unique_ptr<WirePort> port_;
-    std::vector<std::unique_ptr<CutIn>> cut_ins_; ///< last: their threads use what stands above
+    std::vector<std::unique_ptr<BumpInTheWire>> bumps_; ///< last: their threads use what stands above
     std::int64_t reported_{-1};
 };
 

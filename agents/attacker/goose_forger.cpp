@@ -114,7 +114,7 @@ iec61850::Octets GooseForger::frame_of(GooseState const& state) {
 }
 
 void GooseForger::tell_one(bool sent, Tell const& tell) {
-    tell(Label{told_++, 0, real_value_ ? 1.0 : 0.0, sent ? 1.0 : 0.0});
+    tell(Label{labels_++, 0, real_value_ ? 1.0 : 0.0, sent ? 1.0 : 0.0});
 }
 
 } // namespace gridspace::attacker

@@ -49,7 +49,7 @@ class GooseForger {
     bool spoof_;
     bool real_value_{false};
     iec61850::GooseFrame decoded_;
-    std::int64_t told_{0};
+    std::int64_t labels_{0};
     std::atomic<std::uint64_t> forged_{0}; ///< forged and dropped
 };
 

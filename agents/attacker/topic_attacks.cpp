@@ -154,7 +154,7 @@ class CommandAttack final : public TopicAttack {
             command.time_ns(node_.time_base().nanoseconds(effect));
             command.status(state->value);
             writer_->write(command, effect);
-            tell(Label{told_++, 0, real_ ? 1.0 : 0.0, state->value ? 1.0 : 0.0});
+            tell(Label{labels_++, 0, real_ ? 1.0 : 0.0, state->value ? 1.0 : 0.0});
         }
     }
 
@@ -165,7 +165,7 @@ class CommandAttack final : public TopicAttack {
     std::unique_ptr<bus::Writer<TripCommand>> writer_;
     std::string source_;
     std::uint32_t states_{1};
-    std::int64_t told_{0};
+    std::int64_t labels_{0};
     bool real_{false};
 };
 

@@ -72,7 +72,7 @@ void IntrusionOutput::publish_state(ids::LineDetector const& detector, SimTime n
     if (alarms_ && *alarms_ == v.alarms && granted_ == v.granted && locked == locked_out_) {
         return;
     }
-    bool const told = alarms_ && *alarms_ == v.alarms;
+    bool const already_sent = alarms_ && *alarms_ == v.alarms;
     bool const silent = !alarms_ && v.alarms == 0;
     alarms_ = v.alarms;
     granted_ = v.granted;
@@ -80,7 +80,7 @@ void IntrusionOutput::publish_state(ids::LineDetector const& detector, SimTime n
     std::array<double, 5> const row{v.alarms != 0 ? 1.0 : 0.0, static_cast<double>(v.alarms), v.granted ? 1.0 : 0.0,
                                     locked[0] ? 1.0 : 0.0, locked[1] ? 1.0 : 0.0};
     state_->row(now, row);
-    if (!told && !silent) {
+    if (!already_sent && !silent) {
         tell(detector, now);
     }
 }
@@ -101,7 +101,7 @@ void IntrusionOutput::tell(ids::LineDetector const& detector, SimTime now) {
     std::string_view const kind = v.alarms == 0 ? "alarm_cleared" : "alarm";
     // One event per isolated fake would be hundreds a run: the log has them all, the run's events the first, and those
     // that mean more.
-    constexpr ids::Alarms kSerious = ids::kOneEnd | ids::kUnconfirmed | ids::kNoise | ids::kLockedOut;
+    constexpr ids::Alarms kSerious = ids::kOneEnd | ids::kUnconfirmed | ids::kNoise | ids::kLockedOut | ids::kNotArmed;
     bool const first = v.alarms != 0 && !any_told_;
     any_told_ = any_told_ || first;
     if (first || (v.alarms & kSerious) != 0) {

@@ -22,7 +22,7 @@ Result<std::unique_ptr<TripPublisher>> TripPublisher::create(bus::Node& node, ga
     }
     auto out = std::unique_ptr<TripPublisher>{new TripPublisher{node, port}};
     out->leaf_ = *leaf;
-    out->time_leaf_ = iec61850::time_beside(frame->leaves(), *leaf);
+    out->time_leaf_ = iec61850::time_next_to(frame->leaves(), *leaf);
     out->publisher_ = std::make_unique<iec61850::GoosePublisher>(std::move(*frame), stream.conf_rev,
                                                                  gateways::goose_publisher_params(stream));
     std::string const prefix = "stream." + stream.name.name + ".";

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,6 +12,7 @@
 namespace gridspace::lockstep {
 
 /// The addresses that `gridspace run` gives begin with these three octets: locally administered, "GS".
+inline constexpr std::array<std::uint8_t, 3> kRunAddressOctets{0x02, 0x47, 0x53};
 inline constexpr std::uint64_t kRunAddressPrefix = 0x024753;
 
 /// The source address of a frame, as a number of 48 bits; 0 when the frame is too short to have one.

@@ -53,10 +53,10 @@ void Fragments::make_room(GuidPrefix const& source, std::size_t octets, std::int
         held[who].second -= it->octets.size();
         forget(it);
     };
-    while (held[source].first >= kMostSamplesOfOne || held[source].second + octets > kMostOctetsOfOne) {
+    while (held[source].first >= kMaxSamplesOfOne || held[source].second + octets > kMaxOctetsOfOne) {
         drop_oldest_of(source);
     }
-    while (octets_ + octets > kMostOctets) { // who holds most makes room
+    while (octets_ + octets > kMaxOctets) { // who holds most makes room
         drop_oldest_of(
             std::ranges::max_element(held, {}, [](auto const& entry) { return entry.second.second; })->first);
     }

@@ -16,9 +16,9 @@ namespace gridspace::rtps_guard {
 /// the clock.
 class Fragments {
   public:
-    static constexpr std::size_t kMostOctets = 128U << 20U;     ///< of all samples that wait for fragments
-    static constexpr std::size_t kMostOctetsOfOne = 32U << 20U; ///< of those of one participant
-    static constexpr std::size_t kMostSamplesOfOne = 64;
+    static constexpr std::size_t kMaxOctets = 128U << 20U;     ///< of all samples that wait for fragments
+    static constexpr std::size_t kMaxOctetsOfOne = 32U << 20U; ///< of those of one participant
+    static constexpr std::size_t kMaxSamplesOfOne = 64;
     static constexpr std::int64_t kForgottenAfterNs = 10'000'000'000; ///< without a new fragment
 
     /// The messages that a datagram with fragments, which examine() has admitted, comes to, in their order: what stands

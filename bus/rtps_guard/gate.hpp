@@ -17,7 +17,7 @@ namespace gridspace::rtps_guard {
 /// What stands between the sockets of a participant and the library. Thread-safe: each socket has a thread.
 class Gate {
   public:
-    explicit Gate(Rules rules = {}, std::size_t most_participants = KnownParticipants::kMost)
+    explicit Gate(Rules rules = {}, std::size_t most_participants = KnownParticipants::kMax)
         : rules_{rules}, known_{most_participants} {}
 
     /// Called with each message that the library may see.

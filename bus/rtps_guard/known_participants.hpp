@@ -14,10 +14,10 @@ namespace gridspace::rtps_guard {
 /// the clock.
 class KnownParticipants {
   public:
-    static constexpr std::size_t kMost = 1024;
+    static constexpr std::size_t kMax = 1024;
     static constexpr std::int64_t kForgottenAfterNs = 60'000'000'000;
 
-    explicit KnownParticipants(std::size_t most = kMost) : most_{most} {}
+    explicit KnownParticipants(std::size_t most = kMax) : most_{most} {}
 
     /// One announces itself; false: there is no room for it.
     [[nodiscard]] bool announce(GuidPrefix const& prefix, std::int64_t now_ns);

@@ -12,7 +12,7 @@ namespace gridspace::config {
 namespace {
 
 constexpr std::size_t kWidestLine = 160;
-constexpr std::size_t kMostKept = 1000;
+constexpr std::size_t kMaxKept = 1000;
 
 /// Two columns of one character each for "what the line says" and "what is wrong with it".
 std::string pointed_line(std::string_view raw, Diagnostic const& d) {
@@ -57,7 +57,7 @@ void Diagnostics::warning(SourceMark where, std::string message, std::string hin
 }
 
 bool Diagnostics::full() const {
-    return items_.size() >= kMostKept;
+    return items_.size() >= kMaxKept;
 }
 
 std::vector<Diagnostic> Diagnostics::sorted() const {
@@ -100,8 +100,7 @@ std::string Diagnostics::render() const {
         if (warnings > 0) {
             out += ", " + plural(warnings, "warning");
         }
-        out +=
-            full() ? fmt::format("; {} more are not shown.", errors_ + warnings_ - static_cast<int>(kMostKept)) : ".";
+        out += full() ? fmt::format("; {} more are not shown.", errors_ + warnings_ - static_cast<int>(kMaxKept)) : ".";
     }
     return out;
 }

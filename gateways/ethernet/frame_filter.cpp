@@ -59,6 +59,9 @@ bool FrameFilter::matches(Octets frame) const noexcept {
         (frame.size() < at + 4 || !in(app_ids, iec61850::load_be<std::uint16_t>(frame.data() + at + 2)))) {
         return false;
     }
+    if (sources && std::equal(sources->prefix.begin(), sources->prefix.end(), frame.begin() + 6) == sources->others) {
+        return false;
+    }
     Mac destination;
     std::copy_n(frame.begin(), 6, destination.octets.begin());
     return in(destinations, destination);
@@ -66,6 +69,14 @@ bool FrameFilter::matches(Octets frame) const noexcept {
 
 std::vector<sock_filter> FrameFilter::program() const {
     std::vector<sock_filter> out;
+    if (sources) {
+        auto const& p = sources->prefix;
+        std::uint32_t const prefix = std::uint32_t{p[0]} << 16U | std::uint32_t{p[1]} << 8U | p[2];
+        out.push_back(load(BPF_W | BPF_ABS, 6));
+        out.push_back({BPF_ALU | BPF_RSH | BPF_K, 0, 0, 8});
+        out.push_back(sources->others ? equal(prefix, 0, 1) : equal(prefix, 1, 0));
+        out.push_back(give(0));
+    }
     // X: octets of VLAN tags that are still in the frame. The kernel has taken the outer one off and put it into
     // auxiliary data.
     out.push_back({BPF_LDX | BPF_IMM, 0, 0, 0});

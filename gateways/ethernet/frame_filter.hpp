@@ -4,6 +4,8 @@
 
 #include "gateways/iec61850/frame.hpp"
 
+#include <array>
+#include <optional>
 #include <vector>
 
 struct sock_filter; // NOLINT(readability-identifier-naming): the kernel calls it so
@@ -18,8 +20,15 @@ struct FrameFilter {
     std::vector<std::uint16_t> ethertypes;
     std::vector<std::uint16_t> app_ids; ///< of GOOSE and SV
     std::vector<Mac> destinations;
+    struct Sources {
+        std::array<std::uint8_t, 3> prefix; ///< the first octets of the source address
+        bool others{false};                 ///< all but these
+    };
+    std::optional<Sources> sources;
 
-    [[nodiscard]] bool empty() const noexcept { return ethertypes.empty() && app_ids.empty() && destinations.empty(); }
+    [[nodiscard]] bool empty() const noexcept {
+        return ethertypes.empty() && app_ids.empty() && destinations.empty() && !sources;
+    }
     /// The same decision in user space, for kernels that take no filter; a VLAN tag may be there or not.
     [[nodiscard]] bool matches(Octets frame) const noexcept;
     /// The same decision as a classic BPF program. Lists too long for its short jumps are left out of it: matches()

@@ -76,6 +76,7 @@ Result<PacketSocket> make_socket(PortOptions const& options) {
     }
     PacketSocket out;
     out.index = *index;
+    out.filter = options.filter;
     out.fd.reset(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)); // protocol 0: deaf until bind()
     if (!out.fd) {
         if (errno == EPERM || errno == EACCES) {
@@ -117,8 +118,8 @@ Result<void> bind_socket(PacketSocket const& socket, PortOptions const& options)
 KernelCounts take_counts(int fd) {
     tpacket_stats stats{};
     socklen_t size = sizeof stats;
-    bool const told = ::getsockopt(fd, SOL_PACKET, PACKET_STATISTICS, &stats, &size) == 0;
-    return told ? KernelCounts{stats.tp_packets, stats.tp_drops} : KernelCounts{}; // the packets hold the drops
+    bool const known = ::getsockopt(fd, SOL_PACKET, PACKET_STATISTICS, &stats, &size) == 0;
+    return known ? KernelCounts{stats.tp_packets, stats.tp_drops} : KernelCounts{}; // the packets hold the drops
 }
 
 std::uint8_t* restore_tag(std::uint8_t* frame, std::uint16_t tpid, std::uint16_t tci) noexcept {

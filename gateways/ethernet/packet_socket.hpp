@@ -11,6 +11,7 @@ namespace gridspace::ethernet {
 struct PacketSocket {
     UniqueFd fd;
     unsigned index{0}; ///< of the interface
+    FrameFilter filter;
     bool kernel_filters{false};
     bool ignores_outgoing{false};
 };

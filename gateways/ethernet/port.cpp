@@ -7,16 +7,25 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <ctime>
+#include <fmt/format.h>
 #include <poll.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
 
 namespace gridspace::ethernet {
 
 struct Port::Impl {
+    /// A socket with its buffer.
+    struct Lane {
+        PacketSocket socket;
+        std::unique_ptr<Receiver> receiver;
+    };
+
     PortOptions options;
-    PacketSocket socket;
-    std::unique_ptr<Receiver> receiver;
+    std::vector<Lane> lanes; ///< all frames; or those of `own_sources`, and the others; empty: there is no interface
+    UniqueFd either;         ///< of two lanes: an epoll
     PortCounters counters;
     Mac mac;
     std::uint64_t already_received{0}; ///< by the interface, when it was opened
@@ -28,52 +37,102 @@ struct Port::Impl {
     std::array<mmsghdr, kBatch> messages{};
     std::array<iovec, kBatch> parts{};
 
-    Result<void> connect() {
-        disconnect();
-        auto made = make_socket(options);
+    Result<void> open_lane(PortOptions const& of_lane) {
+        auto made = make_socket(of_lane);
         if (!made) {
             return std::unexpected{made.error()};
         }
-        std::unique_ptr<Receiver> way;
+        Lane lane{std::move(*made), nullptr};
         if (options.receive) {
-            way = options.ring ? make_ring(made->fd.get(), options.ring_frames) : nullptr;
-            way = way ? std::move(way) : make_batch_receiver(made->fd.get());
+            lane.receiver = options.ring ? make_ring(lane.socket.fd.get(), of_lane.ring_frames) : nullptr;
+            lane.receiver = lane.receiver ? std::move(lane.receiver) : make_batch_receiver(lane.socket.fd.get());
+        }
+        lanes.push_back(std::move(lane));
+        return {};
+    }
+
+    Result<void> open_lanes() {
+        if (!options.own_sources || !options.receive) {
+            return open_lane(options);
+        }
+        constexpr std::size_t kOthersShare = 8; // the others' frames may be lost
+        PortOptions one = options;
+        one.filter.sources = {*options.own_sources, false};
+        PortOptions other = options;
+        other.filter.sources = {*options.own_sources, true};
+        other.ring_frames /= kOthersShare;
+        other.receive_buffer /= kOthersShare;
+        if (auto ok = open_lane(one); !ok) {
+            return ok;
+        }
+        if (auto ok = open_lane(other); !ok) {
+            return ok;
+        }
+        either.reset(::epoll_create1(EPOLL_CLOEXEC));
+        for (Lane const& lane : lanes) {
+            epoll_event event{};
+            event.events = EPOLLIN;
+            if (::epoll_ctl(either.get(), EPOLL_CTL_ADD, lane.socket.fd.get(), &event) != 0) {
+                return fail(ExitCode::environment, fmt::format("no epoll: {}", std::strerror(errno)));
+            }
+        }
+        return {};
+    }
+
+    Result<void> connect() {
+        disconnect();
+        if (auto ok = open_lanes(); !ok) {
+            disconnect();
+            return ok;
         }
         auto const own = interface_mac(options.interface);
         already_received = options.receive ? interface_received(options.interface).value_or(0) : 0;
-        accounted_before = counters.received + counters.dropped;
+        accounted_before = counters.received + counters.dropped + counters.others_dropped;
         for_us = 0;
         foreign_before = counters.foreign;
-        if (auto bound = bind_socket(*made, options); !bound) {
-            return bound;
+        for (Lane const& lane : lanes) {
+            if (auto bound = bind_socket(lane.socket, options); !bound) {
+                disconnect();
+                return bound;
+            }
         }
         mac = own ? *own : Mac{};
-        socket = std::move(*made);
-        receiver = std::move(way);
         return {};
     }
 
     void count() {
-        if (socket.fd) {
-            auto const [all, dropped] = take_counts(socket.fd.get());
+        for (std::size_t i = 0; i < lanes.size(); ++i) {
+            auto const [all, dropped] = take_counts(lanes[i].socket.fd.get());
             for_us += all;
-            counters.dropped += dropped;
+            (i == 0 ? counters.dropped : counters.others_dropped) += dropped;
         }
     }
 
     void disconnect() {
         count();
-        receiver.reset();
-        socket = {};
+        either.reset();
+        lanes.clear();
     }
+
+    /// "Network is down" is told once to each socket; until it is fetched, poll() returns at once.
+    void take_errors() const noexcept {
+        for (Lane const& lane : lanes) {
+            int error = 0;
+            socklen_t size = sizeof error;
+            ::getsockopt(lane.socket.fd.get(), SOL_SOCKET, SO_ERROR, &error, &size);
+        }
+    }
+
+    [[nodiscard]] unsigned index() const noexcept { return lanes.empty() ? 0 : lanes.front().socket.index; }
+    [[nodiscard]] int send_fd() const noexcept { return lanes.empty() ? -1 : lanes.front().socket.fd.get(); }
 
     /// The first reason is kept: those behind it are often its consequences.
     void not_sent(int error) noexcept { counters.send_error = counters.send_error == 0 ? error : counters.send_error; }
 
     /// What the kernel could not decide.
-    [[nodiscard]] bool wanted(ReceivedFrame const& frame) const {
-        return (socket.ignores_outgoing || options.include_outgoing || !frame.outgoing) &&
-               (socket.kernel_filters || options.filter.matches(frame.octets));
+    [[nodiscard]] bool wanted(Lane const& lane, ReceivedFrame const& frame) const {
+        return (lane.socket.ignores_outgoing || options.include_outgoing || !frame.outgoing) &&
+               (lane.socket.kernel_filters || lane.socket.filter.matches(frame.octets));
     }
 };
 
@@ -92,7 +151,7 @@ Result<Port> Port::open(PortOptions options) {
 }
 
 int Port::fd() const noexcept {
-    return impl_->socket.fd.get();
+    return impl_->either ? impl_->either.get() : impl_->send_fd();
 }
 Mac const& Port::mac() const noexcept {
     return impl_->mac;
@@ -101,7 +160,7 @@ std::string const& Port::interface() const noexcept {
     return impl_->options.interface;
 }
 bool Port::uses_ring() const noexcept {
-    return impl_->receiver && impl_->receiver->is_ring();
+    return !impl_->lanes.empty() && impl_->lanes.front().receiver && impl_->lanes.front().receiver->is_ring();
 }
 
 PortCounters const& Port::counters() noexcept {
@@ -111,13 +170,16 @@ PortCounters const& Port::counters() noexcept {
 
 std::uint64_t Port::foreign() {
     Impl& impl = *impl_;
-    auto const all = impl.options.receive && impl.socket.fd ? interface_received(impl.options.interface) : std::nullopt;
+    auto const all =
+        impl.options.receive && !impl.lanes.empty() ? interface_received(impl.options.interface) : std::nullopt;
     if (all) {
         std::uint64_t const since = *all - std::min(impl.already_received, *all);
         impl.count();
-        bool const kernel_knows = impl.socket.kernel_filters && impl.socket.ignores_outgoing;
-        std::uint64_t const ours =
-            kernel_knows ? impl.for_us : impl.counters.received + impl.counters.dropped - impl.accounted_before;
+        PacketSocket const& socket = impl.lanes.front().socket;
+        bool const kernel_knows = socket.kernel_filters && socket.ignores_outgoing;
+        std::uint64_t const ours = kernel_knows ? impl.for_us
+                                                : impl.counters.received + impl.counters.dropped +
+                                                      impl.counters.others_dropped - impl.accounted_before;
         // The count of the interface is a moment older: what came meanwhile must not take anything back.
         impl.counters.foreign = std::max(impl.counters.foreign, impl.foreign_before + (since - std::min(ours, since)));
     }
@@ -125,18 +187,26 @@ std::uint64_t Port::foreign() {
 }
 
 std::size_t Port::receive(std::span<ReceivedFrame> out) noexcept {
-    if (!impl_->receiver) {
+    if (impl_->lanes.empty() || !impl_->options.receive) {
         return 0;
     }
     constexpr int kRounds = 64; // of foreign frames only: behind them something of ours may wait
     std::size_t kept = 0;
     for (int round = 0; kept == 0 && round < kRounds; ++round) {
-        std::size_t const count = impl_->receiver->receive(out);
+        std::size_t count = 0;
+        Impl::Lane* lane = nullptr;
+        for (std::size_t i = 0; count == 0 && i < impl_->lanes.size(); ++i) {
+            lane = &impl_->lanes[i];
+            count = lane->receiver->receive(out);
+        }
         if (count == 0) {
+            if (impl_->either) {
+                impl_->take_errors();
+            }
             return 0;
         }
         for (std::size_t i = 0; i < count; ++i) {
-            if (impl_->wanted(out[i])) {
+            if (impl_->wanted(*lane, out[i])) {
                 impl_->counters.truncated += out[i].truncated ? 1 : 0;
                 out[kept++] = out[i];
             } else {
@@ -152,10 +222,8 @@ bool Port::wait(std::int64_t timeout_ns) const noexcept {
     timespec const timeout{timeout_ns / 1'000'000'000, timeout_ns % 1'000'000'000};
     pollfd entry{fd(), POLLIN, 0}; // an fd of -1 is ignored: the time is waited
     int const ready = ::ppoll(&entry, 1, &timeout, nullptr);
-    if (ready > 0 && (entry.revents & POLLERR) != 0) { // "network is down", told once
-        int error = 0;
-        socklen_t size = sizeof error;
-        ::getsockopt(fd(), SOL_SOCKET, SO_ERROR, &error, &size);
+    if (ready > 0 && (entry.revents & POLLERR) != 0) {
+        impl_->take_errors();
     }
     return ready > 0 && (entry.revents & POLLIN) != 0;
 }
@@ -164,10 +232,10 @@ bool Port::send(Octets frame) noexcept {
     Impl& impl = *impl_;
     ssize_t sent = -1;
     do { // one frame alone is cheaper without the batch around it
-        sent = impl.socket.fd ? ::send(fd(), frame.data(), frame.size(), MSG_DONTWAIT) : -1;
-    } while (sent < 0 && impl.socket.fd && errno == EINTR);
+        sent = !impl.lanes.empty() ? ::send(impl.send_fd(), frame.data(), frame.size(), MSG_DONTWAIT) : -1;
+    } while (sent < 0 && !impl.lanes.empty() && errno == EINTR);
     if (sent < 0) {
-        impl.not_sent(impl.socket.fd ? errno : ENODEV);
+        impl.not_sent(!impl.lanes.empty() ? errno : ENODEV);
     }
     ++(sent >= 0 ? impl.counters.sent : impl.counters.send_failed);
     return sent >= 0;
@@ -176,7 +244,7 @@ bool Port::send(Octets frame) noexcept {
 std::size_t Port::send(std::span<Octets const> frames) noexcept {
     Impl& impl = *impl_;
     std::size_t taken = 0, at = 0;
-    while (at < frames.size() && impl.socket.fd) {
+    while (at < frames.size() && !impl.lanes.empty()) {
         std::size_t const batch = std::min(frames.size() - at, Impl::kBatch);
         for (std::size_t i = 0; i < batch; ++i) {
             // sendmmsg does not write to what it sends
@@ -185,7 +253,7 @@ std::size_t Port::send(std::span<Octets const> frames) noexcept {
             impl.messages[i].msg_hdr.msg_iov = &impl.parts[i];
             impl.messages[i].msg_hdr.msg_iovlen = 1;
         }
-        int sent = ::sendmmsg(fd(), impl.messages.data(), static_cast<unsigned>(batch), MSG_DONTWAIT);
+        int sent = ::sendmmsg(impl.send_fd(), impl.messages.data(), static_cast<unsigned>(batch), MSG_DONTWAIT);
         if (sent < 0 && errno == ENOSYS) {
             sent = ::sendmsg(fd(), &impl.messages[0].msg_hdr, MSG_DONTWAIT) < 0 ? -1 : 1;
         }
@@ -199,7 +267,7 @@ std::size_t Port::send(std::span<Octets const> frames) noexcept {
         taken += sent > 0 ? static_cast<std::size_t>(sent) : 0;
         at += sent > 0 ? static_cast<std::size_t>(sent) : 1;
     }
-    if (!impl.socket.fd && !frames.empty()) {
+    if (impl.lanes.empty() && !frames.empty()) {
         impl.not_sent(ENODEV);
     }
     impl.counters.sent += taken;
@@ -209,13 +277,13 @@ std::size_t Port::send(std::span<Octets const> frames) noexcept {
 
 LinkState Port::maintain() {
     Impl& impl = *impl_;
-    LinkState state = link_state(impl.options.interface, impl.socket.index);
+    LinkState state = link_state(impl.options.interface, impl.index());
     if (state == LinkState::missing || state == LinkState::renamed) {
         impl.disconnect(); // what is called something else now is somebody else's
         return state;
     }
     auto const index = interface_index(impl.options.interface);
-    if (index && *index != impl.socket.index) { // it is back, or it is another one of the same name
+    if (index && *index != impl.index()) { // it is back, or it is another one of the same name
         if (!impl.connect()) {
             return LinkState::missing;
         }

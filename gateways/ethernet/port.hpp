@@ -20,6 +20,9 @@ struct PortOptions {
     bool ring{true}; ///< memory shared with the kernel, where it is to be had; otherwise recvmmsg
     std::size_t ring_frames{4096};
     std::size_t receive_buffer{8U << 20U}; ///< octets, without the ring
+    /// Frames whose source address begins so have a buffer of their own, and are fetched first: a flood by others fills
+    /// another one, and takes no room from them.
+    std::optional<std::array<std::uint8_t, 3>> own_sources{};
 };
 
 /// A frame as it was on the wire: the VLAN tag is put back where the kernel has taken it out.
@@ -33,6 +36,7 @@ struct ReceivedFrame {
 struct PortCounters {
     std::uint64_t received{0}, sent{0};
     std::uint64_t dropped{0};                ///< by the kernel, because we did not fetch them in time
+    std::uint64_t others_dropped{0};         ///< the same, of those that are not from `own_sources`
     std::uint64_t send_failed{0};            ///< not taken by the kernel (link down, queue full, longer than the MTU)
     int send_error{0};                       ///< errno of the first of these
     std::uint64_t truncated{0}, filtered{0}; ///< filtered: by us, not by the kernel
@@ -51,7 +55,7 @@ class Port {
     Port& operator=(Port&&) noexcept;
     ~Port();
 
-    /// For poll(2). Changes when the port reconnects; -1 while the interface is missing.
+    /// For poll(2), to read. Changes when the port reconnects; -1 while the interface is missing.
     [[nodiscard]] int fd() const noexcept;
     /// Fetches what has arrived, at most out.size() frames, and never waits. Octets are valid until the next call.
     [[nodiscard]] std::size_t receive(std::span<ReceivedFrame> out) noexcept;

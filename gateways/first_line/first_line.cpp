@@ -49,6 +49,7 @@ ids::GooseRuleParams goose_params(FirstLineConfig const& config, double min_time
     out.longest_live_ms = longest_live_ms;
     out.test_mode = accept_test;
     out.check_clock = config.check_clock;
+    out.accept_in_contest = config.in_contest == FirstLineConfig::InContest::accept;
     return out;
 }
 
@@ -137,7 +138,9 @@ GooseFirstLine::Verdict GooseFirstLine::judge(iec61850::GooseFrame const& messag
     facts.arrival_ns = utc_ns;
     ids::GooseRules::Verdict const verdict = rules_.judge(facts);
     out.findings = verdict.findings;
-    out.use = verdict.accept || config_.on_finding != FirstLineConfig::OnFinding::refuse;
+    bool const refuse = config_.on_finding == FirstLineConfig::OnFinding::refuse;
+    out.use = verdict.accept || !refuse;
+    out.contested = verdict.contested && refuse;
     refused_ += out.use ? 0U : 1U;
     return out;
 }

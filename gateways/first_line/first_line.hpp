@@ -65,6 +65,7 @@ class GooseFirstLine {
 
     struct Verdict {
         bool use{true};
+        bool contested{false}; ///< to be used although its counters are not next; see ids::GooseRules
         std::uint32_t findings{0};
     };
     Verdict judge(iec61850::GooseFrame const& message, std::int64_t utc_ns);

@@ -13,6 +13,12 @@ void describe(config::Fields& f, FirstLineConfig& config) {
                 "on_finding", config.on_finding,
                 {{"ignore", OnFinding::ignore}, {"report", OnFinding::report}, {"refuse", OnFinding::refuse}},
                 {.doc = "a suspicious frame is used without a look, used and reported, or not used"});
+            using InContest = FirstLineConfig::InContest;
+            r.choice<InContest>("in_contest", config.in_contest,
+                                {{"accept", InContest::accept}, {"refuse", InContest::refuse}},
+                                {.doc = "GOOSE, with `on_finding: refuse`: two publishers with one address. Each new "
+                                        "state is used, so a trip that either asks for is given; or none is, so a "
+                                        "forger can hold a trip back"});
             r.flag(
                 "check_clock", config.check_clock,
                 {.doc =

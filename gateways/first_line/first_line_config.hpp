@@ -14,6 +14,12 @@ struct FirstLineConfig {
         refuse, ///< and the frame is not used
     };
     OnFinding on_finding{OnFinding::report};
+    /// Two publishers with one address, and nobody can tell who is real.
+    enum class InContest {
+        accept, ///< each state that is new is used, whoever begins it: a trip that either asks for is given
+        refuse, ///< none is: a forger can hold a trip back
+    };
+    InContest in_contest{InContest::accept};
     bool check_clock{false}; ///< GOOSE: |t - now| of a new state; both clocks must be synchronised
 };
 /// The key `first_line`.

@@ -47,9 +47,9 @@ Result<void> Gateway::prepare() {
             return ok;
         }
     }
-    std::vector<HeldSink*> held;
+    std::vector<ZeroOrderHoldSink*> held;
     for (Sampled const& sampled : sampled_) {
-        if (auto* const sink = dynamic_cast<HeldSink*>(sampled.sink); sink != nullptr && !node_.lockstep()) {
+        if (auto* const sink = dynamic_cast<ZeroOrderHoldSink*>(sampled.sink); sink != nullptr && !node_.lockstep()) {
             held.push_back(sink);
         }
     }
@@ -110,7 +110,7 @@ Result<Sink*> Gateway::open_sink(Route& route) {
     }
     std::unique_ptr<SampleSink> sampled;
     if (route.is_held()) {
-        auto sink = HeldSink::create(*context_, route);
+        auto sink = ZeroOrderHoldSink::create(*context_, route);
         if (!sink) {
             return std::unexpected{sink.error()};
         }

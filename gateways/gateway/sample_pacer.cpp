@@ -28,15 +28,16 @@ void sleep_until(std::int64_t ns) {
 
 } // namespace
 
-SamplePacer::SamplePacer(WireConfig const& wire, std::vector<HeldSink*> streams, ethernet::Port port)
+SamplePacer::SamplePacer(WireConfig const& wire, std::vector<ZeroOrderHoldSink*> streams, ethernet::Port port)
     : port_{std::move(port)} {
     Rational const speed = Rational::parse(shortest(wire.speed)).value_or(Rational{1});
-    for (HeldSink* sink : streams) {
+    for (ZeroOrderHoldSink* sink : streams) {
         streams_.push_back({sink, sink->stream().rate_hz * speed, std::nullopt});
     }
 }
 
-Result<std::unique_ptr<SamplePacer>> SamplePacer::create(WireConfig const& wire, std::vector<HeldSink*> streams) {
+Result<std::unique_ptr<SamplePacer>> SamplePacer::create(WireConfig const& wire,
+                                                         std::vector<ZeroOrderHoldSink*> streams) {
     ethernet::PortOptions options;
     options.interface = wire.interface;
     options.receive = false;

@@ -17,7 +17,7 @@ class SamplePacer {
   public:
     /// `streams` must outlive it.
     [[nodiscard]] static Result<std::unique_ptr<SamplePacer>> create(WireConfig const& wire,
-                                                                     std::vector<HeldSink*> streams);
+                                                                     std::vector<ZeroOrderHoldSink*> streams);
     ~SamplePacer();
     SamplePacer(SamplePacer const&) = delete;
     SamplePacer& operator=(SamplePacer const&) = delete;
@@ -26,11 +26,11 @@ class SamplePacer {
     void start(std::int64_t zero_unix_ns);
 
   private:
-    SamplePacer(WireConfig const& wire, std::vector<HeldSink*> streams, ethernet::Port port);
+    SamplePacer(WireConfig const& wire, std::vector<ZeroOrderHoldSink*> streams, ethernet::Port port);
     void loop();
 
     struct Paced {
-        HeldSink* sink;
+        ZeroOrderHoldSink* sink;
         Rational rate_hz; ///< in real time: with the speed of the clock
         std::optional<iec61850::SendSchedule> schedule;
     };

@@ -158,25 +158,25 @@ void IndexedSink::put(Moment, std::int64_t index) {
     }
 }
 
-HeldSink::HeldSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame)
+ZeroOrderHoldSink::ZeroOrderHoldSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame)
     : SampleSink{context, route, std::move(frame)}, current_(layout_.sample_octets()),
       newest_{std::vector<std::uint8_t>(layout_.sample_octets())} {}
 
-Result<std::unique_ptr<HeldSink>> HeldSink::create(GatewayContext const& context, Route& route) {
+Result<std::unique_ptr<ZeroOrderHoldSink>> ZeroOrderHoldSink::create(GatewayContext const& context, Route& route) {
     auto frame = route.to_stream->sv_template(context.port.mac());
     if (!frame) {
         return std::unexpected{frame.error()};
     }
-    return std::unique_ptr<HeldSink>{new HeldSink{context, route, std::move(*frame)}};
+    return std::unique_ptr<ZeroOrderHoldSink>{new ZeroOrderHoldSink{context, route, std::move(*frame)}};
 }
 
-void HeldSink::start(Moment at) {
+void ZeroOrderHoldSink::start(Moment at) {
     if (route_.config.start == MappingConfig::Start::at_once) {
         begin(at);
     }
 }
 
-void HeldSink::begin(Moment at) {
+void ZeroOrderHoldSink::begin(Moment at) {
     encode(current_);
     if (!context_.node.lockstep()) {
         newest_.back() = current_;
@@ -191,15 +191,15 @@ void HeldSink::begin(Moment at) {
     }
 }
 
-void HeldSink::put(Moment at, std::int64_t) {
+void ZeroOrderHoldSink::put(Moment at, std::int64_t) {
     begin(at);
 }
 
-std::optional<std::int64_t> HeldSink::due() const {
+std::optional<std::int64_t> ZeroOrderHoldSink::due() const {
     return next_ ? std::optional{context_.clock.of(instant(*next_))} : std::nullopt;
 }
 
-void HeldSink::work(std::int64_t now_ns) {
+void ZeroOrderHoldSink::work(std::int64_t now_ns) {
     while (next_ && context_.clock.of(instant(*next_)) <= now_ns) {
         if (auto const frame = fill(*next_, current_); !frame.empty()) {
             departs(*next_);
@@ -209,7 +209,7 @@ void HeldSink::work(std::int64_t now_ns) {
     }
 }
 
-iec61850::Octets HeldSink::sample_now(std::int64_t index) {
+iec61850::Octets ZeroOrderHoldSink::sample_now(std::int64_t index) {
     auto const frame = fill(index, newest_.front());
     if (!frame.empty()) {
         departs(index);

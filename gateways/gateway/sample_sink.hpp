@@ -79,9 +79,9 @@ class IndexedSink final : public SampleSink {
 };
 
 /// The newest values, sampled at the stream's own rate.
-class HeldSink final : public SampleSink {
+class ZeroOrderHoldSink final : public SampleSink {
   public:
-    [[nodiscard]] static Result<std::unique_ptr<HeldSink>> create(GatewayContext const& context, Route& route);
+    [[nodiscard]] static Result<std::unique_ptr<ZeroOrderHoldSink>> create(GatewayContext const& context, Route& route);
     void start(Moment at) override;
     void put(Moment at, std::int64_t index) override;
     [[nodiscard]] std::optional<std::int64_t> due() const override; ///< lockstep
@@ -98,7 +98,7 @@ class HeldSink final : public SampleSink {
     [[nodiscard]] std::uint64_t late() const override { return late_.load(std::memory_order_relaxed); }
 
   private:
-    HeldSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame);
+    ZeroOrderHoldSink(GatewayContext const& context, Route& route, iec61850::SvTemplate frame);
     void begin(Moment at);
 
     std::vector<std::uint8_t> current_;

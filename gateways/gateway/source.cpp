@@ -236,7 +236,8 @@ class GooseSource final : public Source {
             expire(at); // nobody looked meanwhile
         }
         std::int64_t const utc_ns = clock_.utc_at(at.arrival_ns());
-        if (auto const first = first_line_.judge(message, utc_ns); first.findings != 0) {
+        auto const first = first_line_.judge(message, utc_ns);
+        if (first.findings != 0) {
             if (on_finding_) {
                 on_finding_(at, first.findings, message.header.source);
             }
@@ -244,7 +245,7 @@ class GooseSource final : public Source {
                 return;
             }
         }
-        auto const verdict = subscriber_.receive(message, at.arrival_ns(), utc_ns);
+        auto const verdict = subscriber_.receive(message, at.arrival_ns(), utc_ns, first.contested);
         if (verdict.event == iec61850::GooseEvent::not_ours) {
             return;
         }

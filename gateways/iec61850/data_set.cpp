@@ -42,7 +42,7 @@ std::uint16_t default_length(BasicType type) noexcept {
     }
 }
 
-std::optional<std::size_t> time_beside(std::vector<Leaf> const& leaves, std::size_t leaf) {
+std::optional<std::size_t> time_next_to(std::vector<Leaf> const& leaves, std::size_t leaf) {
     std::string const& name = leaves[leaf].name;
     std::string const wanted = name.substr(0, name.rfind('.') + 1) + "t"; // npos + 1 is 0
     for (std::size_t i = 0; i < leaves.size(); ++i) {

@@ -43,7 +43,7 @@ struct Leaf {
 [[nodiscard]] std::vector<Leaf> leaves_of(DataSet const& data_set);
 
 /// The timestamp `t` in the same structure as a leaf: "Op.t" for "Op.general", "t" for "trip".
-[[nodiscard]] std::optional<std::size_t> time_beside(std::vector<Leaf> const& leaves, std::size_t leaf);
+[[nodiscard]] std::optional<std::size_t> time_next_to(std::vector<Leaf> const& leaves, std::size_t leaf);
 
 /// Largest octets of strings (35 and 20, as IEC 61850-9-2 reserves them), bits of a bit string (32); 0 for other types.
 [[nodiscard]] std::uint16_t default_length(BasicType type) noexcept;

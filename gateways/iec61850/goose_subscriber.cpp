@@ -218,7 +218,8 @@ GooseVerdict GooseSubscriber::judge_counters(GooseFrame const& m, std::int64_t u
     return {GooseEvent::state_change, true, true, missed(m.sq_num), missed(skipped)};
 }
 
-GooseVerdict GooseSubscriber::receive(GooseFrame const& m, std::int64_t now_ns, std::int64_t utc_ns) noexcept {
+GooseVerdict GooseSubscriber::receive(GooseFrame const& m, std::int64_t now_ns, std::int64_t utc_ns,
+                                      bool whatever_counters) noexcept {
     GooseVerdict verdict;
     if (m.gocb_ref != subscription_.gocb_ref) {
         return verdict;
@@ -229,7 +230,7 @@ GooseVerdict GooseSubscriber::receive(GooseFrame const& m, std::int64_t now_ns, 
     } else if (match(m, false) == Match::mismatch) {
         verdict = refuse(GooseEvent::data_set_mismatch);
     } else {
-        verdict = judge_counters(m, utc_ns);
+        verdict = whatever_counters ? GooseVerdict{GooseEvent::restart, true, true, 0, 0} : judge_counters(m, utc_ns);
     }
     ++counters_.events[static_cast<std::size_t>(verdict.event)];
     if (!verdict.accepted) {

@@ -80,8 +80,10 @@ class GooseSubscriber {
 
     explicit GooseSubscriber(GooseSubscription subscription);
 
-    /// A decoded message. The frame's memory is not kept. `utc_ns` is only for max_skew_ns.
-    GooseVerdict receive(GooseFrame const& message, std::int64_t now_ns, std::int64_t utc_ns = 0) noexcept;
+    /// A decoded message. The frame's memory is not kept. `utc_ns` is only for max_skew_ns. `whatever_counters`: who
+    /// calls knows that it is a state of its own.
+    GooseVerdict receive(GooseFrame const& message, std::int64_t now_ns, std::int64_t utc_ns = 0,
+                         bool whatever_counters = false) noexcept;
 
     /// When timeAllowedToLive runs out; nothing while nothing runs.
     [[nodiscard]] std::optional<std::int64_t> deadline() const noexcept { return deadline_ns_; }

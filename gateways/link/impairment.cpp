@@ -102,18 +102,18 @@ std::optional<std::size_t> Impairment::stream_of(std::span<std::uint8_t const> o
     return it == plan_.marks.end() ? std::nullopt : std::optional{static_cast<std::size_t>(it - plan_.marks.begin())};
 }
 
-SampleDeed const* Impairment::deed_for(std::size_t stream, PassingFrame const& frame) {
-    bool const wanted =
-        std::any_of(plan_.deeds.begin(), plan_.deeds.end(), [&](SampleDeed const& d) { return d.stream == stream; });
+SampleImpairment const* Impairment::impairment_of(std::size_t stream, PassingFrame const& frame) {
+    bool const wanted = std::any_of(plan_.samples.begin(), plan_.samples.end(),
+                                    [&](SampleImpairment const& d) { return d.stream == stream; });
     if (!wanted || !iec61850::decode_sv(frame.octets, decoded_) || decoded_.count == 0) {
         return nullptr;
     }
     std::int64_t const first = absolute_index(decoded_.asdus[0].smp_cnt, plan_.marks[stream].rate_hz, frame.time_ns);
     std::int64_t const last = first + decoded_.count - 1;
-    auto const it = std::find_if(plan_.deeds.begin(), plan_.deeds.end(), [&](SampleDeed const& d) {
+    auto const it = std::find_if(plan_.samples.begin(), plan_.samples.end(), [&](SampleImpairment const& d) {
         return d.stream == stream && last >= d.first && first < d.first + d.count;
     });
-    return it == plan_.deeds.end() ? nullptr : &*it;
+    return it == plan_.samples.end() ? nullptr : &*it;
 }
 
 bool Impairment::is_lost() {
@@ -170,26 +170,26 @@ void Impairment::pass(PassingFrame const& frame, FrameOutput& out) {
     auto const stream = stream_of(frame.octets);
     bool const meant =
         plan_.only.empty() || (stream && std::find(plan_.only.begin(), plan_.only.end(), *stream) != plan_.only.end());
-    SampleDeed const* deed = stream ? deed_for(*stream, frame) : nullptr;
-    if (!meant && deed == nullptr && now_.up) {
+    SampleImpairment const* impairment = stream ? impairment_of(*stream, frame) : nullptr;
+    if (!meant && impairment == nullptr && now_.up) {
         out.send(frame.octets);
         return;
     }
     ++counters_.seen;
-    using What = SampleDeed::What;
-    bool const is = deed != nullptr;
-    if (!now_.up || (is && deed->what == What::lose) || (meant && is_lost())) {
+    using What = SampleImpairment::What;
+    bool const is = impairment != nullptr;
+    if (!now_.up || (is && impairment->what == What::lose) || (meant && is_lost())) {
         ++counters_.lost;
         return;
     }
     auto octets = frame.octets;
-    if ((is && deed->what == What::corrupt) ||
+    if ((is && impairment->what == What::corrupt) ||
         (meant && now_.corrupt_percent > 0 && corruption_.chance(now_.corrupt_percent / 100))) {
         octets = corrupted(octets);
         ++counters_.corrupted;
     }
     std::int64_t const delay =
-        departure(frame.time_ns, octets.size(), is && deed->what == What::delay ? deed->delay_us : 0);
+        departure(frame.time_ns, octets.size(), is && impairment->what == What::delay ? impairment->delay_us : 0);
     if (delay < 0) {
         ++counters_.lost;
         return;
@@ -205,10 +205,10 @@ void Impairment::pass(PassingFrame const& frame, FrameOutput& out) {
         return;
     }
     out.send(octets, delay);
-    if ((is && deed->what == What::duplicate) ||
+    if ((is && impairment->what == What::duplicate) ||
         (meant && now_.duplicate_percent > 0 && duplication_.chance(now_.duplicate_percent / 100))) {
-        out.send(octets,
-                 delay + nanoseconds(is && deed->what == What::duplicate ? deed->delay_us : now_.duplicate_after_us));
+        out.send(octets, delay + nanoseconds(is && impairment->what == What::duplicate ? impairment->delay_us
+                                                                                       : now_.duplicate_after_us));
         ++counters_.duplicated;
     }
     if (held_for_ > 0 && --held_for_ == 0) {

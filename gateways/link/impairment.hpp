@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/random.hpp"
-#include "gateways/cut_in/frame_hook.hpp"
+#include "gateways/bump_in_the_wire/frame_hook.hpp"
 #include "gateways/iec61850/sv.hpp"
 
 #include <array>
@@ -46,7 +46,7 @@ struct StreamMark {
 };
 
 /// Something that happens to single samples of an SMV stream, counted from simulated time 0.
-struct SampleDeed {
+struct SampleImpairment {
     std::size_t stream{0}; ///< index of the mark
     std::int64_t first{0}, count{1};
     enum class What { lose, delay, duplicate, corrupt } what{What::lose};
@@ -65,7 +65,7 @@ struct ImpairmentPlan {
     std::vector<ImpairmentChange> changes; ///< in the order of time
     std::vector<StreamMark> marks;
     std::vector<std::size_t> only; ///< streams that are impaired; empty: all frames
-    std::vector<SampleDeed> deeds;
+    std::vector<SampleImpairment> samples;
 };
 
 /// The hook that does it. The same seed, frames and times give the same outcome; each kind of damage draws from random
@@ -89,7 +89,7 @@ class Impairment final : public FrameHook {
 
     void apply_changes(std::int64_t now_ns);
     [[nodiscard]] std::optional<std::size_t> stream_of(std::span<std::uint8_t const> octets);
-    [[nodiscard]] SampleDeed const* deed_for(std::size_t stream, PassingFrame const& frame);
+    [[nodiscard]] SampleImpairment const* impairment_of(std::size_t stream, PassingFrame const& frame);
     [[nodiscard]] bool is_lost();
     [[nodiscard]] std::span<std::uint8_t const> corrupted(std::span<std::uint8_t const> octets);
     /// When the frame leaves, as a delay; negative: the queue is full.

@@ -8,7 +8,7 @@
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
 #include "common/text.hpp"
-#include "gateways/cut_in/cut_in.hpp"
+#include "gateways/bump_in_the_wire/bump_in_the_wire.hpp"
 #include "gateways/link/link_config.hpp"
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 struct Settings {
     LinkConfig link;
-    std::vector<CutInConfig> cut_ins;
+    std::vector<BumpConfig> bumps;
     std::vector<ImpairmentChange> changes;
     std::vector<streams::Stream> streams;
     std::int64_t seed{0};
@@ -40,7 +40,7 @@ void describe_changes(config::Fields& f, std::vector<ImpairmentChange>& changes)
 
 void describe(config::Fields& f, Settings& s) {
     describe(f, s.link);
-    describe_cut_ins(f, s.cut_ins);
+    describe_bumps(f, s.bumps);
     describe_changes(f, s.changes);
     f.integer("seed", s.seed, {.doc = "of everything random"});
     f.number("speed", s.speed, {.doc = "of the simulation clock, in real time", .above = 0});
@@ -61,20 +61,20 @@ class LinkAgent final : public bus::Member {
     void begin(bus::Tick const& tick) override { signals_->announce(tick.time); }
 
     Result<void> work(bus::Tick const& tick) override {
-        for (auto const& cut_in : cut_ins_) {
-            cut_in->work(tick.time);
+        for (auto const& bump : bumps_) {
+            bump->work(tick.time);
         }
         report(tick.time, tick.final);
         return {};
     }
     std::uint64_t next_tick(bus::Tick const&) const override {
         std::uint64_t needed = bus::TickGrid::kNever;
-        for (auto const& cut_in : cut_ins_) {
-            needed = std::min(needed, cut_in->next_tick(grid_));
+        for (auto const& bump : bumps_) {
+            needed = std::min(needed, bump->next_tick(grid_));
         }
         return needed;
     }
-    /// In real time the cut-ins have threads of their own; here only counters are looked at.
+    /// In real time the bumps in the wire have threads of their own; here only counters are looked at.
     std::optional<std::chrono::steady_clock::time_point> deadline() const override {
         return std::chrono::steady_clock::now() + std::chrono::milliseconds{500};
     }
@@ -87,17 +87,17 @@ class LinkAgent final : public bus::Member {
         }
         plan.changes = settings_.changes;
         auto const seed = static_cast<std::uint64_t>(settings_.seed);
-        for (CutInConfig const& config : settings_.cut_ins) {
-            std::string const name = fmt::format("{}.{}", node_.config().process, cut_ins_.size());
+        for (BumpConfig const& config : settings_.bumps) {
+            std::string const name = fmt::format("{}.{}", node_.config().process, bumps_.size());
             auto const hook = [&](char const* direction) {
                 hooks_.push_back(std::make_unique<Impairment>(plan, seed, name + direction));
                 return hooks_.back().get();
             };
-            auto cut_in = CutIn::open(node_, config, settings_.speed, {hook(".from_host"), hook(".to_host")});
-            if (!cut_in) {
-                return std::unexpected{cut_in.error()};
+            auto bump = BumpInTheWire::open(node_, config, settings_.speed, {hook(".from_host"), hook(".to_host")});
+            if (!bump) {
+                return std::unexpected{bump.error()};
             }
-            cut_ins_.push_back(std::move(*cut_in));
+            bumps_.push_back(std::move(*bump));
         }
         std::vector<bus::SignalColumn> columns;
         for (char const* signal : kLinkSignals) {
@@ -115,9 +115,10 @@ class LinkAgent final : public bus::Member {
     /// Counters once per simulated second, and what the timeline has set.
     void report(SimTime time, bool final) {
         double const now_s = node_.time_base().seconds(time);
-        for (; told_ < settings_.changes.size() && static_cast<double>(settings_.changes[told_].at_ns) / 1e9 <= now_s;
-             ++told_) {
-            ImpairmentChange const& change = settings_.changes[told_];
+        for (; changes_done_ < settings_.changes.size() &&
+               static_cast<double>(settings_.changes[changes_done_].at_ns) / 1e9 <= now_s;
+             ++changes_done_) {
+            ImpairmentChange const& change = settings_.changes[changes_done_];
             std::string const text =
                 fmt::format("{} is {}", change.key,
                             change.key == "up" ? (change.value != 0 ? "true" : "false") : shortest(change.value));
@@ -146,9 +147,9 @@ class LinkAgent final : public bus::Member {
     bus::Node& node_;
     bus::TickGrid grid_;
     std::vector<std::unique_ptr<Impairment>> hooks_;
-    std::vector<std::unique_ptr<CutIn>> cut_ins_; ///< behind the hooks: their threads use them
+    std::vector<std::unique_ptr<BumpInTheWire>> bumps_; ///< behind the hooks: their threads use them
     std::unique_ptr<bus::SignalPublisher> signals_;
-    std::size_t told_{0};
+    std::size_t changes_done_{0};
     std::int64_t reported_{-1};
 };
 

@@ -37,7 +37,7 @@ void describe_impairments(config::Fields& f, Impairments& i) {
 
 void describe(config::Fields& f, LinkConfig& config) {
     using Direction = LinkConfig::Direction;
-    using What = SampleDeed::What;
+    using What = SampleImpairment::What;
     f.object("place", {.doc = "which cable", .required = true}, [&](config::Fields& p) {
         p.references("between", config.between, {.doc = "a host and one of its links", .required = true});
         if (p.has("between") && config.between.size() != 2) {
@@ -54,25 +54,25 @@ void describe(config::Fields& f, LinkConfig& config) {
     f.map(
         "samples", {.doc = "what happens to single samples of an SMV stream"},
         [&](config::Ref const& name, config::Fields& s) {
-            LinkConfig::Deed deed;
-            deed.name = name;
-            s.reference("stream", deed.stream, {.doc = "the stream", .required = true});
-            s.integer("index", deed.deed.first,
+            LinkConfig::NamedSample impairment;
+            impairment.name = name;
+            s.reference("stream", impairment.stream, {.doc = "the stream", .required = true});
+            s.integer("index", impairment.impairment.first,
                       {.doc = "number of the first sample, counted from simulated time 0", .required = true, .min = 0});
-            s.integer("count", deed.deed.count, {.doc = "how many samples", .min = 1});
-            s.choice<What>("do", deed.deed.what,
+            s.integer("count", impairment.impairment.count, {.doc = "how many samples", .min = 1});
+            s.choice<What>("do", impairment.impairment.what,
                            {{"lose", What::lose},
                             {"delay", What::delay},
                             {"duplicate", What::duplicate},
                             {"corrupt", What::corrupt}},
                            {.doc = "what is done to the frames that hold them"});
             s.number(
-                "delay_us", deed.deed.delay_us,
+                "delay_us", impairment.impairment.delay_us,
                 {.doc = "delay: how much later; duplicate: how much later the second one comes", .min = 0, .max = 1e9});
-            if (deed.deed.what == What::delay && !(deed.deed.delay_us > 0)) {
+            if (impairment.impairment.what == What::delay && !(impairment.impairment.delay_us > 0)) {
                 s.error("delay_us", "it does not say by how much", "delay_us: 3000");
             }
-            config.samples.push_back(std::move(deed));
+            config.samples.push_back(std::move(impairment));
         });
 }
 
@@ -107,10 +107,10 @@ ImpairmentPlan make_plan(LinkConfig const& config, std::vector<streams::Stream> 
             plan.only.push_back(*i);
         }
     }
-    for (LinkConfig::Deed const& entry : config.samples) {
+    for (LinkConfig::NamedSample const& entry : config.samples) {
         if (auto const i = find(entry.stream, true)) {
-            plan.deeds.push_back(entry.deed);
-            plan.deeds.back().stream = *i;
+            plan.samples.push_back(entry.impairment);
+            plan.samples.back().stream = *i;
         }
     }
     return plan;

@@ -19,11 +19,11 @@ struct LinkConfig {
     enum class Direction { from_host, to_host, both } direction{Direction::from_host};
     std::vector<config::Ref> streams; ///< only these; empty: all frames of SMV and GOOSE
     Impairments impairments;
-    struct Deed {
+    struct NamedSample {
         config::Ref name, stream;
-        SampleDeed deed; ///< its stream is found by make_plan()
+        SampleImpairment impairment; ///< its stream is found by make_plan()
     };
-    std::vector<Deed> samples;
+    std::vector<NamedSample> samples;
 };
 void describe(config::Fields& f, LinkConfig& config);
 

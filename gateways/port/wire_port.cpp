@@ -11,7 +11,7 @@
 namespace gridspace::gateways {
 namespace {
 
-constexpr std::size_t kMostWaiting = 32U << 20U; ///< octets of one ethertype: four seconds of ten streams
+constexpr std::size_t kMaxWaiting = 32U << 20U; ///< octets of one ethertype: four seconds of ten streams
 
 } // namespace
 
@@ -35,6 +35,9 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
         // In lockstep by ethertype only: the ledger counts every frame of it. In real time too, where a relay has to
         // see what is forged beside its streams.
         options.filter.ethertypes = ethertypes.receive;
+        if (node.lockstep()) { // what is lost there, somebody waits for
+            options.own_sources = lockstep::kRunAddressOctets;
+        }
         auto receiver = ethernet::Port::open(options);
         if (!receiver) {
             return std::unexpected{receiver.error()};
@@ -43,7 +46,7 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
         for (std::uint16_t const ethertype : ethertypes.receive) {
             port->readers_[ethertype] = std::make_unique<bus::WireReader>(
                 node, config.receive_link.empty() ? config.link : config.receive_link, ethertype);
-            port->readers_[ethertype]->bound(kMostWaiting);
+            port->readers_[ethertype]->bound(kMaxWaiting);
         }
         port->thread_ = std::thread{[raw = port.get()] { raw->receive_loop(); }};
     }
@@ -67,7 +70,9 @@ void WirePort::receive_loop() {
             maintained = now;
             std::lock_guard const lock{receiving_};
             receiver_->maintain();
-            dropped_.store(receiver_->counters().dropped, std::memory_order_relaxed);
+            ethernet::PortCounters const& counters = receiver_->counters();
+            dropped_.store(counters.dropped, std::memory_order_relaxed);
+            readers_.begin()->second->not_fetched(counters.others_dropped);
         }
     }
 }

@@ -89,6 +89,7 @@ Result<DetectorParams> make_detector_params(DetectorConfig const& config, Model 
     s.both_ends_within = std::max(seconds(0.00125), 2);
     s.synchronous_within = std::max(seconds(0.0025), 4);
     s.kirchhoff_clean = cycles(0.5);
+    s.armed_within = seconds(0.1);
     s.hold_samples = cycles(2);
     // A fixed threshold flags noise now and then, so that one flag is no evidence.
     s.weak_end_count = config.of == Of::adaptive ? 1 : s.burst_count;

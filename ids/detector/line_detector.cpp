@@ -23,11 +23,12 @@ int flags(StreamVerdict const& v) {
 } // namespace
 
 std::string alarm_names(Alarms alarms) {
-    static constexpr std::array<std::pair<Alarm, char const*>, 5> kNames{{{kFlagged, "flagged"},
+    static constexpr std::array<std::pair<Alarm, char const*>, 6> kNames{{{kFlagged, "flagged"},
                                                                           {kOneEnd, "one_end"},
                                                                           {kUnconfirmed, "unconfirmed"},
                                                                           {kNoise, "noise"},
-                                                                          {kLockedOut, "locked_out"}}};
+                                                                          {kLockedOut, "locked_out"},
+                                                                          {kNotArmed, "not_armed"}}};
     std::string out;
     for (auto const& [bit, name] : kNames) {
         if ((alarms & bit) != 0) {
@@ -80,6 +81,7 @@ Alarms LineDetector::present_alarms(bool picked_up) {
     SupervisorParams const& s = params_.supervisor;
     if (params_.guard.mode == Mode::supervise) {
         out |= supervisor_.suspicious() ? static_cast<Alarms>(kOneEnd) : 0U;
+        out |= supervisor_.armed() ? 0U : static_cast<Alarms>(kNotArmed);
         out |= picked_up && !supervisor_.confirmed() ? static_cast<Alarms>(kUnconfirmed) : 0U;
     } else {
         out |= verdict_.index - last_flag_ < s.hold_samples ? static_cast<Alarms>(kFlagged) : 0U;

@@ -16,6 +16,7 @@ enum Alarm : std::uint32_t {
     kOneEnd = 1U << 1U,      ///< supervise: a change that only one end saw
     kUnconfirmed = 1U << 2U, ///< supervise: the relay picked up and the trip is withheld
     kNoise = 1U << 3U,       ///< the forecast error has grown so much that small forgeries would hide in it
+    kNotArmed = 1U << 5U,    ///< supervise: the two ends have differed for 0.1 s, so no fault can be confirmed
     kLockedOut = 1U << 4U,   ///< paper: more than half of the last 0.1 s was replaced; the relay sees forecasts
 };
 using Alarms = std::uint32_t;

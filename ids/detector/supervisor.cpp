@@ -55,6 +55,7 @@ void Supervisor::step(std::int64_t index, Input const& in, bool picked_up) {
     } else if (!in.differs) {
         clean_ = std::min(clean_ + 1, params_.kirchhoff_clean);
     }
+    unarmed_ = clean_ >= params_.kirchhoff_clean ? 0 : std::min(unarmed_ + 1, params_.armed_within);
     if (std::max(onset_, first_difference_) == now_ &&
         std::llabs(onset_ - first_difference_) <= params_.synchronous_within) {
         permitted_until_ = now_ + params_.hold_samples;

@@ -22,6 +22,7 @@ struct SupervisorParams {
     int weak_end_count{1};      ///< flags that are enough at the second end; with a fixed threshold use burst_count
     int both_ends_within{6};    ///< a real change is seen at both ends at once
     int kirchhoff_clean{40};    ///< samples without a difference that make the next one "first"
+    int armed_within{480};      ///< so many samples without `kirchhoff_clean` of them in a row: it is not armed
     int synchronous_within{12}; ///< between the onset and the first difference
     int hold_samples{160};      ///< how long a permission lasts
     double noise_alarm_percent{0.92}; ///< standard deviation of the forecast error; 0.5 % of noise makes 0.65 to 0.9 %
@@ -59,6 +60,9 @@ class Supervisor {
         return suspicious_;
     } ///< a change that only one end saw; until 160 quiet samples
     [[nodiscard]] bool differing() const { return differing_; }
+    /// False: the ends differ all the time (a measuring chain with a standing error, or somebody who makes one), so no
+    /// difference is a first one and no fault can be confirmed.
+    [[nodiscard]] bool armed() const { return unarmed_ < params_.armed_within; }
     [[nodiscard]] std::uint64_t alarms() const { return alarms_; }
 
   private:
@@ -71,6 +75,7 @@ class Supervisor {
         first_difference_{kNever}, last_difference_{kNever};
     std::int64_t permitted_until_{kNever}, doubt_since_{kNever}, last_doubt_{kNever};
     int clean_{0}, pickup_run_{0};
+    int unarmed_{0}; ///< usable samples since the last at which the next difference would have been a first one
     bool differing_{false}, suspicious_{false}, timed_out_{false};
     std::uint64_t alarms_{0};
 };

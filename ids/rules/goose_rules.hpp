@@ -34,8 +34,9 @@ enum GooseFinding : std::uint32_t {
     kGooseFlood = 1U << 8U,         ///< more messages than the retransmission allows
     kGooseStretched = 1U << 9U,     ///< time to live above three times the longest that is usual
     kGooseSilentChange = 1U << 10U, ///< values changed and stNum did not
+    kGooseContest = 1U << 11U,      ///< two publishers with one address: each goes on where the other is not
 };
-inline constexpr std::size_t kGooseFindings = 11;
+inline constexpr std::size_t kGooseFindings = 12;
 [[nodiscard]] std::string goose_finding_names(std::uint32_t findings);
 
 struct GooseRuleParams {
@@ -45,16 +46,23 @@ struct GooseRuleParams {
     bool test_mode{false};
     bool check_clock{true}; ///< needs synchronised clocks
     int burst{16};          ///< messages that may come at once
+    bool accept_in_contest{true};
 };
 
 /// First-line rules of one subscribed GOOSE stream. No single message ever sets the high-water mark of stNum: a jump is
 /// believed when the next message of the same source goes on from it. O(1), no allocation.
+///
+/// Who writes the publisher's address and its next stNum makes every later message of the real publisher look old. But
+/// the real one goes on: with the state that was ended for it, or with a state of its own. That is a contest, and no
+/// rule can say who is real. While it lasts each state that has not been seen before is accepted, whoever begins it (of
+/// two who disagree, the one that asks for a trip is heard), or none is: `accept_in_contest`.
 class GooseRules {
   public:
     explicit GooseRules(GooseRuleParams const& params) : params_{params}, tokens_{static_cast<double>(params.burst)} {}
 
     struct Verdict {
         bool accept{true};
+        bool contested{false}; ///< accepted as a new state although its counters are not next
         std::uint32_t findings{0};
     };
     Verdict judge(GooseFacts const& f);
@@ -64,11 +72,34 @@ class GooseRules {
     [[nodiscard]] std::array<std::uint64_t, kGooseFindings> const& counters() const { return counters_; }
 
   private:
+    /// A state of the data set as a publisher tells it, with its newest message.
+    struct State {
+        std::uint32_t st_num{0}, sq_num{0}, live_ms{0};
+        std::int64_t t_ns{0}, arrival_ns{0};
+        std::uint64_t value_hash{0}, order{0}; ///< order: of the first message
+        [[nodiscard]] bool is_of(GooseFacts const& f) const {
+            return st_num == f.st_num && t_ns == f.t_ns && value_hash == f.value_hash;
+        }
+        [[nodiscard]] bool precedes(GooseFacts const& f) const; ///< `f` is its next message, or of the state after it
+        [[nodiscard]] bool runs_at(std::int64_t now_ns) const {
+            return now_ns - arrival_ns <= std::int64_t{live_ms} * 1'000'000;
+        }
+    };
+    static State state_of(GooseFacts const& f);
     [[nodiscard]] bool flooded(std::int64_t now_ns);
+    [[nodiscard]] std::uint32_t judge_counters(GooseFacts const& f, bool& begins);
+    /// `f` begins a state, which is the current one now.
+    void enter(GooseFacts const& f);
 
     GooseRuleParams params_;
-    bool bound_{false}, running_{false}, held_{false};
-    GooseFacts identity_, last_, candidate_; ///< candidate: a jump that waits for its confirmation
+    bool bound_{false}, running_{false};
+    GooseFacts identity_;
+    std::array<State, 8> known_{}; ///< what has been accepted, the real publisher's running state among it
+    std::size_t known_count_{0}, current_{0};
+    std::uint64_t order_{0};
+    State jump_, rival_; ///< seen once: a stNum too high, one too low; each waits for its confirmation
+    bool has_jump_{false}, has_rival_{false};
+    std::int64_t contested_until_ns_{INT64_MIN};
     double tokens_;
     std::int64_t last_token_ns_{0};
     bool counted_{false};

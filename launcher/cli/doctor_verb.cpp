@@ -111,7 +111,7 @@ Finding check_buffers() {
 Finding check_participants() {
     return {Level::ok, "DDS participants",
             fmt::format("at most {} of others on a bus, with 16384 readers and 16384 writers",
-                        rtps_guard::KnownParticipants::kMost),
+                        rtps_guard::KnownParticipants::kMax),
             ""};
 }
 

@@ -7,6 +7,7 @@
 #include "common/version.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/say.hpp"
+#include "launcher/scenario/installation.hpp"
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -29,10 +30,11 @@ void add_ids(CLI::App& app, Action& action) {
 }
 
 /// In the order of the help.
-constexpr std::array kVerbs{add_run,    add_validate, add_signals, add_powerflow, add_simulate, add_compare,
-                            add_report, add_info,     add_export,  add_ids,       add_monitor,  add_router,
-                            add_graph,  add_topic,    add_control, add_doctor,    add_bundle,   add_play,
-                            add_wire,   add_scl,      add_schema,  add_completion};
+constexpr std::array kVerbs{add_run,      add_sweep,      add_timebox,   add_validate, add_signals, add_powerflow,
+                            add_simulate, add_compare,    add_report,    add_info,     add_export,  add_ids,
+                            add_monitor,  add_router,     add_graph,     add_topic,    add_control, add_doctor,
+                            add_bundle,   add_play,       add_wire,      add_scl,      add_new,     add_types,
+                            add_schema,   add_sweep_task, add_completion};
 
 int version(bool json) {
     Version const& v = gridspace::version();
@@ -92,6 +94,7 @@ int main_function(int argc, char** argv) {
         fmt::print(stderr, "{}", app.help());
         return static_cast<int>(ExitCode::usage);
     }
+    launcher::offer_agent_libraries();
     return action();
 }
 

@@ -12,14 +12,16 @@
 namespace gridspace::cli {
 namespace {
 
-/// Writes configs/schema/*.json and docs/reference/config.md below `root`.
+/// Writes configs/schema/*.json, docs/reference/config.md and actions.md below `root`.
 int schema(std::filesystem::path const& root) {
     std::error_code ignored;
     std::filesystem::create_directories(root / "configs/schema", ignored);
     for (auto const& [file, text] : {std::pair{"configs/schema/scenario.schema.json", launcher::scenario_schema()},
                                      {"configs/schema/network.schema.json", launcher::network_schema()},
                                      {"configs/schema/router.schema.json", launcher::router_schema()},
-                                     {"docs/reference/config.md", launcher::config_page()}}) {
+                                     {"configs/schema/study.schema.json", launcher::study_schema()},
+                                     {"docs/reference/config.md", launcher::config_page()},
+                                     {"docs/reference/actions.md", launcher::actions_page()}}) {
         std::ofstream stream{root / file, std::ios::trunc};
         stream << text;
         stream.close();

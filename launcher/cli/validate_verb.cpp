@@ -3,6 +3,7 @@
 #include "common/config/yaml.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/scenario/scenario.hpp"
+#include "launcher/sweep/study_plan.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
@@ -45,8 +46,15 @@ int validate(ValidateArguments const& arguments) {
         config::Diagnostics probe;
         auto const root = file.extension() == ".m" ? std::nullopt : config::load_yaml(file, probe);
         bool const is_network = file.extension() == ".m" || (root && root->find("gridspace_network") != nullptr);
-        std::string kind = is_network ? "network" : "scenario", summary;
-        if (is_network) {
+        bool const is_study = root && root->find("gridspace_study") != nullptr;
+        std::string const kind = is_network ? "network" : is_study ? "study" : "scenario";
+        std::string summary;
+        if (is_study) {
+            auto const study = launcher::load_study(file, diagnostics);
+            if (auto const plan = study ? launcher::plan_study(*study, diagnostics) : std::nullopt) {
+                summary = fmt::format("{} runs of {}", plan->runs.size(), plan->scenario);
+            }
+        } else if (is_network) {
             if (auto const network = sim::load_network(file, diagnostics)) {
                 auto const flow = solve_power_flow(*network, sim::SwitchState{*network});
                 if (!flow) {
@@ -83,7 +91,7 @@ int validate(ValidateArguments const& arguments) {
 
 void add_validate(CLI::App& app, Action& action) {
     auto const a = std::make_shared<ValidateArguments>();
-    CLI::App* verb = app.add_subcommand("validate", "check scenario and network files; start nothing");
+    CLI::App* verb = app.add_subcommand("validate", "check scenario, network and study files; start nothing");
     verb->add_option("FILE", a->files, "files")->required();
     verb->add_option("--set", a->set, "override a value")->take_all()->allow_extra_args(false);
     verb->add_option("--format", a->format, "text or json")->check(CLI::IsMember({"text", "json"}));

@@ -49,6 +49,7 @@ void add_ids_study(CLI::App& ids, Action& action);
 void add_ids_train(CLI::App& ids, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_monitor(CLI::App& app, Action& action);
+void add_new(CLI::App& app, Action& action); ///< agent, scenario, network
 void add_play(CLI::App& app, Action& action);
 void add_powerflow(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
@@ -58,7 +59,11 @@ void add_schema(CLI::App& app, Action& action);
 void add_scl(CLI::App& app, Action& action);
 void add_signals(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
+void add_sweep(CLI::App& app, Action& action);
+void add_sweep_task(CLI::App& app, Action& action);
+void add_timebox(CLI::App& app, Action& action);
 void add_topic(CLI::App& app, Action& action);
+void add_types(CLI::App& app, Action& action); ///< structs of C for IDL
 void add_validate(CLI::App& app, Action& action);
 void add_wire(CLI::App& app, Action& action);
 

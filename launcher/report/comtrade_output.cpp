@@ -19,7 +19,7 @@ namespace {
 using config::Node;
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostRecords = 20; // of one run
+constexpr std::size_t kMaxRecords = 20; // of one run
 
 /// Instants at which the trigger came, in nanoseconds of simulated time.
 std::vector<std::int64_t> instants_of(Results const& r, Node const& scenario, ComtradeSettings const& settings) {
@@ -243,10 +243,10 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
         out.notes.push_back(fmt::format("'{}' did not happen: nothing to write", settings.trigger.name));
         return out;
     }
-    if (instants.size() > kMostRecords) {
+    if (instants.size() > kMaxRecords) {
         out.notes.push_back(fmt::format("'{}' happened {} times: the first {} are written", settings.trigger.name,
-                                        instants.size(), kMostRecords));
-        instants.resize(kMostRecords);
+                                        instants.size(), kMaxRecords));
+        instants.resize(kMaxRecords);
     }
     std::error_code error;
     fs::create_directories(folder, error);

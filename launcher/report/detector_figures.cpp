@@ -147,7 +147,7 @@ void trip_comparisons(FigureSettings const& settings, Drawn const& run, std::vec
 }
 
 void roc_curves(FigureSettings const& settings, Drawn const& run, std::vector<Figure>& out) {
-    constexpr double kLeastPercent = 1e-3; // where "none at all" is drawn on a logarithmic axis
+    constexpr double kMinPercent = 1e-3; // where "none at all" is drawn on a logarithmic axis
     for (Track const& track : run.results.intrusion.recording.tracks) {
         if (!matches_glob(settings.streams.name, track.stream)) {
             continue;
@@ -168,13 +168,12 @@ void roc_curves(FigureSettings const& settings, Drawn const& run, std::vector<Fi
         Figure::Series s{track.stream, {}, {}};
         s.points = true;
         for (std::size_t i = 0; i < roc.size(); ++i) {
-            s.times_ns.push_back(
-                std::llround(std::log10(std::max(roc[i].false_positive_percent, kLeastPercent)) * 1e9));
+            s.times_ns.push_back(std::llround(std::log10(std::max(roc[i].false_positive_percent, kMinPercent)) * 1e9));
             s.values.push_back(roc[i].detected_percent);
             s.point_names.push_back((roc.size() - 1 - i) % 5 == 0 ? fmt::format("x{:.3g}", roc[i].threshold) : "");
         }
         f.series.push_back(std::move(s));
-        f.from_s = std::log10(kLeastPercent) - 0.1;
+        f.from_s = std::log10(kMinPercent) - 0.1;
         f.to_s = 2.1;
         out.push_back(std::move(f));
     }

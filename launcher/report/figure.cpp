@@ -17,7 +17,7 @@ namespace {
 // Okabe and Ito.
 constexpr std::array<std::string_view, 8> kPalette{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                                    "#E69F00", "#56B4E9", "#6A51A3", "#7F7F7F"};
-constexpr std::size_t kMostPoints = 3000;
+constexpr std::size_t kMaxPoints = 3000;
 
 } // namespace
 
@@ -35,7 +35,7 @@ std::vector<std::pair<double, double>> drawn_points(Figure::Series const& s, dou
         --last;
     }
     std::size_t const count = last - first;
-    std::size_t const bucket = std::max<std::size_t>(1, count / (kMostPoints / 2));
+    std::size_t const bucket = std::max<std::size_t>(1, count / (kMaxPoints / 2));
     auto const point = [&](std::size_t i) {
         points.emplace_back(static_cast<double>(s.times_ns[i]) / 1e9, s.values[i]);
     };

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kWidth = 860, kPlotHeight = 238, kLaneHeight = 26, kBottomMargin = 36, kRow = 14, kMarkRow = 12;
 constexpr double kCharacter = 6.2, kSmallCharacter = 5.6; // widths of text of 11 and 10 pixels
-constexpr std::size_t kMostNamed = 24;                    // series in the legend
+constexpr std::size_t kMaxNamed = 24;                     // series in the legend
 
 double width_of(std::string const& text, double character = kCharacter) {
     auto const letters = std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; });
@@ -112,9 +112,9 @@ class Drawing {
         };
         for (std::size_t i = 0; i < f_.series.size() && !f_.lanes && f_.x_names.empty(); ++i) {
             Figure::Series const& s = f_.series[i];
-            std::string const name = i < kMostNamed ? s.name : fmt::format("and {} more", f_.series.size() - i);
+            std::string const name = i < kMaxNamed ? s.name : fmt::format("and {} more", f_.series.size() - i);
             place(21 + width_of(name));
-            if (i < kMostNamed) {
+            if (i < kMaxNamed) {
                 legend_ += fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{}\" y2=\"{}\" stroke=\"{}\" "
                                        "stroke-width=\"2.5\"{}/>",
                                        x, x + 16, y - 4, y - 4, palette_colour(s.colour, i),
@@ -122,7 +122,7 @@ class Drawing {
             }
             legend_ += fmt::format("<text x=\"{:.1f}\" y=\"{}\">{}</text>\n", x + 21, y, escape_markup(name));
             x += 37 + width_of(name);
-            if (i == kMostNamed) {
+            if (i == kMaxNamed) {
                 break;
             }
         }

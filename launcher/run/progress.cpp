@@ -3,6 +3,7 @@
 #include "launcher/run/progress.hpp"
 
 #include "common/time.hpp"
+#include "launcher/run/progress_bar.hpp"
 #include "launcher/run/say.hpp"
 
 #include <algorithm>
@@ -25,21 +26,6 @@ double seconds_since(Clock::time_point start) {
 std::size_t terminal_width() {
     winsize size{};
     return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 100;
-}
-
-std::string bar(double share, int cells) {
-    static constexpr std::string_view kEighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
-    auto const eighths = static_cast<int>(std::clamp(share, 0.0, 1.0) * cells * 8);
-    std::string out;
-    for (int i = 0; i < eighths / 8; ++i) {
-        out += "█";
-    }
-    int used = eighths / 8;
-    if (eighths % 8 != 0) {
-        out += kEighths[eighths % 8];
-        ++used;
-    }
-    return out + std::string(static_cast<std::size_t>(cells - used), ' ');
 }
 
 } // namespace
@@ -135,8 +121,8 @@ void Progress::draw(bool last) {
         return;
     }
     int const cells = terminal_width() > scenario_.size() + text.size() + 26 ? 20 : 0;
-    show(fmt::format("\r\x1b[K{} {}{}{}", scenario_, cells > 0 ? "▕" : "", cells > 0 ? bar(share, cells) + "▏ " : "",
-                     text),
+    show(fmt::format("\r\x1b[K{} {}{}{}", scenario_, cells > 0 ? "▕" : "",
+                     cells > 0 ? progress_bar(share, cells) + "▏ " : "", text),
          last);
     drawn_ = true;
 }

@@ -113,7 +113,7 @@ class Follower {
         } else if (kind == "returned") {
             events_.write(time_s_, process, "started_again",
                           fmt::format("incarnation {}; the run went on without it", line.value("incarnation", 0)));
-        } else if (kind == "stroke") {
+        } else if (kind == "process_action") {
             std::string const text = fmt::format("{} {}", line.value("process", ""), line.value("what", ""));
             events_.write(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
             progress_.event(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);

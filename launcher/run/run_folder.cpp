@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_folder.hpp"
 
+#include "launcher/folder/sha256.hpp"
 #include "launcher/folder/write_file.hpp"
 #include "launcher/scenario/monitor_settings.hpp"
 
@@ -9,12 +10,10 @@
 #include "common/config/yaml.hpp"
 #include "common/version.hpp"
 
-#include <array>
 #include <ctime>
 #include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <openssl/evp.h>
 #include <sstream>
 #include <sys/utsname.h>
 #include <thread>
@@ -59,28 +58,6 @@ Json host_of(bool root) {
 }
 
 } // namespace
-
-std::string sha256_of(fs::path const& file) {
-    std::ifstream stream{file, std::ios::binary};
-    if (!stream) {
-        return "";
-    }
-    EVP_MD_CTX* context = EVP_MD_CTX_new();
-    EVP_DigestInit_ex(context, EVP_sha256(), nullptr);
-    std::array<char, 65536> buffer{};
-    while (stream.read(buffer.data(), buffer.size()) || stream.gcount() > 0) {
-        EVP_DigestUpdate(context, buffer.data(), static_cast<std::size_t>(stream.gcount()));
-    }
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned size = 0;
-    EVP_DigestFinal_ex(context, digest.data(), &size);
-    EVP_MD_CTX_free(context);
-    std::string out;
-    for (unsigned i = 0; i < size; ++i) {
-        out += fmt::format("{:02x}", digest[i]);
-    }
-    return out;
-}
 
 Result<fs::path> make_run_folder(std::string const& scenario, fs::path const& parent, fs::path const& exact) {
     std::error_code error;

@@ -22,7 +22,4 @@ make_run_folder(std::string const& scenario, std::filesystem::path const& parent
 
 [[nodiscard]] Result<void> write_outcome(std::filesystem::path const& folder, RunOutcome const& outcome);
 
-/// SHA-256 of a file as hex; empty when it cannot be read.
-[[nodiscard]] std::string sha256_of(std::filesystem::path const& file);
-
 } // namespace gridspace::launcher

@@ -6,7 +6,7 @@
 #include "common/realtime.hpp"
 #include "common/text.hpp"
 #include "launcher/run/emulation.hpp"
-#include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/bumps.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/discovery_peers.hpp"
 #include "launcher/scenario/installation.hpp"
@@ -143,7 +143,7 @@ std::optional<std::uint64_t> capabilities(Scenario const& scenario, Process cons
     }
     std::vector<WireUse> const received = wires_received(scenario, process);
     bool const raw_frames = !wires_sent(scenario, process).empty() || !received.empty() ||
-                            !process.settings->cut_ins(scenario, process).empty() || !process.interface.empty();
+                            !process.settings->bumps(scenario, process).empty() || !process.interface.empty();
     bool const elsewhere = !plan.networks.empty() || std::any_of(received.begin(), received.end(),
                                                                  [](WireUse const& use) { return use.at_switch; });
     auto const host = std::find_if(scenario.hosts.begin(), scenario.hosts.end(),
@@ -223,7 +223,7 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     plan.namespaces = options.namespaces;
     plan.links = scenario.links;
     plan.ports = plan_ports(scenario);
-    plan.cut_ins = placed_cut_ins(scenario);
+    plan.bumps = placed_bumps(scenario);
     plan.duration_s = scenario.simulation.duration().to_double();
     plan.lockstep = scenario.clock.mode == bus::ClockMode::lockstep;
     plan.allow_control = options.allow_control;
@@ -241,17 +241,17 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     std::stable_partition(plan.processes.begin(), plan.processes.end(),
                           [](PlannedProcess const& p) { return !p.is_simulator; });
     for (sim::Event const& event : process_events(scenario)) {
-        std::vector<PlannedStroke> strokes;
-        using Kind = PlannedStroke::Kind;
+        std::vector<ProcessAction> process_actions;
+        using Kind = ProcessAction::Kind;
         for (auto const& [kind, target] : {std::pair{Kind::kill, &event.kill},
                                            {Kind::pause, &event.pause},
                                            {Kind::resume, &event.resume},
                                            {Kind::restart, &event.restart}}) {
             if (!target->empty()) {
-                strokes.push_back({kind, event.name.name, target->name, event.at_s->to_double()});
+                process_actions.push_back({kind, event.name.name, target->name, event.at_s->to_double()});
             }
         }
-        plan.holds.push_back(std::move(strokes));
+        plan.holds.push_back(std::move(process_actions));
     }
     return plan;
 }
@@ -295,8 +295,8 @@ std::string to_text(RunPlan const& plan) {
             }
         }
     }
-    for (PlacedCutIn const& cut_in : plan.cut_ins) {
-        out += fmt::format("  {} sits between {} and {}\n", cut_in.process, cut_in.host, cut_in.link);
+    for (PlacedBump const& bump : plan.bumps) {
+        out += fmt::format("  {} sits between {} and {}\n", bump.process, bump.host, bump.link);
     }
     out += "\nprocesses\n";
     for (PlannedProcess const& process : plan.processes) {
@@ -305,9 +305,9 @@ std::string to_text(RunPlan const& plan) {
             out += fmt::format("    takes the interface '{}' of this machine into its host\n", process.interface);
         }
     }
-    for (auto const& strokes : plan.holds) {
-        for (PlannedStroke const& stroke : strokes) {
-            out += fmt::format("  at {} s: {} acts on {}\n", shortest(stroke.at_s), stroke.event, stroke.process);
+    for (auto const& process_actions : plan.holds) {
+        for (ProcessAction const& action : process_actions) {
+            out += fmt::format("  at {} s: {} acts on {}\n", shortest(action.at_s), action.event, action.process);
         }
     }
     return out;

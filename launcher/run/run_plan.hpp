@@ -4,7 +4,7 @@
 
 #include "launcher/run/ssh_board.hpp"
 #include "launcher/scenario/addresses.hpp"
-#include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/bumps.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "launcher/scenario/scenario.hpp"
 
@@ -30,7 +30,7 @@ struct PlannedProcess {
     bool is_foreign{false};            ///< somebody else's program
     bool has_status{true};             ///< takes --status-fd
     bool is_member{false};             ///< its end before the run's is a failure, also with exit code 0
-    bool is_observer{false};           ///< ends when told to
+    bool is_observer{false};           ///< ends when asked to
     std::string listen;                ///< address to serve on; the launcher opens the socket
     std::string interface;             ///< a real one, which is taken into its host for the run
     std::vector<std::string> networks; ///< hosts into whose networks it looks
@@ -40,7 +40,7 @@ struct PlannedProcess {
 };
 
 /// Something that the launcher does to a process between two ticks.
-struct PlannedStroke {
+struct ProcessAction {
     enum class Kind { kill, pause, resume, restart } kind{Kind::kill};
     std::string event, process;
     double at_s{0};
@@ -54,10 +54,10 @@ struct RunPlan {
     std::vector<std::string> hosts;
     std::vector<Link> links;
     std::vector<Port> ports;
-    std::vector<PlacedCutIn> cut_ins;
+    std::vector<PlacedBump> bumps;
     int outer_network{-1}; ///< the network namespace in which `gridspace run` was called, where real interfaces are
     std::vector<PlannedProcess> processes; ///< the simulator last: everybody else is there when it starts to wait
-    std::vector<std::vector<PlannedStroke>> holds; ///< by index of the simulator's hold
+    std::vector<std::vector<ProcessAction>> holds; ///< by index of the simulator's hold
     double duration_s{0};
     bool lockstep{true};
     bool allow_control{false}; ///< pause, continue, step and stop through the monitor

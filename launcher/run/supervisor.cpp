@@ -53,7 +53,7 @@ struct Watched {
 class Supervisor {
   public:
     Supervisor(RunPlan const& plan, int channel, std::map<std::string, UniqueFd> const& listen_fds)
-        : plan_{plan}, channel_{channel}, output_{channel, kMostWaiting}, listen_fds_{listen_fds} {
+        : plan_{plan}, channel_{channel}, output_{channel, kMaxWaiting}, listen_fds_{listen_fds} {
         for (PlannedProcess const& process : plan.processes) {
             watched_.emplace_back().plan = process;
         }
@@ -84,7 +84,7 @@ class Supervisor {
 
   private:
     static constexpr seconds kPauseOfMonitor{1}; ///< before it is started again; one that fails at once is no load
-    static constexpr std::size_t kMostWaiting = std::size_t{16} << 20U; ///< some 100,000 lines
+    static constexpr std::size_t kMaxWaiting = std::size_t{16} << 20U; ///< some 100,000 lines
 
     static bool only_looks(Watched const& w) { return w.plan.program == "gridspace-monitor"; }
     static bool is_external(Watched const& w) { return w.plan.run_on.kind == RunOn::Kind::external; }
@@ -390,17 +390,17 @@ class Supervisor {
     /// Carries out what the timeline does to processes at a held tick, then lets the simulator go on.
     void strike(Watched& simulator, std::size_t index) {
         std::string answer;
-        using Kind = PlannedStroke::Kind;
+        using Kind = ProcessAction::Kind;
         if (index < plan_.holds.size()) {
-            for (PlannedStroke const& stroke : plan_.holds[index]) {
+            for (ProcessAction const& action : plan_.holds[index]) {
                 auto const w = std::find_if(watched_.begin(), watched_.end(),
-                                            [&](Watched const& x) { return x.plan.name == stroke.process; });
+                                            [&](Watched const& x) { return x.plan.name == action.process; });
                 char const* text = "killed";
-                switch (stroke.kind) {
+                switch (action.kind) {
                 case Kind::kill:
                     w->expected_to_die = true;
                     kill_and_reap(*w);
-                    answer += "drop " + stroke.process + "\n";
+                    answer += "drop " + action.process + "\n";
                     break;
                 case Kind::pause:
                     // In lockstep it gets no ticks. A stopped process would lose samples, depending on the machine.
@@ -408,31 +408,31 @@ class Supervisor {
                         ::kill(-w->child.pid, SIGSTOP);
                     }
                     w->paused = true;
-                    answer += "drop " + stroke.process + "\n";
+                    answer += "drop " + action.process + "\n";
                     text = "paused";
                     break;
                 case Kind::resume:
                     ::kill(-w->child.pid, SIGCONT);
                     w->paused = false;
-                    answer += "rejoin " + stroke.process + "\n";
+                    answer += "rejoin " + action.process + "\n";
                     text = "resumed";
                     break;
                 case Kind::restart:
                     w->expected_to_die = true;
                     w->paused = false;
                     kill_and_reap(*w);
-                    if (!restart(*w, stroke.at_s)) {
+                    if (!restart(*w, action.at_s)) {
                         return;
                     }
-                    answer += fmt::format("restarted {} {}\n", stroke.process, w->incarnation);
+                    answer += fmt::format("restarted {} {}\n", action.process, w->incarnation);
                     text = "restarted";
                     break;
                 }
-                tell(Json{{"kind", "stroke"},
-                          {"event", stroke.event},
-                          {"process", stroke.process},
+                tell(Json{{"kind", "process_action"},
+                          {"event", action.event},
+                          {"process", action.process},
                           {"what", text},
-                          {"time_s", stroke.at_s}});
+                          {"time_s", action.at_s}});
             }
         }
         answer += "go\n";

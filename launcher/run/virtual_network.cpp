@@ -172,17 +172,17 @@ std::string VirtualNetwork::cable(RunPlan const& plan, Port const& port, std::st
     // From the host to the switch: each piece of the cable ends where somebody sits in it.
     std::string commands;
     End near{fmt::format("{} address {}", port.interface, port.mac), port.host};
-    for (PlacedCutIn const& cut_in : plan.cut_ins) {
-        if (cut_in.host != port.host || cut_in.link != port.link) {
+    for (PlacedBump const& bump : plan.bumps) {
+        if (bump.host != port.host || bump.link != port.link) {
             continue;
         }
         commands +=
             fmt::format("link add {} netns /proc/self/fd/{} type veth peer name {} netns /proc/self/fd/{}\n",
-                        cut_in.host_interface, hosts_.at(cut_in.process_host), near.interface, hosts_.at(near.host));
-        for (std::string const& interface : {cut_in.host_interface, cut_in.switch_interface}) {
-            inside[cut_in.process_host] += fmt::format("link set {} promisc on up\n", interface);
+                        bump.host_interface, hosts_.at(bump.process_host), near.interface, hosts_.at(near.host));
+        for (std::string const& interface : {bump.host_interface, bump.switch_interface}) {
+            inside[bump.process_host] += fmt::format("link set {} promisc on up\n", interface);
         }
-        near = {cut_in.switch_interface, cut_in.process_host};
+        near = {bump.switch_interface, bump.process_host};
     }
     return commands + fmt::format("link add {} type veth peer name {} netns /proc/self/fd/{}\n", switch_end,
                                   near.interface, hosts_.at(near.host));
@@ -250,8 +250,8 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
 Result<void> VirtualNetwork::prepare_ip_cables(RunPlan const& plan) const {
     for (std::size_t p = 0; p < plan.ports.size(); ++p) {
         Port const& port = plan.ports[p];
-        bool const cut = std::any_of(plan.cut_ins.begin(), plan.cut_ins.end(),
-                                     [&](PlacedCutIn const& c) { return c.host == port.host && c.link == port.link; });
+        bool const cut = std::any_of(plan.bumps.begin(), plan.bumps.end(),
+                                     [&](PlacedBump const& c) { return c.host == port.host && c.link == port.link; });
         if (!cut || port.address.empty()) {
             continue;
         }

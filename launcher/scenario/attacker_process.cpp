@@ -3,7 +3,7 @@
 #include "agents/attacker/attacker_config.hpp"
 #include "common/text.hpp"
 #include "launcher/scenario/attacks.hpp"
-#include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/bumps.hpp"
 #include "launcher/scenario/wire_programs.hpp"
 #include "launcher/scenario/wire_use.hpp"
 
@@ -33,7 +33,7 @@ class AttackerProcess final : public ProcessSettings {
         if (std::any_of(own.begin(), own.end(), [](AttackConfig const* a) { return beside_a_stream(*a); })) {
             check_raw_link(s, process, diagnostics);
         }
-        check_cut_ins(s, process, diagnostics);
+        check_bumps(s, process, diagnostics);
         if (!process.interface.empty() && process.interface != s.allow_attacks_on) {
             diagnostics.error(
                 process.name.where,
@@ -70,8 +70,8 @@ class AttackerProcess final : public ProcessSettings {
         return wires(s, process);
     }
 
-    [[nodiscard]] std::vector<CutInUse> cut_ins(Scenario const& s, Process const& process) const override {
-        std::vector<CutInUse> out;
+    [[nodiscard]] std::vector<BumpUse> bumps(Scenario const& s, Process const& process) const override {
+        std::vector<BumpUse> out;
         for (AttackConfig const* a : attacks_of(s, process)) {
             if (a->place != AttackConfig::Place::between || a->between.size() != 2) {
                 continue;
@@ -79,7 +79,7 @@ class AttackerProcess final : public ProcessSettings {
             bool const from_host = stream_passes(s, a->stream.name, a->between[0].name, a->between[1].name, true);
             bool const to_host =
                 !from_host && stream_passes(s, a->stream.name, a->between[0].name, a->between[1].name, false);
-            auto same = std::find_if(out.begin(), out.end(), [&](CutInUse const& c) {
+            auto same = std::find_if(out.begin(), out.end(), [&](BumpUse const& c) {
                 return c.host == a->between[0] && c.link == a->between[1];
             });
             if (same == out.end()) {
@@ -142,7 +142,7 @@ class AttackerProcess final : public ProcessSettings {
             wire.set("interface", Node::quoted_text(""));
         }
         node.set("wire", std::move(wire));
-        node.set("cut_ins", cut_in_settings(s, process));
+        node.set("bumps", bump_settings(s, process));
         if (s.clock.mode == bus::ClockMode::realtime && s.clock.speed > 0) {
             node.set("speed", Node::scalar(shortest(s.clock.speed)));
         }

@@ -81,7 +81,7 @@ void check_place(Scenario const& s, AttackConfig& a, Diagnostics& diagnostics) {
         if (Process const* process = s.find_process(at.name)) {
             at.name = process->host.name;
         } else {
-            return; // the cut-in's own check says it
+            return; // the check of the bump in the wire itself says it
         }
     }
     if (!stream_passes(s, a.stream.name, at.name, a.between[1].name, true) &&

@@ -3,7 +3,7 @@
 #include "launcher/scenario/capture_points.hpp"
 
 #include "launcher/scenario/addresses.hpp"
-#include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/bumps.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -61,15 +61,15 @@ std::vector<CapturePoint> capture_points(Scenario const& scenario, Process const
                 {name, fmt::format("what is sent into {}", name), "", switch_port_name(i), ports[i].link, false, ""});
         }
     }
-    for (PlacedCutIn const& cut_in : placed_cut_ins(scenario)) {
-        if (!contains(links, cut_in.link)) {
+    for (PlacedBump const& bump : placed_bumps(scenario)) {
+        if (!contains(links, bump.link)) {
             continue;
         }
-        out.push_back({fmt::format("{}/{}:{}", cut_in.link, cut_in.host, cut_in.process),
-                       fmt::format("between {} and {} in its cable: inbound is what {} sent", cut_in.host,
-                                   cut_in.process, cut_in.host),
-                       cut_in.process_host, cut_in.host_interface, cut_in.from_host ? cut_in.from_host->in : "", true,
-                       cut_in.to_host ? cut_in.to_host->out : ""});
+        out.push_back(
+            {fmt::format("{}/{}:{}", bump.link, bump.host, bump.process),
+             fmt::format("between {} and {} in its cable: inbound is what {} sent", bump.host, bump.process, bump.host),
+             bump.process_host, bump.host_interface, bump.from_host ? bump.from_host->in : "", true,
+             bump.to_host ? bump.to_host->out : ""});
     }
     std::set<std::string> real;
     for (Process const& process : scenario.processes) {

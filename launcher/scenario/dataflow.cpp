@@ -4,7 +4,7 @@
 
 #include "bus/topics.hpp"
 #include "common/text.hpp"
-#include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/bumps.hpp"
 #include "launcher/scenario/scenario.hpp"
 
 #include <algorithm>

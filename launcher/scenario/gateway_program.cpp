@@ -50,7 +50,7 @@ class GatewaySettings final : public ProcessSettings {
         }
     }
 
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const& s, Process const& process) const override {
         std::vector<TopicUse> out;
         std::set<std::string> seen; // several mappings may write one topic: there is one writer
         for (MappingConfig const& mapping : config_.mappings) {
@@ -58,7 +58,9 @@ class GatewaySettings final : public ProcessSettings {
                 out.push_back({mapping.to.topic.name, mapping.to.type.name, 1, false, true});
             }
         }
-        add_signals(out);
+        if (!signals(s, process).empty()) { // without any it opens no writer
+            add_signals(out);
+        }
         out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
         return out;
     }

@@ -27,9 +27,32 @@ std::filesystem::path qos_file(std::string_view role) {
     if (char const* folder = std::getenv("GRIDSPACE_QOS_DIR"); folder != nullptr) {
         return std::filesystem::path{folder} / name;
     }
+    return shared_folder("qos") / name;
+}
+
+std::filesystem::path prefix_folder() {
+    return own_folder().parent_path();
+}
+
+std::filesystem::path shared_folder(std::string_view name) {
     std::error_code ignored;
-    std::filesystem::path const installed = own_folder().parent_path() / "share/gridspace/qos" / name;
-    return std::filesystem::exists(installed, ignored) ? installed : std::filesystem::path{source_tree("qos")} / name;
+    std::filesystem::path const installed = prefix_folder() / "share/gridspace" / name;
+    return std::filesystem::exists(installed, ignored) ? installed : std::filesystem::path{source_tree(name)};
+}
+
+void offer_agent_libraries() {
+    std::error_code ignored;
+    std::string python = shared_folder("python").string();
+    if (char const* given = std::getenv("PYTHONPATH"); given != nullptr && *given != '\0') {
+        python += std::string{":"} + given;
+    }
+    ::setenv("PYTHONPATH", python.c_str(), 1);
+    for (char const* folder : {"lib", GRIDSPACE_LIBRARY_FOLDER}) {
+        std::filesystem::path const library = prefix_folder() / folder / "libgridspace.so.1";
+        if (std::filesystem::exists(library, ignored)) {
+            ::setenv("GRIDSPACE_LIBRARY", library.c_str(), 0);
+        }
+    }
 }
 
 std::filesystem::path system_program(std::string_view name) {

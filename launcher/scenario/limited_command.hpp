@@ -21,8 +21,9 @@ struct CommandResult {
 
 inline constexpr std::size_t kMaxCommandOutput = 1U << 20U;
 
-/// Runs a command to its end, or until `limit` or kMaxCommandOutput, when it is killed with all that it started.
-/// `input` is its standard input; empty: nothing.
+/// Runs a command to its end, or until `limit` (of which the time counts in full in which it waits, and a twelfth of
+/// that in which it computes or waits for a processor) or kMaxCommandOutput, when it is killed with all that it
+/// started. `input` is its standard input; empty: nothing.
 [[nodiscard]] Result<CommandResult> run_limited(std::vector<std::string> words, std::chrono::seconds limit,
                                                 std::filesystem::path const& input);
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/link/link_config.hpp"
-#include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/bumps.hpp"
 #include "launcher/scenario/impairments.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
@@ -37,7 +37,7 @@ class LinkSettings final : public ProcessSettings {
   public:
     explicit LinkSettings(Fields& f) { describe(f, config_); }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
-        check_cut_ins(s, process, diagnostics);
+        check_bumps(s, process, diagnostics);
         (void)gateways::make_plan(config_, s.streams, diagnostics);
     }
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
@@ -50,7 +50,7 @@ class LinkSettings final : public ProcessSettings {
         }
         return out;
     }
-    [[nodiscard]] std::vector<CutInUse> cut_ins(Scenario const&, Process const&) const override {
+    [[nodiscard]] std::vector<BumpUse> bumps(Scenario const&, Process const&) const override {
         using Direction = gateways::LinkConfig::Direction;
         if (config_.between.size() != 2) {
             return {}; // reported when it was read
@@ -60,7 +60,7 @@ class LinkSettings final : public ProcessSettings {
     }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = own_settings(process);
-        node.set("cut_ins", cut_in_settings(s, process));
+        node.set("bumps", bump_settings(s, process));
         node.set("seed", Node::scalar(std::to_string(s.seed)));
         node.set("streams", declarations(s, config_));
         node.set("changes", impairment_changes(s, process.name.name));

@@ -36,7 +36,7 @@ struct WireUse {
 
 /// A process that sits in the cable between a host and a switch: frames of the directions that it takes go through its
 /// hands, the others pass untouched.
-struct CutInUse {
+struct BumpUse {
     config::Ref host, link;
     bool from_host{false}, to_host{false};
 };
@@ -61,8 +61,8 @@ class ProcessSettings {
     /// In lockstep a frame makes its receivers work in the same tick.
     [[nodiscard]] virtual std::vector<WireUse> sends(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<WireUse> receives(Scenario const&, Process const&) const { return {}; }
-    /// Must not ask for what is sent or received through cut-ins.
-    [[nodiscard]] virtual std::vector<CutInUse> cut_ins(Scenario const&, Process const&) const { return {}; }
+    /// Must not ask for what is sent or received through bumps in the wire.
+    [[nodiscard]] virtual std::vector<BumpUse> bumps(Scenario const&, Process const&) const { return {}; }
     /// Hosts into whose networks it looks from its own; it is told where they are in GRIDSPACE_NETWORKS.
     [[nodiscard]] virtual std::vector<std::string> networks(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<SignalUse> signals(Scenario const&, Process const&) const { return {}; }

@@ -13,6 +13,7 @@
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
 #include "sim/app/engine_factory.hpp"
+#include "sim/controls/control_config.hpp"
 #include "sim/gateway/gateway_config.hpp"
 
 #include <algorithm>
@@ -72,6 +73,14 @@ class SimSettings final : public ProcessSettings {
                 out.push_back({"decisions", "ChargingDecision", with_evs});
             }
         }
+        std::vector<sim::ControlConfig> const steered = controls(s);
+        for (auto const& [topic, type, commands] :
+             {std::tuple{"set_points", "SetPoint", false}, std::tuple{"commands", "ElementCommand", true}}) {
+            if (std::any_of(steered.begin(), steered.end(),
+                            [&](auto const& c) { return c.quantity.empty() == commands; })) {
+                out.push_back({topic, type, 1, false, true}); // who does not write it is said by check()
+            }
+        }
         for (sim::LineGatewayConfig const& gateway : gateways(s).lines) {
             for (auto const& subscribe : gateway.subscribe) {
                 out.push_back({subscribe.topic.name, "TripCommand", 1, false, true}); // a line may be without a relay
@@ -99,6 +108,7 @@ class SimSettings final : public ProcessSettings {
             check_gateways(all, *s.network, diagnostics);
         }
         (void)sim::read_sampling(s.simulation.sampling, diagnostics);
+        check_steering(s, process, diagnostics);
     }
 
   private:
@@ -111,12 +121,56 @@ class SimSettings final : public ProcessSettings {
             (signal.rate_hz == 0 ? switching : sampled) += wanted ? 1 : 0;
         }
         for (auto const& [group, count] : {std::pair{"electrical", sampled}, {"switching", switching}}) {
-            if (count > bus::kMostSignals) {
+            if (count > bus::kMaxSignals) {
                 diagnostics.error(process.name.where,
-                                  fmt::format("{} signals in group '{}', and {} fit", count, group, bus::kMostSignals),
+                                  fmt::format("{} signals in group '{}', and {} fit", count, group, bus::kMaxSignals),
                                   "choose some with record.signals: `gridspace signals SCENARIO` lists them");
             }
         }
+    }
+    /// Who may steer must be there and say so; nothing is steered by two.
+    void check_steering(Scenario const& s, Process const& process, Diagnostics& diagnostics) const {
+        std::vector<sim::ControlConfig> const all = sim::read_controls(s.simulation.controls, diagnostics);
+        if (s.network) {
+            check_controls(all, *s.network, s.simulation.solver == sim::SolverKind::emt, diagnostics);
+        }
+        std::vector<std::string> names;
+        for (Process const& one : s.processes) {
+            names.push_back(one.name.name);
+        }
+        std::vector<TopicUse> const read = reads(s, process);
+        bool const decided =
+            std::any_of(read.begin(), read.end(), [](auto const& use) { return use.topic == "decisions"; });
+        for (sim::ControlConfig const& control : all) {
+            if (decided && control.kind->section == "evs" && control.quantity == "current_a") {
+                diagnostics.error(
+                    control.path.where,
+                    fmt::format("control '{}': EVs are steered by the topic 'decisions' as well", control.path.name),
+                    "`gateways: per_bus` reads it; one of the two", static_cast<int>(control.path.name.size()));
+            }
+            std::string const topic = control.quantity.empty() ? "commands" : "set_points";
+            for (Ref const& from : control.from) {
+                if (!check_name(from, names, fmt::format("control '{}' is for the process", control.path.name),
+                                diagnostics)) {
+                    continue;
+                }
+                Process const& who = *s.find_process(from.name);
+                std::vector<TopicUse> const writes =
+                    who.settings == nullptr ? std::vector<TopicUse>{} : who.settings->writes(s, who);
+                if (who.settings != nullptr &&
+                    std::none_of(writes.begin(), writes.end(), [&](auto const& use) { return use.topic == topic; })) {
+                    diagnostics.error(from.where,
+                                      fmt::format("control '{}': process '{}' does not write the topic '{}'",
+                                                  control.path.name, from.name, topic),
+                                      "what it writes is in its `writes:`, or the program says it itself",
+                                      static_cast<int>(from.name.size()));
+                }
+            }
+        }
+    }
+    static std::vector<sim::ControlConfig> controls(Scenario const& s) {
+        Diagnostics ignored; // reported by check()
+        return sim::read_controls(s.simulation.controls, ignored);
     }
     static sim::GatewaysConfig gateways(Scenario const& s) {
         Diagnostics ignored; // reported by check()

@@ -198,7 +198,7 @@ void check_run_on(Scenario const& scenario, config::Diagnostics& diagnostics) {
                             process.name.name, process.run_on, process.program.name),
                 "`run_on: native`", static_cast<int>(process.run_on.size()));
         } else if (run_on->kind == RunOn::Kind::qemu_user && process.settings != nullptr &&
-                   !process.settings->cut_ins(scenario, process).empty()) {
+                   !process.settings->bumps(scenario, process).empty()) {
             diagnostics.warning(where,
                                 fmt::format("process '{}' sits in a cable: frames that it hands on lose their VLAN tag",
                                             process.name.name),

@@ -109,6 +109,7 @@ struct Scenario {
 void describe_scenario_keys(config::Fields& fields);
 
 struct LoadOptions {
+    config::Node const* over{nullptr};  ///< laid over the file first, as by a file that extends it
     std::vector<std::string> set{};     ///< --set a.b=c
     std::optional<double> speed{};      ///< --speed; 0: max
     std::optional<std::string> until{}; ///< --until 10s

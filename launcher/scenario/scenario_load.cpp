@@ -338,6 +338,9 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
                           "run `gridspace powerflow` on it, or name it as simulation.network of a scenario");
         return nullptr;
     }
+    if (options.over != nullptr) {
+        config::merge(*root, *options.over);
+    }
     apply_options(*root, options, diagnostics);
     if (Node* streams = root->find("streams")) {
         config::resolve_likes(*streams, diagnostics);

@@ -4,7 +4,7 @@
 
 #include "common/text.hpp"
 #include "launcher/scenario/addresses.hpp"
-#include "launcher/scenario/cut_ins.hpp"
+#include "launcher/scenario/bumps.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMostColumns = 10000; ///< of a query
+constexpr int kMaxColumns = 10000; ///< of a query
 
 std::string text(Json const& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -304,9 +304,9 @@ web::Response Api::signal_query(web::Target const& target) const {
         return problem(400, fmt::format("t1 ({} s) is before t0 ({} s)", shortest(*t1), shortest(*t0)),
                        "t0 is where the stretch begins, t1 where it ends");
     }
-    if (px && (*px < 1 || *px > kMostColumns || *px != std::floor(*px))) {
+    if (px && (*px < 1 || *px > kMaxColumns || *px != std::floor(*px))) {
         return problem(400, "px is '" + target.query.at("px") + "'",
-                       fmt::format("a whole number of columns, 1 to {}", kMostColumns));
+                       fmt::format("a whole number of columns, 1 to {}", kMaxColumns));
     }
     std::vector<std::string> const wanted = split(names->second, ',');
     if (wanted.size() > 64) {

@@ -22,7 +22,7 @@ namespace {
 constexpr std::array<std::string_view, 5> kProfiles{"simulation_clock", "member_status", "type_catalog",
                                                     "signal_catalog", "signals"};
 
-constexpr std::size_t kMostTopics = 1024; ///< each takes a reader, and up to 256 kB of newest samples
+constexpr std::size_t kMaxTopics = 1024; ///< each takes a reader, and up to 256 kB of newest samples
 
 /// What the reader of a topic asks for. One that asks for more than a writer offers gets nothing from it: the weakest
 /// of the topic's writers decides, or what all of them have in common.
@@ -81,13 +81,13 @@ struct BusTap::Network final : bus::DiscoveryObserver {
             run.graph.look_through(us.id);
         }
         if (!run.graph.endpoint_found(name, endpoint)) {
-            run.full("readers and writers", graph::GraphModel::kMostEndpoints);
+            run.full("readers and writers", graph::GraphModel::kMaxEndpoints);
         }
         if (!endpoint.writer) {
             return;
         }
-        if (followed.size() >= kMostTopics && !followed.contains(endpoint.topic)) {
-            run.full("topics of a network", kMostTopics);
+        if (followed.size() >= kMaxTopics && !followed.contains(endpoint.topic)) {
+            run.full("topics of a network", kMaxTopics);
             return;
         }
         auto const [it, first] = followed.try_emplace(endpoint.topic, Wanted{});

@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 2> kProtocols{"foxglove.websocket.v1", "foxglove.sdk.v1"};
-constexpr std::size_t kMostSubscriptions = 512;
+constexpr std::size_t kMaxSubscriptions = 512;
 constexpr std::uint8_t kMessageData = 1, kTime = 2; // binary messages of a server
 
 std::string text(Json const& json) {
@@ -91,7 +91,7 @@ void FoxgloveHub::message(web::ClientId id, std::string const& content) {
             if (!number || !channel || *channel == 0 || *channel > channels_.size()) {
                 client.problems.push_back(
                     "a subscription needs an id and the channelId of a channel that was advertised");
-            } else if (client.subscriptions.contains(*number) || client.subscriptions.size() >= kMostSubscriptions) {
+            } else if (client.subscriptions.contains(*number) || client.subscriptions.size() >= kMaxSubscriptions) {
                 client.problems.push_back(fmt::format("subscription {} is there already, or one too many", *number));
             } else {
                 client.subscriptions[*number] = {*channel, 0, true};
@@ -106,7 +106,7 @@ void FoxgloveHub::message(web::ClientId id, std::string const& content) {
     } else if (op == "subscribeConnectionGraph" || op == "unsubscribeConnectionGraph") {
         client.graph = op == "subscribeConnectionGraph";
         client.graph_revision = 0;
-        client.told_topics.clear();
+        client.advertised_topics.clear();
     } else {
         client.problems.push_back("only subscriptions are understood: nothing can be changed here");
     }
@@ -175,12 +175,12 @@ std::string FoxgloveHub::connection_graph(Client& client) const {
         subscribed.push_back({{"name", topic.name}, {"subscriberIds", std::move(readers)}});
         names.push_back(topic.name);
     }
-    for (std::string const& told : client.told_topics) {
+    for (std::string const& told : client.advertised_topics) {
         if (std::find(names.begin(), names.end(), told) == names.end()) {
             removed.push_back(told);
         }
     }
-    client.told_topics = std::move(names);
+    client.advertised_topics = std::move(names);
     client.graph_revision = graph.revision;
     return text({{"op", "connectionGraphUpdate"},
                  {"publishedTopics", std::move(published)},
@@ -223,8 +223,8 @@ void FoxgloveHub::step(web::Server& server) {
         for (std::string const& problem : std::exchange(client.problems, {})) {
             say({{"op", "status"}, {"level", 1}, {"message", problem}});
         }
-        for (; client.told_without_idl < without_idl_.size(); ++client.told_without_idl) {
-            say({{"op", "status"}, {"level", 1}, {"message", without_idl_[client.told_without_idl]}});
+        for (; client.reported_without_idl < without_idl_.size(); ++client.reported_without_idl) {
+            say({{"op", "status"}, {"level", 1}, {"message", without_idl_[client.reported_without_idl]}});
         }
         if (time != nullptr) {
             server.push(id, {.octets = time, .binary = true});

@@ -46,9 +46,9 @@ class FoxgloveHub {
         std::map<std::uint32_t, Subscription> subscriptions; ///< by the client's own number
         bool graph{false};                                   ///< wants to know who writes and reads
         std::uint64_t graph_revision{0};
-        std::vector<std::string> told_topics;
+        std::vector<std::string> advertised_topics;
         std::vector<std::string> problems; ///< to be told
-        std::size_t told_without_idl{0};
+        std::size_t reported_without_idl{0};
     };
     void find_channels();
     [[nodiscard]] std::int64_t present_ns() const;

@@ -13,8 +13,8 @@
 namespace gridspace::monitor {
 namespace {
 
-constexpr std::size_t kRows = 65536;    ///< of samples: 13 s of 4800 Hz as they came, then lowest and highest
-constexpr std::size_t kMostTracks = 64; ///< detectors times streams
+constexpr std::size_t kRows = 65536;   ///< of samples: 13 s of 4800 Hz as they came, then lowest and highest
+constexpr std::size_t kMaxTracks = 64; ///< detectors times streams
 constexpr std::array kOfPhase{"raw", "forecast", "accepted", "limit", "flagged"};
 constexpr std::array kFigures{
     "judged", "flagged_samples", "false_positives", "false_positive_percent", "open_loop_false_positive_percent",
@@ -41,7 +41,7 @@ bool IntrusionView::on_verdict(std::span<std::byte const> cdr, Signals& signals)
         return false;
     }
     std::pair<std::string, std::string> const key{sample.detector().c_str(), sample.stream().c_str()};
-    if (!tracks_.contains(key) && tracks_.size() >= kMostTracks) {
+    if (!tracks_.contains(key) && tracks_.size() >= kMaxTracks) {
         return true;
     }
     Track& track = tracks_[key];

@@ -24,7 +24,7 @@ constexpr std::size_t kKeptEvents = 10'000;
 constexpr std::size_t kGroups = 256;
 constexpr std::size_t kStreamEnds = 4096;
 constexpr std::size_t kTypes = 4096;
-constexpr std::size_t kTold = 1024;
+constexpr std::size_t kMaxReported = 1024;
 constexpr std::size_t kProcesses = 4096;         ///< that acknowledge
 constexpr std::size_t kWindowValues = 4'000'000; ///< of one group and level: 16 MB, 32 MB in the coarser ones
 
@@ -254,7 +254,7 @@ void LiveRun::full(std::string const& what, std::size_t limit) {
 }
 
 void LiveRun::tell_once(std::string const& event, std::string const& text) {
-    if (told_.size() < kTold && told_.insert(text).second) {
+    if (reported_.size() < kMaxReported && reported_.insert(text).second) {
         log::warning("{}", text);
         add_event({0, clock.time_s, "monitor", event, text});
     }
@@ -269,7 +269,7 @@ void LiveRun::tell_not_heard() {
         }
     }
     for (std::string const& text : now) { // a reader that is just being replaced misses nothing
-        if (unheard_.contains(text) && told_unheard_.size() < kGroups && told_unheard_.insert(text).second) {
+        if (unheard_.contains(text) && reported_unheard_.size() < kGroups && reported_unheard_.insert(text).second) {
             add_event({0, clock.time_s, "monitor", "not_heard", text});
         }
     }

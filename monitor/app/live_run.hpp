@@ -122,9 +122,9 @@ struct LiveRun {
     void reach(std::int64_t time_ns, std::uint64_t tick);
     mutable std::optional<graph::Snapshot> snapshot_; ///< of the newest revision that somebody has asked for
     IntrusionView intrusion_;
-    std::set<std::string> told_;                   ///< once
-    std::set<std::string> unheard_, told_unheard_; ///< when it was last looked at, and ever
-    std::string clock_process_;                    ///< who publishes the clock
+    std::set<std::string> reported_;                   ///< once
+    std::set<std::string> unheard_, reported_unheard_; ///< when it was last looked at, and ever
+    std::string clock_process_;                        ///< who publishes the clock
     double time_then_s_{0};
 };
 

@@ -18,9 +18,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::milliseconds kStatePeriod{200};
 constexpr std::chrono::milliseconds kTopicsPeriod{1000};
-constexpr std::size_t kMostViews = 48, kMostNames = 64, kMostPixels = 4000;
+constexpr std::size_t kMaxViews = 48, kMaxNames = 64, kMaxPixels = 4000;
 constexpr std::size_t kLongestId = 64, kLongestName = 256; // octets
-constexpr std::size_t kMostPoints = 65'536;                ///< of a view: 1 MiB
+constexpr std::size_t kMaxPoints = 65'536;                 ///< of a view: 1 MiB
 // A client's queue holds 32 messages and 4 MiB (web::Limits) before it loses some: with what may wait already, these
 // views and what else is told in one step fit.
 constexpr std::size_t kFewMessages = 4, kFewOctets = 256 * 1024;      ///< that may wait when a view is drawn
@@ -89,19 +89,19 @@ void PushHub::message(web::ClientId client, std::string const& text) {
     }
     for (Json const& name : json.value("names", Json::array())) {
         if (name.is_string() && name.get_ref<std::string const&>().size() <= kLongestName &&
-            view.names.size() < kMostNames) {
+            view.names.size() < kMaxNames) {
             view.names.push_back(name.get<std::string>());
         }
     }
     view.from_s = number(json, "t0", 0);
     view.to_s = number(json, "t1", 0);
     view.window_s = number(json, "window_s", 0);
-    double const widest = std::min(static_cast<double>(kMostPixels),
-                                   static_cast<double>(kMostPoints) / static_cast<double>(2 * view.names.size() + 1));
+    double const widest = std::min(static_cast<double>(kMaxPixels),
+                                   static_cast<double>(kMaxPoints) / static_cast<double>(2 * view.names.size() + 1));
     view.pixels = static_cast<std::size_t>(std::clamp(number(json, "px", 800), 16.0, widest));
     std::lock_guard const lock{mutex_};
     auto const it = inboxes_.find(client);
-    if (it != inboxes_.end() && (it->second.views.contains(view.id) || it->second.views.size() < 4 * kMostViews)) {
+    if (it != inboxes_.end() && (it->second.views.contains(view.id) || it->second.views.size() < 4 * kMaxViews)) {
         it->second.views[view.id] = std::move(view);
     }
 }
@@ -123,7 +123,7 @@ void PushHub::collect() {
             return it != inbox.views.end() && it->second.names.empty();
         });
         for (auto& [name, view] : inbox.views) {
-            if (!view.names.empty() && (client.views.contains(name) || client.views.size() < kMostViews)) {
+            if (!view.names.empty() && (client.views.contains(name) || client.views.size() < kMaxViews)) {
                 client.views[name] = std::move(view);
             }
         }
@@ -248,8 +248,8 @@ void PushHub::tell(web::Server& server, bool topics_due) {
             graph = graph == nullptr ? share(wrapped("graph", "graph", api_.graph())) : graph;
             server.push(id, {.octets = graph, .lasting = true});
         }
-        if (client.signals_told != signals) {
-            client.signals_told = signals;
+        if (client.signals_sent != signals) {
+            client.signals_sent = signals;
             names = names == nullptr ? share(wrapped("signals", "list", api_.signals())) : names;
             server.push(id, {.octets = names, .lasting = true});
         }
@@ -269,8 +269,8 @@ void PushHub::tell(web::Server& server, bool topics_due) {
             server.push(id, {.octets = topics});
             server.push(id, {.octets = streams});
         }
-        if (std::uint64_t const dropped = server.dropped(id); dropped != client.dropped_told) {
-            client.dropped_told = dropped;
+        if (std::uint64_t const dropped = server.dropped(id); dropped != client.dropped_reported) {
+            client.dropped_reported = dropped;
             for (auto& [name, view] : client.views) {
                 view.asked = true; // it may be the one that was lost, and of a finished run nothing new would come
             }

@@ -53,8 +53,8 @@ class PushHub {
         bool fresh{true};
         bool moved{false};          ///< it has not been told what held there
         std::optional<double> at_s; ///< the instant that the client looks at, of a recorded run
-        std::uint64_t graph_revision{0}, events_sent{0}, dropped_told{0};
-        std::size_t signals_told{0};
+        std::uint64_t graph_revision{0}, events_sent{0}, dropped_reported{0};
+        std::size_t signals_sent{0};
         std::map<std::string, View> views;
         std::string drawn_last; ///< id of a view; the next one is the next to be drawn
     };

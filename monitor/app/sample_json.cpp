@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostFields = 1000; ///< of one sample, in a page
+constexpr std::size_t kMaxFields = 1000; ///< of one sample, in a page
 
 struct ToJson final : idl::Visitor {
     explicit ToJson(idl::KeyFinder const& finder) : key_finder{finder} {}
@@ -28,7 +28,7 @@ struct ToJson final : idl::Visitor {
         if (key_finder.covers(path)) {
             key += (key.empty() ? "" : "/") + idl::to_text(value);
         }
-        if (fields.size() >= kMostFields) {
+        if (fields.size() >= kMaxFields) {
             cut = true;
             return;
         }

@@ -60,7 +60,7 @@ void GraphModel::participant_gone(std::string const& id, bool clean) {
             return !entry.second.here && !expected_.contains(entry.second.info.peer.process);
         };
         if (is_gone_stranger(*it) &&
-            static_cast<std::size_t>(std::ranges::count_if(participants_, is_gone_stranger)) > kMostGone) {
+            static_cast<std::size_t>(std::ranges::count_if(participants_, is_gone_stranger)) > kMaxGone) {
             participants_.erase(it);
         }
         ++revision_;
@@ -92,7 +92,7 @@ void GraphModel::process_died(std::string const& process) {
 }
 
 bool GraphModel::endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint) {
-    if (endpoints_.size() >= kMostEndpoints && !endpoints_.contains(endpoint.id)) {
+    if (endpoints_.size() >= kMaxEndpoints && !endpoints_.contains(endpoint.id)) {
         return false;
     }
     endpoints_[endpoint.id] = {endpoint, network, {}};

@@ -69,8 +69,8 @@ struct Snapshot {
 /// Who is in the domains, kept up to date from what discovery tells. Pure: no DDS, no lock.
 class GraphModel {
   public:
-    static constexpr std::size_t kMostEndpoints = 8192; ///< who comes first stays
-    static constexpr std::size_t kMostGone = 256;       ///< participants that have left, and are no process of the run
+    static constexpr std::size_t kMaxEndpoints = 8192; ///< who comes first stays
+    static constexpr std::size_t kMaxGone = 256;       ///< participants that have left, and are no process of the run
     void expect(Process process);
     void wire(WireEdge edge);
 

@@ -55,7 +55,7 @@ class PushSession final : public Closable, public std::enable_shared_from_this<P
     void push(Message message);
     void close() override { beast::get_lowest_layer(socket_).close(); }
     [[nodiscard]] ClientId id() const { return id_; }
-    [[nodiscard]] bool has_told_everything() const { return waiting_.empty(); }
+    [[nodiscard]] bool has_sent_everything() const { return waiting_.empty(); }
 
   private:
     void read();

@@ -72,7 +72,7 @@ void ServerImpl::drain(std::chrono::milliseconds patience) {
         auto future = answer.get_future();
         asio::post(context_, [&] { // behind whatever was pushed
             answer.set_value(std::all_of(clients_.begin(), clients_.end(),
-                                         [](auto const& entry) { return entry.second->has_told_everything(); }));
+                                         [](auto const& entry) { return entry.second->has_sent_everything(); }));
         });
         return future.get();
     };

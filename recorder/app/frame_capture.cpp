@@ -21,7 +21,7 @@ namespace gridspace::recorder {
 namespace {
 
 /// Real time: frames that wait for a disk which hangs, in octets. What comes on top is dropped and counted.
-constexpr std::size_t kMostWaiting = 32U << 20U;
+constexpr std::size_t kMaxWaiting = 32U << 20U;
 
 /// A port and a way through it in one number, which a frame carries through its reader.
 std::uint32_t place_of(std::size_t port, bool outgoing) {
@@ -117,7 +117,7 @@ FrameCapture::~FrameCapture() {
 FrameCapture::Way FrameCapture::way_of(std::string const& link) {
     if (!node_.lockstep()) {
         bus::WireReader* const all = reader_of({"", 0});
-        all->bound(kMostWaiting);
+        all->bound(kMaxWaiting);
         return {all, all, all};
     }
     if (link.empty()) {
@@ -157,6 +157,9 @@ Result<void> FrameCapture::open_ports(CaptureConfig const& config) {
         options.interface = port.interface;
         options.promiscuous = true;
         options.include_outgoing = port.both_ways;
+        if (node_.lockstep()) {
+            options.own_sources = lockstep::kRunAddressOctets;
+        }
         auto socket = ethernet::Port::open(options);
         if (!socket) {
             return std::unexpected{socket.error()};
@@ -203,6 +206,11 @@ std::vector<std::string> FrameCapture::strangers() const {
         if (port.others.total() > 0) {
             out.push_back(fmt::format("{} frames that are neither SMV, GOOSE nor IP at '{}': {}", port.others.total(),
                                       port.name, port.others.text()));
+        }
+        if (std::uint64_t const lost = node_.lockstep() ? port.socket->counters().others_dropped : 0; lost > 0) {
+            out.push_back(fmt::format("{} frames at '{}' from addresses that are not of this run came faster than they "
+                                      "could be looked at",
+                                      lost, port.name));
         }
     }
     return out;

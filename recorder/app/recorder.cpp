@@ -46,7 +46,7 @@ struct Entry {
 };
 
 /// Real time: what may wait of one topic while the disk is slow.
-constexpr std::size_t kMostWaiting = 32U << 20U;
+constexpr std::size_t kMaxWaiting = 32U << 20U;
 
 class RecorderShell {
   public:
@@ -209,7 +209,7 @@ class RecorderShell {
                 reader = std::move(*opened);
             }
             if (!node_.lockstep()) {
-                reader->bound(kMostWaiting);
+                reader->bound(kMaxWaiting);
             }
             tap.reader = std::move(reader);
             taps_.push_back(std::move(tap));

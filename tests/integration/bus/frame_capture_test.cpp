@@ -14,7 +14,7 @@
 namespace gridspace::recorder {
 namespace {
 
-constexpr std::size_t kOctets = 1500, kMost = 32U << 20U;
+constexpr std::size_t kOctets = 1500, kMax = 32U << 20U;
 
 class FrameCaptureTest : public ethernet::Veth {
   protected:
@@ -49,7 +49,7 @@ TEST_F(FrameCaptureTest, KeepsSoMuchOfWhatADiskThatHangsDoesNotTakeAndCountsTheR
     std::vector<std::uint8_t> frame(kOctets, 0xFF); // a broadcast
     frame[12] = 0x88;
     frame[13] = 0xB5; // experimental
-    for (std::size_t i = 0; i < 2 * kMost / kOctets; ++i) {
+    for (std::size_t i = 0; i < 2 * kMax / kOctets; ++i) {
         while (!sender->send(frame)) {
         }
         if (i % 1024 == 1023) { // the capturing thread keeps up, the disk does not
@@ -59,7 +59,7 @@ TEST_F(FrameCaptureTest, KeepsSoMuchOfWhatADiskThatHangsDoesNotTakeAndCountsTheR
     ASSERT_TRUE((*sut)->write_due()); // the disk works again: what was kept
     ASSERT_TRUE((*sut)->close());
     EXPECT_GT((*sut)->dropped(), 0U);
-    EXPECT_LT(std::filesystem::file_size(file_), kMost + kMost / 8) << "with what the file says about each frame";
+    EXPECT_LT(std::filesystem::file_size(file_), kMax + kMax / 8) << "with what the file says about each frame";
 }
 
 } // namespace

@@ -66,7 +66,7 @@ def differences(first, second):
 
 
 class CutCable(ScenarioTest):
-    def test_both_sides_of_a_cut_in_are_captured_under_names(self):
+    def test_both_sides_of_a_bump_are_captured_under_names(self):
         self.write("base.yaml", SHORT_CASE_2)
         sound = Capture(self.run_to_end("sound", scenario=self.folder / "base.yaml").folder / "bus.pcapng")
         run = self.run_to_end("cut", scenario=self.write("cut.yaml", CUT))

@@ -200,6 +200,41 @@ TEST_P(PortTest, CountsWhatItCouldNotFetchInTime) {
     EXPECT_EQ(sut.counters().dropped + fetched, 1000U) << "asking twice changes nothing";
 }
 
+TEST_P(PortTest, AFloodByOthersTakesNoRoomFromFramesOfTheRun) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    PortOptions o = options("right");
+    o.ring_frames = 256;
+    o.receive_buffer = 1U << 20U;
+    o.own_sources = {0x02, 0x47, 0x53};
+    Port sut = open(o);
+    Buffer own = frame(1, kSv, 0x4000, 1), other = frame(2);
+    std::copy_n(o.own_sources->begin(), 3, own.begin() + 6);
+    constexpr std::size_t kFlood = 10'000, kOwn = 100;
+    for (std::size_t i = 0; i < kFlood; ++i) { // and nobody fetches
+        ASSERT_TRUE(sender.send(Octets{other}));
+        if (i % (kFlood / kOwn) == 0) {
+            ASSERT_TRUE(sender.send(Octets{own}));
+        }
+    }
+    ASSERT_TRUE(sut.wait(1'000'000'000));
+    std::vector<ReceivedFrame> batch(64);
+    std::size_t owns = 0, others = 0;
+    for (std::size_t n = 0; (n = sut.receive(batch)) > 0;) {
+        for (std::size_t i = 0; i < n; ++i) {
+            bool const is_own = number_of(batch[i].octets) == 1;
+            EXPECT_TRUE(!is_own || others == 0) << "its own come first";
+            ++(is_own ? owns : others);
+        }
+    }
+    EXPECT_EQ(owns, kOwn);
+    EXPECT_GT(others, 0U);
+    EXPECT_EQ(others + sut.counters().others_dropped, kFlood);
+    EXPECT_EQ(sut.counters().dropped, 0U);
+    ASSERT_TRUE(sender.send(Octets{other})) << "who has no frames of the run waiting is woken by others, too";
+    EXPECT_TRUE(sut.wait(1'000'000'000));
+    EXPECT_EQ(sut.receive(batch), 1U);
+}
+
 TEST_P(PortTest, IsNotDisturbedByAStormOfForeignFrames) {
     Port sender = open({.interface = "left", .filter = {}, .receive = false});
     PortOptions o = options("right");

@@ -20,7 +20,7 @@ TEST(EmtConverters, AVehicleDrawsTheBatteryPowerOverItsEfficiencyAndStopsAtItsTa
                            "efficiency: 0.9, soc_start_percent: 50, soc_stop_percent: 80, current_lag_s: 0.01}}\n"),
                 kBase, Rational{1, 48000});
     EXPECT_NEAR(read(*sut, "ev.E.p_kw"), 0, 1e-6);
-    apply(*sut, SetChargingCurrent{"E", 40}); // more than it can
+    apply(*sut, SetParameter{"evs.E.current_a", 40}); // more than it can
     for (int n = 1; n <= 9600; ++n) {
         advance(*sut, SimTime{n});
     }

@@ -42,7 +42,7 @@ class Samples {
 };
 
 SvFirstLine rules(FirstLineConfig::OnFinding on_finding, bool judge_arrival = false) {
-    return SvFirstLine{{on_finding, false}, 4800, false, judge_arrival};
+    return SvFirstLine{{.on_finding = on_finding}, 4800, false, judge_arrival};
 }
 constexpr auto kRefuse = FirstLineConfig::OnFinding::refuse, kReport = FirstLineConfig::OnFinding::report;
 
@@ -148,7 +148,7 @@ class Messages {
 };
 
 TEST(GooseFirstLine, RefusesATripFromAnotherAddress) {
-    GooseFirstLine sut{{kRefuse, false}, 1, 10, false, 30};
+    GooseFirstLine sut{{.on_finding = kRefuse}, 1, 10, false, 30};
     Messages relay, forged{66};
     std::int64_t now = 1'575'158'400'000'000'000;
     for (std::uint32_t sq = 0; sq < 20; ++sq) {
@@ -161,7 +161,7 @@ TEST(GooseFirstLine, RefusesATripFromAnotherAddress) {
 }
 
 TEST(GooseFirstLine, TakesARestartedPublisherWhenTheLastMessageHasExpired) {
-    GooseFirstLine sut{{kRefuse, false}, 1, 10, false, 30};
+    GooseFirstLine sut{{.on_finding = kRefuse}, 1, 10, false, 30};
     Messages relay;
     std::int64_t now = 1'575'158'400'000'000'000;
     ASSERT_TRUE(sut.judge(relay.message(7, 3, true), now).use);
@@ -171,7 +171,7 @@ TEST(GooseFirstLine, TakesARestartedPublisherWhenTheLastMessageHasExpired) {
 }
 
 TEST(GooseFirstLine, FindsNothingInATimeToLiveThatGrowsWithTheIntervalsAndSomethingInOneThatDoesNot) {
-    GooseFirstLine sut{{kReport, false}, 4, 1000, false, 3000};
+    GooseFirstLine sut{{.on_finding = kReport}, 4, 1000, false, 3000};
     Messages relay;
     std::int64_t now = 1'575'158'400'000'000'000;
     std::uint32_t sq = 0;

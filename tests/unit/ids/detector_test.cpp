@@ -293,6 +293,34 @@ TEST(Supervisor, InDelayModeALastingForgeryTripsAfterTwentyMilliseconds) {
     EXPECT_EQ(sut.trip - unprotected.trip, 96);
 }
 
+TEST(Supervisor, SaysWithin100MsThatAStandingDifferenceKeepsItFromConfirmingFaults) {
+    for (double const ratio : {1.0, 1.02, 1.05}) { // of a current transformer; 2 % is within the limit of 3 %
+        LineWaveform const w = synthesise(quiet_grid(), Situation::quiet, 3, 1);
+        Protection sut{params(Mode::supervise)};
+        std::int64_t said = -1, usable = -1;
+        for (std::size_t k = 0; k < w.size(); ++k) {
+            auto const index = static_cast<std::int64_t>(k);
+            Abc from = w.from[k];
+            for (double& i : from) {
+                i *= ratio;
+            }
+            sut.step(index, from, w.to[k]);
+            usable = usable < 0 && sut.detector.from().verdict().ready ? index : usable;
+            if (said < 0 && (sut.detector.verdict().alarms & kNotArmed) != 0) {
+                said = index;
+            }
+        }
+        ASSERT_GE(usable, 0);
+        if (ratio > 1.03) {
+            EXPECT_GE(said, 0);
+            EXPECT_LE(said - usable, 480);
+        } else {
+            EXPECT_EQ(said, -1) << ratio;
+        }
+        EXPECT_EQ(sut.trip, -1);
+    }
+}
+
 TEST(Supervisor, ACoordinatedForgeryOfBothEndsPasses) { // what no detector of currents can tell from a fault
     LineWaveform const w = synthesise(quiet_grid(), Situation::quiet, 3, 1);
     attacker::SampleAttack from = masquerade(700, 90), to = masquerade(700, -60);

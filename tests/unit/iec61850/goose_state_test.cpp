@@ -202,11 +202,11 @@ TEST(DataSet, FindsTheTimeBesideAMember) {
                          DataNode::leaf("t", BasicType::timestamp)}};
     };
     std::vector<Leaf> const nested = leaves_of({{inside("Str"), inside("Op")}});
-    EXPECT_EQ(time_beside(nested, 0), 2U);
-    EXPECT_EQ(time_beside(nested, 3), 5U);
-    EXPECT_EQ(time_beside(leaves_of(two_leaves().data_set), 0), 2U);
-    EXPECT_FALSE(time_beside(leaves_of({{DataNode::leaf("trip", BasicType::boolean), inside("Op")}}), 0));
-    EXPECT_FALSE(time_beside(
+    EXPECT_EQ(time_next_to(nested, 0), 2U);
+    EXPECT_EQ(time_next_to(nested, 3), 5U);
+    EXPECT_EQ(time_next_to(leaves_of(two_leaves().data_set), 0), 2U);
+    EXPECT_FALSE(time_next_to(leaves_of({{DataNode::leaf("trip", BasicType::boolean), inside("Op")}}), 0));
+    EXPECT_FALSE(time_next_to(
         leaves_of({{DataNode::leaf("trip", BasicType::boolean), DataNode::leaf("t", BasicType::int64)}}), 0));
 }
 

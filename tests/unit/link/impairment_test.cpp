@@ -200,7 +200,7 @@ TEST(Impairment, LosesTheSamplesThatAreNamedAlsoBehindTheWrapOfTheCounter) {
     Stream stream{0x4021}, other{0x4022};
     ImpairmentPlan plan;
     plan.marks = {stream.mark};
-    plan.deeds = {{0, 4799, 3, SampleDeed::What::lose, 0}, {0, 9605, 1, SampleDeed::What::lose, 0}};
+    plan.samples = {{0, 4799, 3, SampleImpairment::What::lose, 0}, {0, 9605, 1, SampleImpairment::What::lose, 0}};
     Impairment sut{plan, 1, "cable"};
     EXPECT_THAT(lost_of(sut, stream, 0, 9700), ElementsAre(4799, 4800, 4801, 9605));
     Impairment again{plan, 1, "cable"};

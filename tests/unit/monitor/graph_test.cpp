@@ -262,9 +262,9 @@ TEST(GraphModel, KeepsABoundedNumberOfStrangers) {
     EXPECT_FALSE(sut.endpoint_found("data", endpoint("one more", "p3", true)));
     EXPECT_TRUE(sut.endpoint_found("data", endpoint("w", "p1", true))) << "it is known";
     Snapshot const graph = sut.snapshot();
-    EXPECT_EQ(graph.endpoints.size(), GraphModel::kMostEndpoints);
+    EXPECT_EQ(graph.endpoints.size(), GraphModel::kMaxEndpoints);
     auto const gone = std::ranges::count(graph.processes, ProcessState::ended, &Process::state);
-    EXPECT_EQ(static_cast<std::size_t>(gone), GraphModel::kMostGone);
+    EXPECT_EQ(static_cast<std::size_t>(gone), GraphModel::kMaxGone);
 }
 
 } // namespace

@@ -141,7 +141,7 @@ TEST_F(LiveRunTest, KnowsFromTheEventLogWhoHasDied) {
 }
 
 TEST_F(LiveRunTest, KeepsNoMoreOctetsOfATopicWhenItsSamplesGrow) {
-    constexpr std::size_t kMost = 256 * 1024;
+    constexpr std::size_t kMax = 256 * 1024;
     auto const come = [&](std::size_t octets) {
         sut_.on_sample("data", "x", "Unknown", "p", std::vector<std::byte>(octets), 0);
         std::size_t kept = 0;
@@ -152,11 +152,11 @@ TEST_F(LiveRunTest, KeepsNoMoreOctetsOfATopicWhenItsSamplesGrow) {
     };
     auto const& newest = sut_.topics[{"data", "x"}].newest;
     for (int i = 0; i < 100; ++i) {
-        ASSERT_LE(come(100), kMost);
+        ASSERT_LE(come(100), kMax);
     }
     EXPECT_EQ(newest.size(), 64U);
     for (int i = 0; i < 100; ++i) {
-        ASSERT_LE(come(60'000), kMost) << i;
+        ASSERT_LE(come(60'000), kMax) << i;
     }
     EXPECT_EQ(newest.size(), 4U);
     EXPECT_EQ(come(1'000'000), 1'000'000U) << "the newest is always kept";

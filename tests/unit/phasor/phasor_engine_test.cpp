@@ -66,7 +66,7 @@ TEST(PhasorEngine, AnEvChargesByItsCurrentAndStopsExactlyAtItsTarget) {
         engine_of("buses: {A: {voltage_v: 480}}\ngenerators: {G: {bus: A, role: slack}}\n"
                   "evs: {E: {bus: A, capacity_kwh: 24, battery_v: 360, max_current_a: 15, efficiency: 0.95, "
                   "soc_start_percent: 79, soc_stop_percent: 80, current_lag_s: 2}}\n");
-    ASSERT_TRUE(sut->apply(SetChargingCurrent{"E", 99}).has_value()); // limited to 15 A
+    ASSERT_TRUE(sut->apply(SetParameter{"evs.E.current_a", 99}).has_value()); // limited to 15 A
     ASSERT_TRUE(sut->advance({1}).has_value());
     EXPECT_NEAR(read(*sut, "ev.E.current_a"), 15 * (1 - std::exp(-0.5)), 1e-4);
     for (int k = 2; k <= 60; ++k) {
@@ -133,7 +133,7 @@ TEST(PhasorEngine, KluAndDenseAgree) {
 
 TEST(PhasorEngine, WhatItCannotDoIsSaid) {
     auto const sut = engine_of(std::string{kFeeder});
-    EXPECT_FALSE(sut->apply(SetChargingCurrent{"E9", 1}).has_value());
+    EXPECT_FALSE(sut->apply(SetParameter{"evs.E9.current_a", 1}).has_value());
     EXPECT_FALSE(sut->apply(SwitchBreaker{"CB9", false}).has_value());
     EXPECT_FALSE(sut->apply(SetParameter{"loads.D.colour", 1}).has_value());
     EXPECT_FALSE(sut->apply(ApplyFault{}).has_value());
@@ -171,7 +171,7 @@ TEST(CaseOne, ReproducesThePublishedCompletionTimesAndVoltages) {
         }
         order_kept = order_kept && v[0] > v[3] && v[3] > v[1] && v[1] > v[2];
         for (auto const& decision : pending) {
-            ASSERT_TRUE(sim.apply(SetChargingCurrent{decision.ev, decision.current_a}).has_value());
+            ASSERT_TRUE(sim.apply(SetParameter{"evs." + decision.ev + ".current_a", decision.current_a}).has_value());
         }
         pending.clear();
         if (t % 360 == 0) {

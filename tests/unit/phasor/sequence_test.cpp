@@ -177,7 +177,7 @@ TEST(PhasorFixedStep, StopsExactlyWhereAnEvIsFull) {
                                             "evs: {E: {bus: A, capacity_kwh: 1, battery_v: 360, max_current_a: 15, "
                                             "soc_start_percent: 50, soc_stop_percent: 60, current_lag_s: 1}}\n"),
                                  Rational{1}, fixed);
-        apply(*sut, SetChargingCurrent{"E", 15});
+        apply(*sut, SetParameter{"evs.E.current_a", 15});
         for (int t = 1; t <= 100; ++t) {
             advance(*sut, SimTime{t});
         }

@@ -33,7 +33,7 @@ class Bench {
           bool accept_test = false)
         : streams_{std::move(streams)},
           sut{*CurrentInputs::create(streams_[0], streams_[1],
-                                     {{"Ia", "Ib", "Ic"}, 20'000'000, 3, {on_finding, false}, accept_test})} {
+                                     {{"Ia", "Ib", "Ic"}, 20'000'000, 3, {.on_finding = on_finding}, accept_test})} {
         sut.on_silence([this](std::size_t end) { silent.push_back(end); });
         sut.on_finding([this](std::size_t end, std::uint32_t found, iec61850::Mac const&) { findings[end] |= found; });
     }

@@ -117,16 +117,16 @@ TEST(Fragments, OfManySamplesHaveABoundForEachParticipantAndForAll) {
     for (std::int64_t sequence = 1; sequence <= 100; ++sequence) {
         begin(1, sequence, 64);
     }
-    EXPECT_EQ(sut.samples(), Fragments::kMostSamplesOfOne);
+    EXPECT_EQ(sut.samples(), Fragments::kMaxSamplesOfOne);
     for (std::int64_t sequence = 1; sequence <= 5; ++sequence) {
         begin(2, sequence, kWhole);
     }
-    EXPECT_EQ(sut.octets(), 64 * Fragments::kMostSamplesOfOne + Fragments::kMostOctetsOfOne);
+    EXPECT_EQ(sut.octets(), 64 * Fragments::kMaxSamplesOfOne + Fragments::kMaxOctetsOfOne);
     for (std::uint8_t who = 3; who < 20; ++who) {
         begin(who, 1, kWhole);
     }
-    EXPECT_LE(sut.octets(), Fragments::kMostOctets);
-    EXPECT_GE(sut.samples(), Fragments::kMostSamplesOfOne + 7) << "who holds little keeps it";
+    EXPECT_LE(sut.octets(), Fragments::kMaxOctets);
+    EXPECT_GE(sut.samples(), Fragments::kMaxSamplesOfOne + 7) << "who holds little keeps it";
 }
 
 } // namespace

@@ -27,8 +27,15 @@ TEST(Schema, TheCommittedSchemaOfNetworksIsCurrent) {
 TEST(Schema, TheCommittedSchemaOfRoutersIsCurrent) {
     EXPECT_TRUE(committed("configs/schema/router.schema.json") == router_schema()) << kHowTo;
 }
+TEST(Schema, TheCommittedSchemaOfStudiesIsCurrent) {
+    EXPECT_TRUE(committed("configs/schema/study.schema.json") == study_schema()) << kHowTo;
+}
 TEST(Schema, TheCommittedReferencePageIsCurrent) {
     EXPECT_TRUE(committed("docs/reference/config.md") == config_page()) << kHowTo;
+}
+
+TEST(Schema, TheCommittedTableOfActionsIsTheRegistry) {
+    EXPECT_TRUE(committed("docs/reference/actions.md") == actions_page()) << kHowTo;
 }
 
 TEST(Schema, AKeyHasTheBoundsAndTheDefaultOfItsDescription) {

@@ -23,7 +23,7 @@ class RecordingEngine final : public Engine {
         return {};
     }
     Result<void> apply(Action const& action) override {
-        told_.emplace_back(now_.quanta, std::get<SetChargingCurrent>(action).current_a);
+        told_.emplace_back(now_.quanta, std::get<SetParameter>(action).value);
         return {};
     }
     [[nodiscard]] std::vector<SignalDef> const& signals() const override { return signals_; }

@@ -1,0 +1,257 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/bumps.hpp"
+
+#include "common/text.hpp"
+#include "gateways/iec61850/frame.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Node;
+using Way = PlacedBump::Way;
+
+/// string<32> of WireLedgerEntry.
+constexpr std::size_t kLongestPiece = 32;
+
+std::string piece_from(std::string const& host, std::string const& link) {
+    return host + ">" + link;
+}
+std::string piece_to(std::string const& host, std::string const& link) {
+    return link + ">" + host;
+}
+
+/// Ethertypes that the processes of a host send or receive on a link.
+std::vector<std::uint16_t> ethertypes_of(Scenario const& scenario, std::string const& host, std::string const& link,
+                                         bool sent) {
+    std::vector<std::uint16_t> out;
+    for (Process const& process : scenario.processes) {
+        if (process.settings == nullptr || process.host.name != host) {
+            continue;
+        }
+        for (WireUse const& use :
+             sent ? process.settings->sends(scenario, process) : process.settings->receives(scenario, process)) {
+            if (use.link == link && !use.at_switch && std::find(out.begin(), out.end(), use.ethertype) == out.end()) {
+                out.push_back(use.ethertype);
+            }
+        }
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+}
+
+/// Names the pieces of one cable in one direction: `first` where frames enter it, `last` where they leave it.
+void name_pieces(std::vector<std::optional<Way>*> const& ways, std::string const& first, std::string const& last) {
+    std::string const stem = first.find('>') != std::string::npos ? first : last;
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+        (*ways[i])->in = i == 0 ? first : fmt::format("{}.{}", stem, i);
+        (*ways[i])->out = i + 1 == ways.size() ? last : fmt::format("{}.{}", stem, i + 1);
+    }
+}
+
+Node way_settings(Way const& way) {
+    Node node = Node::map();
+    node.set("in", Node::quoted_text(way.in));
+    node.set("out", Node::quoted_text(way.out));
+    for (std::uint16_t const ethertype : way.ethertypes) {
+        node.set(ethertype == iec61850::kSvEthertype ? "smv" : "goose", Node::scalar("true"));
+    }
+    return node;
+}
+
+std::vector<WireUse> with_pieces(Scenario const& scenario, Process const& process, std::vector<WireUse> uses,
+                                 bool sent) {
+    for (WireUse& use : uses) {
+        if (!use.at_switch) {
+            use.link = sent ? piece_sent_on(scenario, process.host.name, use.link)
+                            : piece_received_on(scenario, process.host.name, use.link);
+        }
+    }
+    for (PlacedBump const& bump : placed_bumps(scenario)) {
+        if (bump.process != process.name.name) {
+            continue;
+        }
+        for (auto const* way : {&bump.from_host, &bump.to_host}) {
+            if (way->has_value()) {
+                for (std::uint16_t const ethertype : (*way)->ethertypes) {
+                    uses.push_back({sent ? (*way)->out : (*way)->in, ethertype, ""});
+                }
+            }
+        }
+    }
+    return uses;
+}
+
+} // namespace
+
+std::vector<PlacedBump> placed_bumps(Scenario const& scenario) {
+    std::vector<PlacedBump> out;
+    for (Process const& process : scenario.processes) {
+        if (process.settings == nullptr) {
+            continue;
+        }
+        for (BumpUse const& use : process.settings->bumps(scenario, process)) {
+            PlacedBump bump;
+            bump.process = process.name.name;
+            bump.process_host = process.host.name;
+            bump.host = use.host.name;
+            bump.link = use.link.name;
+            bump.host_interface = fmt::format("cut{}_host", out.size());
+            bump.switch_interface = fmt::format("cut{}_switch", out.size());
+            if (use.from_host) {
+                bump.from_host = Way{"", "", ethertypes_of(scenario, bump.host, bump.link, true)};
+            }
+            if (use.to_host) {
+                bump.to_host = Way{"", "", ethertypes_of(scenario, bump.host, bump.link, false)};
+            }
+            out.push_back(std::move(bump));
+        }
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        auto const same_cable = [&](PlacedBump const& other) {
+            return other.host == out[i].host && other.link == out[i].link;
+        };
+        if (std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(i), same_cable)) {
+            continue; // named with the first one of the cable
+        }
+        std::vector<std::optional<Way>*> from, to;
+        for (PlacedBump& bump : out) {
+            if (!same_cable(bump)) {
+                continue;
+            }
+            if (bump.from_host) {
+                from.push_back(&bump.from_host);
+            }
+            if (bump.to_host) {
+                to.insert(to.begin(), &bump.to_host); // the one next to the switch sees it first
+            }
+        }
+        name_pieces(from, piece_from(out[i].host, out[i].link), out[i].link);
+        name_pieces(to, out[i].link, piece_to(out[i].host, out[i].link));
+    }
+    return out;
+}
+
+std::string piece_sent_on(Scenario const& scenario, std::string const& host, std::string const& link) {
+    auto const all = placed_bumps(scenario);
+    bool const cut = std::any_of(all.begin(), all.end(),
+                                 [&](PlacedBump const& c) { return c.host == host && c.link == link && c.from_host; });
+    return cut ? piece_from(host, link) : link;
+}
+
+std::string piece_received_on(Scenario const& scenario, std::string const& host, std::string const& link) {
+    auto const all = placed_bumps(scenario);
+    bool const cut = std::any_of(all.begin(), all.end(),
+                                 [&](PlacedBump const& c) { return c.host == host && c.link == link && c.to_host; });
+    return cut ? piece_to(host, link) : link;
+}
+
+std::vector<WireUse> wires_sent(Scenario const& scenario, Process const& process) {
+    return with_pieces(scenario, process, process.settings->sends(scenario, process), true);
+}
+
+std::vector<WireUse> wires_received(Scenario const& scenario, Process const& process) {
+    return with_pieces(scenario, process, process.settings->receives(scenario, process), false);
+}
+
+Node bump_settings(Scenario const& scenario, Process const& process) {
+    Node list = Node::sequence();
+    for (PlacedBump const& bump : placed_bumps(scenario)) {
+        if (bump.process != process.name.name) {
+            continue;
+        }
+        Node node = Node::map();
+        node.set("host", Node::quoted_text(bump.host));
+        node.set("link", Node::quoted_text(bump.link));
+        node.set("host_interface", Node::quoted_text(bump.host_interface));
+        node.set("switch_interface", Node::quoted_text(bump.switch_interface));
+        if (bump.from_host) {
+            node.set("from_host", way_settings(*bump.from_host));
+        }
+        if (bump.to_host) {
+            node.set("to_host", way_settings(*bump.to_host));
+        }
+        list.items.push_back(std::move(node));
+    }
+    return list;
+}
+
+void check_bumps(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+    std::vector<std::string> hosts, links;
+    for (Host const& host : scenario.hosts) {
+        hosts.push_back(host.name.name);
+    }
+    for (Link const& link : scenario.links) {
+        links.push_back(link.name.name);
+    }
+    auto const width = [](Ref const& ref) { return static_cast<int>(ref.name.size()); };
+    auto const must_be = [&](Ref const& ref, std::vector<std::string> const& names, std::string_view kind) {
+        if (std::find(names.begin(), names.end(), ref.name) != names.end()) {
+            return true;
+        }
+        diagnostics.error(ref.where,
+                          fmt::format("process '{}' sits in a cable of the {} '{}', which does not exist",
+                                      process.name.name, kind, ref.name),
+                          spelling_hint(ref.name, names), width(ref));
+        return false;
+    };
+    for (BumpUse const& use : process.settings->bumps(scenario, process)) {
+        bool const host_is_there = must_be(use.host, hosts, "host");
+        if (!must_be(use.link, links, "link") || !host_is_there) {
+            continue;
+        }
+        Host const& host = *std::find_if(scenario.hosts.begin(), scenario.hosts.end(),
+                                         [&](Host const& h) { return h.name == use.host; });
+        if (std::find(host.links.begin(), host.links.end(), use.link) == host.links.end()) {
+            diagnostics.error(use.link.where,
+                              fmt::format("process '{}' sits between '{}' and '{}', and there is no cable",
+                                          process.name.name, use.host.name, use.link.name),
+                              fmt::format("host '{}' is not plugged into that link", use.host.name), width(use.link));
+            continue;
+        }
+        if (piece_from(use.host.name, use.link.name).size() + 3 > kLongestPiece) {
+            diagnostics.error(use.host.where,
+                              fmt::format("the names '{}' and '{}' are too long for a place between them",
+                                          use.host.name, use.link.name),
+                              fmt::format("together at most {} characters", kLongestPiece - 4), width(use.host));
+        }
+        if (use.host == process.host) {
+            diagnostics.error(
+                use.host.where,
+                fmt::format("process '{}' sits in a cable of its own host '{}'", process.name.name, use.host.name),
+                "give it a host of its own: hosts: {NAME: {links: []}}", width(use.host));
+        }
+        if (scenario.clock.mode != bus::ClockMode::lockstep) {
+            continue;
+        }
+        if (use.from_host && use.to_host && !ethertypes_of(scenario, use.host.name, use.link.name, true).empty() &&
+            !ethertypes_of(scenario, use.host.name, use.link.name, false).empty()) {
+            diagnostics.error(
+                use.host.where,
+                fmt::format("process '{}' sits on both ways of '{}', which answers what it hears", process.name.name,
+                            use.host.name),
+                "in lockstep two entries are needed, one with `direction: from_host` and one with `direction: to_host`",
+                width(use.host));
+            continue;
+        }
+        for (bool const sent : {true, false}) {
+            if (use.from_host && use.to_host) {
+                break; // one of them may be empty
+            }
+            if ((sent ? use.from_host : use.to_host) &&
+                ethertypes_of(scenario, use.host.name, use.link.name, sent).empty()) {
+                diagnostics.error(use.host.where,
+                                  fmt::format("process '{}' handles what '{}' {} '{}', and that is nothing",
+                                              process.name.name, use.host.name, sent ? "sends on" : "receives from",
+                                              use.link.name),
+                                  fmt::format("the other direction is `direction: {}`", sent ? "to_host" : "from_host"),
+                                  width(use.host));
+            }
+        }
+    }
+}
+
+} // namespace gridspace::launcher
