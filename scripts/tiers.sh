@@ -22,6 +22,7 @@ run_ctest() {
     grep -vE '^ *[0-9]+/[0-9]+ Test +#.*Passed|^ +Start +[0-9]+:' "$log" | head -n 200
     echo "the whole output: $log"
   fi
+  [ "$status" -eq 0 ] || [ -z "${unsteady_may_be:-}" ] || [ -z "$everything" ] || { second_time "$preset" "${failed:-99}" && status=0; }
   # A skip would hide what this machine cannot do: CI counts it as a failure, but for the few with a stated reason.
   if [ "$skipped" -ne 0 ]; then
     local unexpected
@@ -30,6 +31,17 @@ run_ctest() {
     [ -z "$everything" ] || [ -z "$unexpected" ] || { echo "not expected to be skipped: $unexpected"; status=1; }
   fi
   return "$status"
+}
+
+# second_time PRESET FAILED: of tests with many processes, at most two that failed run once more, alone. What then passes does not
+# stop CI, but is named in the table: an unsteady test is a mistake to be mended, of the test or of what it tests.
+second_time() {
+  local log=$root/build/ctest-$1-$tier-second.log names
+  [ "$2" -le 2 ] || return 1
+  echo "failed tests run once more, alone: $log"
+  names=$(sed -nE 's/^\s+[0-9]+ - (.*) \((Failed|Timeout)\)$/\1/p' "$root/build/ctest-$1-$tier.log" | paste -sd' ')
+  ctest --test-dir "$root/build/$1" --output-on-failure --no-tests=error --timeout 300 -j 1 --rerun-failed >"$log" 2>&1 || return 1
+  note="$note; UNSTEADY, passed the second time: $names"
 }
 
 # run_scenarios PRESET options...: the scenarios of configs/ and tests/scenarios as tests.
@@ -49,11 +61,11 @@ tier_build() { configure release -DGRIDSPACE_TESTS=ON && build release all && to
 
 tier_unit() { run_ctest release -L unit; }
 
-tier_integration() { run_ctest release -L integration -j $((2 * $(nproc))); } # they wait for each other more than they compute
+tier_integration() { unsteady_may_be=yes run_ctest release -L integration -j $((2 * $(nproc))); } # they wait for each other more than they compute
 
 tier_scenarios() { run_scenarios release --tier short; }
 
-tier_slow() { run_ctest release -L slow; }
+tier_slow() { unsteady_may_be=yes run_ctest release -L slow; }
 
 tier_more_scenarios() { run_scenarios release --tier all; }
 
