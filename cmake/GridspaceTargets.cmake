@@ -22,6 +22,10 @@ function(gridspace_precompiled name)
     target_precompile_headers(gridspace_${name} PRIVATE ${arg_HEADERS})
     # g++ never writes the same precompiled header twice. ccache takes this for its hash: what it is made of.
     file(GLOB parts /usr/include/fmt/core.h /usr/include/gmock/gmock.h /usr/include/gtest/gtest.h)
+    if(arg_HEADERS MATCHES "CLI/CLI.hpp")
+      file(GLOB more /usr/include/CLI/*.hpp /usr/include/nlohmann/json.hpp)
+      list(APPEND parts ${more})
+    endif()
     set(sum "${CMAKE_CXX_COMPILER_VERSION} ${CMAKE_SYSTEM_PROCESSOR} ${arg_HEADERS} ${arg_PIE}")
     foreach(part IN LISTS parts)
       file(SHA256 "${part}" hash)
@@ -39,6 +43,8 @@ set(GRIDSPACE_STANDARD_HEADERS
     <algorithm> <array> <charconv> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fmt/format.h> <fstream> <functional> <map> <memory>
     <optional> <set> <span> <string> <string_view> <utility> <variant> <vector>)
 gridspace_precompiled(standard_headers HEADERS ${GRIDSPACE_STANDARD_HEADERS})
+
+set(GRIDSPACE_COMMAND_LINE_HEADERS ${GRIDSPACE_STANDARD_HEADERS} <CLI/CLI.hpp> <nlohmann/json.hpp>)
 
 # gridspace_compile_quickly(): for what waits on people and disks (launcher, web, tests), in this folder and below: -O1 takes a
 # third less time than -O3. No result depends on it: floating point is strict at every level.
