@@ -21,6 +21,11 @@ using elements::positive;
 
 constexpr CommandUse kService[] = {{Command::connect, "puts it back into service"},
                                    {Command::disconnect, "takes it out of service"}};
+constexpr CommandUse kConverter[] = {
+    kService[0],
+    kService[1],
+    {Command::start, "gives its power again: with waveforms as after an outage, with phasors at once"},
+    {Command::stop, "stands by: connected, and without current"}};
 constexpr CommandUse kSwitch[] = {{Command::open, "opens its poles, each at a zero of its current"},
                                   {Command::close, "closes its poles"},
                                   kService[0],
@@ -32,7 +37,8 @@ constexpr CommandUse kGeneratorService[] = {
 constexpr CommandUse kOnlyOutInWaveforms[] = {{Command::disconnect, "takes it out of service", false}};
 constexpr CommandUse kBreaker[] = {
     {Command::open, "opens its poles after its mechanism's time; a stuck one stays closed"},
-    {Command::close, "closes its poles"}};
+    {Command::close, "closes its poles"},
+    {Command::reset, "its mechanism works again, if it was stuck (`fail_to_open`)"}};
 
 constexpr Quantity kSource[] = {{"voltage_pu", not_negative("its internal voltage")},
                                 {"frequency_hz", positive("its frequency, the phase goes on"), false}};
@@ -62,7 +68,9 @@ constexpr ActionKind one_port() {
             kKind.prefix,
             kKind.word,
             kKind.settable,
-            kKind.switched ? std::span<CommandUse const>{kSwitch} : std::span<CommandUse const>{kService},
+            kKind.stands_by  ? std::span<CommandUse const>{kConverter}
+            : kKind.switched ? std::span<CommandUse const>{kSwitch}
+                             : std::span<CommandUse const>{kService},
             names_of<Member>};
 }
 

@@ -70,6 +70,9 @@ struct Setting {
 /// What a quantity of an element is before anybody has set it.
 [[nodiscard]] double start_value(Network const& network, ActionKind const& kind, std::string_view element,
                                  Quantity const& quantity);
+/// What a command does to an element; no kind of element follows `mode`.
+[[nodiscard]] Action action_of(Command command, std::string element);
+[[nodiscard]] std::vector<std::string> names_that_follow(Network const& network, Command command, bool waveform);
 /// Commands that are given by a bare name, as in `open:` of an event: whether an element of that name follows.
 [[nodiscard]] bool follows(Network const& network, std::string_view element, Command command, bool waveform);
 

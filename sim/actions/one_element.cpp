@@ -3,6 +3,7 @@
 #include "sim/actions/action_table.hpp"
 
 #include <algorithm>
+#include <utility>
 
 /// What a kind allows, and one of its elements refuses or has.
 namespace gridspace::sim {
@@ -75,15 +76,39 @@ double start_value(Network const& n, ActionKind const& kind, std::string_view el
     return 0;
 }
 
-bool follows(Network const& n, std::string_view element, Command command, bool waveform) {
-    auto const kinds = action_kinds();
-    return std::any_of(kinds.begin(), kinds.end(), [&](ActionKind const& kind) {
-        if (kind.use(command, waveform) == nullptr) {
-            return false;
+Action action_of(Command command, std::string element) {
+    switch (command) {
+    case Command::connect:
+        return Connect{std::move(element)};
+    case Command::disconnect:
+        return Disconnect{std::move(element)};
+    case Command::start:
+    case Command::stop:
+        return StandBy{std::move(element), command == Command::stop};
+    case Command::reset:
+        return Repair{std::move(element)};
+    case Command::open:
+    case Command::close:
+    case Command::mode:
+        break;
+    }
+    return SwitchBreaker{std::move(element), command == Command::close};
+}
+
+std::vector<std::string> names_that_follow(Network const& n, Command command, bool waveform) {
+    std::vector<std::string> out;
+    for (ActionKind const& kind : action_kinds()) {
+        if (kind.use(command, waveform) != nullptr) {
+            std::vector<std::string> const names = kind.names(n);
+            out.insert(out.end(), names.begin(), names.end());
         }
-        std::vector<std::string> const names = kind.names(n);
-        return std::find(names.begin(), names.end(), element) != names.end();
-    });
+    }
+    return out;
+}
+
+bool follows(Network const& n, std::string_view element, Command command, bool waveform) {
+    std::vector<std::string> const names = names_that_follow(n, command, waveform);
+    return std::find(names.begin(), names.end(), element) != names.end();
 }
 
 } // namespace gridspace::sim

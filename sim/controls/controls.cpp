@@ -146,11 +146,7 @@ void Controls::command(Simulation& simulation, Asked const& asked, std::size_t i
     }
     said_.erase({std::string{asked.process}, it->first});
     std::string element{asked.element.substr(asked.element.find('.') + 1)};
-    Action action = command == Command::connect ? Action{Connect{std::move(element)}}
-                    : command == Command::disconnect
-                        ? Action{Disconnect{std::move(element)}}
-                        : Action{SwitchBreaker{std::move(element), command == Command::close}};
-    simulation.request(asked.effect, std::move(action), it->first);
+    simulation.request(asked.effect, action_of(command, std::move(element)), it->first);
 }
 
 void Controls::advance(Simulation& simulation, SimTime until) {

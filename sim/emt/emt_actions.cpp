@@ -263,4 +263,20 @@ Result<void> EmtEngine::act(Connect const& a) {
     return {};
 }
 
+Result<void> EmtEngine::act(StandBy const& a) {
+    for (std::size_t k = 0; k < one_ports_.size(); ++k) {
+        if (one_ports_[k]->name.name != a.element || !one_ports_[k]->kind().stands_by) {
+            continue;
+        }
+        for (std::size_t i = 0; i < converters_.size(); ++i) {
+            if (parts_.injections[i].breaker == parts_.one_ports[k].breaker) {
+                converters_[i].stand_by(a.on);
+                parts_.injections[i].model->disconnect();
+            }
+        }
+        return {};
+    }
+    return fail(ExitCode::usage, fmt::format("'{}' cannot be started or stopped: it is no converter", a.element));
+}
+
 } // namespace gridspace::sim::emt

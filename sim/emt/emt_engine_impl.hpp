@@ -46,6 +46,8 @@ class EmtEngine final : public Engine {
     [[nodiscard]] Result<void> act(SetParameter const& a);
     [[nodiscard]] Result<void> act(Disconnect const& a);
     [[nodiscard]] Result<void> act(Connect const& a);
+    [[nodiscard]] Result<void> act(StandBy const& a);
+    [[nodiscard]] Result<void> act(Repair const& /*a*/) { return {}; }
     [[nodiscard]] Result<int> fault_place(ApplyFault const& a);
     [[nodiscard]] int far_node(NetworkCircuit::LineParts::Section const& section) const;
     [[nodiscard]] Result<int> cut(NetworkCircuit::LineParts& line, std::size_t section, double place,

@@ -60,7 +60,7 @@ void GridFollowing::watch_grid(double h) {
     if (outside_s_ >= kUnfitS) {
         ceased_ = true;
         share_ = 0;
-    } else if (ceased_ && inside_s_ >= kFitS) {
+    } else if (ceased_ && !stands_by_ && inside_s_ >= kFitS) {
         ceased_ = false;
     }
     if (ceased_ && v < kDead) {
@@ -72,8 +72,17 @@ void GridFollowing::watch_grid(double h) {
 void GridFollowing::resume(std::complex<double> v) {
     (void)start(v, 0);
     tripped_ = false;
-    ceased_ = ceases_;
-    share_ = ceases_ ? 0 : 1;
+    wait_for_grid();
+}
+
+void GridFollowing::stand_by(bool on) {
+    stands_by_ = on;
+    wait_for_grid();
+}
+
+void GridFollowing::wait_for_grid() {
+    ceased_ = ceases_ || stands_by_;
+    share_ = ceased_ ? 0 : 1;
     outside_s_ = inside_s_ = 0;
 }
 

@@ -39,19 +39,22 @@ class GridFollowing {
     /// seen a grid for as long as after a cessation.
     void resume(std::complex<double> v);
     [[nodiscard]] bool tripped() const { return tripped_; }
+    /// Gives no current while it is told so. After that the current of a source comes back as after a cessation.
+    void stand_by(bool on);
     /// Gives no current until there is a grid again.
     [[nodiscard]] bool ceased() const { return ceased_; }
     [[nodiscard]] double frequency_hz() const { return pll_.frequency_hz(); }
 
   private:
     void watch_grid(double h);
+    void wait_for_grid();
     [[nodiscard]] std::complex<double> reference(std::complex<double> power) const;
     Pll pll_;
     double nominal_, max_peak_a_;
     double voltage_{0};
     std::complex<double> current_; ///< in the frame of the loop
     double frequency_hz_;
-    bool ceases_{false}, ceased_{false}, tripped_{false};
+    bool ceases_{false}, ceased_{false}, tripped_{false}, stands_by_{false};
     double outside_s_{0}, inside_s_{0}; ///< for how long the grid has been unfit, or fit
     double share_{1};                   ///< of its current, while it comes back
 };

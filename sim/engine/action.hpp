@@ -44,6 +44,17 @@ struct Connect {
     std::string element;
 };
 
-using Action = std::variant<SwitchBreaker, ApplyFault, ClearFault, SetParameter, Disconnect, Connect>;
+/// A converter stands by: connected, and without current. Or it starts again.
+struct StandBy {
+    std::string element;
+    bool on{true};
+};
+
+/// The mechanism of a breaker that was stuck (`fail_to_open`) works again. The engines see nothing of it.
+struct Repair {
+    std::string breaker;
+};
+
+using Action = std::variant<SwitchBreaker, ApplyFault, ClearFault, SetParameter, Disconnect, Connect, StandBy, Repair>;
 
 } // namespace gridspace::sim

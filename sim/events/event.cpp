@@ -6,6 +6,7 @@
 #include "sim/actions/action_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 
 namespace gridspace::sim {
@@ -21,7 +22,10 @@ constexpr EventAction kActions[] = {
     {"apply_fault", "short circuit on a line or at a bus"},
     {"disconnect", "element taken out of service", "`COMMAND_DISCONNECT`"},
     {"connect", "element put back into service", "`COMMAND_CONNECT`"},
+    {"start", "converters that give their power again", "`COMMAND_START`"},
+    {"stop", "converters that stand by: connected, and without current", "`COMMAND_STOP`"},
     {"fail_to_open", "breakers that stay closed from then on, whatever opens them"},
+    {"reset", "breakers that failed to open, and work again", "`COMMAND_RESET`"},
     {"desynchronise", "merging unit that loses its clock: smpSynch becomes 0"},
     {"resynchronise", "merging unit whose clock is right again"},
     {"kill", "process killed (SIGKILL)"},
@@ -36,6 +40,15 @@ constexpr config::Spec what(std::string_view key) {
         }
     }
     return {};
+}
+
+/// The commands of an event, and to whom.
+std::array<std::pair<Command, std::vector<Ref> const*>, 5> commands_of(Event const& e) {
+    return {{{Command::open, &e.open},
+             {Command::close, &e.close},
+             {Command::start, &e.start},
+             {Command::stop, &e.stop},
+             {Command::reset, &e.reset}}};
 }
 
 } // namespace
@@ -87,7 +100,10 @@ void describe(Fields& f, Event& e) {
     f.fraction("clear_after_ms", e.clear_after_ms, {.doc = "the fault clears by itself after so long", .above = 0});
     f.reference("disconnect", e.disconnect, what("disconnect"));
     f.reference("connect", e.connect, what("connect"));
+    f.references("start", e.start, what("start"));
+    f.references("stop", e.stop, what("stop"));
     f.references("fail_to_open", e.fail_to_open, what("fail_to_open"));
+    f.references("reset", e.reset, what("reset"));
     f.reference("desynchronise", e.desynchronise, what("desynchronise"));
     f.integer("shift_samples", e.shift_samples,
               {.doc = "desynchronise: how far its counter runs ahead of the samples", .min = -4800, .max = 4800});
@@ -131,11 +147,10 @@ std::vector<TimedAction> timeline(std::vector<Event> const& events) {
         for (auto const& [path, value] : e.set) {
             add(*e.at_s, SetParameter{path.name, value});
         }
-        for (Ref const& breaker : e.open) {
-            add(*e.at_s, SwitchBreaker{breaker.name, false});
-        }
-        for (Ref const& breaker : e.close) {
-            add(*e.at_s, SwitchBreaker{breaker.name, true});
+        for (auto const& [command, elements] : commands_of(e)) {
+            for (Ref const& element : *elements) {
+                add(*e.at_s, action_of(command, element.name));
+            }
         }
         if (e.fault) {
             add(*e.at_s, *e.fault);
@@ -213,6 +228,13 @@ void check_set(Event const& e, Ref const& path, double value, Network const& n, 
 } // namespace
 
 void check_events(std::vector<Event> const& events, Network const& n, bool waveform, config::Diagnostics& diagnostics) {
+    auto const missing = [&](Ref const& ref, std::string_view kind, std::vector<std::string> const& names,
+                             Event const& e) {
+        diagnostics.error(
+            ref.where, fmt::format("event '{}' names the {} '{}', which does not exist", e.name.name, kind, ref.name),
+            spelling_hint(ref.name, names, fmt::format("the network has no {}", kind)),
+            static_cast<int>(ref.name.size()));
+    };
     auto const must = [&](auto const& elements, Ref const& ref, std::string_view kind, Event const& e) {
         if (ref.empty() || find(elements, ref.name) != nullptr) {
             return;
@@ -221,17 +243,18 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
         for (auto const& element : elements) {
             names.push_back(element.name.name);
         }
-        diagnostics.error(
-            ref.where, fmt::format("event '{}' names the {} '{}', which does not exist", e.name.name, kind, ref.name),
-            spelling_hint(ref.name, names, fmt::format("the network has no {}", kind)),
-            static_cast<int>(ref.name.size()));
+        missing(ref, kind, names, e);
     };
     for (Event const& e : events) {
-        for (auto const& [command, switched] :
-             {std::pair{Command::open, &e.open}, std::pair{Command::close, &e.close}}) {
-            for (Ref const& b : *switched) {
-                if (!follows(n, b.name, command, waveform)) {
-                    must(n.breakers, b, "breaker", e);
+        for (auto const& [command, elements] : commands_of(e)) {
+            for (Ref const& element : *elements) {
+                if (follows(n, element.name, command, waveform)) {
+                    continue;
+                }
+                if (command == Command::start || command == Command::stop) {
+                    missing(element, "converter", names_that_follow(n, command, waveform), e);
+                } else {
+                    must(n.breakers, element, "breaker", e);
                 }
             }
         }

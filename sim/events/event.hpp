@@ -23,6 +23,8 @@ struct Event {
     std::vector<std::pair<Ref, double>> set;             ///< parameter paths of the network and their new values
     std::vector<std::pair<Ref, double>> set_impairments; ///< the same of `impairments:`; true is 1
     std::vector<Ref> open, close;                        ///< breakers
+    std::vector<Ref> start, stop;                        ///< converters
+    std::vector<Ref> reset;                              ///< breakers whose mechanism works again
     std::optional<ApplyFault> fault;
     Ref fault_line, fault_bus;
     std::optional<Rational> clear_after_ms;

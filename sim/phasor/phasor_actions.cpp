@@ -107,6 +107,15 @@ Result<void> PhasorEngine::act(Connect const& a) {
     return put(a.element, true);
 }
 
+Result<void> PhasorEngine::act(StandBy const& a) {
+    auto const it = units_.find(a.element);
+    if (it == units_.end() || it->second.kind == nullptr || !it->second.kind->stands_by) {
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be started or stopped: it is no converter", a.element));
+    }
+    it->second.injection->stand_by(a.on);
+    return set_topology();
+}
+
 Result<void> PhasorEngine::put(std::string const& element, bool into_service) {
     if (auto const it = units_.find(element); it != units_.end()) {
         if (into_service && it->second.section == "machines") {

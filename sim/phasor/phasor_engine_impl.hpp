@@ -38,6 +38,8 @@ class PhasorEngine final : public Engine {
     Result<void> act(SetParameter const& a);
     Result<void> act(Disconnect const& a);
     Result<void> act(Connect const& a);
+    Result<void> act(StandBy const& a);
+    Result<void> act(Repair const& /*a*/) { return {}; }
     Result<void> act(ApplyFault const& a);
     Result<void> act(ClearFault const& a);
     /// Contacts that part now.

@@ -34,6 +34,9 @@ void Simulation::fail_to_open(std::string breaker, SimTime from) {
 }
 
 bool Simulation::is_held_back(Action const& action) {
+    if (auto const* repair = std::get_if<Repair>(&action)) {
+        std::erase_if(stuck_, [&](auto const& s) { return s.first == repair->breaker && s.second <= now_; });
+    }
     auto const* command = std::get_if<SwitchBreaker>(&action);
     if (command == nullptr || command->close) {
         return false;

@@ -17,6 +17,7 @@ struct Battery final : OnePort {
                                 .word = "battery",
                                 .prefix = "battery",
                                 .feeds = true,
+                                .stands_by = true,
                                 .settable = kSettable};
     double capacity_kwh{0}, rating_kva{0};
     double p_kw{0}, q_kvar{0}; ///< into the network: discharging is positive

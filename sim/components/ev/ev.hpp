@@ -13,8 +13,12 @@ namespace gridspace::sim {
 struct Ev final : OnePort {
     static constexpr Quantity kSettable[] = {
         {"current_a", elements::not_negative("battery current that its charger shall give; more than it can is less")}};
-    static constexpr Kind kKind{
-        .section = "evs", .doc = "electric vehicles", .word = "EV", .prefix = "ev", .settable = kSettable};
+    static constexpr Kind kKind{.section = "evs",
+                                .doc = "electric vehicles",
+                                .word = "EV",
+                                .prefix = "ev",
+                                .stands_by = true,
+                                .settable = kSettable};
     double capacity_kwh{24}, battery_v{360}, max_current_a{15}, efficiency{0.95};
     double soc_start_percent{0}, soc_stop_percent{100};
     double current_lag_s{1}; ///< first-order response of the converter to its reference

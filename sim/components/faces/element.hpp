@@ -35,7 +35,8 @@ struct Kind {
     std::string_view prefix;  ///< of its signals, and its symbol in the one-line diagram ("load")
     bool feeds{false};        ///< its powers count positive into the network, and it ceases when no grid holds its bus
     bool has_signals{true};
-    bool switched{false}; ///< `open:` and `close:` of an event work on it
+    bool switched{false};  ///< `open:` and `close:` of an event work on it
+    bool stands_by{false}; ///< `stop:` and `start:` work on it: a converter
     std::span<Quantity const> settable{};
 };
 

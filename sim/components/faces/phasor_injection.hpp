@@ -37,11 +37,13 @@ class PhasorInjection {
     /// Changes a quantity in a run; false when it cannot have this value.
     virtual bool set(std::string_view /*quantity*/, double /*value*/) { return false; }
     void connect(bool connected) { connected_ = connected; }
-    [[nodiscard]] bool connected() const { return connected_; }
+    void stand_by(bool on) { stands_by_ = on; }
+    /// In service, and not standing by.
+    [[nodiscard]] bool connected() const { return connected_ && !stands_by_; }
 
   private:
     std::size_t bus_;
-    bool connected_{true};
+    bool connected_{true}, stands_by_{false};
 };
 
 /// Current into the network of something that consumes power s at voltage v. At a dead bus nothing flows.

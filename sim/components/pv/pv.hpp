@@ -19,6 +19,7 @@ struct Pv final : OnePort {
                                 .word = "PV",
                                 .prefix = "pv",
                                 .feeds = true,
+                                .stands_by = true,
                                 .settable = kSettable};
     double p_kw{0}, rating_kva{0};                           ///< at full sun; 0: no limit
     double power_factor{1};                                  ///< takes reactive power

@@ -94,13 +94,12 @@ TEST_P(Table, AValueOutOfRangeOrNotFiniteIsRefused) {
 }
 
 TEST_P(Table, EveryCommandIsFollowedByTheSolversThatItNames) {
-    for (Command const command : {Command::disconnect, Command::connect, Command::open, Command::close}) {
+    for (Command const command : {Command::disconnect, Command::connect, Command::open, Command::close, Command::start,
+                                  Command::stop}) { // a reset is not for the solvers
         for (ActionKind const& kind : action_kinds()) {
             std::string const element = kind.names(n).front();
-            Action const action = command == Command::disconnect ? Action{Disconnect{element}}
-                                  : command == Command::connect  ? Action{Connect{element}}
-                                                                 : SwitchBreaker{element, command == Command::close};
-            EXPECT_EQ(engine(waveform)->apply(action).has_value(), kind.use(command, waveform) != nullptr)
+            EXPECT_EQ(engine(waveform)->apply(action_of(command, element)).has_value(),
+                      kind.use(command, waveform) != nullptr)
                 << kCommands[static_cast<std::size_t>(command)] << ' ' << element;
         }
     }
@@ -203,6 +202,32 @@ TEST(Taps, ATapThatIsChangedInARunIsAsOneThatWasSoFromTheStart) {
             EXPECT_NEAR(is.at(name), wanted.at(name), 2e-3 * std::abs(wanted.at(name))) << name << ' ' << waveform;
         }
         EXPECT_NEAR(wanted.at("bus.B.v_pu"), 1 / 1.05, 0.04);
+    }
+}
+
+TEST_P(Table, AConverterThatIsStoppedGivesNothingAndComesBackWhenItIsStarted) {
+    std::vector<std::string> const names{"battery.Battery.p_kw", "pv.Pv.p_kw", "ev.Ev.p_kw"};
+    constexpr std::int64_t kSettled = 24000;
+    ASSERT_TRUE(sut->apply(SetParameter{"evs.Ev.current_a", 10}).has_value());
+    auto const before = run_to(*sut, 0, kSettled, names);
+    for (char const* element : {"Battery", "Pv", "Ev"}) {
+        ASSERT_TRUE(sut->apply(StandBy{element, true}).has_value());
+    }
+    auto const stopped = run_to(*sut, kSettled, kSettled + 800, names);
+    for (char const* element : {"Battery", "Pv", "Ev"}) {
+        ASSERT_TRUE(sut->apply(Disconnect{element}).has_value()); // a stopped one that comes back is still stopped
+        ASSERT_TRUE(sut->apply(Connect{element}).has_value());
+    }
+    auto const still = run_to(*sut, kSettled + 800, kSettled + 10400, names);
+    for (char const* element : {"Battery", "Pv", "Ev"}) {
+        ASSERT_TRUE(sut->apply(StandBy{element, false}).has_value());
+    }
+    auto const started = run_to(*sut, kSettled + 10400, 2 * kSettled + 10400, names);
+    for (std::string const& name : names) {
+        EXPECT_GT(std::abs(before.at(name)), 0.5) << name;
+        EXPECT_NEAR(stopped.at(name), 0, 0.01) << name;
+        EXPECT_NEAR(still.at(name), 0, 0.01) << name;
+        EXPECT_NEAR(started.at(name), before.at(name), 0.1) << name;
     }
 }
 
