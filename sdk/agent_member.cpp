@@ -46,8 +46,9 @@ std::string topics_of(Ends const& ends) {
 
 } // namespace
 
-AgentMember::AgentMember(DescribedProgram const& program, config::Node settings, bus::Node& node)
-    : program_{program}, settings_{with_defaults(settings, program.declaration.settings)},
+AgentMember::AgentMember(DescribedProgram const& program, config::Node settings, gateways::WireConfig const& wire,
+                         bus::Node& node)
+    : program_{program}, wire_{wire}, settings_{with_defaults(settings, program.declaration.settings)},
       settings_json_{to_json(settings_, program.declaration.settings)}, node_{node},
       latency_{latency_of(program.declaration, settings_, node.time_base())}, grid_{node.config().clock} {}
 
@@ -55,7 +56,8 @@ AgentMember::~AgentMember() = default;
 
 Result<void> AgentMember::prepare() {
     program::Values const values = values_of(settings_, node_.config().process);
-    for (auto const open : {&AgentMember::open_reads, &AgentMember::open_writes, &AgentMember::open_signals}) {
+    for (auto const open : {&AgentMember::open_reads, &AgentMember::open_writes, &AgentMember::open_streams,
+                            &AgentMember::open_signals}) {
         if (auto ok = (this->*open)(values); !ok) {
             return ok;
         }
@@ -66,6 +68,9 @@ Result<void> AgentMember::prepare() {
 
 Result<void> AgentMember::open_reads(program::Values const& values) {
     for (program::Topic const& topic : program::expand(program_.declaration.reads, values)) {
+        if (topic.is_stream) {
+            continue;
+        }
         auto const type = load_type(topic, program_.folder);
         if (!type) {
             return std::unexpected{type.error()};
@@ -81,6 +86,9 @@ Result<void> AgentMember::open_reads(program::Values const& values) {
 
 Result<void> AgentMember::open_writes(program::Values const& values) {
     for (program::Topic const& topic : program::expand(program_.declaration.writes, values)) {
+        if (topic.is_stream) {
+            continue;
+        }
         auto const type = load_type(topic, program_.folder);
         if (!type) {
             return std::unexpected{type.error()};
@@ -90,6 +98,35 @@ Result<void> AgentMember::open_writes(program::Values const& values) {
             return std::unexpected{writer.error()};
         }
         writers_.push_back({topic.topic, *type, std::move(*writer)});
+    }
+    return {};
+}
+
+Result<void> AgentMember::open_streams(program::Values const& values) {
+    auto const named = [&](std::vector<program::Topic> const& topics) {
+        std::vector<std::string> out;
+        for (program::Topic& topic : program::expand(topics, values)) {
+            if (topic.is_stream) {
+                out.push_back(std::move(topic.topic));
+            }
+        }
+        return out;
+    };
+    std::vector<std::string> const reads = named(program_.declaration.reads),
+                                   writes = named(program_.declaration.writes);
+    if (reads.empty() && writes.empty()) {
+        return {};
+    }
+    auto streams = StreamEnds::open(node_, wire_, latency_, reads, writes, static_cast<int>(readers_.size()));
+    if (!streams) {
+        return std::unexpected{streams.error()};
+    }
+    streams_ = std::move(*streams);
+    for (StreamEnds::End const& end : streams_->reads()) {
+        readers_.push_back({end.stream, end.type, nullptr});
+    }
+    for (std::size_t i = 0; i < streams_->writes().size(); ++i) {
+        writers_.push_back({streams_->writes()[i].stream, streams_->writes()[i].type, nullptr, i});
     }
     return {};
 }
@@ -126,6 +163,9 @@ void AgentMember::begin(bus::Tick const& tick) {
         signals_->announce(tick.time);
     }
     now_ = tick.time;
+    if (streams_ != nullptr) {
+        streams_->begin(tick);
+    }
     begins_ = true;
     if (program_.callbacks.begin != nullptr) {
         begun_ = returned(program_.callbacks.begin(handle(this), program_.callbacks.user), "begin");
@@ -142,12 +182,20 @@ Result<void> AgentMember::work(bus::Tick const& tick) {
         return node_.lockstep() ? node_.is_over(due, tick) : due + period <= tick.time;
     });
     for (std::size_t i = 0; i < readers_.size(); ++i) {
-        readers_[i].inbox->take(static_cast<int>(i), arrivals_);
+        if (readers_[i].inbox != nullptr) {
+            readers_[i].inbox->take(static_cast<int>(i), arrivals_);
+        }
+    }
+    if (streams_ != nullptr) {
+        streams_->take(tick, arrivals_);
     }
     std::sort(arrivals_.begin(), arrivals_.end(),
               [](auto const& a, auto const& b) { return std::tie(a.origin, a.reader) < std::tie(b.origin, b.reader); });
     auto ok = hand_over(tick);
     arrivals_.clear();
+    if (streams_ != nullptr) {
+        streams_->finish(tick);
+    }
     if (ok && tick.final && signals_ != nullptr) {
         signals_->flush();
     }
@@ -164,7 +212,7 @@ Result<void> AgentMember::hand_over(bus::Tick const& tick) {
         }
         Result<void> ok;
         if (arrival != arrivals_.end() && (!timer || arrival->origin.time <= timer->time)) {
-            now_ = arrival->origin.time;
+            goes_on_to(arrival->origin.time);
             if (callbacks.sample != nullptr) {
                 std::size_t const size = readers_[static_cast<std::size_t>(arrival->reader)].type->layout().size();
                 ok = returned(
@@ -173,7 +221,7 @@ Result<void> AgentMember::hand_over(bus::Tick const& tick) {
             }
             ++arrival;
         } else if (timer) {
-            now_ = timer->time;
+            goes_on_to(timer->time);
             timers_.passed(timer->timer); // before the call, which may cancel it
             if (callbacks.due != nullptr) {
                 ok = returned(callbacks.due(handle(this), timer->timer, callbacks.user), "due");
@@ -187,12 +235,28 @@ Result<void> AgentMember::hand_over(bus::Tick const& tick) {
     }
 }
 
+void AgentMember::goes_on_to(SimTime now) {
+    now_ = now;
+    if (streams_ != nullptr) {
+        streams_->send_before(now);
+    }
+}
+
 std::uint64_t AgentMember::next_tick(bus::Tick const&) const {
     auto const timer = timers_.next();
-    return timer ? grid_.tick_of(timer->time) : bus::TickGrid::kNever;
+    auto const frame = streams_ != nullptr ? streams_->next() : std::nullopt;
+    return std::min(timer ? grid_.tick_of(timer->time) : bus::TickGrid::kNever,
+                    frame ? grid_.tick_of(*frame) : bus::TickGrid::kNever);
+}
+
+std::optional<std::chrono::steady_clock::time_point> AgentMember::deadline() const {
+    return streams_ != nullptr ? std::optional{streams_->deadline()} : std::nullopt;
 }
 
 void AgentMember::end(bus::Tick const&) {
+    if (streams_ != nullptr) {
+        streams_->end();
+    }
     if (program_.callbacks.end != nullptr) {
         program_.callbacks.end(handle(this), program_.callbacks.user);
     }
@@ -288,6 +352,10 @@ Result<void> AgentMember::write(int number, void const* sample, std::size_t size
     }
     if (auto ok = idl::encode(type.layout(), sample, cdr_); !ok) {
         return ok;
+    }
+    if (writer.cdr == nullptr) {
+        streams_->write(writer.stream, cdr_, now_);
+        return {};
     }
     auto const key = type.key_hash(cdr_);
     writer.cdr->write(cdr_, effect, key ? &*key : nullptr);

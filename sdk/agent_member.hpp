@@ -7,6 +7,7 @@
 #include "common/program/declaration.hpp"
 #include "sdk/gridspace/agent.h"
 #include "sdk/sample_inbox.hpp"
+#include "sdk/stream_ends.hpp"
 #include "sdk/timers.hpp"
 
 #include <filesystem>
@@ -28,13 +29,16 @@ struct DescribedProgram {
 /// order of simulated time. What it writes takes effect its latency after the sample or timer that it was called for.
 class AgentMember : public bus::Member {
   public:
-    AgentMember(DescribedProgram const& program, config::Node settings, bus::Node& node);
+    /// `wire`: its port and its streams, when its description names any.
+    AgentMember(DescribedProgram const& program, config::Node settings, gateways::WireConfig const& wire,
+                bus::Node& node);
     ~AgentMember() override;
 
     [[nodiscard]] Result<void> prepare() override;
     void begin(bus::Tick const& tick) override;
     [[nodiscard]] Result<void> work(bus::Tick const& tick) override;
     [[nodiscard]] std::uint64_t next_tick(bus::Tick const& tick) const override;
+    [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> deadline() const override;
     void end(bus::Tick const& last) override;
 
     [[nodiscard]] bus::Node const& node() const { return node_; }
@@ -64,22 +68,26 @@ class AgentMember : public bus::Member {
     struct Reader {
         std::string topic;
         std::shared_ptr<TopicType const> type;
-        std::shared_ptr<SampleInbox> inbox;
+        std::shared_ptr<SampleInbox> inbox; ///< null: a stream
     };
     struct Writer {
         std::string topic;
         std::shared_ptr<TopicType const> type;
-        std::unique_ptr<bus::CdrWriter> cdr;
+        std::unique_ptr<bus::CdrWriter> cdr; ///< null: a stream
+        std::size_t stream{0};
     };
     [[nodiscard]] Result<void> open_reads(program::Values const& values);
     [[nodiscard]] Result<void> open_writes(program::Values const& values);
+    [[nodiscard]] Result<void> open_streams(program::Values const& values);
     [[nodiscard]] Result<void> open_signals(program::Values const& values);
     void describe_topics();
     [[nodiscard]] Result<void> hand_over(bus::Tick const& tick);
+    void goes_on_to(SimTime now);
     /// After a callback: its row of signals, its failure.
     [[nodiscard]] Result<void> returned(int code, std::string_view callback);
 
     DescribedProgram const& program_;
+    gateways::WireConfig const& wire_;
     config::Node settings_;
     std::string settings_json_, topics_json_;
     mutable std::map<std::string, std::string, std::less<>> asked_; ///< settings as texts that stay
@@ -88,6 +96,7 @@ class AgentMember : public bus::Member {
     bus::TickGrid grid_;
     std::vector<Reader> readers_;
     std::vector<Writer> writers_;
+    std::unique_ptr<StreamEnds> streams_; ///< may be null
     std::vector<bus::SignalColumn> columns_;
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::vector<double> row_;

@@ -90,6 +90,11 @@ int run_program(gridspace_program const& given, int argc, char** argv) {
     }
     config::Node settings = config::Node::map();
     auto const& keys = program->declaration.settings;
+    gateways::WireConfig wire;
+    auto const uses_streams = [](std::vector<program::Topic> const& topics) {
+        return std::any_of(topics.begin(), topics.end(), [](program::Topic const& t) { return t.is_stream; });
+    };
+    bool const has_wire = uses_streams(program->declaration.reads) || uses_streams(program->declaration.writes);
     Daemon const daemon{.program = program->declaration.name,
                         .description = program->declaration.description,
                         .describe_settings =
@@ -100,12 +105,15 @@ int run_program(gridspace_program const& given, int argc, char** argv) {
                                         f.raw(key.key, settings.set(key.key, {}));
                                     }
                                 }
+                                if (has_wire) {
+                                    gateways::describe_wire(f, wire);
+                                }
                             },
                         .check = {},
                         .run =
                             [&](DaemonRun& run) {
                                 return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
-                                    gridspace_agent agent{*program, settings, node};
+                                    gridspace_agent agent{*program, settings, wire, node};
                                     return bus::run_member(node, agent);
                                 });
                             },

@@ -31,7 +31,11 @@ Result<std::shared_ptr<TopicType const>> TopicType::load(std::string const& name
         return fail(ExitCode::usage, fmt::format("'{}' is no type of Gridspace", name),
                     "name the file that defines it: `idl` beside the topic");
     }
-    std::string const from = idl_file.empty() ? "" : fmt::format(" ({})", idl_file.string());
+    return of_text(text, name, idl_file.empty() ? "" : fmt::format(" ({})", idl_file.string()));
+}
+
+Result<std::shared_ptr<TopicType const>> TopicType::of_text(std::string const& text, std::string const& name,
+                                                            std::string const& from) {
     auto model = idl::parse(text);
     if (!model) {
         return fail(model.error().code, model.error().message + from, model.error().remedy);

@@ -20,6 +20,9 @@ class TopicType {
     /// `idl_file`: that defines it; empty for one of ours. Fails when it is unknown there, or has no layout in memory.
     [[nodiscard]] static Result<std::shared_ptr<TopicType const>> load(std::string const& name,
                                                                        std::filesystem::path const& idl_file);
+    /// Of a text of IDL; `from` is added to what is wrong with it.
+    [[nodiscard]] static Result<std::shared_ptr<TopicType const>>
+    of_text(std::string const& text, std::string const& name, std::string const& from = {});
 
     [[nodiscard]] std::string const& name() const { return layout_.root().name; }
     [[nodiscard]] idl::NativeLayout const& layout() const { return layout_; }

@@ -12,13 +12,15 @@
 
 namespace gridspace::program {
 
-/// A topic that a program reads or writes. `topic` may be a pattern (see expand()): "{from}" is what its setting says.
+/// A topic that a program reads or writes, or a stream of the scenario. `topic` may be a pattern (see expand()):
+/// "{from}" is what its setting says.
 struct Topic {
     std::string topic;
-    std::string type;     ///< name of the type on the wire
-    bool triggers{false}; ///< reading side: a sample makes the program work in the same tick
-    bool optional{false}; ///< reading side: nobody has to write it; writing side: nobody has to read it
-    std::string idl{};    ///< file that defines the type when it is not ours, from the folder of the program
+    std::string type;      ///< name of the type on the wire
+    bool triggers{false};  ///< reading side: a sample makes the program work in the same tick
+    bool optional{false};  ///< reading side: nobody has to write it; writing side: nobody has to read it
+    std::string idl{};     ///< file that defines the type when it is not ours, from the folder of the program
+    bool is_stream{false}; ///< sampled values or GOOSE on the process's link; its data set says the type
 };
 
 /// A signal that a program publishes. `name` may be a pattern.

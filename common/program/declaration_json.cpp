@@ -44,6 +44,9 @@ Json json_of(Key const& key) {
 }
 
 Json json_of(Topic const& topic) {
+    if (topic.is_stream) {
+        return Json{{"stream", topic.topic}};
+    }
     Json out{{"topic", topic.topic}, {"type", topic.type}};
     for (auto const& [name, set] : {std::pair{"triggers", topic.triggers}, {"optional", topic.optional}}) {
         if (set) {
@@ -138,6 +141,11 @@ void describe_key(Fields& f, Key& key, int depth) {
 }
 
 void describe(Fields& f, Topic& topic) {
+    topic.is_stream = f.has("stream");
+    if (topic.is_stream) {
+        f.text("stream", topic.topic, {.doc = "instead of the rest: a stream's name, or a pattern", .required = true});
+        return;
+    }
     f.text("topic", topic.topic, {.doc = "its name, or a pattern: {KEY} is the value of a setting", .required = true});
     f.text("type", topic.type, {.doc = "name of the type on the wire", .required = true});
     f.flag("triggers", topic.triggers, {.doc = "a sample makes the program work in the same tick"});

@@ -7,6 +7,7 @@
 #include "launcher/scenario/limited_command.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
+#include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -63,10 +64,81 @@ std::vector<TopicUse> uses(std::vector<program::Topic> const& topics, program::D
         command.empty() ? std::filesystem::path{} : std::filesystem::path{command.front()}.parent_path();
     std::vector<TopicUse> out;
     for (program::Topic& topic : program::expand(topics, values_of(declaration, process))) {
+        if (topic.is_stream) {
+            continue;
+        }
         std::filesystem::path const idl = topic.idl.empty() ? std::filesystem::path{} : folder / topic.idl;
         out.push_back({std::move(topic.topic), std::move(topic.type), 1, topic.triggers, topic.optional, idl});
     }
     return out;
+}
+
+/// The streams among them, where the scenario has them.
+std::vector<streams::Stream const*> streams_in(Scenario const& s, std::vector<program::Topic> const& topics,
+                                               program::Declaration const& declaration, Process const& process) {
+    std::vector<streams::Stream const*> out;
+    for (program::Topic const& topic : program::expand(topics, values_of(declaration, process))) {
+        streams::Stream const* const stream = topic.is_stream ? streams::find_stream(s.streams, topic.topic) : nullptr;
+        if (stream != nullptr) {
+            out.push_back(stream);
+        }
+    }
+    return out;
+}
+
+std::vector<WireUse> wire_uses(Scenario const& s, std::vector<program::Topic> const& topics,
+                               program::Declaration const& declaration, Process const& process) {
+    std::vector<WireUse> out;
+    for (streams::Stream const* stream : streams_in(s, topics, declaration, process)) {
+        out.push_back({raw_link(s, process), stream->ethertype(), stream->name.name});
+    }
+    return out;
+}
+
+bool names_streams(program::Declaration const& declaration) {
+    auto const any = [](std::vector<program::Topic> const& topics) {
+        return std::any_of(topics.begin(), topics.end(), [](program::Topic const& t) { return t.is_stream; });
+    };
+    return any(declaration.reads) || any(declaration.writes);
+}
+
+/// The setting that names a stream, for its place in the file; the process where none does.
+Ref place_of(std::string const& stream, program::Declaration const& declaration, Process const& process) {
+    for (config::Key const& key : declaration.settings) {
+        for (Ref& name : names_in(declaration, process, key.key)) {
+            if (name.name == stream) {
+                return std::move(name);
+            }
+        }
+    }
+    return process.name;
+}
+
+void check_streams(Scenario const& s, Process const& process, program::Declaration const& declaration,
+                   Diagnostics& diagnostics) {
+    check_raw_link(s, process, diagnostics);
+    for (auto const& [topics, written] : {std::pair{&declaration.reads, false}, {&declaration.writes, true}}) {
+        for (program::Topic const& topic : program::expand(*topics, values_of(declaration, process))) {
+            if (!topic.is_stream) {
+                continue;
+            }
+            Ref const at = place_of(topic.topic, declaration, process);
+            streams::Stream const* const stream = streams::find_stream(s.streams, topic.topic);
+            if (stream == nullptr) {
+                std::vector<std::string> names;
+                for (streams::Stream const& one : s.streams) {
+                    names.push_back(one.name.name);
+                }
+                diagnostics.error(at.where,
+                                  fmt::format("process '{}' {} the stream '{}', which does not exist",
+                                              process.name.name, written ? "writes" : "reads", topic.topic),
+                                  spelling_hint(topic.topic, names, "`streams:` declares none"),
+                                  static_cast<int>(at.name.size()));
+            } else if (written) {
+                check_samples_on_steps(s, *stream, at, diagnostics);
+            }
+        }
+    }
 }
 
 /// Two that act for one element would undo each other's work.
@@ -156,6 +228,9 @@ void DeclaredSettings::check(Scenario const& s, Process const& process, Diagnost
     if (s.network) {
         check_elements(s, process, declaration_, diagnostics);
     }
+    if (names_streams(declaration_)) {
+        check_streams(s, process, declaration_, diagnostics);
+    }
 }
 
 std::vector<TopicUse> DeclaredSettings::writes(Scenario const&, Process const& process) const {
@@ -163,7 +238,18 @@ std::vector<TopicUse> DeclaredSettings::writes(Scenario const&, Process const& p
     if (!declaration_.signals.empty()) {
         add_signals(out);
     }
+    if (names_streams(declaration_)) {
+        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
+    }
     return out;
+}
+
+std::vector<WireUse> DeclaredSettings::sends(Scenario const& s, Process const& process) const {
+    return wire_uses(s, declaration_.writes, declaration_, process);
+}
+
+std::vector<WireUse> DeclaredSettings::receives(Scenario const& s, Process const& process) const {
+    return wire_uses(s, declaration_.reads, declaration_, process);
 }
 
 std::vector<TopicUse> DeclaredSettings::reads(Scenario const&, Process const& process) const {
@@ -180,6 +266,15 @@ std::vector<SignalUse> DeclaredSettings::signals(Scenario const&, Process const&
 
 Node DeclaredSettings::settings(Scenario const& s, Process const& process) const {
     Node node = own_settings(process);
+    if (names_streams(declaration_)) {
+        std::vector<std::string> used;
+        for (auto const* topics : {&declaration_.reads, &declaration_.writes}) {
+            for (streams::Stream const* stream : streams_in(s, *topics, declaration_, process)) {
+                used.push_back(stream->name.name);
+            }
+        }
+        node = wire_process_settings(s, process, used);
+    }
     for (ElementUse const& use : declaration_.elements) {
         Node* named = node.find(use.key);
         if (!s.network || named == nullptr) {

@@ -24,6 +24,8 @@ class DeclaredSettings final : public ProcessSettings {
     void check(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) override;
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const& scenario, Process const& process) const override;
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const& scenario, Process const& process) const override;
+    [[nodiscard]] std::vector<WireUse> sends(Scenario const& scenario, Process const& process) const override;
+    [[nodiscard]] std::vector<WireUse> receives(Scenario const& scenario, Process const& process) const override;
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const& scenario, Process const& process) const override;
     [[nodiscard]] bool is_member() const override { return declaration_.member; }
     [[nodiscard]] bool is_expected() const override { return declaration_.member; }

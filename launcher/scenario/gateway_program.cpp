@@ -30,22 +30,9 @@ class GatewaySettings final : public ProcessSettings {
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         check_raw_link(s, process, diagnostics);
         routes_ = gateways::make_routes(config_, s.streams, bus::idl_of_type, diagnostics);
-        if (s.clock.mode != bus::ClockMode::lockstep) {
-            return;
-        }
         for (Route const& route : routes_) {
-            if (!route.to_samples()) {
-                continue;
-            }
-            streams::Stream const& stream = *route.to_stream;
-            Rational const period_quanta = Rational{1} / stream.rate_hz / s.quantum_s();
-            if (!period_quanta.is_whole()) {
-                diagnostics.error(route.config.to.stream.where,
-                                  fmt::format("in lockstep the samples of '{}' ({} Hz) must fall on the simulator's "
-                                              "steps, and the time quantum is {} s",
-                                              stream.name.name, stream.rate_hz.to_string(), s.quantum_s().to_string()),
-                                  "simulation.step_s: a whole part of the sample period",
-                                  static_cast<int>(stream.name.name.size()));
+            if (route.to_samples()) {
+                check_samples_on_steps(s, *route.to_stream, route.config.to.stream, diagnostics);
             }
         }
     }

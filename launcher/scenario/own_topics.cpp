@@ -6,6 +6,7 @@
 #include "common/idl/idl_model.hpp"
 #include "common/text.hpp"
 #include "idl/idl_texts.hpp"
+#include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/scenario.hpp"
 
@@ -153,9 +154,13 @@ void check_own_topics(Scenario const& scenario, Diagnostics& diagnostics) {
             continue;
         }
         std::vector<TopicUse> const writes = process.settings->writes(scenario, process);
+        // The library counts the streams of a program that describes itself.
+        bool const counts_streams = dynamic_cast<DeclaredSettings const*>(process.settings.get()) != nullptr &&
+                                    (!process.settings->sends(scenario, process).empty() ||
+                                     !process.settings->receives(scenario, process).empty());
         for (TopicUse const& use : writes) {
             if (std::find(kFramework.begin(), kFramework.end(), use.topic) != kFramework.end() ||
-                (use.topic == "stream_statistics" && is_own_program(process))) {
+                (use.topic == "stream_statistics" && is_own_program(process) && !counts_streams)) {
                 diagnostics.error(
                     place(process, "writes", use.topic, "type"),
                     fmt::format("process '{}' writes '{}', a topic of the framework", process.name.name, use.topic),

@@ -88,6 +88,20 @@ config::Node wire_settings(Scenario const& scenario, Process const& process) {
     return node;
 }
 
+void check_samples_on_steps(Scenario const& s, streams::Stream const& stream, Ref const& ref,
+                            config::Diagnostics& diagnostics) {
+    if (s.clock.mode != bus::ClockMode::lockstep || stream.kind != streams::Kind::smv ||
+        (Rational{1} / stream.rate_hz / s.quantum_s()).is_whole()) {
+        return;
+    }
+    diagnostics.error(ref.where,
+                      fmt::format("in lockstep the samples of '{}' ({} Hz) must fall on the simulator's "
+                                  "steps, and the time quantum is {} s",
+                                  stream.name.name, stream.rate_hz.to_string(), s.quantum_s().to_string()),
+                      "simulation.step_s: a whole part of the sample period",
+                      static_cast<int>(stream.name.name.size()));
+}
+
 bool has_raw_frames(Scenario const& scenario) {
     return std::any_of(scenario.processes.begin(), scenario.processes.end(), [&](Process const& process) {
         return process.settings != nullptr && (!process.settings->sends(scenario, process).empty() ||

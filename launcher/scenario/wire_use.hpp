@@ -17,6 +17,11 @@ void check_raw_link(Scenario const& scenario, Process const& process, config::Di
 /// `wire:` of the settings of a process with raw frames: link, interface and MAC address of its port.
 [[nodiscard]] config::Node wire_settings(Scenario const& scenario, Process const& process);
 
+/// In lockstep a program sends samples at the simulator's steps only; the complaint is at `ref`, which names the
+/// stream.
+void check_samples_on_steps(Scenario const& scenario, streams::Stream const& stream, config::Ref const& ref,
+                            config::Diagnostics& diagnostics);
+
 /// Does any process exchange raw frames? Then the run needs network namespaces, or real interfaces.
 [[nodiscard]] bool has_raw_frames(Scenario const& scenario);
 

@@ -12,6 +12,7 @@ import pathlib
 import re
 import sys
 import traceback
+import types
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
@@ -41,7 +42,8 @@ class Agent:
         if unknown:
             raise TypeError(f"{type(self).__name__} has no setting '{min(unknown)}'")
         self._prepare(None, {s.name: settings.get(s.name, s.default) for s in _declared(type(self), Setting)})
-        self._writers = {w.name: Writer(lambda writer, sample: writer.sent.append(sample), sample_type(w.type, _idl_file(type(self), w)))
+        self._writers = {w.name: Writer(lambda writer, sample: writer.sent.append(sample),
+                                        sample_type(w.type, _idl_file(type(self), w)) if w.type else types.SimpleNamespace)  # a stream: any members
                          for w in _declared(type(self), Writes)}
 
     def _prepare(self, handle: int | None, settings: dict[str, Any]) -> None:

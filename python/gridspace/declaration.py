@@ -94,6 +94,28 @@ class Writes(Topic):
         return self if agent is None else agent._writers[self.name]
 
 
+class ReadsStream(Reads):
+    """A stream of sampled values or GOOSE of the scenario: a sample, or a message, is given to its method on_ATTRIBUTE. Beside the members
+    of its data set ("mag.f" is mag_f) it has time_ns, alive, and smp_cnt and smp_synch or st_num and sq_num."""
+
+    def __init__(self, stream: str):
+        super().__init__(stream, "")
+
+    def described(self) -> dict[str, Any]:
+        return {"stream": self.topic}
+
+
+class WritesStream(Writes):
+    """A stream that the agent publishes: self.ATTRIBUTE(member=value, …) gives it new values. GOOSE is repeated, and sampled values are sent
+    at their rate, without its doing."""
+
+    def __init__(self, stream: str):
+        super().__init__(stream, "")
+
+    def described(self) -> dict[str, Any]:
+        return {"stream": self.topic}
+
+
 class Signal(Declared):
     """A signal of the agent, for recording and display: self.ATTRIBUTE = value. Where the pattern names several: self.ATTRIBUTE[name] = value."""
 
