@@ -40,8 +40,9 @@ constexpr CommandUse kBreaker[] = {
     {Command::close, "closes its poles"},
     {Command::reset, "its mechanism works again, if it was stuck (`fail_to_open`)"}};
 
-constexpr Quantity kSource[] = {{"voltage_pu", not_negative("its internal voltage")},
-                                {"frequency_hz", positive("its frequency, the phase goes on"), false}};
+constexpr Quantity kSource[] = {
+    {"voltage_pu", not_negative("its internal voltage")},
+    {"frequency_hz", positive("its frequency, the phase goes on; with phasors behind an impedance")}};
 constexpr Quantity kMachine[] = {{"p_kw", any("power at nominal speed that its governor holds")},
                                  {"voltage_setpoint_pu", positive("voltage that its regulator holds")},
                                  {"droop_percent", positive("of its governor")}};

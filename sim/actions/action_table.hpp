@@ -64,9 +64,9 @@ struct Setting {
 [[nodiscard]] Result<Setting> setting_of(SetParameter const& action, bool waveform);
 [[nodiscard]] Error cannot_be_set(SetParameter const& action, bool waveform);
 
-/// Why this one element refuses what its kind allows.
+/// Why this one element refuses what its kind allows in that solver.
 [[nodiscard]] std::optional<Refusal> refusal_of(Network const& network, ActionKind const& kind,
-                                                std::string_view element, Quantity const& quantity);
+                                                std::string_view element, Quantity const& quantity, bool waveform);
 /// What a quantity of an element is before anybody has set it.
 [[nodiscard]] double start_value(Network const& network, ActionKind const& kind, std::string_view element,
                                  Quantity const& quantity);

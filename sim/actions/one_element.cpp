@@ -39,7 +39,11 @@ std::optional<Refusal> refusal_of(Generator const& g, std::string_view quantity)
 } // namespace
 
 std::optional<Refusal> refusal_of(Network const& n, ActionKind const& kind, std::string_view element,
-                                  Quantity const& quantity) {
+                                  Quantity const& quantity, bool waveform) {
+    Source const* source = kind.section == "sources" ? find(n.sources, element) : nullptr;
+    if (source != nullptr && !waveform && quantity.name == "frequency_hz" && source->r_ohm == 0 && source->l_mh == 0) {
+        return Refusal{"with phasors a source without an impedance holds the angle of its bus", "give it an l_mh"};
+    }
     if (OnePort const* e = one_port_of(n, kind, element)) {
         return e->refuses(quantity.name);
     }

@@ -143,7 +143,7 @@ class Check {
                   spelling_hint(c.quantity, c.kind->quantity_names(waveform_), "nothing of it can"));
             return false;
         }
-        if (auto const refusal = c.is_pattern() ? std::nullopt : refusal_of(n_, *c.kind, c.element, *q)) {
+        if (auto const refusal = c.is_pattern() ? std::nullopt : refusal_of(n_, *c.kind, c.element, *q, waveform_)) {
             wrong(c, std::string{refusal->why}, std::string{refusal->hint});
             return false;
         }
@@ -233,7 +233,7 @@ std::vector<std::string> elements_of(ControlConfig const& c, std::vector<Control
         bool const named = std::any_of(all.begin(), all.end(), [&](ControlConfig const& other) {
             return other.kind == c.kind && other.quantity == c.quantity && other.element == name;
         });
-        bool const refused = quantity != nullptr && refusal_of(network, *c.kind, name, *quantity).has_value();
+        bool const refused = quantity != nullptr && refusal_of(network, *c.kind, name, *quantity, waveform).has_value();
         if (!named && !refused && matches_glob(c.element, name)) {
             out.push_back(std::move(name));
         }

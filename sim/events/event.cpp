@@ -216,7 +216,7 @@ void check_set(Event const& e, Ref const& path, double value, Network const& n, 
         return unknown(fmt::format(": '{}' cannot be changed in a run", parts[2]), parts[2],
                        kind->quantity_names(waveform));
     }
-    if (auto const refusal = refusal_of(n, *kind, parts[1], *quantity)) {
+    if (auto const refusal = refusal_of(n, *kind, parts[1], *quantity, waveform)) {
         wrong(fmt::format(", but {}", refusal->why), std::string{refusal->hint});
     }
     if (!within(quantity->range, value)) {

@@ -59,9 +59,15 @@ Result<void> PhasorEngine::act(SetParameter const& a) {
     }
     if (std::size_t const i = index_of(network_.sources, element);
         kind->section == "sources" && i < network_.sources.size()) {
-        network_.sources[i].voltage_pu = a.value;
         if (auto const behind = sources_.find(i); behind != sources_.end()) {
-            behind->second->set(quantity->name, a.value);
+            behind->second->set(t_, quantity->name, a.value);
+        }
+        if (quantity->name == "frequency_hz") {
+            slopes_jump_ = true;
+            return sources_.contains(i) ? Result<void>{} : std::unexpected{cannot_be_set(a, false)};
+        }
+        network_.sources[i].voltage_pu = a.value;
+        if (sources_.contains(i)) {
             return {};
         }
         return set_topology(); // it holds its bus

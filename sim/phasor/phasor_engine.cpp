@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 
 namespace gridspace::sim::phasor {
 namespace {
@@ -196,12 +197,30 @@ Result<void> PhasorEngine::restart() {
             return ok;
         }
         if (round > 2 * network_.generators.size() || !cross_q_limits()) {
-            return {};
+            return std::exchange(slopes_jump_, false) ? find_slopes() : Result<void>{};
         }
         if (auto ok = set_topology(); !ok) {
             return ok;
         }
     }
+}
+
+/// The solver knows the slopes of states. Those of voltages, which it takes for its first step, are found by a look at
+/// a moment later.
+Result<void> PhasorEngine::find_slopes() {
+    constexpr double kLaterS = 1e-6;
+    std::vector<double> y = y_, yp = yp_;
+    std::vector<double> const is_state = dae_->differential();
+    for (std::size_t i = 0; i < y.size(); ++i) {
+        y[i] += is_state[i] != 0 ? kLaterS * yp[i] : 0;
+    }
+    if (auto ok = solver_->restart(t_ + kLaterS, y, yp); !ok) {
+        return ok;
+    }
+    for (std::size_t i = 0; i < y.size(); ++i) {
+        yp_[i] = is_state[i] != 0 ? yp_[i] : (y[i] - y_[i]) / kLaterS;
+    }
+    return solver_->restart(t_, y_, yp_);
 }
 
 Result<void> PhasorEngine::check_voltages() const {

@@ -74,6 +74,7 @@ class PhasorEngine final : public Engine {
     /// Frequencies of the buses: slopes of their angles behind a lag.
     void follow_angles(double h);
     Result<void> restart();
+    Result<void> find_slopes();
     [[nodiscard]] Result<void> check_voltages() const;
 
     void define_signals();
@@ -103,6 +104,7 @@ class PhasorEngine final : public Engine {
     std::vector<double> y_, yp_;
     double t_{0};
     bool input_changed_{false};
+    bool slopes_jump_{false}; ///< voltages turn at another speed from now on
     std::vector<SignalDef> signals_;
     std::vector<std::function<double()>> readers_;
 };

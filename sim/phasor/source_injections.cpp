@@ -18,22 +18,36 @@ constexpr Kind kGenerator{
 } // namespace
 
 SourceInjection::SourceInjection(Network const& network, Source const& source, std::size_t bus)
-    : PhasorInjection{bus}, name_{source.name.name}, base_kva_{network.power_kva},
-      angle_rad_{source.angle_deg * std::numbers::pi / 180}, emf_{std::polar(source.voltage_pu, angle_rad_)} {
+    : PhasorInjection{bus}, name_{source.name.name}, base_kva_{network.power_kva}, nominal_hz_{network.frequency_hz},
+      voltage_pu_{source.voltage_pu}, angle_rad_{source.angle_deg * std::numbers::pi / 180} {
     double const omega = 2 * std::numbers::pi * network.frequency_hz;
     admittance_ = base_impedance(network, network.buses[bus]) / Complex{source.r_ohm, omega * source.l_mh * 1e-3};
 }
 
-Complex SourceInjection::flow(double, std::span<double const>, Complex v, std::span<double>) const {
-    return (emf_ - v) * admittance_;
+void SourceInjection::set(double t, std::string_view quantity, double value) {
+    if (quantity == "voltage_pu") {
+        voltage_pu_ = value;
+        return;
+    }
+    angle_rad_ += slip_rad_s_ * (t - since_s_);
+    since_s_ = t;
+    slip_rad_s_ = 2 * std::numbers::pi * (value - nominal_hz_);
+}
+
+Complex SourceInjection::emf(double t) const {
+    return std::polar(voltage_pu_, angle_rad_ + slip_rad_s_ * (t - since_s_));
+}
+
+Complex SourceInjection::flow(double t, std::span<double const>, Complex v, std::span<double>) const {
+    return (emf(t) - v) * admittance_;
 }
 
 std::vector<SignalDef> SourceInjection::signals() const {
     return {{"source." + name_ + ".p_kw", "kW"}, {"source." + name_ + ".q_kvar", "kvar"}};
 }
 
-double SourceInjection::value(std::size_t signal, double, std::span<double const>, Complex v) const {
-    Complex const s = v * std::conj((emf_ - v) * admittance_);
+double SourceInjection::value(std::size_t signal, double t, std::span<double const>, Complex v) const {
+    Complex const s = v * std::conj((emf(t) - v) * admittance_);
     return (signal == 0 ? s.real() : s.imag()) * base_kva_;
 }
 

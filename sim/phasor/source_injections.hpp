@@ -14,15 +14,15 @@ class SourceInjection final : public PhasorInjection {
     Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
     [[nodiscard]] std::vector<SignalDef> signals() const override;
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
-    bool set(std::string_view, double voltage_pu) override {
-        emf_ = std::polar(voltage_pu, angle_rad_);
-        return true;
-    }
+    /// From `t` on; the phase goes on.
+    void set(double t, std::string_view quantity, double value);
 
   private:
+    [[nodiscard]] Complex emf(double t) const;
     std::string name_;
-    double base_kva_, angle_rad_;
-    Complex emf_, admittance_;
+    double base_kva_, nominal_hz_, voltage_pu_;
+    double angle_rad_, since_s_{0}, slip_rad_s_{0}; ///< at `since_s_`, and how fast it turns against the reference
+    Complex admittance_;
 };
 
 /// Generator with given powers (role pq; pv in quasi-static runs is a held voltage, see PhasorEngine).

@@ -47,7 +47,7 @@ REFUSED = [
     (4, "set_point_refused", "battery.BAT9.p_kw = 1 of 'asking': there is no 'battery.BAT9', ignored"),
     (5, "set_point_refused", "pv.ROOF.p_limit_kw = 1 of 'asking': only 'ems' may, ignored"),
     (8, "command_refused", "close breaker.CB of 'asking': expected open, ignored"),
-    (9, "command_refused", "reset pv.ROOF of 'asking': expected connect, disconnect, ignored"),
+    (9, "command_refused", "reset pv.ROOF of 'asking': expected connect, disconnect, start, stop, ignored"),
 ]
 
 

@@ -72,7 +72,8 @@ TEST_P(Table, EveryQuantityIsFollowedByTheSolversThatItNamesAndByNoOther) {
             for (Quantity const& q : kind.quantities) {
                 double const value = start_value(n, kind, element, q);
                 SetParameter const action{fmt::format("{}.{}.{}", kind.section, element, q.name), value};
-                bool const follows = (waveform ? q.in_waveforms : q.in_phasors) && !refusal_of(n, kind, element, q);
+                bool const follows =
+                    (waveform ? q.in_waveforms : q.in_phasors) && !refusal_of(n, kind, element, q, waveform);
                 EXPECT_EQ(sut->apply(action).has_value(), follows) << action.path << " = " << value;
             }
         }
@@ -148,6 +149,28 @@ TEST_P(Table, ALoadDrawsWhatItIsToldTimesTheSquareOfItsVoltage) {
 TEST_P(Table, ASourceThatIsRaisedRaisesItsBus) {
     double const before = sut->value(sut->find_signal("bus.A.v_pu"));
     EXPECT_NEAR(after(*sut, {"sources.Stiff.voltage_pu", 1.05}, "bus.A.v_pu", waveform), before + 0.05, 0.01);
+}
+
+TEST(Frequency, ASourceThatTurnsFasterWithPhasorsTakesItsGridAlong) {
+    std::string const text =
+        "gridspace_network: 1\nname: t\nbase: {frequency_hz: 60, power_kva: 100}\n"
+        "buses: {A: {voltage_v: 400}, B: {voltage_v: 400}}\n"
+        "sources: {Behind: {bus: A, l_mh: 0.01}}\nlines: {L: {from: A, to: B, r_ohm: 0.05, l_mh: 0.1}}\n"
+        "loads: {D: {bus: B, p_kw: 10, model: constant_impedance}}\n";
+    auto const sut = engine(false, text);
+    auto const angle = [&] { return sut->value(sut->find_signal("bus.B.angle_deg")); };
+    double const before = angle();
+    ASSERT_TRUE(sut->apply(SetParameter{"sources.Behind.frequency_hz", 60.25}).has_value());
+    auto const turned = sut->advance({4800});
+    ASSERT_TRUE(turned.has_value()) << turned.error().message;
+    EXPECT_NEAR(angle() - before, 90, 1e-3);                                      // a quarter of a turn in a second
+    EXPECT_NEAR(sut->value(sut->find_signal("bus.B.frequency_hz")), 60.25, 0.01); // it follows with a lag
+    ASSERT_TRUE(sut->apply(SetParameter{"sources.Behind.frequency_hz", 60}).has_value());
+    ASSERT_TRUE(sut->advance({9600}).has_value());
+    EXPECT_NEAR(angle() - before, 90, 1e-3); // it has stopped there
+
+    auto const stiff = engine(false, std::string{text}.replace(text.find(", l_mh: 0.01"), 12, ""));
+    EXPECT_FALSE(stiff->apply(SetParameter{"sources.Behind.frequency_hz", 60.25}).has_value());
 }
 
 /// Averages over the period that ends at step `end`.
