@@ -28,9 +28,30 @@ Result<std::shared_ptr<TopicType const>> load_type(program::Topic const& topic, 
     return TopicType::load(topic.type, topic.idl.empty() ? std::filesystem::path{} : folder / topic.idl);
 }
 
+/// A topic or stream with its pattern filled in, and the pattern.
+struct Named {
+    std::string declared;
+    program::Topic topic;
+};
+
+std::vector<Named> named(std::vector<program::Topic> const& topics, program::Values const& values, bool streams) {
+    std::vector<Named> out;
+    for (program::Topic const& one : topics) {
+        for (program::Topic& topic : program::expand(std::vector{one}, values)) {
+            if (topic.is_stream == streams) {
+                out.push_back({one.topic, std::move(topic)});
+            }
+        }
+    }
+    return out;
+}
+
 template <class Ends>
 std::optional<int> number_of(Ends const& ends, std::string_view topic) {
-    auto const found = std::find_if(ends.begin(), ends.end(), [&](auto const& end) { return end.topic == topic; });
+    auto found = std::find_if(ends.begin(), ends.end(), [&](auto const& end) { return end.topic == topic; });
+    if (found == ends.end()) {
+        found = std::find_if(ends.begin(), ends.end(), [&](auto const& end) { return end.declared == topic; });
+    }
     return found == ends.end() ? std::nullopt : std::optional{static_cast<int>(found - ends.begin())};
 }
 
@@ -67,10 +88,7 @@ Result<void> AgentMember::prepare() {
 }
 
 Result<void> AgentMember::open_reads(program::Values const& values) {
-    for (program::Topic const& topic : program::expand(program_.declaration.reads, values)) {
-        if (topic.is_stream) {
-            continue;
-        }
+    for (auto const& [declared, topic] : named(program_.declaration.reads, values, false)) {
         auto const type = load_type(topic, program_.folder);
         if (!type) {
             return std::unexpected{type.error()};
@@ -79,16 +97,13 @@ Result<void> AgentMember::open_reads(program::Values const& values) {
         if (auto ok = node_.reader(topic.topic, (*type)->codec(), inbox); !ok) {
             return ok;
         }
-        readers_.push_back({topic.topic, *type, std::move(inbox)});
+        readers_.push_back({declared, topic.topic, *type, std::move(inbox)});
     }
     return {};
 }
 
 Result<void> AgentMember::open_writes(program::Values const& values) {
-    for (program::Topic const& topic : program::expand(program_.declaration.writes, values)) {
-        if (topic.is_stream) {
-            continue;
-        }
+    for (auto const& [declared, topic] : named(program_.declaration.writes, values, false)) {
         auto const type = load_type(topic, program_.folder);
         if (!type) {
             return std::unexpected{type.error()};
@@ -97,36 +112,35 @@ Result<void> AgentMember::open_writes(program::Values const& values) {
         if (!writer) {
             return std::unexpected{writer.error()};
         }
-        writers_.push_back({topic.topic, *type, std::move(*writer)});
+        writers_.push_back({declared, topic.topic, *type, std::move(*writer)});
     }
     return {};
 }
 
 Result<void> AgentMember::open_streams(program::Values const& values) {
-    auto const named = [&](std::vector<program::Topic> const& topics) {
+    auto const read = named(program_.declaration.reads, values, true);
+    auto const written = named(program_.declaration.writes, values, true);
+    if (read.empty() && written.empty()) {
+        return {};
+    }
+    auto const names_of = [](std::vector<Named> const& ends) {
         std::vector<std::string> out;
-        for (program::Topic& topic : program::expand(topics, values)) {
-            if (topic.is_stream) {
-                out.push_back(std::move(topic.topic));
-            }
+        for (Named const& end : ends) {
+            out.push_back(end.topic.topic);
         }
         return out;
     };
-    std::vector<std::string> const reads = named(program_.declaration.reads),
-                                   writes = named(program_.declaration.writes);
-    if (reads.empty() && writes.empty()) {
-        return {};
-    }
-    auto streams = StreamEnds::open(node_, wire_, latency_, reads, writes, static_cast<int>(readers_.size()));
+    auto streams =
+        StreamEnds::open(node_, wire_, latency_, names_of(read), names_of(written), static_cast<int>(readers_.size()));
     if (!streams) {
         return std::unexpected{streams.error()};
     }
     streams_ = std::move(*streams);
-    for (StreamEnds::End const& end : streams_->reads()) {
-        readers_.push_back({end.stream, end.type, nullptr});
+    for (std::size_t i = 0; i < read.size(); ++i) {
+        readers_.push_back({read[i].declared, read[i].topic.topic, streams_->reads()[i].type, nullptr});
     }
-    for (std::size_t i = 0; i < streams_->writes().size(); ++i) {
-        writers_.push_back({streams_->writes()[i].stream, streams_->writes()[i].type, nullptr, i});
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        writers_.push_back({written[i].declared, written[i].topic.topic, streams_->writes()[i].type, nullptr, i});
     }
     return {};
 }

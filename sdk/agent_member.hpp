@@ -54,7 +54,7 @@ class AgentMember : public bus::Member {
     [[nodiscard]] Result<int> at(std::int64_t time_ns);
     [[nodiscard]] Result<void> cancel(int timer);
 
-    /// Numbers by name; nothing when the description does not have it.
+    /// Numbers by name, or by the pattern of the description (its first); nothing when that does not have it.
     [[nodiscard]] std::optional<int> reader(std::string_view topic) const;
     [[nodiscard]] std::optional<int> writer(std::string_view topic) const;
     [[nodiscard]] std::optional<int> signal_number(std::string_view name) const;
@@ -66,12 +66,12 @@ class AgentMember : public bus::Member {
 
   private:
     struct Reader {
-        std::string topic;
+        std::string declared, topic; ///< with and without its pattern
         std::shared_ptr<TopicType const> type;
         std::shared_ptr<SampleInbox> inbox; ///< null: a stream
     };
     struct Writer {
-        std::string topic;
+        std::string declared, topic;
         std::shared_ptr<TopicType const> type;
         std::unique_ptr<bus::CdrWriter> cdr; ///< null: a stream
         std::size_t stream{0};

@@ -35,6 +35,16 @@ namespace gridspace {
 template <class T>
 struct TypeName; ///< the name of a type on the wire; <gridspace/types.h> and `gridspace types FILE` give it
 
+/// The same, for messages too; the struct of a stream has no name on the wire.
+template <class T>
+[[nodiscard]] constexpr char const* type_name() {
+    if constexpr (requires { TypeName<T>::value; }) {
+        return TypeName<T>::value;
+    } else {
+        return "";
+    }
+}
+
 /// A sequence of a sample, to walk through.
 template <class Sequence>
 [[nodiscard]] auto items(Sequence const& sequence) {
@@ -190,17 +200,18 @@ class Setting {
     T value_{};
 };
 
-/// A topic that the agent reads; `handler` is called with each sample, which is there until it returns.
+/// A topic, or a stream, that the agent reads; `handler` is called with each sample, which is there until it returns.
 template <class T>
 class Reads {
   public:
     Reads(Agent& agent, std::string topic, std::function<void(T const&)> handler, TopicOptions const& options = {}) {
-        agent.description().reads(topic, TypeName<T>::value, options);
+        agent.description().reads(topic, type_name<T>(), options);
         agent.on_begin([&agent, topic, handler = std::move(handler)] {
-            agent.on_sample(topic, [handler](void const* sample, std::size_t size) {
+            agent.on_sample(topic, [topic, handler](void const* sample, std::size_t size) {
                 if (size != sizeof(T)) {
-                    throw std::runtime_error{std::string{"the struct "} + TypeName<T>::value +
-                                             " is of another IDL: make it again with `gridspace types`"};
+                    throw std::runtime_error{"the struct of '" + topic + "' has " + std::to_string(sizeof(T)) +
+                                             " octets, and its samples have " + std::to_string(size) +
+                                             ": it is of another IDL, or of another data set"};
                 }
                 handler(*static_cast<T const*>(sample));
             });
@@ -208,12 +219,12 @@ class Reads {
     }
 };
 
-/// A topic that the agent writes.
+/// A topic, or a stream, that the agent writes.
 template <class T>
 class Writes {
   public:
     Writes(Agent& agent, std::string topic, TopicOptions const& options = {}) : agent_{agent} {
-        agent.description().writes(topic, TypeName<T>::value, options);
+        agent.description().writes(topic, type_name<T>(), options);
         agent.on_begin([this, topic] { number_ = Agent::checked(gridspace_writer(agent_.handle(), topic.c_str())); });
     }
     void write(T const& sample) { Agent::checked(gridspace_write(agent_.handle(), number_, &sample, sizeof sample)); }

@@ -23,7 +23,8 @@ struct SettingOptions {
 
 struct TopicOptions {
     bool triggers{false}, optional{false};
-    std::string idl{}; ///< file that defines the type when it is not one of Gridspace's
+    std::string idl{};  ///< file that defines the type when it is not one of Gridspace's
+    bool stream{false}; ///< no topic but a stream of the scenario: docs/reference/c_abi.md says what its struct is
 };
 
 /// Gathers what a program says of itself, as JSON.
@@ -64,7 +65,7 @@ class Description {
         }
     }
     void reads(std::string const& topic, std::string const& type, TopicOptions const& o) {
-        append(reads_, topic_text(topic, type, o) + (o.triggers ? R"(,"triggers":true})" : "}"));
+        append(reads_, topic_text(topic, type, o) + (o.triggers && !o.stream ? R"(,"triggers":true})" : "}"));
     }
     void writes(std::string const& topic, std::string const& type, TopicOptions const& o) {
         append(writes_, topic_text(topic, type, o) + "}");
@@ -99,6 +100,9 @@ class Description {
         }
     }
     static std::string topic_text(std::string const& topic, std::string const& type, TopicOptions const& o) {
+        if (o.stream) {
+            return R"({"stream":)" + quoted(topic);
+        }
         return R"({"topic":)" + quoted(topic) + R"(,"type":)" + quoted(type) +
                (o.optional ? R"(,"optional":true)" : "") + (o.idl.empty() ? "" : R"(,"idl":)" + quoted(o.idl));
     }

@@ -12,6 +12,29 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenario"))
 import harness  # noqa: E402
 
+RELAY = """
+#include <cmath>
+#include <gridspace/agent.hpp>
+struct Currents { std::int64_t time_ns; bool alive; std::uint16_t smp_cnt; std::uint8_t smp_synch; float a, b, c; };
+struct Trip { std::int64_t time_ns; bool status; };
+class Relay final : public gridspace::Agent {
+  public:
+    Relay() : Agent{"relay", "trips when a current is too high"} {}
+    void begin() override { trip.write({}); }
+  private:
+    void look(Currents const& i) {
+        above = i.alive && std::max({std::abs(i.a), std::abs(i.b), std::abs(i.c)}) > pickup_a ? above + 1 : 0;
+        if (above == 3) { trip.write({0, true}); }
+    }
+    int above = 0;
+    gridspace::Setting<std::string> currents{*this, "currents"}, trips{*this, "trip"};
+    gridspace::Setting<double> pickup_a{*this, "pickup_a"};
+    gridspace::Setting<double> latency_us{*this, "latency_us", "900", {.latency = true}};
+    gridspace::Reads<Currents> in{*this, "{currents}", [this](Currents const& i) { look(i); }, {.stream = true}};
+    gridspace::Writes<Trip> trip{*this, "{trip}", {.stream = true}};
+};
+int main(int argc, char** argv) { return gridspace::run<Relay>(argc, argv); }
+"""
 LANGUAGES = {"python": "agent_a", "c++": "agent_b", "c": "agent_c"}
 
 
@@ -43,6 +66,18 @@ class Sdk(harness.ScenarioTest):
         for language in ("c++", "c"):
             said = self.do(harness.BIN / "gridspace", "compare", runs["python"], runs[language], "--signals", "battery.*,bus.*")
             self.assertIn("identical", said)
+
+        # Streams: the relay of the Python example, in C++; its messages open the breakers at the same instants.
+        self.write("relay.cpp", RELAY)
+        self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.20)\nproject(relay CXX)\nset(CMAKE_CXX_STANDARD 20)\n"
+                                     "find_package(Gridspace REQUIRED)\nadd_executable(relay relay.cpp)\ntarget_link_libraries(relay PRIVATE gridspace::agent)\n")
+        self.do("cmake", "-S", ".", "-B", "relay_build", f"-DCMAKE_PREFIX_PATH={prefix}")
+        self.do("cmake", "--build", "relay_build")
+        example = harness.SOURCE / "examples/agents/python_overcurrent_relay/overcurrent.yaml"
+        self.do(installed, "run", example, "--quiet", "--out", "python_relay")
+        self.do(installed, "run", example, "--quiet", "--out", "relay", "--set", f"processes.relay.program.path={self.folder}/relay_build/relay",
+                "--set", "expect.trip_decided_ms=~", "--set", "expect.no_trip_before_fault=~")
+        self.assertIn("identical", self.do(harness.BIN / "gridspace", "compare", "python_relay", "relay", "--signals", "breaker.*,breaker_ied.*,ct.*"))
 
         # From the declaration in C++: its settings are checked where they are written.
         scenario = self.folder / "agent_b/scenario.yaml"
