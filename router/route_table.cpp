@@ -151,6 +151,9 @@ std::vector<Route> RouteTable::routes() const {
 void RouteTable::note(std::string text) {
     if (noted_.size() < kMaxNotes && noted_.insert(text).second) { // partitions have whatever names
         notes_.push_back(std::move(text));
+        if (noted_.size() == kMaxNotes) {
+            notes_.push_back(fmt::format("{} notes have been made; there will be no more", kMaxNotes));
+        }
     }
 }
 

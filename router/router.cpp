@@ -3,10 +3,12 @@
 #include "router/router.hpp"
 
 #include "bus/topics.hpp"
+#include "common/log.hpp"
 
 #include <algorithm>
 #include <catalog.h>
 #include <fmt/format.h>
+#include <utility>
 
 namespace gridspace::router {
 namespace {
@@ -82,6 +84,10 @@ Result<void> Router::open(std::filesystem::path const& qos_file, std::function<v
                                              if (bus::codec_of<TypeCatalogEntry>().decode(cdr, &entry)) {
                                                  std::lock_guard const lock{mutex_};
                                                  if (idl_.size() >= kMaxTypes) {
+                                                     if (!std::exchange(types_are_full_, true)) {
+                                                         log::warning("the IDL of {} types is kept; of more it is not",
+                                                                      kMaxTypes);
+                                                     }
                                                      return;
                                                  }
                                                  idl_.emplace(entry.type_name().c_str(), entry.idl());
