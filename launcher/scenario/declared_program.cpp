@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 #include "launcher/scenario/element_names.hpp"
+#include "launcher/scenario/file_settings.hpp"
 #include "launcher/scenario/limited_command.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
@@ -225,6 +226,7 @@ void DeclaredSettings::check(Scenario const& s, Process const& process, Diagnost
                                           span_s->to_string(), s.simulation.step_s.to_string()));
         }
     }
+    check_files(process.node, declaration_.settings, diagnostics);
     if (s.network) {
         check_elements(s, process, declaration_, diagnostics);
     }
@@ -275,6 +277,7 @@ Node DeclaredSettings::settings(Scenario const& s, Process const& process) const
         }
         node = wire_process_settings(s, process, used);
     }
+    resolve_files(node, declaration_.settings);
     for (ElementUse const& use : declaration_.elements) {
         Node* named = node.find(use.key);
         if (!s.network || named == nullptr) {

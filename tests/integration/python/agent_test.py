@@ -156,6 +156,20 @@ class Agents(ScenarioTest):
         self.assertNotIn("Traceback", (run.folder / "logs/reader.log").read_text())
         self.assertEqual({t["name"]: t["samples"] for t in run.summary()["topics"]}["weather"], 4)
 
+    def test_a_file_is_found_from_the_file_that_names_it(self):
+        self.script("reader.py", """
+            class Reader(gridspace.Agent):
+                prices = Setting("file", doc="prices")
+                def begin(self):
+                    print("read:", open(self.prices).read())
+        """)
+        (self.folder / "data").mkdir()
+        self.write("data/prices.csv", "0.30")
+        scenario = self.write("data/own.yaml", json.dumps({"extends": str(SOURCE / "configs/scenarios/ev_charging.yaml"), "processes": {
+            "reader": {"program": {"path": "../reader.py"}, "host": "controller", "prices": "prices.csv"}}}))
+        run = self.run_to_end("run", [*NO_EXPECTATIONS, "--until", "1min"], scenario)
+        self.assertIn("read: 0.30", (run.folder / "logs/reader.log").read_text())
+
 
 class WithoutARun(unittest.TestCase):
     @classmethod

@@ -77,6 +77,26 @@ class OwnProgram(harness.ScenarioTest):
         code, out, err = harness.gridspace("validate", self.scenario(ems={**agent, "from": "requests"}))
         self.assertEqual(code, harness.OK, out + err)
 
+    def test_a_file_that_it_needs_must_be_there(self):
+        settings = [{"key": "prices", "kind": "file", "doc": "prices"},
+                    {"key": "sites", "kind": "map", "doc": "sites", "keys": [{"key": "weather", "kind": "file", "doc": "its weather"}]}]
+        text = json.dumps({"gridspace_program": 1, "name": "ems", "member": False, "settings": settings})
+        agent = {"program": {"path": str(self.script("ems", f"echo '{text}'"))}, "host": "controller"}
+        self.write("there.csv", "1\n")
+        base = self.write("base.yaml", f"extends: {SCENARIO}\nprocesses:\n  ems: {json.dumps(agent)}\n")
+        for written, expected in (("prices: gone.csv", f"base.yaml:4:11: error: 'prices' names '{self.folder}/gone.csv', which does not exist"),
+                                  ("prices: .", f"'prices' names '{self.folder}/', which is a folder"),
+                                  ("sites: {N: {weather: there.csv}, S: {weather: gone.csv}}", "base.yaml:4:49: error: 'weather' names ")):
+            base.write_text(f"extends: {SCENARIO}\nprocesses:\n  ems: {json.dumps(agent)[:-1]},\n  {written}}}\n")
+            code, out, err = harness.gridspace("validate", base)
+            self.assertEqual(code, harness.USAGE, out + err)
+            self.assertIn(expected, out + err)
+        base.write_text(f"extends: {SCENARIO}\nprocesses:\n  ems: {json.dumps(agent)[:-1]},\n  prices: there.csv}}\n")
+        (self.folder / "elsewhere").mkdir()  # of a file that another extends: where it is written counts
+        other = self.write("elsewhere/other.yaml", "extends: ../base.yaml\nname: other\n")
+        code, out, err = harness.gridspace("validate", other)
+        self.assertEqual(code, harness.OK, out + err)
+
 
 if __name__ == "__main__":
     unittest.main()
