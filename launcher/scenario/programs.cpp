@@ -52,6 +52,10 @@ class SimSettings final : public ProcessSettings {
         std::vector<TopicUse> out;
         if (per_bus(s) && s.network) {
             out.push_back({"bus_measurements", "BusMeasurement", static_cast<std::int64_t>(s.network->buses.size())});
+            if (!s.network->batteries.empty()) {
+                out.push_back({"battery_measurements", "BatteryMeasurement",
+                               static_cast<std::int64_t>(s.network->batteries.size())});
+            }
         }
         for (sim::LineGatewayConfig const& gateway : gateways(s).lines) {
             for (auto const& publish : gateway.publish) {

@@ -11,6 +11,7 @@
 #include "sim/app/engine_factory.hpp"
 #include "sim/app/publisher_thread.hpp"
 #include "sim/app/signal_output.hpp"
+#include "sim/gateway/battery_gateway.hpp"
 #include "sim/gateway/bus_gateway.hpp"
 #include "sim/gateway/control_gateway.hpp"
 #include "sim/gateway/line_gateway.hpp"
@@ -97,6 +98,13 @@ class SimApp {
                 });
                 gateways_.push_back(std::move(*gateway));
             }
+            for (Battery const& battery : network_.batteries) {
+                auto gateway = BatteryGateway::create(node_, simulation_.engine(), battery.name.name);
+                if (!gateway) {
+                    return std::unexpected{gateway.error()};
+                }
+                batteries_.push_back(std::move(*gateway));
+            }
         }
         for (LineGatewayConfig const& line : gateways.lines) {
             auto gateway = LineGateway::create(node_, simulation_.engine(), network_, line, sampling);
@@ -145,6 +153,9 @@ class SimApp {
     void observe(SimTime t) {
         for (auto const& gateway : gateways_) {
             gateway->publish(t);
+        }
+        for (auto const& battery : batteries_) {
+            battery->publish(t);
         }
         for (auto const& gateway : line_gateways_) {
             gateway->observe(t);
@@ -235,6 +246,9 @@ class SimApp {
             for (auto const& gateway : gateways_) {
                 gateway->drain(end);
             }
+            for (auto const& battery : batteries_) {
+                battery->drain(end);
+            }
             for (auto const& gateway : line_gateways_) {
                 gateway->drain(end);
             }
@@ -256,6 +270,9 @@ class SimApp {
         std::uint64_t lost = signals_->lost();
         for (auto const& gateway : gateways_) {
             lost += gateway->lost();
+        }
+        for (auto const& battery : batteries_) {
+            lost += battery->lost();
         }
         for (auto const& gateway : line_gateways_) {
             lost += gateway->lost();
@@ -313,6 +330,7 @@ class SimApp {
     SimTime duration_;
     bus::TickGrid grid_;
     std::vector<std::unique_ptr<BusGateway>> gateways_;
+    std::vector<std::unique_ptr<BatteryGateway>> batteries_;
     std::vector<std::unique_ptr<LineGateway>> line_gateways_;
     std::unique_ptr<ControlGateway> controls_; ///< where there is something to be steered
     std::unique_ptr<SignalOutput> signals_;

@@ -34,7 +34,7 @@ struct LineGatewayConfig {
 
 /// What `simulation.gateways` says.
 struct GatewaysConfig {
-    bool per_bus{false}; ///< one gateway per bus: bus_measurements out, decisions in
+    bool per_bus{false}; ///< gateways of each bus (bus_measurements out, decisions in) and battery
     std::vector<LineGatewayConfig> lines;
 };
 
