@@ -3,6 +3,7 @@
 #include "launcher/judge/counters.hpp"
 
 #include "common/text.hpp"
+#include "launcher/judge/process_ends.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,25 +14,8 @@
 namespace gridspace::launcher {
 namespace {
 
-struct Ended {
-    std::int64_t time_ns{0};
-    bool again{false};
-};
-
-/// "relay1 restarted", "relay1 killed"
-std::vector<Ended> ends_of(std::string const& process, std::vector<LoggedEvent> const& events) {
-    std::vector<Ended> out;
-    for (LoggedEvent const& event : events) {
-        bool const again = event.text == process + " restarted";
-        if (event.source == "launcher" && (again || event.text == process + " killed")) {
-            out.push_back({std::llround(event.time_s * 1e9), again});
-        }
-    }
-    return out;
-}
-
 /// Adds up over the ends; gives the time of the last row before each of them.
-std::vector<std::int64_t> continue_counter(SignalSeries& series, std::vector<Ended> const& ends) {
+std::vector<std::int64_t> continue_counter(SignalSeries& series, std::vector<ProcessEnd> const& ends) {
     std::vector<std::int64_t> last_rows(ends.size(), 0);
     double before = 0, raw = 0; // of the incarnations before; the row before, as it was recorded
     std::size_t next = 0;
@@ -73,7 +57,7 @@ CounterGaps continue_counters(SignalStore& signals, std::map<std::string, std::s
                               std::vector<LoggedEvent> const& events) {
     CounterGaps out;
     for (auto const& [process, names] : published) {
-        std::vector<Ended> const ends = ends_of(process, events);
+        std::vector<ProcessEnd> const ends = ends_of(process, events);
         for (std::string const& name : names) {
             auto const it = signals.find(name);
             if (it == signals.end() || !is_counter(name)) {

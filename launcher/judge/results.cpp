@@ -210,6 +210,7 @@ Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
     if (auto ok = read_recording(folder, out, loss); !ok) {
         return std::unexpected{ok.error()};
     }
+    out.silences = silences(out.signals, loss.published(), out.events);
     out.counter_gaps = continue_counters(out.signals, loss.published(), out.events);
     if (auto ok = add_intrusion(folder, out); !ok) {
         return std::unexpected{ok.error()};

@@ -7,6 +7,7 @@
 #include "launcher/judge/counters.hpp"
 #include "launcher/judge/expectation.hpp"
 #include "launcher/judge/intrusion_score.hpp"
+#include "launcher/judge/process_ends.hpp"
 #include "launcher/wire/capture_statistics.hpp"
 #include "recorder/signals/signal_store.hpp"
 
@@ -41,6 +42,7 @@ struct Results {
     std::vector<ProcessRow> processes;
     std::string recording_note; ///< when the recording is not complete
     SignalStore signals;        ///< all that were recorded, and what follows from them
+    Silences silences;          ///< where signals have no value, because their process was killed
     CounterGaps counter_gaps;   ///< what counters of processes that were killed or started again do not hold
     /// What bus.pcapng says, read where a declared stream has no counters of its own or these have a gap.
     std::optional<wire::CaptureStatistics> capture;

@@ -42,8 +42,9 @@ std::vector<std::pair<double, double>> drawn_points(Figure::Series const& s, dou
     for (std::size_t i = first; i < last; i += bucket) {
         std::size_t low = i, high = i;
         for (std::size_t k = i; k < std::min(last, i + bucket); ++k) {
-            low = s.values[k] < s.values[low] ? k : low;
-            high = s.values[k] > s.values[high] ? k : high;
+            bool const nothing = std::isnan(s.values[k]); // an end, which is kept as the extremes are
+            low = nothing || s.values[k] < s.values[low] ? k : low;
+            high = !nothing && !(s.values[k] <= s.values[high]) ? k : high;
         }
         point(std::min(low, high));
         if (low != high) {
@@ -79,7 +80,8 @@ std::string to_csv(Figure const& f) {
             while (next[i] < s.times_ns.size() && s.times_ns[next[i]] <= t) {
                 ++next[i];
             }
-            out += next[i] == 0 ? "," : "," + shortest(s.values[next[i] - 1]);
+            bool const has_value = next[i] > 0 && !std::isnan(s.values[next[i] - 1]);
+            out += has_value ? "," + shortest(s.values[next[i] - 1]) : ",";
         }
         out += "\n";
     }

@@ -48,7 +48,7 @@ std::vector<Figure::Series> all_series(FigureSettings const& settings, Drawn con
     std::vector<std::string> not_measurable;
     Colours colours;
     for (FigureSettings::Series const& s : settings.series) {
-        auto more = drawn_series(s, run.results.signals, end_of(run), colours, not_measurable);
+        auto more = drawn_series(s, run.results.signals, run.results.silences, end_of(run), colours, not_measurable);
         std::move(more.begin(), more.end(), std::back_inserter(out));
     }
     if (!not_measurable.empty()) {

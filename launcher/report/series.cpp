@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gridspace::launcher {
 namespace {
@@ -32,6 +33,23 @@ std::string labelled(std::string const& label, std::vector<std::string> const& c
         next = end;
     }
     return out;
+}
+
+/// A value that holds into a silence ends where that begins.
+void keep_silent(Figure::Series& series, std::vector<Silence> const& silences, std::int64_t until_ns) {
+    for (Silence const& silence : silences) {
+        auto const place = [&](std::int64_t time_ns) {
+            return std::upper_bound(series.times_ns.begin(), series.times_ns.end(), time_ns) - series.times_ns.begin();
+        };
+        auto const from = place(silence.from_ns), until = std::max(from, place(silence.until_ns - 1));
+        if (from == 0 || silence.from_ns >= until_ns) {
+            continue; // it had no value yet, or the run was over
+        }
+        series.times_ns.erase(series.times_ns.begin() + from, series.times_ns.begin() + until);
+        series.values.erase(series.values.begin() + from, series.values.begin() + until);
+        series.times_ns.insert(series.times_ns.begin() + from, silence.from_ns);
+        series.values.insert(series.values.begin() + from, std::numeric_limits<double>::quiet_NaN());
+    }
 }
 
 bool is_no_delay(std::string const& name, SignalSeries const& series) {
@@ -103,9 +121,11 @@ std::vector<double> sliding_rms(std::vector<std::int64_t> const& times_ns, std::
 }
 
 std::vector<Figure::Series> drawn_series(FigureSettings::Series const& settings, SignalStore const& signals,
-                                         double until_s, Colours& colours, std::vector<std::string>& not_measurable) {
+                                         Silences const& silences, double until_s, Colours& colours,
+                                         std::vector<std::string>& not_measurable) {
     std::vector<Figure::Series> out;
-    auto const add = [&](std::string const& name, std::string const& key, SignalSeries series) {
+    auto const add = [&](std::string const& name, std::string const& key, std::vector<std::string> const& made_of,
+                         SignalSeries series) {
         if (series.values.empty()) {
             return;
         }
@@ -118,6 +138,11 @@ std::vector<Figure::Series> drawn_series(FigureSettings::Series const& settings,
         drawn.dashed = settings.dashed;
         drawn.right_axis = settings.right_axis;
         drawn.colour = colours.of(key);
+        for (auto const& [signal, of_signal] : silences) {
+            if (std::any_of(made_of.begin(), made_of.end(), [&](auto const& p) { return matches_glob(p, signal); })) {
+                keep_silent(drawn, of_signal, nanoseconds(until_s));
+            }
+        }
         out.push_back(std::move(drawn));
     };
     if (!settings.expression) {
@@ -125,7 +150,7 @@ std::vector<Figure::Series> drawn_series(FigureSettings::Series const& settings,
     }
     if (!settings.expression->is_plain_signal()) {
         std::string const name = settings.label.empty() ? settings.expression->text() : settings.label;
-        add(name, name, values_of(*settings.expression, signals, until_s));
+        add(name, name, settings.expression->signals(), values_of(*settings.expression, signals, until_s));
         return out;
     }
     std::string const& pattern = settings.expression->signals().front();
@@ -139,7 +164,7 @@ std::vector<Figure::Series> drawn_series(FigureSettings::Series const& settings,
         if (is_no_delay(signal, series)) {
             not_measurable.push_back(own);
         } else { // "EV1" and "EV1 reference" are the same thing's; two lines without `*` are two things
-            add(name, captured->empty() ? name : own, series);
+            add(name, captured->empty() ? name : own, {signal}, series);
         }
     }
     return out;

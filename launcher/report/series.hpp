@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "launcher/judge/process_ends.hpp"
 #include "launcher/report/figure.hpp"
 #include "launcher/scenario/report_settings.hpp"
 #include "recorder/signals/signal_store.hpp"
@@ -27,10 +28,11 @@ class Colours {
     std::map<std::string, int> known_;
 };
 
-/// The series of an entry of `signals:` or `series:`, from the begin of the run to `until_s`. `not_measurable` gets
-/// delays below zero, which are no delays.
+/// The series of an entry of `signals:` or `series:`, from the begin of the run to `until_s`. What is silent has no
+/// value (NaN) there. `not_measurable` gets delays below zero, which are no delays.
 [[nodiscard]] std::vector<Figure::Series> drawn_series(FigureSettings::Series const& settings,
-                                                       SignalStore const& signals, double until_s, Colours& colours,
+                                                       SignalStore const& signals, Silences const& silences,
+                                                       double until_s, Colours& colours,
                                                        std::vector<std::string>& not_measurable);
 
 /// An expression (or a single signal) as a series of its changes.

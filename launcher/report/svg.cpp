@@ -4,6 +4,7 @@
 // The drawing of a figure: from top to bottom the legend, the labels of the marks, the plot, the axis.
 #include "common/text.hpp"
 #include "launcher/report/figure.hpp"
+#include "launcher/report/ticks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,24 +21,6 @@ constexpr std::size_t kMaxNamed = 24;                     // series in the legen
 double width_of(std::string const& text, double character = kCharacter) {
     auto const letters = std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; });
     return character * static_cast<double>(letters);
-}
-
-/// Round numbers between low and high, about `count` of them.
-std::vector<double> ticks(double low, double high, int count) {
-    double const raw = (high - low) / count;
-    double const magnitude = std::pow(10, std::floor(std::log10(raw)));
-    double step = magnitude;
-    for (double const m : {1.0, 2.0, 2.5, 5.0, 10.0}) {
-        step = m * magnitude;
-        if (step >= raw) {
-            break;
-        }
-    }
-    std::vector<double> out;
-    for (double v = std::ceil(low / step) * step; v <= high + 1e-9 * step; v += step) {
-        out.push_back(std::abs(v) < 1e-12 * step ? 0 : v);
-    }
-    return out;
 }
 
 struct Range {
@@ -273,7 +256,7 @@ class Drawing {
             return;
         }
         for (double const v :
-             ticks((f_.from_s - f_.zero_s) / unit_.seconds, (f_.to_s - f_.zero_s) / unit_.seconds, 10)) {
+             ticks((f_.from_s - f_.zero_s) / unit_.seconds, (f_.to_s - f_.zero_s) / unit_.seconds, 10, unit_.name)) {
             tick(f_.zero_s + v * unit_.seconds, fmt::format("{:.6g}", v));
         }
     }
@@ -301,9 +284,15 @@ class Drawing {
         bool const steps = s.steps || f_.lanes;
         std::string path, dots, names;
         double last_y = 0;
+        bool down = false; // the pen
         std::size_t place = 0;
         for (auto const& [t, v] : drawn_points(s, f_.from_s, f_.to_s)) {
             std::size_t const own = place++;
+            if (std::isnan(v)) { // nothing from here on
+                path += steps && down ? fmt::format("L{:.2f} {:.2f}", px(t), last_y) : "";
+                down = false;
+                continue;
+            }
             if (!std::isfinite(scaled(v))) {
                 continue;
             }
@@ -315,12 +304,13 @@ class Drawing {
                 names += fmt::format("<text class=\"dim halo\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + 6, y + 12,
                                      escape_markup(s.point_names[own]));
             }
-            path += path.empty() ? fmt::format("M{:.2f} {:.2f}", x, y)
-                    : steps      ? fmt::format("L{:.2f} {:.2f}L{:.2f} {:.2f}", x, last_y, x, y)
-                                 : fmt::format("L{:.2f} {:.2f}", x, y);
+            path += !down   ? fmt::format("M{:.2f} {:.2f}", x, y)
+                    : steps ? fmt::format("L{:.2f} {:.2f}L{:.2f} {:.2f}", x, last_y, x, y)
+                            : fmt::format("L{:.2f} {:.2f}", x, y);
+            down = true;
             last_y = y;
         }
-        if (steps && !path.empty()) {
+        if (steps && down) {
             path += fmt::format("L{:.2f} {:.2f}", px(f_.to_s), last_y);
         }
         if (s.connected) {

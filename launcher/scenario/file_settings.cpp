@@ -70,9 +70,8 @@ void check_files(Node const& settings, std::vector<Key> const& keys, config::Dia
 }
 
 void resolve_files(Node& settings, std::vector<Key> const& keys) {
-    for_each_file(settings, keys, [](Key const&, Node& written) {
-        written = Node::quoted_text(whole_path(written).string());
-    });
+    for_each_file(settings, keys,
+                  [](Key const&, Node& written) { written = Node::quoted_text(whole_path(written).string()); });
 }
 
 } // namespace gridspace::launcher

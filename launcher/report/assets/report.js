@@ -2,9 +2,11 @@
 "use strict";
 (() => {
   const views = [];
-  const niceTicks = (low, high, count) => {
+  const clock = { h: [1, 2, 3, 6, 12, 24, 48, 72, 168], min: [1, 2, 5, 10, 15, 30, 60] }; // as in ticks.cpp
+  const niceTicks = (low, high, count, unit) => {
     const raw = (high - low) / count, magnitude = 10 ** Math.floor(Math.log10(raw));
-    const step = magnitude * ([1, 2, 2.5, 5, 10].find((m) => m * magnitude >= raw) || 10);
+    const decimal = magnitude * ([1, 2, 2.5, 5, 10].find((m) => m * magnitude >= raw) || 10);
+    const step = (raw > 0.5 && (clock[unit] || []).find((s) => s >= raw)) || decimal;
     const ticks = [];
     for (let v = Math.ceil(low / step) * step; v <= high + 1e-9 * step; v += step) ticks.push(Math.abs(v) < 1e-12 * step ? 0 : v);
     return ticks;
@@ -35,7 +37,7 @@
       const scale = (all.to - all.from) / (view.to - view.from);
       plot.setAttribute("transform", `translate(${box.left - scale * (box.left + ((view.from - all.from) / (all.to - all.from)) * (box.right - box.left))} 0) scale(${scale} 1)`);
       ticks.querySelectorAll(".tx").forEach((tick) => tick.remove());
-      for (const v of niceTicks((view.from - zero) / unit, (view.to - zero) / unit, 10)) {
+      for (const v of niceTicks((view.from - zero) / unit, (view.to - zero) / unit, 10, d.unit)) {
         const x = toX(zero + v * unit), group = make("g", { class: "tx" }, ticks);
         make("line", { class: "grid", x1: x, x2: x, y1: box.bottom, y2: box.top }, group);
         make("text", { x, y: box.bottom + 15, "text-anchor": "middle" }, group).textContent = String(Number(v.toPrecision(8)));

@@ -128,6 +128,34 @@ TEST(ReportFigures, WhatIsExpectedOfADrawnSignalIsALine) {
     EXPECT_EQ(sut[0].lines[1].label, "expected: 35");
 }
 
+TEST(ReportFigures, ASignalOfAKilledProcessEndsWithIt) {
+    Results r = run();
+    r.silences =
+        silences(r.signals, {{"ems", {"ev.EV1.current_a", "ev.EV1.soc_percent"}}, {"sim", {"ev.EV2.soc_percent"}}},
+                 {{5, "launcher", "loss", "ems killed"}, {6, "launcher", "x", "sim restarted"}});
+    auto const sut = drawn("    a: {signals: [ev.*.current_a]}\n    b: {signals: [ev.*.soc_percent]}\n"
+                           "    c: {series: {both: {of: ev.EV1.current_a + ev.EV2.soc_percent}}}\n",
+                           r);
+    EXPECT_EQ(sut[0].series[0].times_ns, (std::vector<std::int64_t>{0, 5 * kSecond}));
+    EXPECT_TRUE(std::isnan(sut[0].series[0].values.back()));
+    EXPECT_EQ(sut[0].series[1].values, std::vector<double>{12}) << "of the other nothing is lost";
+    EXPECT_EQ(sut[1].series[0].times_ns, (std::vector<std::int64_t>{0, 4 * kSecond, 8 * kSecond, 8 * kSecond}))
+        << "its last word was about a time after its end";
+    EXPECT_TRUE(std::isnan(sut[1].series[0].values.back()));
+    EXPECT_EQ(sut[1].series[1].values.size(), 3U) << "one that was started again at once goes on";
+    EXPECT_EQ(sut[2].series[0].times_ns.back(), 5 * kSecond) << "and what is made of it ends, too";
+}
+
+TEST(ReportFigures, ASignalGoesOnWhereItsProcessIsBack) {
+    Results r = run();
+    r.silences = silences(r.signals, {{"ems", {"ev.EV1.soc_percent"}}},
+                          {{5, "launcher", "loss", "ems killed"}, {6, "launcher", "x", "ems restarted"}});
+    auto const sut = drawn("    b: {signals: [ev.EV1.soc_percent]}\n", r);
+    EXPECT_EQ(sut[0].series[0].times_ns, (std::vector<std::int64_t>{0, 4 * kSecond, 5 * kSecond, 8 * kSecond}));
+    EXPECT_TRUE(std::isnan(sut[0].series[0].values[2]));
+    EXPECT_EQ(sut[0].series[0].values[3], 80);
+}
+
 TEST(ReportFigures, OtherKindsDrawTheSameSignalsInTheirWay) {
     auto const sut = drawn("    h: {kind: histogram, signals: [ct.CT1.i.a], bin: 1}\n"
                            "    e: {kind: ecdf, signals: [ct.CT1.i.a]}\n"
