@@ -98,6 +98,17 @@ class Sdk(harness.ScenarioTest):
             self.do("cmake", "--build", f"{name}/build")
             self.assertIn(expected, self.do(installed, "run", scenario, "--quiet", "--out", f"{name}/wrong", code=harness.CHILD_DIED))
 
+    def test_an_installation_has_the_agents_that_its_scenarios_name(self):
+        prefix = self.folder / "prefix"
+        self.do("cmake", "--install", harness.BIN.parent, "--prefix", prefix)
+        scenarios = prefix / "share/gridspace/configs/scenarios"
+        for name in ("energy_management", "energy_management_agent_lost", "energy_management_predictive"):
+            self.do(prefix / "bin/gridspace", "validate", scenarios / f"{name}.yaml")
+        run = self.folder / "run"
+        self.do(prefix / "bin/gridspace", "run", scenarios / "energy_management.yaml", "--quiet", "--out", run, "--until", "1h", "--set", "expect=~")
+        (prefix / "share/gridspace/examples/agents/energy_management/meter.py").unlink()
+        self.assertIn("meter.py", self.do(prefix / "bin/gridspace", "validate", scenarios / "energy_management.yaml", code=harness.USAGE))
+
     def test_the_library_shows_the_functions_of_its_header_and_nothing_else(self):
         library = harness.BIN.resolve().parent / "lib/libgridspace.so.1"
         shown = {line.split()[-1] for line in self.do("nm", "-D", "--defined-only", library).splitlines() if " T " in line}
