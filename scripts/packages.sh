@@ -19,7 +19,8 @@ declare -A group_packages=(
            libasio-dev libtinyxml2-dev libeigen3-dev libsundials-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libboost-dev libzstd-dev
            liblz4-dev zlib1g-dev libsqlite3-dev ip|iproute2 procps util-linux python3|python3 python3-scipy"
   [dashboard]="node|nodejs npm|npm"
-  [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark python3|python3 python3-yaml sshd|openssh-server ssh|openssh-client setpriv|util-linux node|nodejs npm|npm"
+  [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark python3|python3 python3-yaml python3-pandas python3-matplotlib python3-nbclient
+          python3-ipykernel sshd|openssh-server ssh|openssh-client setpriv|util-linux node|nodejs npm|npm"
   [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev slurmctld slurmd sbatch|slurm-client munge"
   [e2e]="chromium|chromium node|nodejs npm|npm"
   [arm64]="g++-aarch64-linux-gnu qemu-user-static qemu-system-aarch64|qemu-system-arm cpio|cpio systemd-analyze|systemd readelf|binutils"

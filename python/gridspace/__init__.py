@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """Runs Gridspace scenarios, reads their recordings, and is what agents in Python are made of. Only the standard library is needed; with
-pandas there are DataFrames, with numpy views of sequences."""
+pandas there are DataFrames, with matplotlib drawings, with numpy views of sequences."""
 from gridspace.agent import Agent
 from gridspace.declaration import Reads, ReadsStream, Setting, Signal, Writes, WritesStream
 from gridspace.launcher import Error, run

@@ -5,14 +5,18 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import datetime
 import fnmatch
 import functools
 import json
 import os
 import pathlib
+import re
 from array import array
+from collections.abc import Iterator
 from typing import Any
 
+from gridspace import frames, pcapng
 from gridspace.launcher import Error, ask
 
 
@@ -98,14 +102,19 @@ class Run:
         return [Event(float(e.get("time_s") or 0), e.get("source", ""), e.get("event", ""), e.get("text", "")) for e in lines]
 
     @functools.cached_property
-    def _tables(self) -> dict[str, tuple[pathlib.Path, int]]:
-        """Where each signal is: a file of RUN/csv and a column. The launcher writes the tables once."""
+    def _csv(self) -> pathlib.Path:
+        """The folder of the tables, RUN/csv. The launcher writes them once."""
         folder = self.folder / "csv"
         data = self.folder / "data.mcap"
-        if not any(folder.glob("signals*.csv")) or (data.exists() and folder.stat().st_mtime < data.stat().st_mtime):
+        if not any(folder.glob("*.csv")) or (data.exists() and folder.stat().st_mtime < data.stat().st_mtime):
             ask(["export", str(self.folder), "--csv", "--out", str(folder)])
+        return folder
+
+    @functools.cached_property
+    def _tables(self) -> dict[str, tuple[pathlib.Path, int]]:
+        """Where each signal is: a file and a column."""
         out = {}
-        for file in sorted(folder.glob("signals*.csv")):
+        for file in sorted(self._csv.glob("signals*.csv")):
             with file.open(newline="") as stream:
                 for column, name in enumerate(next(csv.reader(stream), [])):
                     if column > 0:
@@ -136,13 +145,86 @@ class Run:
             raise KeyError(f"no signal of {self.folder} is called '{name}'")
         return self.signals(name)[name]
 
-    def frame(self, *patterns: str):
-        """The same as signals(), as a pandas DataFrame over simulated seconds; NaN where a signal has no value at a time."""
+    def frame(self, *patterns: str, every_s: float | None = None):
+        """The same as signals(), as a pandas DataFrame over simulated seconds; NaN where a signal has no row at a time.
+
+        every_s: rows at multiples of it instead, with the newest value of each signal; NaN before its first. Of rows of one signal about
+        the same time the last counts.
+        """
         try:
             import pandas
         except ImportError as e:
-            raise Error("pandas is not installed: pip install pandas, or use signals()", 2) from e
-        return pandas.DataFrame({n: pandas.Series(s.values, index=s.time_s) for n, s in self.signals(*patterns).items()})
+            raise Error("pandas is not installed: on Debian python3-pandas, elsewhere pip install pandas; or use signals()", 2) from e
+        columns = {}
+        for name, signal in self.signals(*patterns).items():
+            series = pandas.Series(signal.values, index=pandas.Index(signal.time_s, name="time_s"), dtype=float)
+            columns[name] = series[~series.index.duplicated(keep="last")]
+        table = pandas.DataFrame(columns)
+        if every_s is not None:
+            end = int(table.index[-1] / every_s + 1e-9) if len(table) else 0
+            times = pandas.Index([i * every_s for i in range(end + 1)], name="time_s")
+            table = table.ffill().reindex(times, method="ffill")
+        return table
+
+    @property
+    def topics(self) -> list[str]:
+        """Recorded topics, those of the signals apart."""
+        return sorted(file.stem for file in self._csv.glob("*.csv") if not file.stem.startswith("signals"))
+
+    def samples(self, topic: str) -> list[dict[str, Any]]:
+        """The samples of a topic in their order: time_s, process, and the members as `gridspace export` writes them."""
+        if topic not in self.topics:
+            raise KeyError(f"no topic of {self.folder} is called '{topic}'; there are {', '.join(self.topics)}")
+        with (self._csv / f"{topic}.csv").open(newline="") as stream:
+            return [{name: _value(text) for name, text in row.items()} for row in csv.DictReader(stream)]
+
+    def frames(self, port: str = "*") -> Iterator[frames.Frame]:
+        """Captured Ethernet frames (bus.pcapng) in their order, of the ports that fit the pattern. A frame that is too short to be one is left out.
+
+        Their time_s is simulated time; in real time that of what was simulated when they were captured, where the capture says it.
+        """
+        epoch = datetime.datetime.fromisoformat(self.manifest["clock"]["epoch"].replace("Z", "+00:00"))
+        epoch_ns, lockstep = round(epoch.timestamp()) * 1_000_000_000, self.manifest["clock"]["mode"] == "lockstep"
+        for packet in pcapng.read(self.folder / "bus.pcapng"):
+            if len(packet.octets) >= 18 and fnmatch.fnmatchcase(packet.interface, port):
+                time_s = (packet.time_ns - epoch_ns) / 1e9 if lockstep else _simulated(packet.comment)
+                yield frames.parse(packet.octets, time_s, packet.time_ns, packet.interface, packet.direction)
+
+    def sampled_values(self, stream: str = "*", port: str = "*") -> Iterator[frames.SampledValue]:
+        """Sampled values in captured frames, of the streams (svID) that fit the pattern. Raises ValueError for a frame that cannot be read."""
+        for frame in self.frames(port):
+            yield from (s for s in frames.sampled_values(frame) if fnmatch.fnmatchcase(s.stream, stream))
+
+    def goose(self, stream: str = "*", port: str = "*") -> Iterator[frames.Goose]:
+        """GOOSE messages in captured frames, of the streams (gocbRef) that fit the pattern. Raises ValueError for a frame that cannot be read."""
+        messages = (frames.goose(frame) for frame in self.frames(port))
+        yield from (m for m in messages if m is not None and fnmatch.fnmatchcase(m.stream, stream))
+
+    def plot(self, *patterns: str, from_s: float = 0.0, until_s: float | None = None, events: bool = False, axes: Any = None, **style: Any) -> Any:
+        """Draws signals with matplotlib, over hours, minutes, seconds or milliseconds, and returns the axes. events: what happened, too.
+
+        style: what matplotlib's plot() takes: drawstyle="steps-post".
+        """
+        from gridspace import plots
+
+        return plots.plot(self, patterns, from_s=from_s, until_s=until_s, events=events, axes=axes, style=style)
+
+
+def _value(text: str | None) -> Any:
+    if text in ("true", "false"):
+        return text == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except (TypeError, ValueError):
+            pass
+    return text
+
+
+def _simulated(comment: str) -> float:
+    """The simulated time that the comment of a frame says; NaN where it says none."""
+    found = re.search(r"simulated time (-?[\d.]+) s", comment)
+    return float(found[1]) if found else float("nan")
 
 
 def _read(file: pathlib.Path, columns: dict[int, str]) -> dict[str, Signal]:
