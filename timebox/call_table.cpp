@@ -3,16 +3,15 @@
 #include "timebox/call_table.hpp"
 
 #include <algorithm>
+#include <arpa/inet.h>
 #include <cerrno>
 #include <fmt/format.h>
 #include <fstream>
 #include <linux/futex.h>
-#include <linux/if_packet.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
-#include <sys/timerfd.h>
 #include <sys/times.h>
 #include <sys/wait.h>
 
@@ -20,18 +19,18 @@ namespace gridspace::timebox {
 namespace {
 
 constexpr std::uint64_t kSignalPid = 16; // of si_pid in siginfo_t
-
-std::int64_t to_ns(timeval const& t) {
-    return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_usec * 1000;
-}
-timeval to_timeval(std::int64_t ns) {
-    return {ns / 1'000'000'000, ns % 1'000'000'000 / 1000};
-}
+constexpr int kSocketKind = 0xF;         // of socket(2): without SOCK_CLOEXEC and SOCK_NONBLOCK
 
 } // namespace
 
-CallTable::CallTable(std::uint64_t seed, std::int64_t epoch_unix_s, BoxReport& report)
-    : clock_{epoch_unix_s}, random_{seed}, report_{report} {}
+CallTable::CallTable(BoxOptions const& options, BoxReport& report)
+    : clock_{options.epoch_unix_s}, random_{options.seed}, report_{report} {
+    clock_.elapse_to(options.begin_ns);
+    if (options.link) {
+        packets_.emplace(*options.link, clock_.reading_ns(CLOCK_REALTIME) - clock_.now_ns());
+        packet_calls_.emplace(*packets_, clock_, [this](std::string const& what) { ++report_.refused[what]; });
+    }
+}
 
 CallTable::Next CallTable::enter(Thread& t) {
     t.call = call_of(t.tid);
@@ -39,6 +38,10 @@ CallTable::Next CallTable::enter(Thread& t) {
     t.on_exit = Thread::OnExit::nothing;
     if (t.what == nullptr) {
         return Next::go;
+    }
+    ++calls_[t.what];
+    if (packets_) {
+        packets_->deliver(clock_.now_ns()); // who does nothing but look gets them too
     }
     switch (t.what->treatment) {
     case Treatment::clock:
@@ -59,6 +62,8 @@ CallTable::Next CallTable::enter(Thread& t) {
         return timer(t);
     case Treatment::option:
         return option(t);
+    case Treatment::packet:
+        return packet(t);
     case Treatment::refused:
         return refuse(t, t.what->name, t.what->error);
     case Treatment::signal: {
@@ -94,7 +99,8 @@ CallTable::Next CallTable::answer_clock(Thread& t) {
         break;
     case SYS_gettimeofday:
         if (a[0] != 0) {
-            put(t.tid, a[0], to_timeval(clock_.reading_ns(CLOCK_REALTIME)));
+            std::int64_t const ns = clock_.reading_ns(CLOCK_REALTIME);
+            put(t.tid, a[0], timeval{ns / 1'000'000'000, ns % 1'000'000'000 / 1000});
         }
         break;
     case SYS_time:
@@ -137,6 +143,9 @@ CallTable::Next CallTable::sleep(Thread& t) {
 
 CallTable::Next CallTable::look_at_descriptors(Thread& t) {
     DescriptorWait wait = wait_of(t.tid, t.call);
+    if (packets_) {
+        packets_->look_at_rings();
+    }
     if (wait.timeout_ns == 0) {
         clock_.look(); // who looks again and again gets on
         return Next::go;
@@ -149,17 +158,16 @@ CallTable::Next CallTable::look_at_descriptors(Thread& t) {
 
 CallTable::Next CallTable::transfer(Thread& t, short event) {
     auto const fd = static_cast<int>(t.call.arguments[0]);
-    bool const message = t.call.number == SYS_recvfrom || t.call.number == SYS_sendto;
-    auto const flags = message                                                        ? t.call.arguments[3]
-                       : t.call.number == SYS_recvmsg || t.call.number == SYS_sendmsg ? t.call.arguments[2]
-                                                                                      : 0;
-    Descriptors const& files = descriptors(t.process);
-    Interest const interest{fd, event};
-    if ((flags & MSG_DONTWAIT) != 0 || files.any_ready({&interest, 1}) || files.does_not_block(fd)) {
+    UniqueFd const file = descriptors(t.process).copy_of(fd);
+    bool const waits = (flags_of(t.call) & MSG_DONTWAIT) == 0 && !does_not_block(file);
+    if (PacketSocket* const socket = packets_ ? packets_->find(file) : nullptr) {
+        return packet_transfer(t, *socket, file, event, waits);
+    }
+    if (!waits || is_ready(file, event)) {
         return Next::go;
     }
-    t.interests = {interest};
-    auto const patience = event == POLLIN ? files.receive_timeout_ns(fd) : std::nullopt;
+    t.interests = {{fd, event}};
+    auto const patience = event == POLLIN ? receive_timeout_ns(file) : std::nullopt;
     return hold_until(t, patience ? std::optional{clock_.now_ns() + *patience} : std::nullopt);
 }
 
@@ -213,76 +221,6 @@ CallTable::Next CallTable::wait_for_child(Thread& t) {
     return Next::go_to_exit;
 }
 
-CallTable::Next CallTable::timer(Thread& t) {
-    auto const& a = t.call.arguments;
-    if (t.call.number == SYS_timerfd_create) {
-        Call eventfd = t.call; // the flags are the same
-        eventfd.number = SYS_eventfd2;
-        eventfd.arguments = {0, a[1]};
-        replace(t.tid, eventfd);
-        t.on_exit = Thread::OnExit::new_timer;
-        return Next::go_to_exit;
-    }
-    auto const remaining = [&](std::optional<Timer> const& timer) {
-        return timer ? std::max<std::int64_t>(timer->next_ns - clock_.now_ns(), 0) : 0;
-    };
-    if (t.call.number == SYS_alarm || t.call.number == SYS_setitimer) {
-        if (t.call.number == SYS_setitimer && a[0] != ITIMER_REAL) {
-            return refuse(t, "setitimer of processor time", ENOSYS);
-        }
-        auto const before = timers_.alarm_of(t.process);
-        itimerval value{};
-        if (t.call.number == SYS_alarm) {
-            value.it_value.tv_sec = static_cast<time_t>(a[0]);
-        } else if (a[1] != 0) {
-            value = value_at<itimerval>(t.tid, a[1]);
-        }
-        std::int64_t const first = to_ns(value.it_value);
-        timers_.set_alarm(t.process, first > 0 ? std::optional{Timer{clock_.now_ns() + first, to_ns(value.it_interval)}}
-                                               : std::nullopt);
-        if (t.call.number == SYS_setitimer && a[2] != 0) {
-            put(t.tid, a[2], itimerval{to_timeval(before ? before->interval_ns : 0), to_timeval(remaining(before))});
-        }
-        answer(t.tid, t.call.number == SYS_alarm ? (remaining(before) + 999'999'999) / 1'000'000'000 : 0);
-        return Next::go;
-    }
-    Timers::File* const file = timers_.find(t.process, static_cast<int>(a[0]));
-    if (file == nullptr) {
-        return Next::go; // the kernel says that it is none
-    }
-    itimerspec const before{to_timespec(file->timer ? file->timer->interval_ns : 0),
-                            to_timespec(remaining(file->timer))};
-    if (t.call.number == SYS_timerfd_gettime) {
-        put(t.tid, a[1], before);
-    } else {
-        auto const value = value_at<itimerspec>(t.tid, a[2]);
-        std::int64_t const first = timebox::to_ns(value.it_value);
-        bool const absolute = (a[1] & TFD_TIMER_ABSTIME) != 0;
-        file->timer.reset();
-        if (first != 0) {
-            file->timer = Timer{absolute ? clock_.when(file->clock, first) : clock_.now_ns() + first,
-                                timebox::to_ns(value.it_interval)};
-        }
-        Timers::forget_count(*file);
-        if (a[3] != 0) {
-            put(t.tid, a[3], before);
-        }
-    }
-    answer(t.tid, 0);
-    return Next::go;
-}
-
-/// Stamps of the kernel's clock would tell real time, and a ring is filled without a call.
-CallTable::Next CallTable::option(Thread& t) {
-    auto const level = static_cast<int>(t.call.arguments[1]), name = static_cast<int>(t.call.arguments[2]);
-    bool const stamps =
-        level == SOL_SOCKET && (name == SO_TIMESTAMP || name == SO_TIMESTAMPNS || name == SO_TIMESTAMPING);
-    bool const ring = level == SOL_PACKET && (name == PACKET_RX_RING || name == PACKET_TX_RING);
-    return stamps ? refuse(t, "SO_TIMESTAMP (stamps of the kernel's clock)", ENOPROTOOPT)
-           : ring ? refuse(t, "PACKET_RX_RING (a ring that the kernel fills)", ENOPROTOOPT)
-                  : Next::go;
-}
-
 CallTable::Next CallTable::refuse(Thread& t, std::string const& what, int error) {
     ++report_.refused[what];
     answer(t.tid, -error);
@@ -311,6 +249,22 @@ CallTable::Next CallTable::leave(Thread& t) {
         if (result >= 0) {
             auto const fd = static_cast<int>(result);
             timers_.create(t.process, fd, descriptors(t.process).copy_of(fd), static_cast<int>(t.call.arguments[0]));
+        }
+        restore(t.tid, t.call);
+        return Next::go;
+    }
+    if (done == Thread::OnExit::new_packet_socket) {
+        UniqueFd const file = descriptors(t.process).copy_of(static_cast<int>(result));
+        bool const made = result >= 0 && packets_->add(file, static_cast<int>(t.call.arguments[1]) & kSocketKind,
+                                                       ntohs(static_cast<std::uint16_t>(t.call.arguments[2])));
+        report_.refused["a packet socket (no room)"] += made ? 0 : 1;
+        restore(t.tid, t.call);
+        return Next::go;
+    }
+    if (done == Thread::OnExit::ring_mapped) {
+        if (Named const named = packet_socket_of(t, 4); result > 0 && named.socket != nullptr) {
+            named.socket->ring->process = t.process;
+            named.socket->ring->address = static_cast<std::uint64_t>(result);
         }
         restore(t.tid, t.call);
         return Next::go;
@@ -369,6 +323,8 @@ CallTable::Next CallTable::release(Thread& t) {
     case Treatment::send:
         if (over && !descriptors_ready(t)) {
             answer(t.tid, -EAGAIN);
+        } else if (Named const named = packet_socket_of(t); named.socket != nullptr) {
+            answer(t.tid, packet_calls_->receive(t, *named.socket, named.file));
         }
         return Next::go;
     case Treatment::descriptors:

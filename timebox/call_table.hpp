@@ -5,6 +5,7 @@
 #include "common/random.hpp"
 #include "timebox/box.hpp"
 #include "timebox/futexes.hpp"
+#include "timebox/packet_calls.hpp"
 #include "timebox/simulated_clock.hpp"
 #include "timebox/thread.hpp"
 #include "timebox/timers.hpp"
@@ -17,7 +18,7 @@ namespace gridspace::timebox {
 /// What each call means in simulated time. The threads stand still while it looks at them.
 class CallTable {
   public:
-    CallTable(std::uint64_t seed, std::int64_t epoch_unix_s, BoxReport& report);
+    CallTable(BoxOptions const& options, BoxReport& report);
 
     /// How the thread goes on.
     enum class Next {
@@ -44,6 +45,8 @@ class CallTable {
     [[nodiscard]] Futexes& futexes() { return futexes_; }
     [[nodiscard]] std::set<pid_t>& signalled() { return signalled_; } ///< processes that a signal may have come to
     [[nodiscard]] Descriptors const& descriptors(pid_t process);
+    [[nodiscard]] std::map<HeldCall const*, std::uint64_t> const& calls() const { return calls_; } ///< that stopped
+    [[nodiscard]] PacketSockets* packets() { return packets_ ? &*packets_ : nullptr; }
     void forget(pid_t process);       ///< it has ended
     void forget_image(pid_t process); ///< it is another program now: its alarm stays
     [[nodiscard]] std::array<std::uint8_t, 16> random_octets();
@@ -58,6 +61,16 @@ class CallTable {
     Next wait_for_child(Thread& t);
     Next timer(Thread& t);
     Next option(Thread& t);
+    Next packet(Thread& t);
+    Next new_socket(Thread& t);
+    Next map_memory(Thread& t);
+    Next packet_transfer(Thread& t, PacketSocket& socket, UniqueFd const& file, short event, bool waits);
+    /// The packet socket that an argument of its call names.
+    struct Named {
+        UniqueFd file;
+        PacketSocket* socket{nullptr};
+    };
+    [[nodiscard]] Named packet_socket_of(Thread const& t, std::size_t argument = 0);
     Next refuse(Thread& t, std::string const& what, int error);
     /// The call, but without waiting.
     Next try_it(Thread& t);
@@ -68,6 +81,9 @@ class CallTable {
     Random random_;
     std::map<pid_t, Descriptors> descriptors_;
     std::set<pid_t> signalled_;
+    std::map<HeldCall const*, std::uint64_t> calls_;
+    std::optional<PacketSockets> packets_;
+    std::optional<PacketCalls> packet_calls_;
     BoxReport& report_;
 };
 

@@ -114,16 +114,19 @@ bool Descriptors::wait_outside(std::span<Interest const> interests, int timeout_
     return poll(interests, timeout_ms);
 }
 
-bool Descriptors::does_not_block(int fd) const {
-    UniqueFd const copy = copy_of(fd);
-    return !copy || (::fcntl(copy.get(), F_GETFL) & O_NONBLOCK) != 0;
+bool does_not_block(UniqueFd const& file) {
+    return !file || (::fcntl(file.get(), F_GETFL) & O_NONBLOCK) != 0;
 }
 
-std::optional<std::int64_t> Descriptors::receive_timeout_ns(int fd) const {
-    UniqueFd const copy = copy_of(fd);
+bool is_ready(UniqueFd const& file, short event) {
+    pollfd entry{file.get(), event, 0};
+    return !file || ::poll(&entry, 1, 0) > 0;
+}
+
+std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file) {
     timeval t{};
     socklen_t size = sizeof t;
-    if (!copy || ::getsockopt(copy.get(), SOL_SOCKET, SO_RCVTIMEO, &t, &size) != 0 ||
+    if (!file || ::getsockopt(file.get(), SOL_SOCKET, SO_RCVTIMEO, &t, &size) != 0 ||
         (t.tv_sec == 0 && t.tv_usec == 0)) {
         return std::nullopt;
     }

@@ -36,12 +36,15 @@ class Descriptors {
     [[nodiscard]] bool any_ready(std::span<Interest const> interests) const;
     /// Waits for that in real time, for what comes from outside of the box.
     [[nodiscard]] bool wait_outside(std::span<Interest const> interests, int timeout_ms) const;
-    [[nodiscard]] bool does_not_block(int fd) const;
-    [[nodiscard]] std::optional<std::int64_t> receive_timeout_ns(int fd) const; ///< SO_RCVTIMEO
 
   private:
     [[nodiscard]] bool poll(std::span<Interest const> interests, int timeout_ms) const;
     UniqueFd process_;
 };
+
+// Of a file that copy_of() has given; also of none.
+[[nodiscard]] bool does_not_block(UniqueFd const& file);
+[[nodiscard]] bool is_ready(UniqueFd const& file, short event); ///< also: the call itself will say what is wrong
+[[nodiscard]] std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file); ///< SO_RCVTIMEO
 
 } // namespace gridspace::timebox

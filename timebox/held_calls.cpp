@@ -9,6 +9,7 @@
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -64,6 +65,11 @@ constexpr std::array kCalls = std::to_array<HeldCall>({
     {SYS_tkill, "tkill", Treatment::kill},
     {SYS_tgkill, "tgkill", Treatment::kill},
     {SYS_setsockopt, "setsockopt", Treatment::option},
+    {SYS_socket, "socket", Treatment::packet},
+    {SYS_bind, "bind", Treatment::packet},
+    {SYS_getsockname, "getsockname", Treatment::packet},
+    {SYS_getsockopt, "getsockopt", Treatment::packet},
+    {SYS_mmap, "mmap", Treatment::packet, 0, 3, MAP_SHARED},
     {SYS_timer_create, "timer_create", Treatment::refused, ENOSYS},
     {SYS_io_uring_setup, "io_uring_setup", Treatment::refused, ENOSYS},
     {SYS_perf_event_open, "perf_event_open", Treatment::refused, EPERM},
@@ -94,7 +100,15 @@ int install_filter() {
     program.push_back(statement(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS)); // calls of 32 bits would not be seen
     program.push_back(statement(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)));
     for (HeldCall const& call : kCalls) {
-        program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 0, 1, static_cast<std::uint32_t>(call.number)});
+        bool const always = call.argument < 0;
+        program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 0, static_cast<std::uint8_t>(always ? 1 : 4),
+                           static_cast<std::uint32_t>(call.number)});
+        if (!always) { // the low half, on machines of this order of octets
+            auto const at = offsetof(seccomp_data, args) + 8 * static_cast<std::size_t>(call.argument);
+            program.push_back(statement(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(at)));
+            program.push_back({BPF_JMP | BPF_JSET | BPF_K, 1, 0, call.bits});
+            program.push_back(statement(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));
+        }
         program.push_back(statement(BPF_RET | BPF_K, SECCOMP_RET_TRACE));
     }
     program.push_back(statement(BPF_RET | BPF_K, SECCOMP_RET_ALLOW));

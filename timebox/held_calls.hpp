@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -22,6 +23,7 @@ enum class Treatment {
     yield,       ///< others first
     kill,        ///< runs; whoever waits looks again
     option,      ///< setsockopt: stamps of the kernel's clock are refused
+    packet,      ///< packet sockets, where they are ours: made, bound, asked, their rings mapped
     refused,     ///< cannot be had in simulated time: ENOSYS or EPERM, and a message
 };
 
@@ -30,6 +32,9 @@ struct HeldCall {
     char const* name;
     Treatment treatment;
     int error{0}; ///< refused: what the program gets
+    /// It stops only when this argument has one of these bits.
+    int argument{-1};
+    std::uint32_t bits{0};
 };
 [[nodiscard]] std::span<HeldCall const> held_calls();
 [[nodiscard]] HeldCall const* find_held_call(long number);

@@ -4,8 +4,26 @@
 
 namespace gridspace::timebox {
 
-Result<BoxReport> run_in_simulated_time(BoxOptions const&) {
-    return fail(ExitCode::environment, "programs in simulated time run on x86-64 only");
+struct Box::Impl {};
+Box::Box(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
+Box::~Box() = default;
+
+Result<std::unique_ptr<Box>> Box::start(BoxOptions) {
+    return fail(ExitCode::environment, why_not_here());
+}
+Result<Box::Pause> Box::run_until(std::optional<std::int64_t>) {
+    return Pause::ended;
+}
+std::optional<std::int64_t> Box::next_ns() const {
+    return std::nullopt;
+}
+void Box::arrives(std::int64_t, std::span<std::byte const>) {}
+void Box::ask_to_end() {}
+BoxReport Box::report() const {
+    return {};
+}
+std::string why_not_here() {
+    return "programs in simulated time run on x86-64 only";
 }
 
 } // namespace gridspace::timebox

@@ -11,9 +11,11 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/close_range.h>
 #include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 
 namespace gridspace::timebox {
@@ -22,12 +24,22 @@ namespace {
 enum class Step : int { trace = 1, filter, exec };
 
 /// In the child: nothing but calls of the kernel.
-[[noreturn]] void become(char* const* arguments, int report) {
+[[noreturn]] void become(char* const* arguments, int report, bool detached) {
     auto const give_up = [&](Step step, int error) {
         std::array<int, 2> const said{static_cast<int>(step), error};
         (void)!::write(report, said.data(), sizeof said);
         ::_exit(127);
     };
+    if (detached) {
+        ::setsid();
+        int const nothing = ::open("/dev/null", O_RDONLY);
+        ::dup2(nothing, STDIN_FILENO);
+        ::syscall(SYS_close_range, STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+    }
+    sigset_t none;
+    sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+    ::signal(SIGPIPE, SIG_DFL);
     ::personality(ADDR_NO_RANDOMIZE); // where it is forbidden, addresses differ from run to run and nothing else
     ::prctl(PR_SET_TSC, PR_TSC_SIGSEGV);
     if (::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) {
@@ -59,7 +71,7 @@ Error why(std::array<int, 2> const& said, std::string const& program) {
 
 } // namespace
 
-Result<pid_t> start_traced(std::vector<std::string> const& command) {
+Result<pid_t> start_traced(std::vector<std::string> const& command, bool detached) {
     std::vector<char*> arguments;
     arguments.reserve(command.size() + 1);
     for (std::string const& text : command) {
@@ -77,7 +89,7 @@ Result<pid_t> start_traced(std::vector<std::string> const& command) {
         return fail(ExitCode::environment, fmt::format("no new process: {}", std::strerror(errno)));
     }
     if (pid == 0) {
-        become(arguments.data(), to.get());
+        become(arguments.data(), to.get(), detached);
     }
     to.reset();
     auto const failed = [&]() -> Result<pid_t> {

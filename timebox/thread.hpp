@@ -35,7 +35,7 @@ struct Thread {
     bool made_again{false}; ///< it stands before the call, not in it, and comes back with the same deadline
 
     /// What to do when the call that was let through comes back.
-    enum class OnExit { nothing, wait_or_restore, new_timer } on_exit{OnExit::nothing};
+    enum class OnExit { nothing, wait_or_restore, new_timer, new_packet_socket, ring_mapped } on_exit{OnExit::nothing};
 };
 
 } // namespace gridspace::timebox

@@ -100,6 +100,16 @@ void WirePort::drain() {
     }
 }
 
+std::optional<SimTime> WirePort::next() const {
+    std::optional<SimTime> out;
+    for (auto const& [ethertype, reader] : readers_) {
+        if (auto const time = reader->next()) {
+            out = out ? std::min(*out, *time) : *time;
+        }
+    }
+    return out;
+}
+
 std::uint64_t WirePort::dropped() const {
     std::uint64_t out = dropped_.load(std::memory_order_relaxed);
     for (auto const& [ethertype, reader] : readers_) {

@@ -40,6 +40,9 @@ class WirePort {
         return readers_.at(ethertype)->take();
     }
 
+    /// Lockstep: the earliest time of the frames that are here and not due yet.
+    [[nodiscard]] std::optional<SimTime> next() const;
+
     /// Real time: fetches what has come and the receiving thread has not fetched yet. Before something counts as run
     /// out: after a stall of this process what came in time waits in the kernel, and who runs first is chance.
     void drain();

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <csignal>
 #include <fmt/format.h>
 #include <memory>
 
@@ -21,37 +22,56 @@ struct TimeboxArguments {
     bool trace{false}, quiet{false};
 };
 
+volatile std::sig_atomic_t stop_signal = 0;
+
+/// Ctrl-C ends the program in the box, and not this one.
+void watch_for_stop() {
+    struct sigaction stop{};
+    stop.sa_handler = [](int signal) { stop_signal = signal; };
+    ::sigaction(SIGINT, &stop, nullptr);
+    ::sigaction(SIGTERM, &stop, nullptr);
+}
+
 int timebox(TimeboxArguments const& arguments) {
     timebox::BoxOptions options;
     options.command = arguments.command;
     options.seed = arguments.seed;
     options.epoch_unix_s = arguments.epoch_unix_s;
     options.patience_s = arguments.patience_s;
-    if (arguments.until_s) {
-        options.until_ns = static_cast<std::int64_t>(*arguments.until_s * 1e9);
-    }
+    options.stop = [] { return stop_signal != 0; };
     if (arguments.trace) {
         options.on_held = [](double time_s, int thread, char const* call, double held_s) {
             fmt::print(stderr, "{:16.9f} s  thread {:<3} {:<16} held {:.9f} s\n", time_s, thread, call, held_s);
         };
     }
     auto const began = std::chrono::steady_clock::now();
-    auto const report = timebox::run_in_simulated_time(options);
-    if (!report) {
-        return print_error(report.error());
+    watch_for_stop();
+    auto const box = timebox::Box::start(options);
+    if (!box) {
+        return print_error(box.error());
     }
+    auto const pause = (*box)->run_until(
+        arguments.until_s ? std::optional{static_cast<std::int64_t>(*arguments.until_s * 1e9)} : std::nullopt);
+    if (!pause) {
+        return print_error(pause.error());
+    }
+    if (*pause == timebox::Box::Pause::stopped) {
+        return print_error({ExitCode::interrupted, "interrupted", ""});
+    }
+    timebox::BoxReport const report = (*box)->report();
     std::chrono::duration<double> const took = std::chrono::steady_clock::now() - began;
-    for (auto const& [what, times] : report->refused) {
+    for (auto const& [what, times] : report.refused) {
         fmt::print(stderr, "timebox: refused {} time{}: {}, which cannot be had in simulated time\n", times,
                    times == 1 ? "" : "s", what);
     }
     if (!arguments.quiet) {
         fmt::print(stderr,
                    "timebox: {:.9f} s simulated in {:.2f} s{}; {} threads, {} calls held, {} looks at the clock\n",
-                   static_cast<double>(report->simulated_ns) / 1e9, took.count(),
-                   report->until_reached ? ", ended there" : "", report->threads, report->held, report->clock_reads);
+                   static_cast<double>(report.simulated_ns) / 1e9, took.count(),
+                   *pause == timebox::Box::Pause::limit ? ", ended there" : "", report.threads, report.held,
+                   report.clock_reads);
     }
-    return report->exit_code;
+    return report.exit_code;
 }
 
 } // namespace

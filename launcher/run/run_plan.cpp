@@ -160,7 +160,8 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, bu
                             RunPlan const& plan, PlanOptions const& options) {
     PlannedProcess out;
     out.name = process.name.name;
-    out.program = process.program.name;
+    std::string_view const carrier = process.settings->carried_by();
+    out.program = carrier.empty() ? process.program.name : carrier;
     out.host = process.host.name;
     out.cpu = process.cpu;
     out.run_on = parse_run_on(process.run_on).value_or(RunOn{});

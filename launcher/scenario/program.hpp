@@ -53,6 +53,8 @@ class ProcessSettings {
   public:
     virtual ~ProcessSettings() = default;
 
+    /// Everything has been read: what it is may depend on the rest of the scenario. Before anything else is asked.
+    virtual void settle(Scenario const& /*scenario*/) {}
     /// Looks at the rest of the scenario: names that must exist, values that come from the network.
     virtual void check(Scenario const& /*scenario*/, Process const& /*process*/, config::Diagnostics& /*diagnostics*/) {
     }
@@ -76,6 +78,8 @@ class ProcessSettings {
     [[nodiscard]] virtual config::Node settings(Scenario const& scenario, Process const& process) const = 0;
     /// The command with its arguments, for a program that is not ours; empty otherwise.
     [[nodiscard]] virtual std::vector<std::string> command() const { return {}; }
+    /// Our program that runs somebody else's, which stands in its settings; empty: none.
+    [[nodiscard]] virtual std::string_view carried_by() const { return {}; }
     /// Whether the command takes --config, --log-level and --status-fd, as our programs do.
     [[nodiscard]] virtual bool is_daemon() const { return command().empty(); }
     /// An address on which the process serves; the launcher opens the socket ("127.0.0.1:0").

@@ -7,6 +7,7 @@
 #include "launcher/scenario/capture_points.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/declared_program.hpp"
+#include "launcher/scenario/exec_program.hpp"
 #include "launcher/scenario/monitor_program.hpp"
 #include "launcher/scenario/own_topics.hpp"
 #include "launcher/scenario/program.hpp"
@@ -289,60 +290,6 @@ class RecorderSettings final : public ProcessSettings {
     bool compress_{true};
 };
 
-/// Somebody's own program.
-class ExecSettings final : public ProcessSettings {
-  public:
-    static std::unique_ptr<ProcessSettings> read(Fields& f) {
-        auto out = std::make_unique<ExecSettings>();
-        std::vector<Ref> words;
-        f.references("command", words,
-                     {.doc = "the program and its arguments", .required = true, .may_be_empty = true});
-        for (Ref& word : words) {
-            out->command_.push_back(std::move(word.name));
-        }
-        // A program with a folder in its name is relative to the naming file, as every path; others are looked up in
-        // PATH.
-        if (!words.empty() && out->command_.front().find('/') != std::string::npos &&
-            words.front().where.source != nullptr) {
-            std::filesystem::path const base = words.front().where.source->directory;
-            out->command_.front() = std::filesystem::absolute(base / out->command_.front()).lexically_normal().string();
-        }
-        f.flag("member", out->member_, {.doc = "it follows the lockstep protocol"});
-        f.fraction("latency_us", out->latency_us_, {.doc = "from input to output, in lockstep", .min = 0});
-        auto const topics = [&](std::string_view key, std::vector<TopicUse>& uses, std::string_view doc) {
-            f.map(key, {.doc = doc}, [&](Ref const& topic, Fields& t) {
-                TopicUse use;
-                use.topic = topic.name;
-                t.text("type", use.type, {.doc = "name of the type on the wire", .required = true});
-                t.file("idl", use.idl, {.doc = "IDL file that defines the type, when it is your own"});
-                t.integer("endpoints", use.endpoints, {.doc = "how many readers or writers it has", .min = 1});
-                t.flag("triggers", use.triggers, {.doc = "a sample makes it work in the same tick"});
-                uses.push_back(std::move(use));
-            });
-        };
-        topics("writes", out->writes_, "topics that it writes");
-        topics("reads", out->reads_, "topics that it reads");
-        f.raw("settings", out->settings_, {.doc = "passed on in its configuration file"});
-        return out;
-    }
-    [[nodiscard]] bool is_member() const override { return member_; }
-    [[nodiscard]] bool is_expected() const override { return member_; }
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override { return writes_; }
-    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override { return reads_; }
-    [[nodiscard]] Rational latency_s(Process const&) const override { return latency_us_ / Rational{1'000'000}; }
-    [[nodiscard]] Node settings(Scenario const&, Process const&) const override {
-        return settings_.is_map() ? settings_ : Node::map();
-    }
-    [[nodiscard]] std::vector<std::string> command() const override { return command_; }
-
-  private:
-    std::vector<std::string> command_;
-    bool member_{false};
-    Rational latency_us_{0};
-    std::vector<TopicUse> writes_, reads_;
-    Node settings_;
-};
-
 std::span<Program const> programs() {
     static std::array const all{
         Program{"gridspace-sim", "simulator", "simulator", SimSettings::read},
@@ -356,7 +303,7 @@ std::span<Program const> programs() {
         declared<agents::MccaConfig, agents::mcca_declaration>(),
         Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
         Program{"gridspace-monitor", "monitor and dashboard", "monitor", read_monitor},
-        Program{"exec", "a program of your own", "member", ExecSettings::read},
+        Program{"exec", "a program of your own", "member", read_exec},
     };
     return all;
 }

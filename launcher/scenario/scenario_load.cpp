@@ -359,6 +359,11 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     if (!scenario->simulation.network.empty()) {
         scenario->network = sim::load_simulated_network(scenario->simulation, diagnostics);
     }
+    for (Process& process : scenario->processes) {
+        if (process.settings != nullptr) {
+            process.settings->settle(*scenario);
+        }
+    }
     check_scenario(*scenario, diagnostics);
     return diagnostics.ok() ? std::move(scenario) : nullptr;
 }

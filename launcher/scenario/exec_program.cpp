@@ -1,0 +1,208 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/scenario/exec_program.hpp"
+
+#include "common/text.hpp"
+#include "gateways/iec61850/frame.hpp"
+#include "launcher/scenario/run_on.hpp"
+#include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/wire_use.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Diagnostics;
+using config::Fields;
+using config::Node;
+
+enum class Time { real, simulated };
+
+/// The kind of frame that a word or the name of a stream means; 0: neither.
+std::uint16_t ethertype_of(Scenario const& s, std::string const& word) {
+    if (word == "smv" || word == "goose") {
+        return word == "smv" ? iec61850::kSvEthertype : iec61850::kGooseEthertype;
+    }
+    streams::Stream const* stream = streams::find_stream(s.streams, word);
+    return stream == nullptr ? std::uint16_t{0} : stream->ethertype();
+}
+
+class ExecSettings final : public ProcessSettings {
+  public:
+    explicit ExecSettings(Fields& f) {
+        std::vector<Ref> words;
+        f.references("command", words,
+                     {.doc = "the program and its arguments", .required = true, .may_be_empty = true});
+        for (Ref& word : words) {
+            command_.push_back(std::move(word.name));
+        }
+        // A program with a folder in its name is relative to the naming file, as every path; others are looked up in
+        // PATH.
+        if (!words.empty() && command_.front().find('/') != std::string::npos &&
+            words.front().where.source != nullptr) {
+            std::filesystem::path const base = words.front().where.source->directory;
+            command_.front() = std::filesystem::absolute(base / command_.front()).lexically_normal().string();
+        }
+        f.choice("time", time_, {{"real", Time::real}, {"simulated", Time::simulated}},
+                 {.doc = "simulated: in lockstep an unmodified program takes part, in simulated time"});
+        f.references("sends", sends_,
+                     {.doc = "time: simulated: frames that it sends on its link; streams, or the kinds smv and goose"});
+        f.references("receives", receives_, {.doc = "time: simulated: frames that it receives there"});
+        f.flag("member", member_, {.doc = "it follows the lockstep protocol"});
+        f.fraction("latency_us", latency_us_, {.doc = "from input to output, in lockstep", .min = 0});
+        auto const topics = [&](std::string_view key, std::vector<TopicUse>& uses, std::string_view doc) {
+            f.map(key, {.doc = doc}, [&](Ref const& topic, Fields& t) {
+                TopicUse use;
+                use.topic = topic.name;
+                t.text("type", use.type, {.doc = "name of the type on the wire", .required = true});
+                t.file("idl", use.idl, {.doc = "IDL file that defines the type, when it is your own"});
+                t.integer("endpoints", use.endpoints, {.doc = "how many readers or writers it has", .min = 1});
+                t.flag("triggers", use.triggers, {.doc = "a sample makes it work in the same tick"});
+                uses.push_back(std::move(use));
+            });
+        };
+        topics("writes", writes_, "topics that it writes");
+        topics("reads", reads_, "topics that it reads");
+        f.raw("settings", settings_, {.doc = "passed on in its configuration file"});
+    }
+
+    void settle(Scenario const& s) override {
+        boxed_ = time_ == Time::simulated && s.clock.mode == bus::ClockMode::lockstep;
+    }
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        if (time_ == Time::real) {
+            for (char const* key : {"sends", "receives"}) {
+                if (Node const* written = process.node.find(key)) {
+                    diagnostics.error(
+                        written->where,
+                        fmt::format("process '{}' declares what it {}, and lives in real time", process.name.name, key),
+                        "`sends` and `receives` are for `time: simulated`");
+                }
+            }
+            return;
+        }
+        check_simulated(s, process, diagnostics);
+    }
+
+    [[nodiscard]] bool is_member() const override { return member_ || boxed_; }
+    [[nodiscard]] bool is_expected() const override { return is_member(); }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override { return writes_; }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override { return reads_; }
+    [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
+        return uses(s, process, sends_);
+    }
+    [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
+        return uses(s, process, receives_);
+    }
+    [[nodiscard]] Rational latency_s(Process const&) const override { return latency_us_ / Rational{1'000'000}; }
+    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
+        return boxed_ ? boxed_settings(s, process) : settings_.is_map() ? settings_ : Node::map();
+    }
+    [[nodiscard]] std::vector<std::string> command() const override {
+        return boxed_ ? std::vector<std::string>{} : command_;
+    }
+    [[nodiscard]] std::string_view carried_by() const override { return boxed_ ? "gridspace-timebox" : ""; }
+
+  private:
+    void check_simulated(Scenario const& s, Process const& process, Diagnostics& diagnostics) const {
+        auto const place = [&](char const* key) {
+            Node const* written = process.node.find(key);
+            return written == nullptr ? process.name.where : written->where;
+        };
+        auto const refuse = [&](char const* key, std::string const& what, std::string const& hint) {
+            diagnostics.error(place(key),
+                              fmt::format("process '{}' runs in simulated time, {}", process.name.name, what), hint);
+        };
+        if (!boxed_) {
+            diagnostics.warning(place("time"),
+                                fmt::format("process '{}' lives in real time, as all do here", process.name.name),
+                                "`time: simulated` counts with `clock: {mode: lockstep}`");
+            return;
+        }
+        if (member_) {
+            refuse("member", "and says that it follows the lockstep protocol",
+                   "one of the two: who follows the protocol needs no simulated clock");
+        }
+        for (char const* key : {"writes", "reads"}) {
+            if (!(std::string_view{key} == "writes" ? writes_ : reads_).empty()) {
+                refuse(key, "and exchanges topics", "only its raw frames are in simulated time so far");
+            }
+        }
+        if (process.run_on != "native") {
+            refuse("run_on", fmt::format("and on '{}'", process.run_on), "`run_on: native`");
+        }
+        std::vector<std::string> words{"smv", "goose"};
+        for (streams::Stream const& stream : s.streams) {
+            words.push_back(stream.name.name);
+        }
+        for (auto const* list : {&sends_, &receives_}) {
+            for (Ref const& word : *list) {
+                if (ethertype_of(s, word.name) == 0) {
+                    diagnostics.error(word.where,
+                                      fmt::format("process '{}' {} '{}', which is no stream and no kind of frame",
+                                                  process.name.name, list == &sends_ ? "sends" : "receives", word.name),
+                                      spelling_hint(word.name, words), static_cast<int>(word.name.size()));
+                }
+            }
+        }
+        if (!sends_.empty() || !receives_.empty()) {
+            check_raw_link(s, process, diagnostics);
+        }
+    }
+
+    [[nodiscard]] std::vector<WireUse> uses(Scenario const& s, Process const& process,
+                                            std::vector<Ref> const& words) const {
+        std::vector<WireUse> out;
+        for (Ref const& word : words) {
+            if (std::uint16_t const ethertype = ethertype_of(s, word.name); boxed_ && ethertype != 0) {
+                bool const kind = streams::find_stream(s.streams, word.name) == nullptr;
+                out.push_back({raw_link(s, process), ethertype, kind ? "" : word.name});
+            }
+        }
+        return out;
+    }
+
+    [[nodiscard]] Node boxed_settings(Scenario const& s, Process const& process) const {
+        Node node = Node::map(), command = Node::sequence();
+        for (std::string const& word : command_) {
+            command.items.push_back(Node::quoted_text(word));
+        }
+        node.set("command", std::move(command));
+        node.set("seed", Node::scalar(std::to_string(s.seed)));
+        node.set("latency_us", Node::scalar(latency_us_.to_string()));
+        for (auto const& [key, words] : {std::pair{"sends", &sends_}, std::pair{"receives", &receives_}}) {
+            Node kinds = Node::sequence();
+            for (char const* kind : {"smv", "goose"}) {
+                if (std::any_of(words->begin(), words->end(),
+                                [&](Ref const& word) { return ethertype_of(s, word.name) == ethertype_of(s, kind); })) {
+                    kinds.items.push_back(Node::scalar(kind));
+                }
+            }
+            node.set(key, std::move(kinds));
+        }
+        if (!sends_.empty() || !receives_.empty()) {
+            node.set("wire", wire_settings(s, process));
+            node.set("streams", Node::map());
+        }
+        return node;
+    }
+
+    std::vector<std::string> command_;
+    Time time_{Time::real};
+    std::vector<Ref> sends_, receives_;
+    bool member_{false};
+    bool boxed_{false}; ///< after settle()
+    Rational latency_us_{0};
+    std::vector<TopicUse> writes_, reads_;
+    Node settings_;
+};
+
+} // namespace
+
+std::unique_ptr<ProcessSettings> read_exec(Fields& f) {
+    return std::make_unique<ExecSettings>(f);
+}
+
+} // namespace gridspace::launcher

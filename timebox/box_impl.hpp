@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/waited_time.hpp"
+#include "timebox/box.hpp"
+#include "timebox/call_table.hpp"
+#include "timebox/look_timer.hpp"
+
+#include <list>
+
+namespace gridspace::timebox {
+
+/// The inside of a box. Who runs next: schedule.cpp; what the threads do: events.cpp.
+struct Box::Impl {
+    Impl(BoxOptions o, pid_t first);
+    ~Impl();
+    Impl(Impl const&) = delete;
+    Impl& operator=(Impl const&) = delete;
+
+    Result<Pause> run_until(std::optional<std::int64_t> limit_ns);
+    [[nodiscard]] std::optional<std::int64_t> next_ns();
+
+    using Next = CallTable::Next;
+    using State = Thread::State;
+
+    // schedule.cpp
+    Thread* choose(); ///< who runs next; null: nobody, for now
+    template <class Fits>
+    Thread* first(Fits&& fits);
+    Thread* first_ready();
+    void look_for_signals();
+    bool wait_outside();
+    [[nodiscard]] bool others_come_first();
+    void let_go(Thread& t);
+
+    // events.cpp
+    Thread& add(pid_t tid, pid_t process);
+    Thread* find(pid_t tid);
+    void resume(Thread& t, Next how);
+    void wait_for_event();
+    void check_patience();
+    void gone(pid_t tid, Thread* t, int status);
+    void stopped(Thread& t, int status);
+    void go_on(Thread& t, Next next);
+    void made(Thread const& by);
+    [[nodiscard]] bool asked_to_stop();
+
+    BoxOptions options;
+    BoxReport report;
+    pid_t main;
+    CallTable table;
+    LookTimer timer;
+    std::list<Thread> threads; ///< as they were made
+    std::vector<pid_t> early;
+    int threads_made{0}, last{0};
+    pid_t running{0};
+    bool main_alive{true}, stop{false};
+    std::optional<std::int64_t> limit_ns, others_due_ns;
+    std::uint64_t looks_before{0}; ///< at the clock, when the turn began
+    WaitedTime ran, since_limit;
+    std::optional<Error> error;
+};
+
+/// "name (number)", for messages.
+[[nodiscard]] std::string name_of(pid_t process);
+
+} // namespace gridspace::timebox

@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the threads of a box do, as ptrace(2) tells it.
+#include "timebox/box_impl.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <fmt/format.h>
+#include <fstream>
+#include <sys/ptrace.h>
+#include <sys/wait.h>
+
+namespace gridspace::timebox {
+namespace {
+
+pid_t process_of(pid_t tid) {
+    std::ifstream status{fmt::format("/proc/{}/status", tid)};
+    for (std::string line; std::getline(status, line);) {
+        if (line.starts_with("Tgid:")) {
+            return std::stoi(line.substr(5));
+        }
+    }
+    return tid;
+}
+
+} // namespace
+
+std::string name_of(pid_t process) {
+    std::ifstream file{fmt::format("/proc/{}/comm", process)};
+    std::string out;
+    std::getline(file, out);
+    return fmt::format("{} ({})", out, process);
+}
+
+Thread& Box::Impl::add(pid_t tid, pid_t process) {
+    Thread t;
+    t.tid = tid;
+    t.process = process;
+    t.number = ++threads_made;
+    threads.push_back(t);
+    return threads.back();
+}
+
+Thread* Box::Impl::find(pid_t tid) {
+    auto const it = std::find_if(threads.begin(), threads.end(), [&](Thread const& t) { return t.tid == tid; });
+    return it == threads.end() ? nullptr : &*it;
+}
+
+void Box::Impl::resume(Thread& t, Next how) {
+    running = t.tid;
+    ran.restart();
+    t.state = State::standing;
+    ::ptrace(how == Next::go_to_exit ? PTRACE_SYSCALL : PTRACE_CONT, t.tid, nullptr, std::exchange(t.signal, 0));
+}
+
+bool Box::Impl::asked_to_stop() {
+    return options.stop && options.stop();
+}
+
+void Box::Impl::wait_for_event() {
+    int status = 0;
+    pid_t const tid = ::waitpid(-1, &status, __WALL);
+    if (tid < 0) {
+        if (errno == EINTR) {
+            stop = stop || asked_to_stop();
+            check_patience();
+        } else { // nobody is left
+            running = 0;
+            main_alive = false;
+        }
+        return;
+    }
+    Thread* const t = find(tid);
+    if (WIFEXITED(status) || WIFSIGNALED(status)) {
+        gone(tid, t, status);
+    } else if (t == nullptr) {
+        early.push_back(tid); // the event of its maker comes behind
+    } else {
+        stopped(*t, status);
+    }
+}
+
+void Box::Impl::check_patience() {
+    double const computed_s = ran.look().count(), busy_s = since_limit.look().count();
+    Thread const* const t = running != 0 ? find(running) : nullptr;
+    if (t == nullptr || error) {
+        return;
+    }
+    std::string const last_call = t->what != nullptr ? t->what->name : "none";
+    if (options.patience_s > 0 && computed_s > options.patience_s) {
+        error = Error{ExitCode::stall,
+                      fmt::format("{} has computed for {:.0f} s without a call that waits or asks for the time, at "
+                                  "{:.9f} s of simulated time; its last was {}",
+                                  name_of(t->process), computed_s, static_cast<double>(table.clock().now_ns()) / 1e9,
+                                  last_call),
+                      options.link ? "`clock: {member_timeout_s: ...}` allows more" : "--patience allows more"};
+    } else if (options.rest_s > 0 && busy_s > options.rest_s && limit_ns) {
+        error = Error{ExitCode::stall,
+                      fmt::format("{} has not come to rest at {:.9f} s of simulated time within {:.0f} s: it has made "
+                                  "{} calls so far, the last was {}",
+                                  name_of(t->process), static_cast<double>(table.clock().now_ns()) / 1e9, busy_s,
+                                  report.held + report.clock_reads, last_call),
+                      "does it wait by looking again and again? `clock: {member_timeout_s: ...}` allows more"};
+    }
+}
+
+void Box::Impl::gone(pid_t tid, Thread* t, int status) {
+    running = running == tid ? 0 : running;
+    if (tid == main) {
+        main_alive = false;
+        report.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+        report.last_call = t != nullptr && t->what != nullptr ? t->what->name : "none";
+    }
+    if (t == nullptr) {
+        return;
+    }
+    table.futexes().leave(tid);
+    if (tid == t->process) {
+        table.forget(tid);
+        table.signalled().insert(0); // SIGCHLD
+        for (Thread& other : threads) {
+            other.child_ended =
+                other.child_ended || (other.what != nullptr && other.what->treatment == Treatment::child);
+        }
+    }
+    threads.remove_if([&](Thread const& x) { return x.tid == tid; });
+}
+
+void Box::Impl::stopped(Thread& t, int status) {
+    int const event = status >> 16, signal = WSTOPSIG(status);
+    if (event == PTRACE_EVENT_SECCOMP) {
+        go_on(t, table.enter(t));
+    } else if (signal == (SIGTRAP | 0x80)) {
+        go_on(t, table.leave(t));
+    } else if (event == PTRACE_EVENT_CLONE || event == PTRACE_EVENT_FORK || event == PTRACE_EVENT_VFORK) {
+        made(t);
+        resume(t, Next::go);
+        if (event == PTRACE_EVENT_VFORK) {
+            t.state = State::in_fork;
+            running = 0;
+        }
+    } else if (event == PTRACE_EVENT_VFORK_DONE) {
+        t.state = State::standing;
+    } else if (event == PTRACE_EVENT_EXEC) {
+        threads.remove_if([&](Thread const& x) { return x.process == t.process && x.tid != t.tid; });
+        table.forget_image(t.process);
+        prepare_image(t.tid, table.random_octets());
+        resume(t, Next::go);
+    } else if (signal == SIGSEGV && answer_tick_counter(t.tid, static_cast<std::uint64_t>(table.clock().now_ns()))) {
+        table.clock().look();
+        resume(t, Next::go);
+    } else {
+        t.signal = event != 0 ? 0 : signal;
+        resume(t, Next::go);
+    }
+}
+
+void Box::Impl::go_on(Thread& t, Next next) {
+    if (next == Next::go && others_come_first()) {
+        next = Next::let_others_go;
+    }
+    if (next == Next::hold) {
+        t.state = State::held;
+        running = 0;
+    } else if (next == Next::let_others_go) {
+        t.state = State::standing;
+        running = 0;
+    } else {
+        resume(t, next);
+    }
+}
+
+/// A thread has made another one, which stands before its first instruction.
+void Box::Impl::made(Thread const& by) {
+    unsigned long message = 0;
+    ::ptrace(PTRACE_GETEVENTMSG, by.tid, nullptr, &message);
+    auto const tid = static_cast<pid_t>(message);
+    if (auto const it = std::find(early.begin(), early.end(), tid); it != early.end()) {
+        early.erase(it);
+    } else {
+        int status = 0;
+        while (::waitpid(tid, &status, __WALL) < 0 && errno == EINTR) {
+        }
+    }
+    pid_t const process = process_of(tid);
+    if (process != by.process) {
+        table.timers().forked(by.process, process);
+    }
+    add(tid, process);
+}
+
+} // namespace gridspace::timebox

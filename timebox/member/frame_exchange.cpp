@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "timebox/member/frame_exchange.hpp"
+
+#include "gateways/ethernet/interface.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::timebox {
+
+FrameExchange::FrameExchange(bus::Node& node, MemberConfig const& config)
+    : config_{config}, clock_{node},
+      latency_ns_{clock_.lasting(node.time_base().ceil(config.latency_us / Rational{1'000'000}), 1)} {}
+
+Result<std::unique_ptr<FrameExchange>> FrameExchange::open(bus::Node& node, MemberConfig const& config) {
+    auto out = std::unique_ptr<FrameExchange>{new FrameExchange{node, config}};
+    if (config.wire.interface.empty()) {
+        return out;
+    }
+    auto port = gateways::WirePort::open(node, config.wire, {config.sends, config.receives});
+    if (!port) {
+        return std::unexpected{port.error()};
+    }
+    out->port_ = std::move(*port);
+    auto const index = ethernet::interface_index(config.wire.interface);
+    if (!index) {
+        return std::unexpected{index.error()};
+    }
+    out->index_ = static_cast<int>(*index);
+    return out;
+}
+
+PacketLink FrameExchange::link() {
+    PacketLink out;
+    out.index = index_;
+    out.name = config_.wire.interface;
+    if (port_ != nullptr) {
+        out.mac = port_->mac().octets;
+    }
+    out.send = [this](std::span<std::uint8_t const> frame, std::int64_t now_ns) { return send(frame, now_ns); };
+    return out;
+}
+
+std::string FrameExchange::send(std::span<std::uint8_t const> frame, std::int64_t now_ns) {
+    std::uint16_t const ethertype = iec61850::ethertype_of(frame);
+    if (std::find(config_.sends.begin(), config_.sends.end(), ethertype) == config_.sends.end()) {
+        return fmt::format("a frame of ethertype {:#06x}, which its `sends:` does not declare", ethertype);
+    }
+    if (!over_) {
+        port_->send(frame, clock_.at_or_after(now_ns + latency_ns_));
+    }
+    return {};
+}
+
+void FrameExchange::bring(Box& box) {
+    frames_.clear();
+    for (std::uint16_t const ethertype : config_.receives) {
+        auto const due = port_->take(ethertype);
+        frames_.insert(frames_.end(), due.begin(), due.end());
+    }
+    std::sort(frames_.begin(), frames_.end(), [](bus::WireFrame const* a, bus::WireFrame const* b) {
+        return a->time != b->time ? a->time < b->time : a->octets < b->octets;
+    });
+    for (bus::WireFrame const* frame : frames_) {
+        box.arrives(clock_.of(frame->time), frame->octets);
+    }
+}
+
+void FrameExchange::maintain() {
+    if (port_ != nullptr) {
+        port_->maintain();
+    }
+}
+
+} // namespace gridspace::timebox

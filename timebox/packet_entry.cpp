@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Where the call table meets packet sockets.
+#include "timebox/call_table.hpp"
+
+#include <cerrno>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+
+namespace gridspace::timebox {
+namespace {
+
+constexpr std::uint64_t kSocketFlags = SOCK_CLOEXEC | SOCK_NONBLOCK;
+
+} // namespace
+
+CallTable::Named CallTable::packet_socket_of(Thread const& t, std::size_t argument) {
+    if (!packets_) {
+        return {};
+    }
+    Named out;
+    out.file = descriptors(t.process).copy_of(static_cast<int>(t.call.arguments[argument]));
+    out.socket = packets_->find(out.file);
+    return out;
+}
+
+/// Stamps of the kernel's clock would tell real time, and a ring is filled without a call.
+CallTable::Next CallTable::option(Thread& t) {
+    if (Named const named = packet_socket_of(t); named.socket != nullptr) {
+        if (auto const result = packet_calls_->option(t, *named.socket, named.file)) {
+            answer(t.tid, *result);
+        }
+        return Next::go;
+    }
+    auto const level = static_cast<int>(t.call.arguments[1]), name = static_cast<int>(t.call.arguments[2]);
+    bool const stamps =
+        level == SOL_SOCKET && (name == SO_TIMESTAMP || name == SO_TIMESTAMPNS || name == SO_TIMESTAMPING);
+    bool const ring = level == SOL_PACKET && (name == PACKET_RX_RING || name == PACKET_TX_RING);
+    return stamps ? refuse(t, "SO_TIMESTAMP (stamps of the kernel's clock)", ENOPROTOOPT)
+           : ring ? refuse(t, "PACKET_RX_RING (a ring that the kernel fills)", ENOPROTOOPT)
+                  : Next::go;
+}
+
+CallTable::Next CallTable::packet(Thread& t) {
+    if (!packets_) {
+        return Next::go;
+    }
+    if (t.call.number == SYS_socket) {
+        return new_socket(t);
+    }
+    if (t.call.number == SYS_mmap) {
+        return map_memory(t);
+    }
+    Named const named = packet_socket_of(t);
+    if (named.socket == nullptr) {
+        return Next::go;
+    }
+    if (t.call.number == SYS_bind) {
+        answer(t.tid, packet_calls_->bind(t, *named.socket));
+    } else if (t.call.number == SYS_getsockname) {
+        answer(t.tid, packet_calls_->name(t, *named.socket));
+    } else if (auto const result = packet_calls_->look_at_option(t, *named.socket)) {
+        answer(t.tid, *result);
+    }
+    return Next::go;
+}
+
+/// The kernel makes another one in its place, which can be waited for as for any.
+CallTable::Next CallTable::new_socket(Thread& t) {
+    auto const& a = t.call.arguments;
+    if (a[0] == AF_INET || a[0] == AF_INET6) {
+        ++report_.not_simulated["sockets of IP: what comes to them from other hosts comes in real time"];
+    }
+    if (a[0] != AF_PACKET) {
+        return Next::go;
+    }
+    auto const kind = static_cast<int>(a[1] & ~kSocketFlags);
+    if (kind != SOCK_RAW && kind != SOCK_DGRAM) {
+        return refuse(t, "a packet socket of another kind than SOCK_RAW and SOCK_DGRAM", ESOCKTNOSUPPORT);
+    }
+    Call other = t.call;
+    other.arguments = {AF_UNIX, SOCK_DGRAM | (a[1] & kSocketFlags), 0};
+    replace(t.tid, other);
+    t.on_exit = Thread::OnExit::new_packet_socket;
+    return Next::go_to_exit;
+}
+
+/// The ring of a packet socket is memory that nobody else has.
+CallTable::Next CallTable::map_memory(Thread& t) {
+    if ((t.call.arguments[3] & MAP_ANONYMOUS) != 0) {
+        return Next::go;
+    }
+    Named const named = packet_socket_of(t, 4);
+    if (named.socket == nullptr) {
+        return Next::go;
+    }
+    if (!named.socket->ring || t.call.arguments[1] != named.socket->ring->octets()) {
+        answer(t.tid, -EINVAL);
+        return Next::go;
+    }
+    Call other = t.call;
+    other.arguments[3] |= MAP_ANONYMOUS;
+    other.arguments[4] = static_cast<std::uint64_t>(-1);
+    other.arguments[5] = 0;
+    replace(t.tid, other);
+    t.on_exit = Thread::OnExit::ring_mapped;
+    return Next::go_to_exit;
+}
+
+CallTable::Next CallTable::packet_transfer(Thread& t, PacketSocket& socket, UniqueFd const& file, short event,
+                                           bool waits) {
+    if (event == POLLOUT) {
+        answer(t.tid, packet_calls_->send(t, socket));
+        return Next::go;
+    }
+    if (!socket.queue.empty()) {
+        answer(t.tid, packet_calls_->receive(t, socket, file));
+        return Next::go;
+    }
+    if (!waits) {
+        clock_.look(); // who looks again and again gets on
+        answer(t.tid, -EAGAIN);
+        return Next::go;
+    }
+    t.interests = {{static_cast<int>(t.call.arguments[0]), event}};
+    auto const patience = receive_timeout_ns(file);
+    return hold_until(t, patience ? std::optional{clock_.now_ns() + *patience} : std::nullopt);
+}
+
+} // namespace gridspace::timebox
