@@ -31,7 +31,7 @@ enum class Step : int { trace = 1, filter, exec };
         ::_exit(127);
     };
     if (detached) {
-        ::setsid();
+        ::setpgid(0, 0); // not a session: the scheduler would take it for somebody else's work
         int const nothing = ::open("/dev/null", O_RDONLY);
         ::dup2(nothing, STDIN_FILENO);
         ::syscall(SYS_close_range, STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);

@@ -12,7 +12,7 @@ namespace gridspace::timebox {
 
 /// The program stands before its first instruction, traced, with the filter of held_calls() and without address space
 /// randomisation; its exec is still to be prepared.
-/// `detached`: it has nothing of this process but standard output and error, and a session of its own.
+/// `detached`: it has nothing of this process but standard output and error, and is in a process group of its own.
 [[nodiscard]] Result<pid_t> start_traced(std::vector<std::string> const& command, bool detached);
 
 } // namespace gridspace::timebox

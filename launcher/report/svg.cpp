@@ -205,7 +205,9 @@ class Drawing {
         if (!(r.low <= r.high)) {
             return {0, 1};
         }
-        double const pad = r.high > r.low ? 0.05 * (r.high - r.low) : std::max(1e-6, 0.05 * std::abs(r.high));
+        // What differs by rounding only is constant: its ticks would not differ at all.
+        bool const varies = r.high - r.low > 1e-12 * std::max(std::abs(r.low), std::abs(r.high));
+        double const pad = varies ? 0.05 * (r.high - r.low) : std::max(1e-6, 0.05 * std::abs(r.high));
         return {r.low - pad, r.high + pad};
     }
 

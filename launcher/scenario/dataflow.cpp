@@ -101,6 +101,17 @@ bool joins_when_it_likes(Scenario const& scenario, Process const& process) {
     return is_external(process) && scenario.clock.mode == bus::ClockMode::realtime;
 }
 
+std::vector<std::string> other_members(Scenario const& scenario, Process const& process) {
+    std::vector<std::string> out;
+    for (Process const& other : scenario.processes) {
+        if (&other != &process && other.settings->is_member() && !joins_when_it_likes(scenario, other)) {
+            out.push_back(other.name.name);
+        }
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+}
+
 } // namespace
 
 Dataflow dataflow(Scenario const& scenario) {
@@ -123,6 +134,10 @@ Dataflow dataflow(Scenario const& scenario) {
         plan.name = process.name.name;
         plan.upstream = sources_of(flow, scenario, plan.name, false);
         plan.triggered_by = sources_of(flow, scenario, plan.name, true);
+        if (process.program.name ==
+            "gridspace-recorder") { // it keeps the acknowledgements of those too who only listen
+            plan.upstream = other_members(scenario, process);
+        }
         if (simulator != nullptr) {
             for (TopicUse const& use : simulator->settings->reads(scenario, *simulator)) {
                 auto const writers = flow.writers.find(use.topic);

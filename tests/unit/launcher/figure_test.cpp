@@ -102,5 +102,15 @@ TEST(Figure, AnEndIsDrawnAmongManyValues) {
     EXPECT_LT(points.size(), 5000U);
 }
 
+TEST(Figure, OfASignalThatDiffersByRoundingOnlyIsThatOfAConstant) {
+    Figure figure;
+    figure.id = "x";
+    figure.to_s = 1;
+    figure.series.push_back({"hz", {0, 1'000'000'000}, {60, 60.00000000000001}});
+    EXPECT_THAT(to_svg(figure), HasSubstr(">62<")) << "its ticks are those of 60 +- 5 %";
+    figure.series[0].values = {60, 60.1};
+    EXPECT_THAT(to_svg(figure), Not(HasSubstr(">62<")));
+}
+
 } // namespace
 } // namespace gridspace::launcher
