@@ -6,7 +6,7 @@
 #include <poll.h>
 
 int main(int argc, char** argv) {
-    int const port = open_port(argv[argc - 1], SV);
+    int const port = open_port(argv[argc - 1], GOOSE);
     setvbuf(stdout, NULL, _IOLBF, 0);
     for (;;) {
         struct pollfd wait = {port, POLLIN, 0};
