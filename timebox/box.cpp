@@ -72,6 +72,12 @@ void Box::ask_to_end() {
     impl_->table.signalled().insert(impl_->main);
 }
 
+bool Box::can_look_inside() const {
+    std::uint64_t word = 0;
+    return read_memory(impl_->main, stack_of(impl_->main), &word, sizeof word) &&
+           impl_->table.descriptors(impl_->main).copy_of(STDOUT_FILENO);
+}
+
 BoxReport Box::report() const {
     BoxReport out = impl_->report;
     out.simulated_ns = impl_->table.clock().now_ns();
@@ -83,11 +89,17 @@ BoxReport Box::report() const {
     return out;
 }
 
-std::string why_not_here() {
+Result<void> try_here() {
     BoxOptions options;
     options.command = {"/proc/self/exe"}; // it does not get to its first instruction
     auto const box = Box::start(options);
-    return box ? "" : describe(box.error());
+    if (!box) {
+        return std::unexpected{box.error()};
+    }
+    return box.value()->can_look_inside()
+               ? Result<void>{}
+               : fail(ExitCode::environment, "a program's memory and descriptors cannot be looked at",
+                      "process_vm_readv and pidfd_getfd must be allowed: in a container --cap-add SYS_PTRACE");
 }
 
 } // namespace gridspace::timebox

@@ -66,7 +66,8 @@ class Box {
     [[nodiscard]] std::optional<std::int64_t> next_ns() const;
     /// A frame, with its VLAN tag, that its interface receives at that time; in their order.
     void arrives(std::int64_t at_ns, std::span<std::byte const> frame);
-    void ask_to_end(); ///< SIGTERM to the program
+    void ask_to_end();                          ///< SIGTERM to the program
+    [[nodiscard]] bool can_look_inside() const; ///< at the program's memory and descriptors
     [[nodiscard]] BoxReport report() const;
 
   private:
@@ -75,7 +76,7 @@ class Box {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Why programs cannot run in simulated time on this machine; empty: they can. Tries it.
-[[nodiscard]] std::string why_not_here();
+/// Whether programs can run in simulated time on this machine. Tries it.
+[[nodiscard]] Result<void> try_here();
 
 } // namespace gridspace::timebox

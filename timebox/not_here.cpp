@@ -9,7 +9,7 @@ Box::Box(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
 Box::~Box() = default;
 
 Result<std::unique_ptr<Box>> Box::start(BoxOptions) {
-    return fail(ExitCode::environment, why_not_here());
+    return std::unexpected{try_here().error()};
 }
 Result<Box::Pause> Box::run_until(std::optional<std::int64_t>) {
     return Pause::ended;
@@ -22,8 +22,11 @@ void Box::ask_to_end() {}
 BoxReport Box::report() const {
     return {};
 }
-std::string why_not_here() {
-    return "programs in simulated time run on x86-64 only";
+bool Box::can_look_inside() const {
+    return false;
+}
+Result<void> try_here() {
+    return fail(ExitCode::environment, "programs in simulated time run on x86-64 only");
 }
 
 } // namespace gridspace::timebox

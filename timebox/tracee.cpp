@@ -82,9 +82,13 @@ bool write_memory(pid_t tid, std::uint64_t address, void const* from, std::size_
     return ::process_vm_writev(tid, &local, 1, &remote, 1, 0) == static_cast<ssize_t>(octets);
 }
 
+std::uint64_t stack_of(pid_t tid) {
+    return registers_of(tid).rsp;
+}
+
 std::uint64_t scratch_of(pid_t tid) {
     constexpr std::uint64_t kBelow = 512; // beyond the red zone of 128 octets
-    return (registers_of(tid).rsp - kBelow) & ~std::uint64_t{15};
+    return (stack_of(tid) - kBelow) & ~std::uint64_t{15};
 }
 
 void prepare_image(pid_t tid, std::array<std::uint8_t, 16> const& random) {

@@ -39,6 +39,7 @@ template <class T>
 void put(pid_t tid, std::uint64_t address, T const& value) {
     (void)write_memory(tid, address, &value, sizeof value);
 }
+[[nodiscard]] std::uint64_t stack_of(pid_t tid); ///< its top
 /// Below the stack of the thread, where nothing is.
 [[nodiscard]] std::uint64_t scratch_of(pid_t tid);
 

@@ -8,6 +8,7 @@
 #include "launcher/run/namespaces.hpp"
 #include "launcher/run/virtual_network.hpp"
 #include "launcher/scenario/installation.hpp"
+#include "timebox/box.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -161,10 +162,18 @@ Finding check_profile_file() {
             stray ? "runs ignore it; your own DDS programs do not" : ""};
 }
 
+/// `gridspace timebox`, and `time: simulated` of a process.
+Finding try_simulated_time() {
+    auto const tried = timebox::try_here();
+    return {tried ? Level::ok : Level::note, "programs in simulated time",
+            tried ? "seccomp, ptrace, pidfd_getfd" : tried.error().message, tried ? "" : tried.error().remedy};
+}
+
 int doctor(bool json) {
     std::vector<Finding> const findings{check_programs(),
                                         check_qos(),
                                         try_virtual_network(),
+                                        try_simulated_time(),
                                         try_real_time(),
                                         check_locked_memory(),
                                         check_buffers(),
@@ -182,8 +191,8 @@ int doctor(bool json) {
         if (json) {
             list.push_back({{"check", f.what}, {"level", level}, {"detail", f.detail}, {"remedy", f.remedy}});
         } else {
-            fmt::print("{:<8} {:<24} {}{}{}\n", level, f.what, f.detail,
-                       f.remedy.empty() ? "" : "\n                                  -> ", f.remedy);
+            fmt::print("{:<8} {:<27} {}{}{}\n", level, f.what, f.detail,
+                       f.remedy.empty() ? "" : "\n                                     -> ", f.remedy);
         }
     }
     if (json) {

@@ -112,6 +112,30 @@ std::vector<std::string> other_members(Scenario const& scenario, Process const& 
     return out;
 }
 
+/// A frame goes to the switch and does not come back to the host that sent it: who waits for it there waits for ever.
+void check_hosts_of_frames(Scenario const& scenario, Diagnostics& diagnostics) {
+    for (Process const& receiver : scenario.processes) {
+        for (WireUse const& received : wires_received(scenario, receiver)) {
+            for (Process const& sender : scenario.processes) {
+                std::vector<WireUse> const sent = wires_sent(scenario, sender);
+                bool const heard = std::any_of(sent.begin(), sent.end(), [&](WireUse const& use) {
+                    return use.link == received.link && use.ethertype == received.ethertype;
+                });
+                if (heard && &sender != &receiver && sender.host == receiver.host && !received.at_switch) {
+                    diagnostics.error(receiver.name.where,
+                                      fmt::format("process '{}' waits for frames of '{}' on '{}', and both are on the "
+                                                  "host '{}'",
+                                                  receiver.name.name, sender.name.name, received.link,
+                                                  receiver.host.name),
+                                      "a host of its own for one of them: no frame comes back to who sent it",
+                                      static_cast<int>(receiver.name.name.size()));
+                    return;
+                }
+            }
+        }
+    }
+}
+
 } // namespace
 
 Dataflow dataflow(Scenario const& scenario) {
@@ -242,6 +266,7 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
                           fmt::format("the members wait for each other in a circle: {}", circle),
                           "in lockstep a chain of processes must come to an end within a tick");
     }
+    check_hosts_of_frames(scenario, diagnostics);
     Rational const tick = scenario.tick_s();
     for (bus::MemberPlan const& member : flow.members) {
         Process const& process = *scenario.find_process(member.name);
