@@ -13,6 +13,7 @@
 namespace gridspace::timebox {
 
 Box::Impl::Impl(BoxOptions o, pid_t first) : options{std::move(o)}, main{first}, table{options, report} {
+    ::sched_getaffinity(0, sizeof allowed, &allowed);
     add(first, first);
     prepare_image(first, table.random_octets());
 }
@@ -28,6 +29,9 @@ Box::Impl::~Impl() {
 Result<Box::Pause> Box::Impl::run_until(std::optional<std::int64_t> limit) {
     limit_ns = limit;
     since_limit.restart();
+    if (options.link) { // between two ticks it may be moved
+        share_a_processor();
+    }
     while (main_alive && !error && !stop) {
         Thread* const next = choose();
         if (next == nullptr) {
@@ -35,10 +39,32 @@ Result<Box::Pause> Box::Impl::run_until(std::optional<std::int64_t> limit) {
         }
         let_go(*next);
     }
+    leave_processor();
     if (error) {
         return std::unexpected{*error};
     }
     return stop ? Pause::stopped : main_alive ? Pause::limit : Pause::ended;
+}
+
+void Box::Impl::share_a_processor() {
+    int const here = ::sched_getcpu();
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(std::max(here, 0)), &one);
+    if (here < 0 || ::sched_setaffinity(0, sizeof one, &one) != 0) {
+        return;
+    }
+    if (std::exchange(processor, here) != here) {
+        for (Thread const& t : threads) { // those that they make inherit it
+            ::sched_setaffinity(t.tid, sizeof one, &one);
+        }
+    }
+}
+
+void Box::Impl::leave_processor() const {
+    if (processor >= 0) {
+        ::sched_setaffinity(0, sizeof allowed, &allowed);
+    }
 }
 
 Box::Box(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}

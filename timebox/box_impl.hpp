@@ -8,6 +8,7 @@
 #include "timebox/look_timer.hpp"
 
 #include <list>
+#include <sched.h>
 
 namespace gridspace::timebox {
 
@@ -46,6 +47,10 @@ struct Box::Impl {
     void made(Thread const& by);
     [[nodiscard]] bool asked_to_stop();
 
+    /// Program and box take turns: on one processor the hand-over is a switch, on two it is a wake-up of the other.
+    void share_a_processor();
+    void leave_processor() const;
+
     BoxOptions options;
     BoxReport report;
     pid_t main;
@@ -60,6 +65,8 @@ struct Box::Impl {
     std::uint64_t looks_before{0}; ///< at the clock, when the turn began
     WaitedTime ran, since_limit;
     std::optional<Error> error;
+    cpu_set_t allowed{}; ///< processors of this process
+    int processor{-1};   ///< on which the program runs
 };
 
 /// "name (number)", for messages.
