@@ -39,7 +39,7 @@ ONLY_IN = [
     (r"yaml-cpp/.*", ["common/config/yaml.cpp"], "YAML is read in common/config/yaml.cpp"),
     (r"boost/math/.*", ["launcher/sweep/distribution.cpp"], "distributions of studies are drawn in one file"),
     (r"boost/(?!math/).*", ["monitor/web/*.cpp", "monitor/web/connections.hpp", "monitor/web/transport.hpp", "launcher/run/monitor_http.cpp"], "Boost stays in monitor/web and its client"),
-    (r"linux/if_packet\.h|netpacket/.*", ["gateways/ethernet/*", "bench/wire/*", "timebox/packet_*"], "packet sockets stay in gateways/ethernet"),
+    (r"linux/if_packet\.h|netpacket/.*", ["gateways/ethernet/*", "bench/wire/*", "timebox/packet_*", "tests/integration/timebox/programs/*"], "packet sockets stay in gateways/ethernet"),
     (r"CLI/.*|nlohmann/json\.hpp", ["*.cpp"], "heavy headers stay in .cpp files"),
     (r"Eigen/.*", ["sim/*", "ids/*", "tests/*", "bench/*"], "linear algebra belongs to the physics and the detector"),
 ]

@@ -26,26 +26,33 @@ static int64_t now_ns(clockid_t clock) {
 /* A packet socket that is bound to one ethertype of an interface, with stamps. */
 static int open_port(char const* interface, int ethertype) {
     int const port = socket(AF_PACKET, SOCK_RAW, htons((uint16_t)ethertype));
-    struct sockaddr_ll at = {.sll_family = AF_PACKET, .sll_protocol = htons((uint16_t)ethertype), .sll_ifindex = (int)if_nametoindex(interface)};
+    struct sockaddr_ll at = {.sll_family = AF_PACKET,
+                             .sll_protocol = htons((uint16_t)ethertype),
+                             .sll_ifindex = (int)if_nametoindex(interface)};
     int const on = 1;
-    if (port < 0 || bind(port, (struct sockaddr*)&at, sizeof at) != 0 || setsockopt(port, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
+    if (port < 0 || bind(port, (struct sockaddr*)&at, sizeof at) != 0 ||
+        setsockopt(port, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
         perror(interface);
         exit(1);
     }
     return port;
 }
 
-/* The stream of a frame of sampled values by the last octet of its address (33 or 34), its smpCnt, and its stamp; 0 without a frame. */
+/* The stream of a frame of sampled values by the last octet of its address (33 or 34), its smpCnt, and its stamp; 0
+ * without a frame. */
 static int receive(int port, int* count, int64_t* stamp_ns) {
     uint8_t frame[1600];
     char control[256];
     struct iovec part = {frame, sizeof frame};
-    struct msghdr message = {.msg_iov = &part, .msg_iovlen = 1, .msg_control = control, .msg_controllen = sizeof control};
+    struct msghdr message = {
+        .msg_iov = &part, .msg_iovlen = 1, .msg_control = control, .msg_controllen = sizeof control};
     ssize_t const size = recvmsg(port, &message, 0);
-    if (size <= 0) return 0;
+    if (size <= 0)
+        return 0;
     struct cmsghdr const* const c = CMSG_FIRSTHDR(&message);
     struct timespec stamp = {0, 0};
-    if (c != NULL && c->cmsg_type == SCM_TIMESTAMPNS) memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+    if (c != NULL && c->cmsg_type == SCM_TIMESTAMPNS)
+        memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
     *stamp_ns = (int64_t)stamp.tv_sec * 1000000000 + stamp.tv_nsec;
     *count = -1;
     for (ssize_t i = 22; i + 3 < size; ++i) { /* smpCnt: tag 82, two octets */
@@ -58,12 +65,19 @@ static int receive(int port, int* count, int64_t* stamp_ns) {
 }
 
 /* A frame that carries three numbers. */
-static void send_numbers(int port, char const* interface, int ethertype, uint8_t last_octet, int64_t a, int64_t b, int64_t c) {
+static void send_numbers(int port, char const* interface, int ethertype, uint8_t last_octet, int64_t a, int64_t b,
+                         int64_t c) {
     struct {
         uint8_t to[6], from[6];
         uint16_t ethertype, app_id, length, reserved[2];
         int64_t numbers[3];
-    } __attribute__((packed)) frame = {{1, 0x0C, 0xCD, 4, 1, last_octet}, {0}, htons((uint16_t)ethertype), htons(0x4100), htons(sizeof frame - 14), {0, 0}, {a, b, c}};
+    } __attribute__((packed)) frame = {{1, 0x0C, 0xCD, 4, 1, last_octet},
+                                       {0},
+                                       htons((uint16_t)ethertype),
+                                       htons(0x4100),
+                                       htons(sizeof frame - 14),
+                                       {0, 0},
+                                       {a, b, c}};
     struct ifreq request;
     memset(&request, 0, sizeof request);
     strncpy(request.ifr_name, interface, IFNAMSIZ - 1);
