@@ -85,6 +85,15 @@ std::optional<std::uint32_t> compute(std::uint16_t operation, std::uint32_t a, s
     }
 }
 
+bool is_sound_operation(sock_filter const& f) {
+    std::uint16_t const operation = BPF_OP(f.code);
+    bool const by_constant = BPF_SRC(f.code) == BPF_K;
+    bool const division = operation == BPF_DIV || operation == BPF_MOD;
+    bool const shift = operation == BPF_LSH || operation == BPF_RSH;
+    return operation <= BPF_XOR && !(division && by_constant && f.k == 0) && !(shift && by_constant && f.k >= 32) &&
+           (operation != BPF_NEG || by_constant);
+}
+
 bool holds(std::uint16_t comparison, std::uint32_t a, std::uint32_t b) {
     return comparison == BPF_JEQ   ? a == b
            : comparison == BPF_JGT ? a > b
@@ -107,7 +116,7 @@ std::optional<PacketFilter> PacketFilter::make(std::vector<sock_filter> program)
         bool const memory =
             ((kind == BPF_LD || kind == BPF_LDX) && BPF_MODE(f.code) == BPF_MEM) || kind == BPF_ST || kind == BPF_STX;
         if ((ancillary_load && std::find(kAncillary.begin(), kAncillary.end(), k - SKF_AD_OFF) == kAncillary.end()) ||
-            (memory && f.k >= BPF_MEMWORDS) || (kind == BPF_ALU && operation > BPF_XOR) ||
+            (memory && f.k >= BPF_MEMWORDS) || (kind == BPF_ALU && !is_sound_operation(f)) ||
             (kind == BPF_JMP &&
              (operation == BPF_JA ? f.k >= left : operation > BPF_JSET || f.jt >= left || f.jf >= left))) {
             return std::nullopt;
