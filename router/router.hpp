@@ -54,7 +54,7 @@ class Router {
     std::mutex mutex_; // guards the next three
     RouteTable table_;
     std::map<std::string, std::string> idl_;     ///< by type, as heard
-    bool types_are_full_{false}; ///< has been said
+    bool types_are_full_{false};                 ///< has been said
     std::vector<std::function<void()>> reports_; ///< of threads of DDS, to be made by update()
 
     std::vector<std::unique_ptr<Watch>> watches_;
