@@ -30,11 +30,11 @@ void add_ids(CLI::App& app, Action& action) {
 }
 
 /// In the order of the help.
-constexpr std::array kVerbs{add_run,      add_sweep,      add_timebox,   add_validate, add_signals, add_powerflow,
-                            add_simulate, add_compare,    add_report,    add_info,     add_export,  add_ids,
-                            add_monitor,  add_router,     add_graph,     add_topic,    add_control, add_doctor,
-                            add_bundle,   add_play,       add_wire,      add_scl,      add_new,     add_types,
-                            add_schema,   add_sweep_task, add_completion};
+constexpr std::array kVerbs{add_run,      add_sweep,   add_timebox,    add_validate,  add_signals, add_powerflow,
+                            add_simulate, add_compare, add_report,     add_info,      add_export,  add_ids,
+                            add_monitor,  add_router,  add_graph,      add_topic,     add_control, add_doctor,
+                            add_bundle,   add_play,    add_wire,       add_scl,       add_fmu,     add_new,
+                            add_types,    add_schema,  add_sweep_task, add_completion};
 
 int version(bool json) {
     Version const& v = gridspace::version();

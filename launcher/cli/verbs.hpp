@@ -43,6 +43,7 @@ void add_completion(CLI::App& app, Action& action);
 void add_control(CLI::App& app, Action& action); ///< pause, continue, step, stop
 void add_doctor(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
+void add_fmu(CLI::App& app, Action& action);
 void add_graph(CLI::App& app, Action& action);
 void add_ids_evaluate(CLI::App& ids, Action& action);
 void add_ids_study(CLI::App& ids, Action& action);

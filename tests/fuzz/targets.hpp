@@ -28,6 +28,7 @@
 #else
 #define GRIDSPACE_FUZZ_TARGETS(X)                                                                  \
     GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)                                                           \
+    X(fmu)         /* an FMU: its table of contents, its files, its description (also as XML alone) */ \
     X(matlab_case) /* a MATPOWER case */                                                            \
     X(network)     /* a network file, checked */                                                    \
     X(scenario)    /* a scenario file, checked as `validate` does */                                \

@@ -23,7 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 LAYERS = [
     ("common", 0, ["common/*"]),
     ("pure core", 1, ["bus/lockstep/*", "sim/network/*", "sim/components/*", "sim/actions/*", "sim/controls/*", "sim/powerflow/*", "sim/phasor/*", "sim/emt/*", "sim/machines/*",
-                      "sim/events/*", "sim/engine/*", "sim/runtime/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
+                      "sim/events/*", "sim/engine/*", "sim/runtime/*", "fmi/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
                       "recorder/mcap/*", "recorder/compare/*", "recorder/export/*", "recorder/signals/*",
                       "recorder/pcapng/*", "common/comtrade/*", "agents/*_logic.?pp", "agents/relay/*element*", "agents/relay/line_relay.?pp",
                       "agents/relay/relay_events.?pp", "agents/relay/line_sample.hpp", "agents/attacker/*_attack.?pp"]),
@@ -37,6 +37,7 @@ ONLY_IN = [
     (r"fast(dds|rtps|cdr)/.*", ["bus/*", "bench/lockstep/*", "monitor/graph/*", "tests/*"], "Fast DDS stays behind bus/"),
     (r"(ida|nvector|sunmatrix|sunlinsol|sundials|cvode|kinsol)/.*", ["sim/phasor/*"], "SUNDIALS stays in sim/phasor"),
     (r"yaml-cpp/.*", ["common/config/yaml.cpp"], "YAML is read in common/config/yaml.cpp"),
+    (r"minizip/.*", ["fmi/*", "tests/*"], "zip files are read in fmi"),
     (r"boost/math/.*", ["launcher/sweep/distribution.cpp"], "distributions of studies are drawn in one file"),
     (r"boost/(?!math/).*", ["monitor/web/*.cpp", "monitor/web/connections.hpp", "monitor/web/transport.hpp", "launcher/run/monitor_http.cpp"], "Boost stays in monitor/web and its client"),
     (r"linux/if_packet\.h|netpacket/.*", ["gateways/ethernet/*", "bench/wire/*", "timebox/packet_*", "tests/integration/timebox/programs/*"], "packet sockets stay in gateways/ethernet"),
