@@ -27,6 +27,7 @@ class StatusReporter {
     ~StatusReporter();
     StatusReporter(StatusReporter const&) = delete;
     StatusReporter& operator=(StatusReporter const&) = delete;
+    [[nodiscard]] int fd() const { return fd_; } ///< -1: nobody listens; for a handler of signals
     void ready();
     void failed(Error const& error);
     /// Progress of the simulator. Cheap; sends at most ten times a second unless `now` is set.

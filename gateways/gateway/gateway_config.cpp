@@ -10,28 +10,6 @@ namespace {
 using config::Fields;
 using config::Node;
 
-/// Texts by field name: `where: {bus: B3}`.
-void describe_where(Fields& f, MappingEnd& end) {
-    Node node;
-    f.raw("where", node, {.doc = "only samples whose field has this value: {bus: B3}"});
-    if (node.is_null()) {
-        return;
-    }
-    if (!node.is_map()) {
-        f.error("where", fmt::format("`where` is {}", config::describe(node)),
-                "expected fields and their values, like {bus: B3}");
-        return;
-    }
-    for (Node::Entry const& entry : node.entries) {
-        if (!entry.value.is_scalar()) {
-            f.error("where", fmt::format("the value of '{}' is {}", entry.key, config::describe(entry.value)),
-                    "expected one value");
-            continue;
-        }
-        end.where.emplace_back(Ref{entry.key, entry.where}, entry.value.text);
-    }
-}
-
 void describe_end(Fields& f, MappingEnd& end, bool source) {
     f.reference("topic", end.topic, {.doc = "DDS topic"});
     f.reference("type", end.type, {.doc = "type of the topic, from an IDL file of the build"});
@@ -134,6 +112,28 @@ void describe(config::Fields& f, GatewayConfig& config) {
         config.mappings.push_back(std::move(mapping));
     });
     f.fraction("latency_us", config.latency_us, {.doc = "lockstep: from input to output", .min = 0});
+}
+
+/// Texts by field name: `where: {bus: B3}`.
+void describe_where(Fields& f, MappingEnd& end) {
+    Node node;
+    f.raw("where", node, {.doc = "only samples whose field has this value: {bus: B3}"});
+    if (node.is_null()) {
+        return;
+    }
+    if (!node.is_map()) {
+        f.error("where", fmt::format("`where` is {}", config::describe(node)),
+                "expected fields and their values, like {bus: B3}");
+        return;
+    }
+    for (Node::Entry const& entry : node.entries) {
+        if (!entry.value.is_scalar()) {
+            f.error("where", fmt::format("the value of '{}' is {}", entry.key, config::describe(entry.value)),
+                    "expected one value");
+            continue;
+        }
+        end.where.emplace_back(Ref{entry.key, entry.where}, entry.value.text);
+    }
 }
 
 std::string field_path(std::string_view written) {

@@ -72,6 +72,9 @@ struct GatewayConfig {
 };
 void describe(config::Fields& f, GatewayConfig& config);
 
+/// `where` of a source topic.
+void describe_where(config::Fields& f, MappingEnd& end);
+
 /// A field as it may be written, "harm[2].f", in the spelling of the field lists, "harm.2.f".
 [[nodiscard]] std::string field_path(std::string_view written);
 

@@ -31,14 +31,6 @@ std::vector<Field> stream_fields(streams::Kind kind) {
     return out;
 }
 
-/// The unit that a name ends with: "p_kw" is in kW. Empty when it has none that can be converted.
-std::string unit_of_name(std::string_view name) {
-    std::string_view const last = name.substr(std::min(name.rfind('.') + 1, name.size()));
-    std::string_view const unit = config::unit_of_key(last);
-    std::string const known{unit == "p.u." ? "pu" : unit == "degrees" ? "deg" : unit};
-    return mapping::is_unit(known) ? known : "";
-}
-
 std::string near(std::vector<Field> const& fields, std::string_view name) {
     std::vector<std::string> names;
     for (Field const& field : fields) {
@@ -135,28 +127,12 @@ class RouteMaker {
             }
             return true;
         }
-        std::string_view const idl = find_idl_(end.type.name);
-        if (idl.empty()) {
-            error(end.type, fmt::format("no IDL file of this build defines the type '{}'", end.type.name),
-                  "put its IDL file into idl/user and build again (docs/how_to/use_the_gateway.md)");
+        auto found = topic_fields(end.type, config_.each, find_idl_, diagnostics_);
+        if (!found) {
             return false;
         }
-        auto const model = idl::parse(idl);
-        if (!model) {
-            error(end.type, fmt::format("the IDL of '{}': {}", end.type.name, model.error().message),
-                  model.error().remedy);
-            return false;
-        }
-        auto made = mapping::RecordType::create(*model, end.type.name, config_.each.name);
-        if (!made) {
-            error(config_.each.empty() ? end.type : config_.each, made.error().message, made.error().remedy);
-            return false;
-        }
-        type = std::make_shared<mapping::RecordType const>(std::move(*made));
-        fields = type->fields();
-        for (Field& field : fields) {
-            field.unit = unit_of_name(field.name);
-        }
+        type = std::move(found->type);
+        fields = std::move(found->fields);
         return true;
     }
 

@@ -3,18 +3,14 @@
 #pragma once
 
 #include "gateways/gateway/gateway_config.hpp"
+#include "gateways/gateway/topic_fields.hpp"
 #include "gateways/mapping/mapping.hpp"
 #include "gateways/mapping/record_type.hpp"
 #include "gateways/streams/stream.hpp"
 
-#include <functional>
 #include <memory>
-#include <string_view>
 
 namespace gridspace::gateways {
-
-/// The IDL text that defines a type; empty for an unknown one.
-using FindIdl = std::function<std::string_view(std::string_view type)>;
 
 /// What a stream says beside its data set: fields of a source, named with a '$' before them.
 enum class StreamField : std::uint8_t { alive, simulated, smp_cnt, index, smp_synch, st_num, sq_num, t };

@@ -301,6 +301,7 @@ std::span<Program const> programs() {
         Program{"gridspace-link", "impairments of a cable", "member", read_link},
         Program{"gridspace-gateway", "translator between topics and streams", "gateway", read_gateway},
         declared<agents::MccaConfig, agents::mcca_declaration>(),
+        Program{"gridspace-fmu", "a model of another tool (FMU) as an agent", "member", read_fmu},
         Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
         Program{"gridspace-monitor", "monitor and dashboard", "monitor", read_monitor},
         Program{"exec", "a program of your own", "member", read_exec},

@@ -17,6 +17,9 @@ namespace gridspace::launcher {
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_link(config::Fields& f);
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_gateway(config::Fields& f);
 
+/// A model of another tool.
+[[nodiscard]] std::unique_ptr<ProcessSettings> read_fmu(config::Fields& f);
+
 /// The topics on which signals are published.
 void add_signals(std::vector<TopicUse>& topics);
 
