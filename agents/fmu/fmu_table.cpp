@@ -266,7 +266,11 @@ class TableMaker {
             origins.push_back(&field);
             output.written.push_back(*target);
         }
-        output.rules = compile(rules, origins, out_.variables, output.type.fields);
+        std::vector<Field> from = out_.variables;
+        for (Field& field : from) {
+            field.length = 0; // how long its texts are nobody knows: those that are too long are cut, and it is said
+        }
+        output.rules = compile(rules, origins, from, output.type.fields);
     }
 
     static mapping::Rule rule_of(FieldRule const& field) {

@@ -148,6 +148,7 @@ void FmuTopics::write(SimTime point, std::span<mapping::Value const> values) {
     for (Output& output : outputs_) {
         std::span<mapping::Value> const fields = output.record.values();
         output.table->rules.apply(values, fields);
+        warn_of_long_texts(*output.table, fields);
         if (output.table->time_field) {
             fields[*output.table->time_field] =
                 mapping::Value::integer(mapping::BasicType::int64, node_.time_base().nanoseconds(effect));
@@ -164,6 +165,17 @@ void FmuTopics::write(SimTime point, std::span<mapping::Value const> values) {
             row_[i] = values[watched_[i]].number();
         }
         signals_->row(node_.effect_time(point, SimSpan{}), row_);
+    }
+}
+
+void FmuTopics::warn_of_long_texts(FmuTable::Output const& output, std::span<mapping::Value const> fields) {
+    for (std::size_t const at : output.written) {
+        mapping::Field const& field = output.type.fields[at];
+        if (field.type == mapping::BasicType::visible_string && fields[at].text.size() > field.length &&
+            !std::exchange(cut_said_, true)) {
+            log::warning("a text of {} octets is cut to the {} that '{}' of topic '{}' has (said once)",
+                         fields[at].text.size(), field.length, field.name, output.topic);
+        }
     }
 }
 

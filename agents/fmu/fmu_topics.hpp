@@ -64,6 +64,7 @@ class FmuTopics {
     [[nodiscard]] Result<void> open_outputs(FmuTable& table);
     [[nodiscard]] Result<void> open_signals(FmuConfig const& config, FmuTable const& table,
                                             fmi::ModelDescription const& description);
+    void warn_of_long_texts(FmuTable::Output const& output, std::span<mapping::Value const> fields);
 
     bus::Node& node_;
     SimSpan latency_;
@@ -74,7 +75,7 @@ class FmuTopics {
     std::vector<std::size_t> watched_;
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::vector<double> row_;
-    bool misfit_said_{false};
+    bool misfit_said_{false}, cut_said_{false};
 };
 
 } // namespace gridspace::agents

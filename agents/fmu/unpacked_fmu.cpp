@@ -4,9 +4,6 @@
 
 #include "fmi/archive.hpp"
 
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <fmt/format.h>
 
 namespace gridspace::agents {
@@ -24,14 +21,16 @@ Result<std::unique_ptr<UnpackedFmu>> UnpackedFmu::open(std::filesystem::path con
     if (!binary) {
         return std::unexpected{binary.error()};
     }
-    std::string pattern = (std::filesystem::current_path() / (process + ".fmu.XXXXXX")).string();
-    if (::mkdtemp(pattern.data()) == nullptr) {
+    std::unique_ptr<UnpackedFmu> out{new UnpackedFmu};
+    out->folder_ = std::filesystem::current_path() / (".gridspace-fmu-" + process);
+    std::error_code failed;
+    std::filesystem::remove_all(out->folder_, failed); // of one that was killed
+    std::filesystem::create_directory(out->folder_, failed);
+    if (failed) {
         return fail(ExitCode::environment,
-                    fmt::format("cannot make the folder '{}': {}", pattern, std::strerror(errno)),
+                    fmt::format("cannot make the folder '{}': {}", out->folder_.string(), failed.message()),
                     "the FMU is unpacked in the folder that the process runs in");
     }
-    std::unique_ptr<UnpackedFmu> out{new UnpackedFmu};
-    out->folder_ = pattern;
     out->binary_ = std::move(*binary);
     out->description_ = std::move(*description);
     if (auto ok = archive->unpack(out->folder_); !ok) {
