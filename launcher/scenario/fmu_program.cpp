@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// gridspace-fmu, as the launcher sees it: its settings checked against what the FMU says of itself. Nothing of it is run.
+// gridspace-fmu, as the launcher sees it: its settings checked against what the FMU says of itself. Nothing of it is
+// run.
 #include "agents/fmu/fmu_table.hpp"
 #include "bus/topics.hpp"
 #include "fmi/archive.hpp"
