@@ -21,7 +21,7 @@ void log(void* environment, char const*, int status, char const* category, char 
     std::array<char, 2048> text{};
     std::va_list arguments;
     va_start(arguments, message);
-    (void)std::vsnprintf(text.data(), text.size(), message == nullptr ? "" : message, arguments);
+    (void)std::vsnprintf(text.data(), text.size(), message == nullptr ? " " : message, arguments);
     va_end(arguments);
     static_cast<Calls*>(environment)
         ->said(static_cast<Status>(status), category == nullptr ? "" : category, text.data());
@@ -40,8 +40,11 @@ class Instance2 final : public Instance {
     }
 
     ~Instance2() override {
-        if (component_ == nullptr || calls_.fatal()) {
-            object_.keep();
+        if (component_ == nullptr) {
+            return;
+        }
+        if (calls_.fatal()) {
+            object_.abandon({component_, state_});
             return;
         }
         if (state_ != nullptr) {

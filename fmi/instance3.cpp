@@ -31,8 +31,11 @@ class Instance3 final : public Instance {
     }
 
     ~Instance3() override {
-        if (instance_ == nullptr || calls_.fatal()) {
-            object_.keep();
+        if (instance_ == nullptr) {
+            return;
+        }
+        if (calls_.fatal()) {
+            object_.abandon({instance_, state_});
             return;
         }
         if (state_ != nullptr) {

@@ -6,6 +6,7 @@
 #include "fmi/instance.hpp"
 
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,8 @@ class SharedObject {
     }
     [[nodiscard]] std::vector<std::string> const& missing() const { return missing_; }
     [[nodiscard]] bool has(std::string const& name) const;
-    /// It stays loaded when this is gone: its code may still be on the stack of a thread of its own.
-    void keep() { handle_ = nullptr; }
+    /// It stays loaded when this is gone, and `in_use` is remembered as its memory: nobody may ask it to free anything.
+    void abandon(std::initializer_list<void*> in_use);
 
   private:
     explicit SharedObject(void* handle) : handle_{handle} {}
