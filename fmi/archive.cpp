@@ -144,16 +144,15 @@ Result<Archive> Archive::open(std::filesystem::path const& file) {
         return fail(ExitCode::usage, fmt::format("cannot read '{}'", file.string()),
                     folder ? "it is a folder; expected the FMU as a zip file" : "there is no such file");
     }
-    if (std::filesystem::file_size(file, ignored) > kMostOctets) {
+    if (std::filesystem::file_size(file, ignored) > kMostOctets) { // what failed is larger too
         return fail(ExitCode::usage, fmt::format("{}: it is larger than {} MB", file.string(), kMostOctets >> 20U));
     }
+    std::vector<std::byte> kept(static_cast<std::size_t>(std::filesystem::file_size(file, ignored)));
     std::ifstream in{file, std::ios::binary};
-    std::string const text{std::istreambuf_iterator<char>{in}, {}};
-    if (!in.is_open() || in.bad()) {
+    in.read(reinterpret_cast<char*>(kept.data()), static_cast<std::streamsize>(kept.size()));
+    if (!in.good()) {
         return fail(ExitCode::usage, fmt::format("cannot read '{}'", file.string()));
     }
-    std::span const octets = std::as_bytes(std::span{text});
-    std::vector<std::byte> kept{octets.begin(), octets.end()};
     auto out = open(std::span<std::byte const>{kept}, file.string());
     if (out) {
         out->opened_->octets = std::move(kept); // moved: the octets stay where they are

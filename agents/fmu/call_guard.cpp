@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -148,7 +149,7 @@ CallGuard::~CallGuard() {
 }
 
 void CallGuard::now(double seconds) {
-    last_words.time_ms = static_cast<std::int64_t>(seconds * 1e3 + 0.5);
+    last_words.time_ms = std::llround(seconds * 1e3);
 }
 
 void CallGuard::enter(char const* function) noexcept {
