@@ -167,7 +167,7 @@ CallTable::Next CallTable::transfer(Thread& t, short event) {
         return Next::go;
     }
     t.interests = {{fd, event}};
-    auto const patience = event == POLLIN ? receive_timeout_ns(file) : std::nullopt;
+    auto const patience = event == POLLIN ? exact_receive_timeout_ns(file) : std::nullopt;
     return hold_until(t, patience ? std::optional{clock_.now_ns() + *patience} : std::nullopt);
 }
 

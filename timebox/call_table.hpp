@@ -61,6 +61,9 @@ class CallTable {
     Next wait_for_child(Thread& t);
     Next timer(Thread& t);
     Next option(Thread& t);
+    void remember_receive_timeout(Thread const& t);
+    /// As it was asked for: what the kernel tells is rounded to its ticks, which differ from machine to machine.
+    [[nodiscard]] std::optional<std::int64_t> exact_receive_timeout_ns(UniqueFd const& file) const;
     Next packet(Thread& t);
     Next new_socket(Thread& t);
     Next map_memory(Thread& t);
@@ -81,6 +84,7 @@ class CallTable {
     Random random_;
     std::map<pid_t, Descriptors> descriptors_;
     std::set<pid_t> signalled_;
+    std::map<std::uint64_t, std::int64_t> receive_timeouts_; ///< by inode of the socket
     std::map<HeldCall const*, std::uint64_t> calls_;
     std::optional<PacketSockets> packets_;
     std::optional<PacketCalls> packet_calls_;

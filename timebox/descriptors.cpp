@@ -10,6 +10,7 @@
 #include <sys/epoll.h>
 #include <sys/select.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
 
@@ -121,6 +122,11 @@ bool does_not_block(UniqueFd const& file) {
 bool is_ready(UniqueFd const& file, short event) {
     pollfd entry{file.get(), event, 0};
     return !file || ::poll(&entry, 1, 0) > 0;
+}
+
+std::uint64_t inode_of(UniqueFd const& file) {
+    struct stat status{};
+    return file && ::fstat(file.get(), &status) == 0 ? status.st_ino : 0;
 }
 
 std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file) {

@@ -45,6 +45,8 @@ class Descriptors {
 // Of a file that copy_of() has given; also of none.
 [[nodiscard]] bool does_not_block(UniqueFd const& file);
 [[nodiscard]] bool is_ready(UniqueFd const& file, short event); ///< also: the call itself will say what is wrong
-[[nodiscard]] std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file); ///< SO_RCVTIMEO
+[[nodiscard]] std::uint64_t inode_of(UniqueFd const& file);     ///< 0: none
+/// SO_RCVTIMEO, rounded up to the kernel's ticks.
+[[nodiscard]] std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file);
 
 } // namespace gridspace::timebox

@@ -9,6 +9,7 @@
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
+#include <sys/time.h>
 
 namespace gridspace::timebox {
 namespace {
@@ -29,6 +30,7 @@ CallTable::Named CallTable::packet_socket_of(Thread const& t, std::size_t argume
 
 /// Stamps of the kernel's clock would tell real time, and a ring is filled without a call.
 CallTable::Next CallTable::option(Thread& t) {
+    remember_receive_timeout(t);
     if (Named const named = packet_socket_of(t); named.socket != nullptr) {
         if (auto const result = packet_calls_->option(t, *named.socket, named.file)) {
             answer(t.tid, *result);
@@ -42,6 +44,24 @@ CallTable::Next CallTable::option(Thread& t) {
     return stamps ? refuse(t, "SO_TIMESTAMP (stamps of the kernel's clock)", ENOPROTOOPT)
            : ring ? refuse(t, "PACKET_RX_RING (a ring that the kernel fills)", ENOPROTOOPT)
                   : Next::go;
+}
+
+void CallTable::remember_receive_timeout(Thread const& t) {
+    auto const& a = t.call.arguments;
+    if (static_cast<int>(a[1]) != SOL_SOCKET || static_cast<int>(a[2]) != SO_RCVTIMEO) {
+        return;
+    }
+    auto const value = value_at<timeval>(t.tid, a[3]);
+    if (std::uint64_t const inode = inode_of(descriptors(t.process).copy_of(static_cast<int>(a[0]))); inode != 0) {
+        receive_timeouts_[inode] =
+            static_cast<std::int64_t>(value.tv_sec) * 1'000'000'000 + static_cast<std::int64_t>(value.tv_usec) * 1000;
+    }
+}
+
+std::optional<std::int64_t> CallTable::exact_receive_timeout_ns(UniqueFd const& file) const {
+    auto const told = receive_timeout_ns(file);
+    auto const asked = told ? receive_timeouts_.find(inode_of(file)) : receive_timeouts_.end();
+    return asked == receive_timeouts_.end() ? told : std::optional{asked->second};
 }
 
 CallTable::Next CallTable::packet(Thread& t) {
@@ -126,7 +146,7 @@ CallTable::Next CallTable::packet_transfer(Thread& t, PacketSocket& socket, Uniq
         return Next::go;
     }
     t.interests = {{static_cast<int>(t.call.arguments[0]), event}};
-    auto const patience = receive_timeout_ns(file);
+    auto const patience = exact_receive_timeout_ns(file);
     return hold_until(t, patience ? std::optional{clock_.now_ns() + *patience} : std::nullopt);
 }
 

@@ -40,11 +40,13 @@ hosts:
   h3: {links: [process_bus]}
   h4: {links: [process_bus]}
   h5: {links: [process_bus]}
+  h6: {links: [process_bus]}
 processes:
   sleeper: {program: exec, host: h1, time: simulated, command: [./absolute_sleeper, process_bus], sends: [smv]}
   threads: {program: exec, host: h2, time: simulated, command: [./thread_per_stream, process_bus], receives: [SMV21, SMV22], sends: [goose], latency_us: 500}
   loop: {program: exec, host: h3, time: simulated, command: [./event_loop, process_bus], receives: [smv], sends: [goose]}
   poller: {program: exec, host: h4, time: simulated, command: [./poller, process_bus], receives: [goose]}
+  receiver: {program: exec, host: h6, time: simulated, command: [./receiver_thread, process_bus], receives: [goose]}
   listener: {program: exec, host: h5, time: simulated, command: [dumpcap, -q, -i, process_bus, -w, listened.pcapng], receives: [smv, goose]}
 """
 
@@ -88,11 +90,11 @@ class Member(ScenarioTest):
         return {e["source"]: e["text"] for e in run.events() if e["event"] == event}
 
     def test_programs_of_all_kinds_live_by_the_ledger_and_two_runs_of_them_are_identical(self):
-        self.compile("absolute_sleeper", "thread_per_stream", "event_loop", "poller")
+        self.compile("absolute_sleeper", "thread_per_stream", "event_loop", "poller", "receiver_thread")
         scenario = self.write("all.yaml", ALL)
         run, again = (self.run_to_end(name, scenario=scenario) for name in ("first", "second"))
         self.assert_identical(run, again)
-        for file in ("processes/listened.pcapng", "logs/poller.log"):
+        for file in ("processes/listened.pcapng", "logs/poller.log", "logs/receiver.log"):
             self.assertEqual((run.folder / file).read_bytes(), (again.folder / file).read_bytes(), file)
         frames = {}
         packets = sorted(Capture(run.folder / "bus.pcapng").packets, key=lambda p: (p.time_ns, p.octets))
@@ -140,6 +142,20 @@ class Member(ScenarioTest):
                     self.assertEqual(line, f"nothing until {now_ns}")
                 now_ns += LOOK_NS
             self.assertEqual([ns for ns in coming if ns < 99_000_000], [])
+
+        with self.subTest("a thread that receives with a timeout of the socket, beside a loop that sleeps"):
+            coming = [ns for ns in sorted(p.time_ns - EPOCH_NS for p in packets if ethertype(p.octets) == b"\x88\xb8")]
+            now_ns, seen = 0, set()
+            for line in [line for line in self.logged(run, "receiver") if "rounds" in line]:
+                what, us, _, rounds, _ = line.split()
+                seen.add(what)
+                came = coming and coming[0] <= now_ns + 1_500_000
+                now_ns = max(now_ns, coming.pop(0)) if came else now_ns + 1_500_000
+                self.assertEqual((what, int(us)), ("frame" if came else "nothing", (EPOCH_NS + now_ns) // 1000))
+                self.assertAlmostEqual(int(rounds), now_ns / 1e6, delta=1)
+                now_ns += LOOK_NS
+            self.assertEqual(seen, {"frame", "nothing"})
+            self.assertEqual([ns for ns in coming if ns < 98_000_000], [])
 
         with self.subTest("a listener's file has the frames and times of ours"):
             listened = Capture(run.folder / "processes/listened.pcapng").packets
