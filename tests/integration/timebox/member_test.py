@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """Unmodified programs as members of lockstep runs: what they see and send is what arithmetic and the recording say, and the same each time."""
+import os
 import pathlib
-import shutil
 import struct
 import subprocess
 import sys
@@ -13,6 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "scenario"))
 from harness import CHILD_DIED, SOURCE, STALL, USAGE, ScenarioTest, gridspace
 from pcapng_file import Capture, ethertype
 
+os.environ["PATH"] = f"{pathlib.Path(sys.executable).parent}:{os.environ['PATH']}"  # not a script that looks for a Python
 PROGRAMS = pathlib.Path(__file__).parent / "programs"
 EPOCH_NS = 1_575_158_400_000_000_000
 LOOK_NS = 100  # a look at the clock
@@ -172,9 +173,9 @@ class Member(ScenarioTest):
         self.assertTrue(any(line.startswith("trip at sample") for line in self.logged(run, "python_relay")))
 
     def test_a_crash_ends_the_run_with_its_cause(self):
-        for script, how in (("import os; os.kill(os.getpid(), 11)", "was killed by signal 11 (Segmentation fault)"), ("raise SystemExit(7)", "ended with exit code 7")):
-            run = self.run_to_end(how[:5], scenario=self.write("one.yaml", one(f"[python3, -c, 'import time; time.sleep(0.05); {script}']")), code=CHILD_DIED)
-            self.assertIn(f"'python3' {how} at 0.05", run.stderr())
+        for script, how in (("kill -SEGV $$", "was killed by signal 11 (Segmentation fault)"), ("exit 7", "ended with exit code 7")):
+            run = self.run_to_end(how[:5], scenario=self.write("one.yaml", one(f"[sh, -c, 'sleep 0.05; {script}']")), code=CHILD_DIED)
+            self.assertIn(f"'sh' {how} at 0.05", run.stderr())
             self.assertIn("own: ", run.manifest()["cause"])
         run = self.run_to_end("no_program", scenario=self.write("one.yaml", one("[no_such_program]")), code=3)
         self.assertIn("cannot start 'no_such_program'", run.stderr())
@@ -183,11 +184,18 @@ class Member(ScenarioTest):
         run = self.run_to_end("ended", scenario=self.write("one.yaml", one("[sleep, '0.05']")))
         self.assertRegex(self.said(run, "ended")["own"], r"'sleep' ended with exit code 0 at 0\.0500\d+ s")
 
+    def test_its_random_numbers_come_from_the_seed_of_the_scenario(self):
+        scenario = self.write("one.yaml", one("[python3, -c, 'import os; print(os.urandom(8).hex(), flush=True)']"))
+        said = [self.logged(self.run_to_end(name, ["--seed", seed], scenario=scenario), "own")[0] for name, seed in (("a", "7"), ("b", "7"), ("c", "8"))]
+        self.assertRegex(said[0], "^[0-9a-f]{16}$")
+        self.assertEqual(said[0], said[1])
+        self.assertNotEqual(said[0], said[2])
+
     def test_a_loop_without_calls_is_ended_by_a_deadline_that_names_it(self):
-        patience = ["--set", "clock.member_timeout_s=2"]
-        endless = one("[python3, -c, 'import time; time.sleep(0.05); exec(\"while True: pass\")']")
-        run = self.run_to_end("endless", patience, scenario=self.write("one.yaml", endless), code=STALL)
-        self.assertRegex(run.stderr(), r"own: python3\S* \(\d+\) has computed for \d+ s without a call .* at 0\.05\d+ s of simulated time; its last was clock_nanosleep")
+        self.compile("endless_loop")
+        patience = ["--set", "clock.member_timeout_s=4"]
+        run = self.run_to_end("endless", patience, scenario=self.write("one.yaml", one("[./endless_loop]")), code=STALL)
+        self.assertRegex(run.stderr(), r"own: endless_loop \(\d+\) has computed for \d+ s without a call .* at 0\.05\d+ s of simulated time; its last was clock_nanosleep")
 
     def test_what_cannot_be_is_refused_and_told(self):
         script = self.folder / "refused.py"
