@@ -60,7 +60,7 @@ Result<void> PhasorEngine::act(SetParameter const& a) {
     if (std::size_t const i = index_of(network_.sources, element);
         kind->section == "sources" && i < network_.sources.size()) {
         if (auto const behind = sources_.find(i); behind != sources_.end()) {
-            behind->second->set(t_, quantity->name, a.value);
+            behind->second->change(t_, quantity->name, a.value);
         }
         if (quantity->name == "frequency_hz") {
             slopes_jump_ = true;

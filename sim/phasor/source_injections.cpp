@@ -24,7 +24,7 @@ SourceInjection::SourceInjection(Network const& network, Source const& source, s
     admittance_ = base_impedance(network, network.buses[bus]) / Complex{source.r_ohm, omega * source.l_mh * 1e-3};
 }
 
-void SourceInjection::set(double t, std::string_view quantity, double value) {
+void SourceInjection::change(double t, std::string_view quantity, double value) {
     if (quantity == "voltage_pu") {
         voltage_pu_ = value;
         return;

@@ -15,7 +15,7 @@ class SourceInjection final : public PhasorInjection {
     [[nodiscard]] std::vector<SignalDef> signals() const override;
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
     /// From `t` on; the phase goes on.
-    void set(double t, std::string_view quantity, double value);
+    void change(double t, std::string_view quantity, double value);
 
   private:
     [[nodiscard]] Complex emf(double t) const;
