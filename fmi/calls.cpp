@@ -37,7 +37,8 @@ Result<void> Calls::judge(Status status, char const* name, std::string_view abou
     return fail(ExitCode::child_died,
                 fmt::format("{}: {}{}{} returned {}{}{}", fmu_, name, about.empty() ? "" : " ", about, name_of(status),
                             last_said_.empty() ? "" : ": ", last_said_),
-                "");
+                status == Status::pending ? "steps that go on by themselves (canRunAsynchronuously) are not supported"
+                                          : "");
 }
 
 void Calls::said(Status status, std::string_view category, std::string_view message) noexcept {
