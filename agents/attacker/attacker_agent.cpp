@@ -256,7 +256,7 @@ class AttackerAgent final : public bus::Member {
         if (ethertypes.empty()) {
             return {};
         }
-        auto port = WirePort::open(node_, settings_.wire, {ethertypes, ethertypes});
+        auto port = WirePort::open(node_, settings_.wire, {ethertypes, ethertypes, false});
         if (!port) {
             return std::unexpected{port.error()};
         }

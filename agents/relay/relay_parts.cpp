@@ -113,7 +113,7 @@ Result<void> open_first_line(RelayConfig const& config, DaemonRun& run, bus::Nod
         streams.push_back({names[i]->name, streams::Kind::smv, [&rules] { return rules.counters(); },
                            [&rules] { return rules.refused(); }, [&rules] { return rules.contested(); }});
     }
-    auto report = gateways::FirstLineReport::create(node, run, std::move(streams));
+    auto report = gateways::FirstLineReport::create(node, run, std::move(streams), out.port->authentication());
     if (!report) {
         return std::unexpected{report.error()};
     }

@@ -245,7 +245,7 @@ Result<void> Gateway::open_first_line() {
     if (watched.empty()) {
         return {};
     }
-    auto report = FirstLineReport::create(node_, run_, std::move(watched));
+    auto report = FirstLineReport::create(node_, run_, std::move(watched), port_->authentication());
     if (!report) {
         return std::unexpected{report.error()};
     }

@@ -11,18 +11,27 @@ namespace gridspace::gateways {
 namespace {
 
 std::string names_of(streams::Kind kind, std::uint32_t findings) {
+    if (findings >> kFirstAuthenticityBit != 0) {
+        return authenticity_names(findings);
+    }
     return kind == streams::Kind::smv ? ids::sv_finding_names(findings) : ids::goose_finding_names(findings);
 }
 
 } // namespace
 
 Result<std::unique_ptr<FirstLineReport>> FirstLineReport::create(bus::Node& node, DaemonRun& run,
-                                                                 std::vector<Stream> streams) {
+                                                                 std::vector<Stream> streams,
+                                                                 FrameAuthentication* authentication) {
     auto out = std::unique_ptr<FirstLineReport>{new FirstLineReport{node, run}};
+    out->authentication_ = authentication;
     std::string const prefix = "first_line." + node.config().process + ".";
     std::vector<bus::SignalColumn> columns;
     for (Stream const& stream : streams) {
         for (std::string const& name : first_line_counters(stream.kind == streams::Kind::smv)) {
+            columns.push_back({prefix + stream.name + "." + name, ""});
+        }
+        for (std::string const& name : out->authenticity(stream.name) != nullptr ? authenticity_counters()
+                                                                                 : std::vector<std::string>{}) {
             columns.push_back({prefix + stream.name + "." + name, ""});
         }
     }
@@ -39,7 +48,21 @@ Result<std::unique_ptr<FirstLineReport>> FirstLineReport::create(bus::Node& node
         return std::unexpected{counters.error()};
     }
     out->counters_ = std::move(*counters);
+    if (authentication != nullptr) {
+        authentication->on_finding([report = out.get()](std::string const& stream, std::uint32_t findings,
+                                                        iec61850::Mac const& source, SimTime time) {
+            if (auto const i = report->place_of(stream)) {
+                report->finding(*i, findings, source, time);
+            }
+        });
+    }
     return out;
+}
+
+std::optional<std::size_t> FirstLineReport::place_of(std::string const& stream) const {
+    auto const found =
+        std::find_if(streams_.begin(), streams_.end(), [&](Stream const& s) { return s.name == stream; });
+    return found == streams_.end() ? std::nullopt : std::optional{static_cast<std::size_t>(found - streams_.begin())};
 }
 
 void FirstLineReport::announce(SimTime now) {
@@ -79,6 +102,11 @@ void FirstLineReport::report(SimTime now) {
         *out++ = static_cast<double>(stream.refused());
         if (stream.kind == streams::Kind::smv) {
             *out++ = static_cast<double>(stream.contested());
+        }
+        if (auto const* counts = authenticity(stream.name)) {
+            for (std::uint64_t const count : *counts) {
+                *out++ = static_cast<double>(count);
+            }
         }
         if (alarms_[i].settle()) {
             run_.status.event(node_.time_base().seconds(now), node_.config().process, "first_line_cleared",

@@ -5,6 +5,7 @@
 #include "bus/daemon.hpp"
 #include "bus/signal_publisher.hpp"
 #include "gateways/first_line/first_line.hpp"
+#include "gateways/port/frame_authentication.hpp"
 #include "gateways/streams/stream.hpp"
 
 #include <functional>
@@ -15,7 +16,8 @@
 namespace gridspace::gateways {
 
 /// What the first-line rules of a process have found, as signals (`first_line.PROCESS.alarm`, and counters once a
-/// second: `first_line.PROCESS.STREAM.FINDING`), as events, and in the log.
+/// second: `first_line.PROCESS.STREAM.FINDING`), as events, and in the log. What is found about the authenticity of
+/// frames is told with it.
 class FirstLineReport {
   public:
     struct Stream {
@@ -27,7 +29,8 @@ class FirstLineReport {
     };
     /// Before Node::start.
     [[nodiscard]] static Result<std::unique_ptr<FirstLineReport>> create(bus::Node& node, DaemonRun& run,
-                                                                         std::vector<Stream> streams);
+                                                                         std::vector<Stream> streams,
+                                                                         FrameAuthentication* authentication);
 
     /// After Node::start.
     void announce(SimTime now);
@@ -39,10 +42,16 @@ class FirstLineReport {
   private:
     FirstLineReport(bus::Node& node, DaemonRun& run) : node_{node}, run_{run} {}
     void publish_alarm(SimTime now);
+    /// The first place of this stream.
+    [[nodiscard]] std::optional<std::size_t> place_of(std::string const& stream) const;
+    [[nodiscard]] FrameAuthentication::Counters const* authenticity(std::string const& stream) const {
+        return authentication_ == nullptr ? nullptr : authentication_->counters(stream);
+    }
 
     bus::Node& node_;
     DaemonRun& run_;
     std::vector<Stream> streams_;
+    FrameAuthentication* authentication_{nullptr};
     std::vector<FirstLineAlarm> alarms_;
     std::unique_ptr<bus::SignalPublisher> state_, counters_;
     std::vector<double> row_;

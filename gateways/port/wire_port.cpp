@@ -4,6 +4,7 @@
 
 #include "common/log.hpp"
 #include "gateways/ethernet/interface.hpp"
+#include "gateways/port/wire_clock.hpp"
 
 #include <chrono>
 #include <fmt/format.h>
@@ -27,6 +28,14 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
         return std::unexpected{sender.error()};
     }
     auto port = std::unique_ptr<WirePort>{new WirePort{node, std::move(*sender)}};
+    if (ethertypes.authenticate) {
+        auto const start = node.lockstep() ? std::optional{WireClock{node}.utc_ns(0)} : std::nullopt;
+        auto authentication = FrameAuthentication::create(config.streams, start);
+        if (!authentication) {
+            return std::unexpected{authentication.error()};
+        }
+        port->authentication_ = std::move(*authentication);
+    }
     for (std::uint16_t const ethertype : ethertypes.send) {
         port->writers_[ethertype] = std::make_unique<bus::WireWriter>(node, config.link, ethertype);
     }
@@ -118,7 +127,29 @@ std::uint64_t WirePort::dropped() const {
     return out;
 }
 
+std::span<bus::WireFrame const* const> WirePort::take(std::uint16_t ethertype) {
+    auto const due = readers_.at(ethertype)->take();
+    if (authentication_ == nullptr) {
+        return due;
+    }
+    genuine_.clear();
+    WireClock const clock{node_};
+    for (bus::WireFrame const* const frame : due) {
+        std::int64_t const utc_ns = clock.utc_at(clock.simulated() ? clock.of(frame->time) : frame->arrived_ns);
+        if (authentication_->accept(octets(*frame), utc_ns, frame->time)) {
+            genuine_.push_back(frame);
+        }
+    }
+    return genuine_;
+}
+
 void WirePort::send(std::span<std::uint8_t const> frame, SimTime at) {
+    std::unique_lock signing{signing_, std::defer_lock};
+    if (authentication_ != nullptr) {
+        signing.lock(); // samples that are paced have a thread of their own
+        WireClock const clock{node_};
+        frame = authentication_->sign(frame, clock.utc_at(clock.simulated() ? clock.of(at) : clock.now()));
+    }
     if (auto const writer = writers_.find(iec61850::ethertype_of(frame)); writer != writers_.end()) {
         writer->second->sent(std::as_bytes(frame), at);
     }

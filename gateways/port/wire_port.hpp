@@ -5,6 +5,7 @@
 #include "bus/wire.hpp"
 #include "gateways/ethernet/port.hpp"
 #include "gateways/port/arrival_clock.hpp"
+#include "gateways/port/frame_authentication.hpp"
 #include "gateways/port/wire_config.hpp"
 
 #include <array>
@@ -22,6 +23,7 @@ class WirePort {
   public:
     struct Ethertypes {
         std::vector<std::uint16_t> send, receive;
+        bool authenticate{true}; ///< false: whoever it is, the keys are not its own
     };
     /// Opens the interface. Before Node::start; must not outlive the node.
     [[nodiscard]] static Result<std::unique_ptr<WirePort>> open(bus::Node& node, WireConfig const& config,
@@ -32,13 +34,14 @@ class WirePort {
 
     [[nodiscard]] iec61850::Mac const& mac() const { return sender_.mac(); }
 
-    /// Hands a frame to the kernel. `at`: its simulated send time, in lockstep.
+    /// Hands a frame to the kernel, with its code when its stream is authenticated. `at`: its simulated send time, in
+    /// lockstep.
     void send(std::span<std::uint8_t const> frame, SimTime at);
 
-    /// Frames that are due, valid until the next call for the same ethertype.
-    [[nodiscard]] std::span<bus::WireFrame const* const> take(std::uint16_t ethertype) {
-        return readers_.at(ethertype)->take();
-    }
+    /// Frames that are due and not refused for want of authenticity, valid until the next call for the same ethertype.
+    [[nodiscard]] std::span<bus::WireFrame const* const> take(std::uint16_t ethertype);
+    /// Nothing when none of its streams is authenticated.
+    [[nodiscard]] FrameAuthentication* authentication() { return authentication_.get(); }
 
     /// Lockstep: the earliest time of the frames that are here and not due yet.
     [[nodiscard]] std::optional<SimTime> next() const;
@@ -68,6 +71,9 @@ class WirePort {
     std::mutex receiving_;
     ArrivalClock arrivals_{ArrivalClock::steady_ns()};
     std::array<ethernet::ReceivedFrame, 64> batch_;
+    std::unique_ptr<FrameAuthentication> authentication_;
+    std::mutex signing_;
+    std::vector<bus::WireFrame const*> genuine_;
     std::map<std::uint16_t, std::unique_ptr<bus::WireWriter>> writers_;
     std::map<std::uint16_t, std::unique_ptr<bus::WireReader>> readers_;
     std::atomic<bool> stop_{false};

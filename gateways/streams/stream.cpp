@@ -264,6 +264,7 @@ void describe(Fields& f, Stream& stream) {
         }
     }
     describe_data_set(f, stream);
+    describe(f, stream.authentication);
 }
 
 std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagnostics) {
@@ -305,6 +306,14 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
                             fmt::format("streams '{}' and '{}' cannot be told apart on the wire", other.name.name,
                                         name.name),
                             "another mac, app_id, sv_id or control_block");
+                } else if (!other.broken && other.kind == stream.kind &&
+                           (other.authentication || stream.authentication) &&
+                           other.address.destination == stream.address.destination &&
+                           other.address.app_id == stream.address.app_id) {
+                    s.error("authentication",
+                            fmt::format("streams '{}' and '{}' have the same mac and app_id", other.name.name,
+                                        name.name),
+                            "what is authenticated needs an address of its own");
                 }
             }
             stream.broken = diagnostics.errors() > errors;

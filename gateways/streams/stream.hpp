@@ -9,6 +9,7 @@
 #include "gateways/iec61850/goose_template.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_template.hpp"
+#include "gateways/streams/stream_authentication.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -40,6 +41,7 @@ struct Stream {
     std::uint32_t conf_rev{1};
     std::string data_set_name; ///< datSet: sent where not empty
     iec61850::DataSet data_set;
+    std::optional<StreamAuthentication> authentication;
 
     // sampled values
     std::string sv_id;

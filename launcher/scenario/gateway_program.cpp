@@ -93,7 +93,7 @@ class GatewaySettings final : public ProcessSettings {
             watched.emplace_back(again ? stream->name.name + "." + mapping.name.name : stream->name.name,
                                  stream->kind == streams::Kind::smv);
         }
-        add_first_line_signals(process, {}, watched, out);
+        add_first_line_signals(s, process, {}, watched, out);
         for (Route const& route : routes_) {
             for (std::size_t const field : route.watched) {
                 out.push_back(

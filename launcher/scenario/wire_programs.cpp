@@ -7,6 +7,7 @@
 #include "gateways/breaker/breaker_config.hpp"
 #include "gateways/first_line/first_line.hpp"
 #include "gateways/mu/mu_config.hpp"
+#include "gateways/port/frame_authentication.hpp"
 #include "gateways/port/wire_config.hpp"
 #include "ids/forecaster/model_file.hpp"
 #include "launcher/scenario/healthy_current.hpp"
@@ -150,13 +151,13 @@ class BreakerSettings final : public ProcessSettings {
     [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
         return {use_of(s, process, config_.stream())};
     }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
         std::string const prefix = "breaker_ied." + process.name.name + ".";
         std::vector<SignalUse> out{{prefix + "command", "", 0},
                                    {prefix + "stream_alive", "", 0},
                                    {prefix + "commanded_after_ms", "ms", 0},
                                    {prefix + "effect_ms", "ms", 0}};
-        add_first_line_signals(process, config_.first_line, {{config_.stream().name, false}}, out);
+        add_first_line_signals(s, process, config_.first_line, {{config_.stream().name, false}}, out);
         return out;
     }
     [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
@@ -230,7 +231,7 @@ class RelaySettings final : public ProcessSettings {
     [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
         return {use_of(s, process, config_.from_stream), use_of(s, process, config_.to_stream)};
     }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
         std::string const prefix = "relay." + process.name.name + ".";
         std::vector<SignalUse> out;
         for (char const* name : {"pickup", "trip", "blocked"}) {
@@ -250,7 +251,7 @@ class RelaySettings final : public ProcessSettings {
         }
         out.push_back({"stream." + config_.trip.name + ".interval_ms", "ms", 0});
         out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0});
-        add_first_line_signals(process, config_.first_line,
+        add_first_line_signals(s, process, config_.first_line,
                                {{config_.from_stream.name, true}, {config_.to_stream.name, true}}, out);
         if (config_.ids) {
             add_detector_signals("ids." + process.name.name + ".", out);
@@ -382,7 +383,7 @@ class RelaySettings final : public ProcessSettings {
 
 } // namespace
 
-void add_first_line_signals(Process const& process, gateways::FirstLineConfig const& config,
+void add_first_line_signals(Scenario const& s, Process const& process, gateways::FirstLineConfig const& config,
                             std::vector<std::pair<std::string, bool>> const& streams, std::vector<SignalUse>& out) {
     if (config.on_finding == gateways::FirstLineConfig::OnFinding::ignore || streams.empty()) {
         return;
@@ -392,6 +393,12 @@ void add_first_line_signals(Process const& process, gateways::FirstLineConfig co
     for (auto const& [stream, sampled_values] : streams) {
         for (std::string const& name : gateways::first_line_counters(sampled_values)) {
             out.push_back({prefix + stream + "." + name, "", 1});
+        }
+        Stream const* const declared = streams::find_stream(s.streams, stream);
+        if (declared != nullptr && declared->authentication) {
+            for (std::string const& name : gateways::authenticity_counters()) {
+                out.push_back({prefix + stream + "." + name, "", 1});
+            }
         }
     }
 }
@@ -409,6 +416,11 @@ Node wire_process_settings(Scenario const& s, Process const& process, std::vecto
     for (std::string const& name : used) {
         if (Node const* stream = all == nullptr ? nullptr : all->find(name)) {
             declared.set(name, *stream);
+            Stream const* const read = streams::find_stream(s.streams, name);
+            if (read != nullptr && read->authentication && !read->authentication->key_file.empty()) {
+                auto const file = std::filesystem::absolute(read->authentication->key_file).lexically_normal();
+                declared.find(name)->find("authentication")->set("key_file", Node::quoted_text(file.string()));
+            }
         }
     }
     node.set("streams", std::move(declared));

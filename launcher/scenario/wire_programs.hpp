@@ -24,7 +24,7 @@ namespace gridspace::launcher {
 void add_signals(std::vector<TopicUse>& topics);
 
 /// Signals of the first-line rules: of a process's received streams, each with whether it is one of sampled values.
-void add_first_line_signals(Process const& process, gateways::FirstLineConfig const& config,
+void add_first_line_signals(Scenario const& s, Process const& process, gateways::FirstLineConfig const& config,
                             std::vector<std::pair<std::string, bool>> const& streams, std::vector<SignalUse>& out);
 
 /// Own keys, the port, and the declarations of the streams that the process uses.
