@@ -20,8 +20,8 @@ enum class CodeKind : std::uint8_t {
 
 inline constexpr std::size_t kLongestCode = 32, kVectorOctets = 12;
 
-/// Computes message authentication codes with one key, which is prepared once. Not thread-safe; no allocation of its own
-/// after create(). The key is wiped from memory with it.
+/// Computes message authentication codes with one key, which is prepared once. Not thread-safe; no allocation of its
+/// own after create(). The key is wiped from memory with it.
 class MessageCode {
   public:
     using Code = std::array<std::uint8_t, kLongestCode>;

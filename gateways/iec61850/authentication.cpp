@@ -42,8 +42,8 @@ std::size_t extension_octets(CodeAlgorithm algorithm) noexcept {
 }
 
 std::string_view authenticity_name(Authenticity a) noexcept {
-    constexpr std::array<std::string_view, kAuthenticities> kNames{"genuine",     "untagged",   "malformed", "unknown_key",
-                                                                   "invalid_key", "wrong_code", "replayed",  "out_of_time"};
+    constexpr std::array<std::string_view, kAuthenticities> kNames{
+        "genuine", "untagged", "malformed", "unknown_key", "invalid_key", "wrong_code", "replayed", "out_of_time"};
     return kNames[static_cast<std::size_t>(a)];
 }
 
@@ -114,7 +114,8 @@ Authenticity FrameVerifier::judge(Octets frame, KeyRing& keys, std::int64_t utc_
     if (max_age_ns_ != 0 && apart > static_cast<std::uint64_t>(max_age_ns_ / kMicrosecond)) {
         return Authenticity::out_of_time;
     }
-    return is_new(load_be<std::uint32_t>(element + at_sender), counter) ? Authenticity::genuine : Authenticity::replayed;
+    return is_new(load_be<std::uint32_t>(element + at_sender), counter) ? Authenticity::genuine
+                                                                        : Authenticity::replayed;
 }
 
 bool FrameVerifier::is_new(std::uint32_t name, std::uint64_t counter) {

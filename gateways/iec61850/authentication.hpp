@@ -12,16 +12,16 @@ namespace gridspace::iec61850 {
 /// What stands behind the APDU of an authenticated frame, in the style of IEC 62351-6:2020: an element 0x85 with
 /// version (1 octet), time of the current key (4), minutes to the next key (2), initialisation vector (12), key id (4)
 /// and the code. Its length is in the low twelve bits of Reserved1; Length goes on counting the APDU alone, so who does
-/// not know it reads the frame as before. The code covers everything from the ethertype behind the VLAN tags to the octet
-/// before the code.
+/// not know it reads the frame as before. The code covers everything from the ethertype behind the VLAN tags to the
+/// octet before the code.
 inline constexpr std::size_t kAuthenticationFields = 23; ///< of the element's value, before the code
 inline constexpr std::uint16_t kExtensionLengthBits = 0x0FFF;
 
 /// Octets that a frame grows by.
 [[nodiscard]] std::size_t extension_octets(CodeAlgorithm algorithm) noexcept;
 
-/// Appends codes to the frames of one sender. The initialisation vector is the last four octets of the source address and
-/// a counter: the microsecond of UTC, and always more than the one before. Not thread-safe.
+/// Appends codes to the frames of one sender. The initialisation vector is the last four octets of the source address
+/// and a counter: the microsecond of UTC, and always more than the one before. Not thread-safe.
 class FrameSigner {
   public:
     explicit FrameSigner(CodeAlgorithm algorithm) : algorithm_{algorithm} {}

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/iec61850/authentication_key.hpp"
 
+#include "common/time.hpp"
+
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -13,42 +14,14 @@ namespace {
 
 constexpr double kLongestSeconds = 1e9; // thirty years: what is more was not meant as simulated time
 
-std::optional<int> digits(std::string_view text, std::size_t at, std::size_t count) {
-    int value = 0;
-    auto const* const end = text.data() + at + count;
-    auto const [stop, ec] = std::from_chars(text.data() + at, end, value);
-    return ec == std::errc{} && stop == end && value >= 0 ? std::optional{value} : std::nullopt;
-}
-
-/// 2026-11-24T05:00:00Z
-std::optional<std::int64_t> utc_of(std::string_view text) {
-    if (text.size() != 20 || text[4] != '-' || text[7] != '-' || text[10] != 'T' || text[13] != ':' ||
-        text[16] != ':' || text[19] != 'Z') {
-        return std::nullopt;
-    }
-    auto const year = digits(text, 0, 4), month = digits(text, 5, 2), day = digits(text, 8, 2),
-               hour = digits(text, 11, 2), minute = digits(text, 14, 2), second = digits(text, 17, 2);
-    if (!year || !month || !day || !hour || !minute || !second || *hour > 23 || *minute > 59 || *second > 59) {
-        return std::nullopt;
-    }
-    std::chrono::year_month_day const date{std::chrono::year{*year},
-                                           std::chrono::month{static_cast<unsigned>(*month)},
-                                           std::chrono::day{static_cast<unsigned>(*day)}};
-    if (!date.ok() || *year < 1970 || *year > 2200) {
-        return std::nullopt;
-    }
-    auto const at = std::chrono::sys_days{date}.time_since_epoch() + std::chrono::hours{*hour} +
-                    std::chrono::minutes{*minute} + std::chrono::seconds{*second};
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(at).count();
-}
-
 std::optional<std::int64_t> time_of(std::string_view text, std::optional<std::int64_t> start_utc_ns) {
     double seconds = 0;
     auto const [stop, ec] = std::from_chars(text.data(), text.data() + text.size(), seconds);
     if (ec == std::errc{} && stop == text.data() + text.size() && std::abs(seconds) <= kLongestSeconds) {
         return start_utc_ns ? std::optional{*start_utc_ns + std::llround(seconds * 1e9)} : std::nullopt;
     }
-    return utc_of(text);
+    auto const utc_s = parse_utc(text);
+    return utc_s ? std::optional{*utc_s * 1'000'000'000} : std::nullopt;
 }
 
 std::vector<std::string_view> words_of(std::string_view line) {
@@ -80,7 +53,8 @@ std::optional<std::vector<std::uint8_t>> secret_of(std::string_view text) {
 }
 
 /// What is wrong with a line, or its key.
-std::expected<KeyEntry, std::string> key_of(std::vector<std::string_view> const& words, std::optional<std::int64_t> start_utc_ns) {
+std::expected<KeyEntry, std::string> key_of(std::vector<std::string_view> const& words,
+                                            std::optional<std::int64_t> start_utc_ns) {
     KeyEntry out;
     auto const [stop, ec] = std::from_chars(words[0].data(), words[0].data() + words[0].size(), out.id);
     if (ec != std::errc{} || stop != words[0].data() + words[0].size() || out.id == 0) {
@@ -112,11 +86,16 @@ std::expected<KeyEntry, std::string> key_of(std::vector<std::string_view> const&
 
 std::size_t code_octets(CodeAlgorithm algorithm) noexcept {
     switch (algorithm) {
-    case CodeAlgorithm::hmac_sha256_80: return 10;
-    case CodeAlgorithm::hmac_sha256_128: return 16;
-    case CodeAlgorithm::hmac_sha256_256: return 32;
-    case CodeAlgorithm::aes_gmac_64: return 8;
-    case CodeAlgorithm::aes_gmac_128: return 16;
+    case CodeAlgorithm::hmac_sha256_80:
+        return 10;
+    case CodeAlgorithm::hmac_sha256_128:
+        return 16;
+    case CodeAlgorithm::hmac_sha256_256:
+        return 32;
+    case CodeAlgorithm::aes_gmac_64:
+        return 8;
+    case CodeAlgorithm::aes_gmac_128:
+        return 16;
     }
     return 0;
 }
@@ -127,7 +106,8 @@ crypto::CodeKind code_kind(CodeAlgorithm algorithm) noexcept {
                : crypto::CodeKind::hmac_sha256;
 }
 
-Result<std::vector<KeyEntry>> parse_keys(std::string_view text, std::string_view file, std::optional<std::int64_t> start_utc_ns) {
+Result<std::vector<KeyEntry>> parse_keys(std::string_view text, std::string_view file,
+                                         std::optional<std::int64_t> start_utc_ns) {
     std::vector<KeyEntry> out;
     for (std::size_t line = 1; !text.empty(); ++line) {
         std::size_t const end = std::min(text.find('\n'), text.size());

@@ -31,10 +31,10 @@ struct KeyEntry {
     std::int64_t until_ns{std::numeric_limits<std::int64_t>::max()};
 };
 
-/// Reads a file of keys: a line for each, `ID SECRET [from=TIME] [until=TIME]`. ID: 1 to 4294967295. SECRET: hexadecimal.
-/// TIME: seconds of simulated time, or UTC like 2026-11-24T05:00:00Z. `#` begins a comment. Errors name `file` and the
-/// line, never a secret. `start_utc_ns`: when simulated time
-/// is 0; nothing: not known, as in real time, and such a TIME is an error.
+/// Reads a file of keys: a line for each, `ID SECRET [from=TIME] [until=TIME]`. ID: 1 to 4294967295. SECRET:
+/// hexadecimal. TIME: seconds of simulated time, or UTC like 2026-11-24T05:00:00Z. `#` begins a comment. Errors name
+/// `file` and the line, never a secret. `start_utc_ns`: when simulated time is 0; nothing: not known, as in real time,
+/// and such a TIME is an error.
 [[nodiscard]] Result<std::vector<KeyEntry>> parse_keys(std::string_view text, std::string_view file,
                                                        std::optional<std::int64_t> start_utc_ns);
 

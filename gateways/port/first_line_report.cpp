@@ -30,8 +30,8 @@ Result<std::unique_ptr<FirstLineReport>> FirstLineReport::create(bus::Node& node
         for (std::string const& name : first_line_counters(stream.kind == streams::Kind::smv)) {
             columns.push_back({prefix + stream.name + "." + name, ""});
         }
-        for (std::string const& name : out->authenticity(stream.name) != nullptr ? authenticity_counters()
-                                                                                 : std::vector<std::string>{}) {
+        for (std::string const& name :
+             out->authenticity(stream.name) != nullptr ? authenticity_counters() : std::vector<std::string>{}) {
             columns.push_back({prefix + stream.name + "." + name, ""});
         }
     }

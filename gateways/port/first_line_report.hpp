@@ -28,9 +28,8 @@ class FirstLineReport {
         std::function<std::uint64_t()> refused, contested;
     };
     /// Before Node::start.
-    [[nodiscard]] static Result<std::unique_ptr<FirstLineReport>> create(bus::Node& node, DaemonRun& run,
-                                                                         std::vector<Stream> streams,
-                                                                         FrameAuthentication* authentication);
+    [[nodiscard]] static Result<std::unique_ptr<FirstLineReport>>
+    create(bus::Node& node, DaemonRun& run, std::vector<Stream> streams, FrameAuthentication* authentication);
 
     /// After Node::start.
     void announce(SimTime now);

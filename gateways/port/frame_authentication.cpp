@@ -43,7 +43,9 @@ Result<std::unique_ptr<FrameAuthentication>> FrameAuthentication::create(std::ve
             return named(sending ? receiving.error() : sending.error());
         }
         out = out == nullptr ? std::make_unique<FrameAuthentication>() : std::move(out);
-        out->streams_.push_back({stream, std::move(*sending), std::move(*receiving),
+        out->streams_.push_back({stream,
+                                 std::move(*sending),
+                                 std::move(*receiving),
                                  iec61850::FrameSigner{a.algorithm},
                                  iec61850::FrameVerifier{a.algorithm, static_cast<std::int64_t>(a.max_age_ms * 1e6)},
                                  {},
@@ -93,8 +95,8 @@ bool FrameAuthentication::accept(iec61850::Octets frame, std::int64_t utc_ns, Si
 }
 
 FrameAuthentication::Counters const* FrameAuthentication::counters(std::string_view stream) const {
-    auto const found = std::find_if(streams_.begin(), streams_.end(),
-                                    [&](Guarded const& g) { return g.stream.name.name == stream; });
+    auto const found =
+        std::find_if(streams_.begin(), streams_.end(), [&](Guarded const& g) { return g.stream.name.name == stream; });
     return found == streams_.end() ? nullptr : &found->counters;
 }
 

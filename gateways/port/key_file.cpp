@@ -22,7 +22,7 @@ Result<std::string> read_secret_file(std::string const& path) {
         return fail(ExitCode::usage, fmt::format("key file {}: {}", path, std::strerror(errno)),
                     "make it with: (umask 077; echo \"1 $(openssl rand -hex 32)\" > FILE)");
     }
-    struct stat about {};
+    struct stat about{};
     std::string text;
     std::optional<std::string> problem;
     if (::fstat(fd, &about) != 0 || !S_ISREG(about.st_mode)) {

@@ -3,6 +3,7 @@
 #include "gateways/streams/stream.hpp"
 
 #include "common/text.hpp"
+#include "gateways/iec61850/authentication.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -289,6 +290,15 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
             if (stream.kind == Kind::smv) {
                 auto const made = stream.sv_template({});
                 problem = made ? std::nullopt : std::optional{made.error()};
+                if (made && stream.authentication &&
+                    made->frame().size() - iec61850::app_id_offset(stream.address) +
+                            iec61850::extension_octets(stream.authentication->algorithm) >
+                        iec61850::kMaxLength) {
+                    s.error(
+                        "authentication", fmt::format("stream '{}': there is no room for a code", name.name),
+                        fmt::format("a frame has {} octets behind the ethertype: fewer samples_per_frame or members",
+                                    iec61850::kMaxLength));
+                }
             } else {
                 auto const made = stream.goose_template({});
                 problem = made ? std::nullopt : std::optional{made.error()};
@@ -310,10 +320,10 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
                            (other.authentication || stream.authentication) &&
                            other.address.destination == stream.address.destination &&
                            other.address.app_id == stream.address.app_id) {
-                    s.error("authentication",
-                            fmt::format("streams '{}' and '{}' have the same mac and app_id", other.name.name,
-                                        name.name),
-                            "what is authenticated needs an address of its own");
+                    s.error(
+                        "authentication",
+                        fmt::format("streams '{}' and '{}' have the same mac and app_id", other.name.name, name.name),
+                        "what is authenticated needs an address of its own");
                 }
             }
             stream.broken = diagnostics.errors() > errors;

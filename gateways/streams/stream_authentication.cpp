@@ -12,8 +12,9 @@ void describe(config::Fields& f, std::optional<StreamAuthentication>& authentica
         [&](config::Fields& a) {
             a.file("key_file", read.key_file,
                    {.doc = "file of keys, mode 0600: lines of `ID SECRET [from=TIME] [until=TIME]`"});
-            a.text("key_name", read.key_name,
-                   {.doc = "instead of a file, for studies: a key that is computed from this name, and so is no secret"});
+            a.text(
+                "key_name", read.key_name,
+                {.doc = "instead of a file, for studies: a key that is computed from this name, and so is no secret"});
             a.choice<Algorithm>("algorithm", read.algorithm,
                                 {{"hmac_sha256", Algorithm::hmac_sha256_128},
                                  {"hmac_sha256_80", Algorithm::hmac_sha256_80},
@@ -24,8 +25,9 @@ void describe(config::Fields& f, std::optional<StreamAuthentication>& authentica
             a.flag("required", read.required,
                    {.doc = "subscribers do not use a frame that is not genuine; false: they use and report it"});
             a.number("max_age_ms", read.max_age_ms,
-                     {.doc = "farthest that the time in a frame may be from the receiver's UTC; 0: not judged, for clocks "
-                             "that are not synchronised",
+                     {.doc =
+                          "farthest that the time in a frame may be from the receiver's UTC; 0: not judged, for clocks "
+                          "that are not synchronised",
                       .min = 0});
             if (read.key_file.empty() == read.key_name.empty()) {
                 a.error("", "which key?", "expected one of key_file and key_name");

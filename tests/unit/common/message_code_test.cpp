@@ -24,7 +24,8 @@ std::vector<std::uint8_t> computed(CodeKind kind, std::vector<std::uint8_t> cons
     EXPECT_TRUE(sut.has_value());
     MessageCode::Code code{};
     // Twice: the first must leave nothing behind.
-    EXPECT_TRUE(sut->compute(octets("00112233"), MessageCode::Vector{std::vector<std::uint8_t>(12, 7).data(), 12}, code));
+    EXPECT_TRUE(
+        sut->compute(octets("00112233"), MessageCode::Vector{std::vector<std::uint8_t>(12, 7).data(), 12}, code));
     EXPECT_TRUE(sut->compute(message, MessageCode::Vector{vector.data(), 12}, code));
     return {code.begin(), code.begin() + (kind == CodeKind::hmac_sha256 ? 32 : 16)};
 }

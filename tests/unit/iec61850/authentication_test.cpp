@@ -178,12 +178,14 @@ TEST(Authentication, ARecordingPlayedToAReceiverThatHasHeardNothingIsTooOld) {
 
 TEST(Authentication, KeysAreChangedWithoutLosingAFrame) {
     auto const algorithm = CodeAlgorithm::hmac_sha256_128;
-    std::string const schedule = "1 000102030405060708090a0b0c0d0e0f until=1.2\n2 ff0102030405060708090a0b0c0d0e0f from=1";
+    std::string const schedule =
+        "1 000102030405060708090a0b0c0d0e0f until=1.2\n2 ff0102030405060708090a0b0c0d0e0f from=1";
     Sender sender{algorithm, schedule};
     FrameVerifier sut{algorithm, 2000 * kMs};
     auto keys = ring(algorithm, schedule);
     for (int ms = 0; ms < 2000; ms += 10) { // what is sent takes a tenth of a second
-        EXPECT_EQ(sut.judge(sender.send(goose(), kNow + ms * kMs), keys, kNow + (ms + 100) * kMs), Authenticity::genuine)
+        EXPECT_EQ(sut.judge(sender.send(goose(), kNow + ms * kMs), keys, kNow + (ms + 100) * kMs),
+                  Authenticity::genuine)
             << ms;
     }
     Sender old{algorithm, "1 000102030405060708090a0b0c0d0e0f"};

@@ -132,6 +132,13 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"ClockIdentity", "sv_id", "clock_identity: 3, sv_id", "5", false},
         Mistake{"GrandMaster", "sv_id", "gm_identity: \"xyz\", sv_id", "is not the identity of a clock", false},
         Mistake{"ArrayCount", "{Ia: float32}", "{a: {array: int8, count: 0}}", "a whole `count`", false},
+        Mistake{"NoKey", "sv_id", "authentication: {required: true}, sv_id", "expected one of key_file and key_name",
+                false},
+        Mistake{"TwoKeys", "sv_id", "authentication: {key_file: a, key_name: b}, sv_id", "which key?", false},
+        Mistake{"Algorithm", "sv_id", "authentication: {key_name: b, algorithm: md5}, sv_id", "md5", false},
+        Mistake{"NoRoomForACode", ", data_set: {Ia: float32}",
+                ", authentication: {key_name: b}, data_set: {a: {array: visible_string, count: 41}}",
+                "there is no room for a code", false},
         Mistake{"GooseKeyInSmv", "sv_id", "max_time_ms: 10, sv_id", "max_time_ms", false},
         Mistake{"Times", "data_set", "min_time_ms: 20, max_time_ms: 10, data_set", "it is shorter than min_time_ms",
                 true},
@@ -174,6 +181,14 @@ TEST(Streams, ThatCannotBeToldApartAreRefused) {
     EXPECT_THAT(read(kSmv + "T: {like: S}\n").text,
                 AllOf(HasSubstr("streams.yaml:2:"), HasSubstr("'S' and 'T' cannot be told apart")));
     EXPECT_EQ(read(kSmv + "T: {like: S, sv_id: MU22}\n").text, "");
+}
+
+TEST(Streams, ThatAreAuthenticatedHaveAnAddressOfTheirOwn) {
+    std::string const key = "authentication: {key_name: k}";
+    EXPECT_EQ(read(changed(kSmv, "sv_id", key + ", sv_id")).text, "");
+    EXPECT_THAT(read(kSmv + "T: {like: S, sv_id: MU22, " + key + "}\n").text,
+                HasSubstr("streams 'S' and 'T' have the same mac and app_id"));
+    EXPECT_EQ(read(kSmv + "T: {like: S, sv_id: MU22, app_id: 0x4022, " + key + "}\n").text, "");
 }
 
 TEST(Streams, ReportAllMistakesAtOnce) {
