@@ -72,7 +72,7 @@ struct ClockServer::State {
         for (MatchedPeer const& peer : received.matched()) {
             status.matched[peer.process().c_str()] = peer.incarnation();
         }
-        core.changed.notify_all();
+        core.notify();
     }
 
     /// Who is not READY, or is matched with an incarnation that is gone; whom nobody has heard of comes alone, since
@@ -161,6 +161,32 @@ struct ClockServer::State {
             }
         }
         core.fill_ledger(clock.ledger());
+    }
+
+    /// The clock on the board, where each awaited member is woken by the last thing that it waits for.
+    bool post_clock(SimTime time) {
+        Board& board = *core.board;
+        std::int32_t awaited = 0;
+        for (MemberPlan const& member : plan) {
+            bool const is_awaited = lockstep::bit_of(clock.awaited(), barrier.member_index(member.name));
+            std::int32_t things = INT32_MIN / 2; // of who is not asked, nothing is the last
+            if (is_awaited) {
+                ++awaited;
+                things = 1; // the clock itself
+                for (std::string const& up : member.upstream) {
+                    things += lockstep::bit_of(clock.awaited(), barrier.member_index(up)) ? 1 : 0;
+                }
+            }
+            board.expect(board.place_of(member.name), things);
+        }
+        board.expect(board.self(), awaited);
+        bool const posted = core.post(clock, core.source_ns(time), clock.tick());
+        for (MemberPlan const& member : plan) {
+            if (lockstep::bit_of(clock.awaited(), barrier.member_index(member.name))) {
+                board.ring(board.place_of(member.name));
+            }
+        }
+        return posted;
     }
 
     /// Waits under the deadline of the start for everybody to be READY.
@@ -290,8 +316,16 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     s.clock.quanta(time.quanta);
     s.clock.state(final ? CLOCK_FINAL : CLOCK_RUNNING);
     core.fill_ledger(s.clock.ledger());
-    bool const accepted =
-        s.clock_writer->write(&s.clock, core.lockstep() ? std::optional{core.source_ns(time)} : std::nullopt);
+    bool accepted = true;
+    if (core.board != nullptr) {
+        uncork(); // what belongs to the tick is on its way before anybody is told
+        accepted = s.post_clock(time);
+    }
+    if (core.board == nullptr || core.show_to_others(final)) {
+        accepted =
+            s.clock_writer->write(&s.clock, core.lockstep() ? std::optional{core.source_ns(time)} : std::nullopt) &&
+            accepted;
+    }
     uncork();
     if (!accepted) {
         return fail(ExitCode::stall, fmt::format("DDS refused clock sample {}", number));
@@ -317,15 +351,21 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     double const patience_s = core.config.clock.member_timeout_s;
     bool in_time = true;
     std::chrono::duration<double> look = WaitedTime::kLook;
+    Receiving::Turn turn{Receiving::of_process()};
     for (WaitedTime waited; in_time && !may_go_on();) {
         if (patience_s > 0) {
             look = std::min(look, std::chrono::duration<double>{patience_s} - waited.look());
         }
-        core.changed.wait_for(lock, look);
+        core.wait_for_more(turn, lock, std::chrono::duration_cast<std::chrono::nanoseconds>(look),
+                           s.barrier.complete());
         in_time = patience_s <= 0 || waited.look().count() < patience_s;
     }
     if (!in_time) { // where everything was paused, this process may be the first that runs again
-        in_time = core.changed.wait_for(lock, std::chrono::milliseconds{200}, may_go_on);
+        for (auto const until = std::chrono::steady_clock::now() + std::chrono::milliseconds{200};
+             !may_go_on() && std::chrono::steady_clock::now() < until;) {
+            core.wait_for_more(turn, lock, std::chrono::milliseconds{50}, s.barrier.complete());
+        }
+        in_time = may_go_on();
     }
     if (core.error) {
         return std::unexpected{*core.error};

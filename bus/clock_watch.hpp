@@ -14,7 +14,8 @@ class ClockWatch {
   public:
     static constexpr std::int64_t kTolerableStep = 100'000'000; ///< what chrony corrects by running faster or slower
     static constexpr std::int64_t kTolerableOffset = 200'000'000;
-    static constexpr int kSamples = 20; ///< a late sample looks like an offset; not all of so many are late
+    static constexpr int kSamples = 20; ///< a late sample looks like an offset; not all of so many are late,
+    static constexpr std::int64_t kSpan = 3'000'000'000; ///< and not for so long: who gets no processor is late for all
 
     static constexpr std::int64_t kLongestLook = 10'000'000; ///< who was not scheduled in between has seen no step
 
@@ -40,20 +41,21 @@ class ClockWatch {
         bool const in_time = sent_ != 0 && 2 * (arrived_ns - arrived_) >= sent_ns - sent_;
         sent_ = sent_ns;
         arrived_ = arrived_ns;
-        if (!in_time || samples_ >= kSamples) {
+        if (!in_time || judged_) {
             return std::nullopt;
         }
         std::int64_t const ahead = arrived_ns - sent_ns;
-        if (samples_ == 0 || std::llabs(ahead) < std::llabs(least_)) {
-            least_ = ahead;
-        }
-        return ++samples_ == kSamples && std::llabs(least_) > kTolerableOffset ? std::optional{least_} : std::nullopt;
+        began_ = samples_ == 0 ? arrived_ns : began_;
+        least_ = samples_ == 0 || std::llabs(ahead) < std::llabs(least_) ? ahead : least_;
+        judged_ = ++samples_ >= kSamples && arrived_ns - began_ >= kSpan;
+        return judged_ && std::llabs(least_) > kTolerableOffset ? std::optional{least_} : std::nullopt;
     }
 
   private:
     std::optional<std::int64_t> difference_;
-    std::int64_t least_{0}, sent_{0}, arrived_{0};
+    std::int64_t least_{0}, sent_{0}, arrived_{0}, began_{0};
     int samples_{0};
+    bool judged_{false};
 };
 
 } // namespace gridspace::bus

@@ -3,13 +3,17 @@
 #include "bus/corked_transport.hpp"
 
 #include "bus/cork.hpp"
+#include "bus/udp_inputs.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <fastdds/rtps/common/LocatorsIterator.hpp>
 #include <fastdds/rtps/network/SenderResource.h>
 #include <fastdds/rtps/transport/TransportReceiverInterface.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <vector>
 
 namespace gridspace::bus {
@@ -179,16 +183,79 @@ class CorkedTransport final : public fdds::ChainingTransport {
     void receive(fdds::TransportReceiverInterface* next, rtps::octet const* bytes, std::uint32_t size,
                  rtps::Locator_t const& local, rtps::Locator_t const& remote) override {
         // The octets are the socket's own buffer, of its only thread, and may be changed (ChainingTransport::receive).
-        std::span<std::uint8_t> const datagram{const_cast<rtps::octet*>(bytes), size};
+        admit(*next, {const_cast<rtps::octet*>(bytes), size}, local, remote);
+    }
+
+    bool IsInputChannelOpen(rtps::Locator_t const& locator) const override {
+        std::lock_guard const lock{inputs_mutex_};
+        return descriptor_.interfaces.empty() ? ChainingTransport::IsInputChannelOpen(locator)
+                                              : inputs_.contains(key_of(locator));
+    }
+
+    bool OpenInputChannel(rtps::Locator_t const& locator, fdds::TransportReceiverInterface* receiver,
+                          std::uint32_t max_message_size) override {
+        if (descriptor_.interfaces.empty()) {
+            return ChainingTransport::OpenInputChannel(locator, receiver, max_message_size);
+        }
+        if (!is_locator_allowed(locator)) {
+            return false;
+        }
+        std::lock_guard const lock{inputs_mutex_};
+        if (inputs_.contains(key_of(locator))) {
+            return true;
+        }
+        UdpInput::Options options;
+        options.interfaces = descriptor_.interfaces;
+        options.port = rtps::IPLocator::getPhysicalPort(locator);
+        options.group = rtps::IPLocator::isMulticast(locator) ? rtps::IPLocator::toIPv4string(locator) : "";
+        options.receive_buffer = descriptor_.receive_buffer;
+        options.longest = max_message_size;
+        auto input = UdpInput::open(options, [this, receiver, locator](std::span<std::uint8_t> datagram,
+                                                                       std::uint32_t from, std::uint16_t port) {
+            rtps::Locator_t remote;
+            rtps::IPLocator::setIPv4(remote, static_cast<std::uint8_t>(from >> 24U),
+                                     static_cast<std::uint8_t>(from >> 16U), static_cast<std::uint8_t>(from >> 8U),
+                                     static_cast<std::uint8_t>(from));
+            rtps::IPLocator::setPhysicalPort(remote, port);
+            admit(*receiver, datagram, locator, remote);
+        });
+        if (input == nullptr) {
+            return false;
+        }
+        inputs_.emplace(key_of(locator), std::move(input));
+        return true;
+    }
+
+    bool CloseInputChannel(rtps::Locator_t const& locator) override {
+        if (descriptor_.interfaces.empty()) {
+            return ChainingTransport::CloseInputChannel(locator);
+        }
+        decltype(inputs_)::node_type closed; // goes outside of the lock: somebody may be inside its receiver
+        std::lock_guard const lock{inputs_mutex_};
+        closed = inputs_.extract(key_of(locator));
+        return !closed.empty();
+    }
+
+  private:
+    /// The library's own ports are by number alone, and of a group's.
+    using Key = std::pair<std::uint16_t, std::string>;
+    static Key key_of(rtps::Locator_t const& locator) {
+        return {rtps::IPLocator::getPhysicalPort(locator),
+                rtps::IPLocator::isMulticast(locator) ? rtps::IPLocator::toIPv4string(locator) : ""};
+    }
+
+    void admit(fdds::TransportReceiverInterface& next, std::span<std::uint8_t> datagram, rtps::Locator_t const& local,
+               rtps::Locator_t const& remote) {
         std::int64_t const now_ns = std::chrono::nanoseconds{Clock::now().time_since_epoch()}.count();
         auto const give = [&](std::span<std::uint8_t const> message) {
-            next->OnDataReceived(message.data(), static_cast<std::uint32_t>(message.size()), local, remote);
+            next.OnDataReceived(message.data(), static_cast<std::uint32_t>(message.size()), local, remote);
         };
         descriptor_.gate->admit(datagram, now_ns, std::ref(give)); // by reference: no memory is asked for
     }
 
-  private:
     CorkedTransportDescriptor descriptor_;
+    mutable std::mutex inputs_mutex_;
+    std::map<Key, std::unique_ptr<UdpInput>> inputs_;
 };
 
 } // namespace

@@ -7,6 +7,8 @@
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace gridspace::bus {
 
@@ -17,6 +19,10 @@ struct CorkedTransportDescriptor : eprosima::fastdds::rtps::ChainingTransportDes
                               std::shared_ptr<rtps_guard::Gate> g)
         : ChainingTransportDescriptor{std::move(low_level)}, gate{std::move(g)} {}
     std::shared_ptr<rtps_guard::Gate> gate;
+    /// By UDP, on these interfaces (IPv4 addresses), with a kernel buffer of so many octets: the process's Receiving
+    /// hears, and not a thread of the library's for each socket. Empty: the library does.
+    std::vector<std::string> interfaces;
+    std::uint32_t receive_buffer{0};
     [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
 };
 

@@ -4,7 +4,7 @@
 
 #include "common/config/merge.hpp"
 #include "common/log.hpp"
-#include "common/privileges.hpp"
+#include "common/privileges/call_filter.hpp"
 #include "common/realtime.hpp"
 #include "common/version.hpp"
 
@@ -369,7 +369,7 @@ int run_daemon(Daemon const& daemon, int argc, char** argv) {
         log::info("{}; {}", scheduling_text(),
                   why_not.empty() ? "memory is locked" : "memory is not locked: " + why_not);
     }
-    if (daemon.is_ours && !forbid_what_no_process_does()) {
+    if (daemon.is_ours && !allow_only_known_calls()) {
         log::debug("this kernel has no filters of system calls");
     }
     node.is_daemon = daemon.is_ours;

@@ -28,7 +28,7 @@ void Node::Core::fail_locked(Error why) {
     if (!error) {
         error = std::move(why);
     }
-    changed.notify_all();
+    notify();
 }
 
 void Node::Core::fill_ledger(std::vector<LedgerEntry>& ledger) const {
@@ -76,6 +76,7 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
     core->base = TimeBase{c.clock.quantum_s};
     core->absent.insert(c.absent.begin(), c.absent.end());
     core->tick_span = core->base.nearest(c.clock.tick_s);
+    core->beyond = core->base.nearest(c.clock.ahead_s);
     core->epoch_ns = c.clock.epoch_unix_s * 1'000'000'000;
 
     auto const join = [&](char const* profile, NetworkConfig const& network) {
@@ -99,7 +100,7 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
     auto const notify = [raw] {
         std::lock_guard const lock{raw->mutex};
         ++raw->matches_generation;
-        raw->changed.notify_all();
+        raw->notify();
     };
     core->management->on_change(notify);
     if (core->data) {
@@ -114,8 +115,11 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
             if (!raw->is_from_member(*raw->management, index, peer.process, peer.incarnation)) {
                 return;
             }
+            if (!clean && !raw->clock_seen) {
+                return; // so many start at once that nobody hears it: who waits for it has a deadline, and says so
+            }
             raw->simulator_left = true;
-            raw->changed.notify_all();
+            raw->notify();
             bool const over = raw->clock_seen && raw->clock.state() == CLOCK_FINAL; // its work may not be done yet
             if (!over && !raw->final_done && !raw->stop_requested) {
                 raw->fail_locked({clean ? ExitCode::child_died : ExitCode::stall,

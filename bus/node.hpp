@@ -30,6 +30,7 @@ struct Tick {
     std::uint64_t number{0};
     SimTime time;
     bool final{false};
+    bool part{false}; ///< the tick goes on: the next one has the same number, and only that is acknowledged
 };
 
 /// Writes samples of one topic, counted for the ledger. T is a generated type.
@@ -86,6 +87,13 @@ class Node {
     /// The work of the tick is done; everything that it makes visible has been written.
     [[nodiscard]] Result<void> done(Tick const& tick, std::uint64_t next_tick_needed);
 
+    /// Lockstep: next() calls it when frames that others have announced are not here yet, and the end of done() calls
+    /// `flush`, before the acknowledgement. On the process's own thread; before start().
+    void exchange_frames_with(std::function<void()> fetch, std::function<void()> flush);
+    /// Lockstep, for who only listens: while nothing is asked of it, it takes what has come in rounds of this length
+    /// instead of waking up for each datagram.
+    void listen_in_rounds(std::chrono::microseconds round);
+
     /// Asks next() to return nothing; from any thread (a signal watcher).
     void request_stop();
     /// Ends the run for this process with an error that next() or done() returns.
@@ -108,6 +116,9 @@ class Node {
     [[nodiscard]] bool has_come(SimTime t) const;
     /// The instant at which output to an input of `input` takes effect: a latency later in lockstep, now in real time.
     [[nodiscard]] SimTime effect_time(SimTime input, SimSpan latency) const;
+    /// The simulator writes this topic. In lockstep its samples wake nobody: who must answer them in the tick in which
+    /// they are there asks for every tick.
+    [[nodiscard]] bool is_of_simulator(std::string const& topic) const;
     [[nodiscard]] SimTime latest_time() const; ///< of the newest clock sample
     /// Whether simulated time is known: in real time two clock samples have come, because the first may be an old one
     /// that was kept. Without a simulator always.

@@ -78,6 +78,12 @@ void describe(Fields& f, ClockConfig& clock) {
     f.fraction("quantum_s", clock.quantum_s,
                {.doc = "time quantum of which step and tick are whole multiples", .above = 0});
     f.fraction("tick_s", clock.tick_s, {.doc = "length of a tick", .above = 0});
+    f.fraction("ahead_s", clock.ahead_s,
+               {.doc = "lockstep: so long beyond a tick its input is complete, and its own ticks end so much later",
+                .min = 0});
+    f.fraction("promise_s", clock.promise_s,
+               {.doc = "lockstep: so long beyond its own tick what it sends is complete", .min = 0});
+    f.fraction("ends_at_s", clock.ends_at_s, {.doc = "the end of the run, where ahead_s is not 0", .min = 0});
     std::string epoch = format_utc(clock.epoch_unix_s);
     f.text("epoch", epoch, {.doc = "UTC of simulated time 0"});
     if (auto const seconds = parse_utc(epoch)) {
@@ -128,6 +134,15 @@ Node to_node(NodeConfig const& config) {
     clock.set("mode", Node::scalar(config.clock.mode == ClockMode::lockstep ? "lockstep" : "realtime"));
     clock.set("quantum_s", Node::scalar(config.clock.quantum_s.to_string()));
     clock.set("tick_s", Node::scalar(config.clock.tick_s.to_string()));
+    if (config.clock.ahead_s > Rational{0}) {
+        clock.set("ahead_s", Node::scalar(config.clock.ahead_s.to_string()));
+    }
+    if (config.clock.promise_s > Rational{0}) {
+        clock.set("promise_s", Node::scalar(config.clock.promise_s.to_string()));
+    }
+    if (config.clock.ends_at_s) {
+        clock.set("ends_at_s", Node::scalar(config.clock.ends_at_s->to_string()));
+    }
     clock.set("epoch", Node::quoted_text(format_utc(config.clock.epoch_unix_s)));
     clock.set("member_timeout_s", Node::scalar(shortest(config.clock.member_timeout_s)));
     clock.set("start_timeout_s", Node::scalar(shortest(config.clock.start_timeout_s)));

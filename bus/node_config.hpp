@@ -21,6 +21,12 @@ struct ClockConfig {
     ClockMode mode{ClockMode::realtime};
     Rational quantum_s{1}; ///< every step and tick is a whole multiple of it
     Rational tick_s{1};
+    /// Lockstep: the input of this process is complete so long beyond a tick, and its own ticks end so much later; 0
+    /// unless the tick is longer than a hop of a loop (docs/design/time.md).
+    Rational ahead_s{0};
+    /// Lockstep: what this process sends is complete so long beyond its own tick. 0: nobody counts on it.
+    Rational promise_s{0};
+    std::optional<Rational> ends_at_s{}; ///< no tick goes beyond it; where `ahead_s` is not 0
     std::int64_t epoch_unix_s{0};        ///< simulated time 0
     double member_timeout_s{10};         ///< a wait inside a tick; 0: none (a debugger is attached)
     double start_timeout_s{30};          ///< until everybody is matched; 0: none

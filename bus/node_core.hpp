@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "bus/board/board.hpp"
 #include "bus/clock_watch.hpp"
 #include "bus/lockstep/ledger_book.hpp"
 #include "bus/lockstep/roster.hpp"
 #include "bus/lockstep/tick_gate.hpp"
 #include "bus/lockstep/wire_book.hpp"
 #include "bus/node.hpp"
+#include "bus/receiving.hpp"
 #include "bus/wire_impl.hpp"
 
 #include <atomic>
@@ -16,6 +18,7 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <thread>
 
 namespace gridspace::bus {
 
@@ -30,6 +33,8 @@ struct Node::Core {
     NodeConfig config;
     TimeBase base;
     SimSpan tick_span;
+    SimSpan beyond;                  ///< so much later than the clock's end the ticks of this process
+    SimTime worked_until{INT64_MIN}; ///< the end of the newest tick, or part of one, that was given out
     std::int64_t epoch_ns{0};
 
     std::unique_ptr<Participant> management;
@@ -66,6 +71,16 @@ struct Node::Core {
     std::vector<WireLedgerEntry> wire_writers;                   ///< what goes into the next acknowledgement
     std::vector<std::shared_ptr<WireReader::Impl>> wire_readers; ///< their order numbers the book's channels
 
+    std::vector<std::function<void()>> fetch_frames, flush_frames;
+    std::chrono::microseconds round{0}; ///< 0: everything is taken as it comes
+    std::uint64_t acknowledged{0};      ///< the newest tick that this process has acknowledged
+    /// Whether it may sleep for a round: nothing is asked of it, and nothing will be for some ticks. Under the mutex.
+    [[nodiscard]] bool may_sleep() const {
+        constexpr std::uint64_t kSoon = 3;
+        return round.count() > 0 && !joining && clock_seen && !gate->has_pending() &&
+               gate->latest_tick() + kSoon < acknowledged + static_cast<std::uint64_t>(config.clock.max_lag_ticks);
+    }
+
     std::unique_ptr<RawWriter> status_writer;
     std::unique_ptr<RawWriter> ack_writer;
     std::unique_ptr<RawWriter> catalog_writer;
@@ -79,6 +94,32 @@ struct Node::Core {
 
     mutable std::mutex mutex;
     std::condition_variable changed;
+    /// Something has changed: wakes the process's own thread. Under the mutex.
+    void notify() {
+        changed.notify_all();
+        if (board != nullptr && worker != std::this_thread::get_id()) {
+            board->wake(board->self());
+        }
+        Receiving::of_process().wake();
+    }
+    /// Lockstep, among the members of one machine: clocks and acknowledgements go over it, and over DDS only now and
+    /// then, for who looks on.
+    std::unique_ptr<Board> board;
+    std::atomic<std::thread::id> worker{};            ///< the process's own thread
+    std::vector<std::size_t> board_heard, board_rung; ///< places that this process reads, and whose bells it rings
+    std::chrono::steady_clock::time_point shown_at;   ///< when DDS last got what the board has
+    Result<void> join_board();
+    /// Takes what has been said on the board; whether there was anything. Without the mutex.
+    [[nodiscard]] bool take_board();
+    /// Says something on it. False: it is too long.
+    template <class T>
+    [[nodiscard]] bool post(T const& message, std::int64_t time_ns, std::uint64_t number);
+    std::vector<std::byte> posted; ///< reused
+    /// Whether DDS gets it too: somebody who looks on wants to see how far the run is.
+    [[nodiscard]] bool show_to_others(bool always);
+    /// Until something may have changed: `samples_only`, when nothing but what comes over the network is missing.
+    void wait_for_more(Receiving::Turn& turn, std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds longest,
+                       bool samples_only);
     std::shared_ptr<CdrReader> clock_tap; ///< a recorder's copy of the clock
     std::shared_ptr<CdrReader> ack_tap;   ///< and of the acknowledgements
     std::vector<std::shared_ptr<Inbox>> taps;
@@ -140,10 +181,16 @@ struct Node::Core {
     [[nodiscard]] Participant& network_of(std::string const& topic);
     [[nodiscard]] std::int64_t source_ns(SimTime at) const { return epoch_ns + base.nanoseconds(at); }
 
+    /// Where the granted tick ends for this process, or its next part: parts end with each whole second, so that what
+    /// is said once a second is said then, wherever the ticks end. Under the mutex.
+    [[nodiscard]] Tick next_part(lockstep::TickGate::Grant const& grant);
+
     void fail(Error why); ///< takes the mutex
     void fail_locked(Error why);
 
     void on_clock_sample(std::span<std::byte const> cdr, SampleHeader const& header);
+    /// A clock sample of the simulator, however it came; it is in `clock`. Under the mutex.
+    void take_clock(std::span<std::byte const> cdr, SampleHeader const& header);
     /// Who wrote a sample of the management network; looked up once per writer.
     Peer const& writer_of(std::vector<std::optional<Peer>>& sources, SampleHeader const& header) const;
     /// Whether what came from a participant under the name of a process of the run is obeyed. Under the mutex.
@@ -155,6 +202,8 @@ struct Node::Core {
     [[nodiscard]] bool clock_fits(SampleHeader const& header);
     void on_held_clock(); ///< under the mutex
     void on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header);
+    void take_ack(std::span<std::byte const> cdr, SampleHeader const& header, std::size_t process,
+                  ClockAck const& received); ///< under the mutex
     void on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header);
     /// Takes a ledger (of an acknowledgement or a clock) into the book.
     template <class Ledger>

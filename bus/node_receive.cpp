@@ -144,11 +144,30 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
     if (!is_from_member(*management, header.peer, writer.process, writer.incarnation)) {
         return;
     }
-    if (!codec_of<SimClock>().decode(cdr, &clock)) {
+    static thread_local SimClock received; // keeps its capacity
+    if (!codec_of<SimClock>().decode(cdr, &received)) {
         fail_locked({ExitCode::environment,
                      "a clock sample cannot be decoded: another version of Gridspace on this domain?", ""});
         return;
     }
+    if (board != nullptr && (received.state() == CLOCK_RUNNING || received.state() == CLOCK_FINAL)) {
+        return; // for who looks on: here it comes over the board
+    }
+    std::swap(clock, received);
+    take_clock(cdr, header);
+    if (lockstep()) {
+        return;
+    }
+    // Not for what comes over the board: that is this machine's own memory, and who reads it late is only late.
+    if (auto const ahead = clock_watch.offset(header.source_ns, wall_clock_ns())) {
+        fail_locked({ExitCode::environment,
+                     fmt::format("the clock of this machine is {:.3f} s {} that of the simulator's machine",
+                                 std::abs(static_cast<double>(*ahead)) / 1e9, *ahead > 0 ? "ahead of" : "behind"),
+                     "in real time they have to agree: chrony, ntpd or PTP on both; in lockstep no clock is used"});
+    }
+}
+
+void Node::Core::take_clock(std::span<std::byte const> cdr, SampleHeader const& header) {
     pace.last_arrived = std::chrono::steady_clock::now();
     pace.last_sent_ns = header.source_ns;
     if (!clock_seen) {
@@ -158,15 +177,6 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
     }
     if (!clock_fits(header)) {
         return;
-    }
-    if (!lockstep()) {
-        auto const wall_ns = wall_clock_ns();
-        if (auto const ahead = clock_watch.offset(header.source_ns, wall_ns)) {
-            fail_locked({ExitCode::environment,
-                         fmt::format("the clock of this machine is {:.3f} s {} that of the simulator's machine",
-                                     std::abs(static_cast<double>(*ahead)) / 1e9, *ahead > 0 ? "ahead of" : "behind"),
-                         "in real time they have to agree: chrony, ntpd or PTP on both; in lockstep no clock is used"});
-        }
     }
     if (lockstep() && !clock_seen && config.incarnation == 0 && clock.tick() > 0 && clock.state() != CLOCK_ABORTED) {
         fail_locked({ExitCode::environment,
@@ -216,7 +226,7 @@ void Node::Core::on_clock_sample(std::span<std::byte const> cdr, SampleHeader co
             return; // the last thing to arrive wakes the process, once
         }
     }
-    changed.notify_all();
+    notify();
 }
 
 void Node::Core::on_held_clock() {
@@ -230,7 +240,7 @@ void Node::Core::on_held_clock() {
         restate_ledger = self != members.end() &&
                          lockstep::bit_of(clock.awaited(), static_cast<std::size_t>(self - members.begin()));
     }
-    changed.notify_all();
+    notify();
 }
 
 void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header) {
@@ -249,6 +259,14 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
     if (!is_from_member(*management, header.peer, writer.process, writer.incarnation)) {
         return;
     }
+    if (board != nullptr && received.next_tick_needed() != 0) {
+        return; // for who looks on
+    }
+    take_ack(cdr, header, process, received);
+}
+
+void Node::Core::take_ack(std::span<std::byte const> cdr, SampleHeader const& header, std::size_t process,
+                          ClockAck const& received) {
     bool const is_restated = received.next_tick_needed() == 0;
     if (ack_tap != nullptr && !is_restated) {
         ack_tap->push(cdr,
@@ -260,7 +278,7 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
     take_wire_ledger(process, received);
     if (joining && is_late_joiner()) {
         ledgers_of[received.member().c_str()] = received.tick();
-        changed.notify_all();
+        notify();
     }
     if (is_restated) {
         return;
@@ -278,7 +296,111 @@ void Node::Core::on_ack_sample(std::span<std::byte const> cdr, SampleHeader cons
         on_ack(received);
     }
     if (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value()) {
-        changed.notify_all();
+        notify();
+    }
+}
+
+Result<void> Node::Core::join_board() {
+    char const* const descriptor = std::getenv("GRIDSPACE_BOARD");
+    if (!lockstep() || descriptor == nullptr) {
+        return {};
+    }
+    std::vector<std::string> processes = config.clock.members;
+    processes.push_back(config.clock.simulator);
+    auto joined = Board::join(UniqueFd{std::atoi(descriptor)}, std::move(processes), config.process);
+    if (!joined) {
+        return std::unexpected{joined.error()};
+    }
+    board = std::move(*joined);
+    ::unsetenv("GRIDSPACE_BOARD"); // not for programs that this one starts
+    for (std::string const& name : is_simulator() ? config.clock.members : config.clock.upstream) {
+        board_heard.push_back(board->place_of(name));
+    }
+    for (std::string const& name : config.clock.downstream) {
+        board_rung.push_back(board->place_of(name));
+    }
+    std::size_t const simulator = board->place_of(config.clock.simulator);
+    if (!is_simulator()) {
+        board_heard.push_back(simulator);
+        board_rung.push_back(simulator);
+    }
+    return {};
+}
+
+bool Node::Core::take_board() {
+    static thread_local ClockAck received; // keeps its capacity
+    std::size_t const simulator = board->place_of(config.clock.simulator);
+    bool any = false;
+    for (std::size_t const place : board_heard) {
+        bool const kept = board->read(place, [&](Board::Message const& message) {
+            any = true;
+            SampleHeader header;
+            header.sequence = message.number;
+            header.source_ns = message.time_ns;
+            std::lock_guard const lock{mutex};
+            if (place == simulator) {
+                if (codec_of<SimClock>().decode(message.octets, &clock)) {
+                    take_clock(message.octets, header);
+                }
+            } else if (codec_of<ClockAck>().decode(message.octets, &received)) {
+                take_ack(message.octets, header, book->process_index(received.member().c_str()), received);
+            }
+        });
+        if (!kept) {
+            fail({ExitCode::stall, "more was said on the shared memory of the clock than it keeps",
+                  "clock: {shared_memory: false} goes without"});
+            return true;
+        }
+    }
+    return any;
+}
+
+template <class T>
+bool Node::Core::post(T const& message, std::int64_t time_ns, std::uint64_t number) {
+    Codec const& codec = codec_of<T>();
+    posted.assign(codec.encoded_size(&message), std::byte{0}); // the CDR library skips padding octets
+    std::size_t const used = codec.encode(&message, posted);
+    return used > 0 && board->post(std::span{posted}.first(used), time_ns, number);
+}
+template bool Node::Core::post(SimClock const& message, std::int64_t time_ns, std::uint64_t number);
+template bool Node::Core::post(ClockAck const& message, std::int64_t time_ns, std::uint64_t number);
+
+bool Node::Core::show_to_others(bool always) {
+    constexpr std::chrono::milliseconds kOften{50};
+    auto const now = std::chrono::steady_clock::now();
+    if (board != nullptr && !always && now - shown_at < kOften) {
+        return false;
+    }
+    shown_at = now;
+    return true;
+}
+
+void Node::Core::wait_for_more(Receiving::Turn& turn, std::unique_lock<std::mutex>& lock,
+                               std::chrono::nanoseconds longest, bool samples_only) {
+    if (board == nullptr) {
+        turn.wait(lock, changed, longest);
+        return;
+    }
+    constexpr std::chrono::milliseconds kLook{20};        // at what comes over the network
+    constexpr std::chrono::microseconds kOnTheirWay{200}; // samples that were sent before the acknowledgements
+    worker = std::this_thread::get_id();
+    std::uint32_t const heard = board->bell();
+    lock.unlock();
+    bool any = take_board();
+    lock.lock();
+    if (any) {
+        return;
+    }
+    if (samples_only) {
+        turn.wait(lock, changed, kOnTheirWay);
+        return;
+    }
+    lock.unlock();
+    board->wait(heard, std::min<std::chrono::nanoseconds>(longest, kLook));
+    any = take_board();
+    lock.lock();
+    if (!any) {
+        turn.wait(lock, changed, std::chrono::nanoseconds{0});
     }
 }
 
@@ -361,7 +483,7 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     ++input_generation;
     if (!lockstep() ||
         (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value())) {
-        changed.notify_all();
+        notify();
     }
 }
 

@@ -10,7 +10,8 @@
 #include "bus/start_patience.hpp"
 #include "bus/topics.hpp"
 #include "common/log.hpp"
-#include "common/privileges.hpp"
+#include "common/privileges/call_filter.hpp"
+#include "common/privileges/capabilities.hpp"
 #include "common/text.hpp"
 #include "common/waited_time.hpp"
 
@@ -18,6 +19,7 @@
 #include <catalog.h>
 #include <fmt/format.h>
 #include <set>
+#include <thread>
 #include <utility>
 
 namespace gridspace::bus {
@@ -121,6 +123,11 @@ std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
     if (state == MEMBER_READY) {
         std::lock_guard const lock{mutex};
         if (std::exchange(joining, false)) { // before anybody hears of it: the clock may come at once
+            for (std::size_t const place : board_heard) {
+                if (is_late_joiner()) {
+                    board->skip(place);
+                }
+            }
             settle_rosters();
         }
     }
@@ -156,6 +163,9 @@ Result<void> Node::start() {
         (void)forbid_raw_sockets();
     }
 
+    if (auto ok = core.join_board(); !ok) {
+        return ok;
+    }
     std::vector<std::string> processes = clock.members;
     processes.push_back(clock.simulator);
     for (auto const& [topic, peers] : config.expected_writers) {
@@ -296,8 +306,28 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
         bool said = false;
         auto pending_since = core.pending_since;
         WaitedTime waiting;
+        Receiving::Turn turn{Receiving::of_process()};
         while (!may_return()) {
-            core.changed.wait_for(lock, WaitedTime::kLook);
+            if (!core.fetch_frames.empty() && core.gate->lacks_only_frames()) {
+                lock.unlock();
+                for (auto const& fetch : core.fetch_frames) {
+                    fetch();
+                }
+                lock.lock();
+                if (may_return()) {
+                    break;
+                }
+                constexpr std::chrono::microseconds kOnTheirWay{200}; // the kernel has them already, somewhere
+                turn.wait(lock, core.changed, kOnTheirWay);
+            } else {
+                core.wait_for_more(turn, lock, WaitedTime::kLook, core.gate->lacks_only_samples());
+                if (core.board == nullptr && core.may_sleep()) {
+                    auto const round = core.round;
+                    lock.unlock();
+                    std::this_thread::sleep_for(round);
+                    lock.lock();
+                }
+            }
             if (core.matches_published != core.matches_generation) {
                 lock.unlock();
                 core.refresh_status(MEMBER_READY);
@@ -341,8 +371,7 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
             core.publish_status(MEMBER_READY, "");
             lock.lock();
         }
-        auto const grant = *core.gate->granted();
-        Tick const tick{grant.tick, core.latest_time, grant.final};
+        Tick const tick = core.next_part(*core.gate->granted());
         for (auto& reader : core.readers) {
             reader->inbox->release(tick.time);
         }
@@ -380,6 +409,26 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
     return tick;
 }
 
+Tick Node::Core::next_part(lockstep::TickGate::Grant const& grant) {
+    SimTime end = latest_time;
+    if (beyond.quanta > 0 && !grant.final) {
+        end = end + beyond;
+        if (config.clock.ends_at_s) { // the end itself is the last tick's alone
+            end = std::min(end, SimTime{} + base.nearest(*config.clock.ends_at_s) - SimSpan{1});
+        }
+    }
+    Tick tick{grant.tick, end, grant.final, false};
+    if (beyond.quanta > 0) {
+        std::int64_t const second = worked_until.quanta < 0 ? 0 : base.seconds_exact(worked_until).floor() + 1;
+        SimTime const boundary = SimTime{} + base.nearest(Rational{second});
+        if (boundary < end) {
+            tick = {grant.tick, boundary, false, true};
+        }
+    }
+    worked_until = tick.time;
+    return tick;
+}
+
 bool Node::Core::acknowledge(std::uint64_t tick, std::uint64_t next_tick_needed, SimTime time) {
     ack.tick(tick);
     ack.next_tick_needed(next_tick_needed);
@@ -388,7 +437,18 @@ bool Node::Core::acknowledge(std::uint64_t tick, std::uint64_t next_tick_needed,
     for (WireLedgerEntry& entry : wire_writers) {
         entry.frames().clear();
     }
-    return ack_writer->write(&ack, source_ns(time));
+    if (board == nullptr || next_tick_needed == 0) {
+        return ack_writer->write(&ack, source_ns(time));
+    }
+    uncork(); // what belongs to the tick is on its way before anybody is told
+    bool accepted = post(ack, source_ns(time), tick);
+    for (std::size_t const place : board_rung) {
+        board->ring(place);
+    }
+    if (show_to_others(final_done)) {
+        accepted = ack_writer->write(&ack, source_ns(time)) && accepted;
+    }
+    return accepted;
 }
 
 Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
@@ -398,11 +458,15 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
         if (core.error) {
             return std::unexpected{*core.error};
         }
+        if (tick.part) {
+            return {};
+        }
         if (tick.final) {
             core.final_done = true;
         }
         if (core.lockstep()) {
             core.gate->done();
+            core.acknowledged = tick.number;
         }
     }
     if (!core.lockstep()) {
@@ -414,6 +478,9 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
             }
         }
         return {};
+    }
+    for (auto const& flush : core.flush_frames) {
+        flush();
     }
     bool const accepted = core.acknowledge(tick.number, std::max(next_tick_needed, tick.number + 1), tick.time);
     uncork();
@@ -431,10 +498,23 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
     return {};
 }
 
+void Node::exchange_frames_with(std::function<void()> fetch, std::function<void()> flush) {
+    if (fetch) {
+        core_->fetch_frames.push_back(std::move(fetch));
+    }
+    if (flush) {
+        core_->flush_frames.push_back(std::move(flush));
+    }
+}
+
+void Node::listen_in_rounds(std::chrono::microseconds round) {
+    core_->round = round;
+}
+
 void Node::request_stop() {
     std::lock_guard const lock{core_->mutex};
     core_->stop_requested = true;
-    core_->changed.notify_all();
+    core_->notify();
 }
 
 void Node::fail_with(Error error) {
@@ -506,6 +586,11 @@ std::int64_t Node::start_unix_ns() const {
 
 SimTime Node::effect_time(SimTime input, SimSpan latency) const {
     return bus::effect_time(core_->config.clock.mode, input, latest_time(), core_->tick_span, latency);
+}
+
+bool Node::is_of_simulator(std::string const& topic) const {
+    auto const writers = core_->config.expected_writers.find(topic);
+    return writers != core_->config.expected_writers.end() && writers->second.contains(core_->config.clock.simulator);
 }
 
 bool Node::is_over(SimTime t, Tick const& tick) const {

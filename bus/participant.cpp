@@ -332,7 +332,10 @@ class FastDdsParticipant final : public Participant {
                 if (!options_.addresses.empty()) {
                     own->interfaceWhiteList = options_.addresses;
                 }
-                transport = std::make_shared<CorkedTransportDescriptor>(own, gate_);
+                auto corked = std::make_shared<CorkedTransportDescriptor>(own, gate_);
+                corked->interfaces = options_.addresses;
+                corked->receive_buffer = udp->receiveBufferSize;
+                transport = std::move(corked);
             }
         }
     }

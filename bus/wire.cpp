@@ -74,7 +74,7 @@ bool WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, 
     if (!core.lockstep()) {
         r.due(std::move(stored), core.time_now());
         ++core.input_generation;
-        core.changed.notify_all();
+        core.notify();
         return true;
     }
     auto arrival = core.wire_book->arrived(r.channel, std::move(stored));
@@ -84,7 +84,7 @@ bool WireReader::push(std::span<std::byte const> frame, std::int64_t kernel_ns, 
     if (arrival.due != nullptr) {
         r.due(std::move(arrival.due), core.base.from_nanoseconds(arrival.send_time_ns));
         if (core.gate->granted().has_value()) {
-            core.changed.notify_all();
+            core.notify();
         }
     }
     return true;

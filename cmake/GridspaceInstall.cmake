@@ -9,5 +9,5 @@ install(DIRECTORY python/gridspace DESTINATION "${CMAKE_INSTALL_DATADIR}/gridspa
 # Agents that scenarios of configs/ name, at the same place relative to them.
 install(DIRECTORY examples/agents/energy_management DESTINATION "${CMAKE_INSTALL_DATADIR}/gridspace/examples/agents" USE_SOURCE_PERMISSIONS PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY templates DESTINATION "${CMAKE_INSTALL_DATADIR}/gridspace" USE_SOURCE_PERMISSIONS)
-install(DIRECTORY scripts/board DESTINATION "${CMAKE_INSTALL_DATADIR}/gridspace/scripts")
+install(DIRECTORY scripts/board DESTINATION "${CMAKE_INSTALL_DATADIR}/gridspace/scripts" USE_SOURCE_PERMISSIONS)
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/gridspace")

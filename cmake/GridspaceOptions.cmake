@@ -4,6 +4,7 @@
 
 option(GRIDSPACE_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(GRIDSPACE_DEVICES_ONLY "Only what runs on a board: agents, gateways, detector, recorder; no simulator, monitor, launcher" OFF)
+option(GRIDSPACE_INSTALLED "For a package: the programs know the installed folders and no tree of sources" OFF)
 option(GRIDSPACE_BENCH "Build the benchmarks" OFF)
 option(GRIDSPACE_FUZZ "Build the libFuzzer targets (needs clang)" OFF)
 option(GRIDSPACE_COVERAGE "Count the lines of the frame decoder that run" OFF)

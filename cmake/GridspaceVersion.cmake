@@ -9,7 +9,11 @@ if(CMAKE_SCRIPT_MODE_FILE)
     WORKING_DIRECTORY "${SOURCE_DIR}"
     OUTPUT_VARIABLE GRIDSPACE_COMMIT
     OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-  if(NOT GRIDSPACE_COMMIT)
+  file(READ "${SOURCE_DIR}/cmake/archive_commit.txt" archived) # `git archive` writes the commit into it
+  string(STRIP "${archived}" archived)
+  if(archived MATCHES "^[0-9a-f]+$")
+    set(GRIDSPACE_COMMIT "${archived}")
+  elseif(NOT GRIDSPACE_COMMIT)
     set(GRIDSPACE_COMMIT unknown)
   endif()
   configure_file("${SOURCE_DIR}/common/version.cpp.in" "${OUT}" @ONLY)

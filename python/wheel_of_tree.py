@@ -19,9 +19,18 @@ def _metadata(project):
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    package = tomllib.loads((HERE / "pyproject.toml").read_text())["project"]["name"]
+    return _wheel(wheel_directory, {f"{package}/{file.name}": file.read_bytes() for file in sorted((HERE / package).glob("*")) if file.is_file()})
+
+
+def build_editable(wheel_directory, config_settings=None, metadata_directory=None):
+    """For `pip install -e` (PEP 660): the package stays here, and a line leads to it."""
+    return _wheel(wheel_directory, {"gridspace.pth": f"{HERE}\n".encode()})
+
+
+def _wheel(wheel_directory, files):
     project = tomllib.loads((HERE / "pyproject.toml").read_text())["project"]
     stem = f"{project['name']}-{project['version']}"
-    files = {f"{project['name']}/{file.name}": file.read_bytes() for file in sorted((HERE / project["name"]).glob("*")) if file.is_file()}
     files[f"{stem}.dist-info/METADATA"] = _metadata(project).encode()
     files[f"{stem}.dist-info/WHEEL"] = b"Wheel-Version: 1.0\nGenerator: wheel_of_tree\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
     record = f"{stem}.dist-info/RECORD"

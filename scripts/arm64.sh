@@ -17,6 +17,7 @@ source "$root/scripts/arm64_board.sh"
 usage() {
   cat <<'EOT'
 usage: ./gridspace arm64 VERB
+  sysroot    Debian's libraries of ARM64: build/arm64-sysroot
   build      cross-compiles what runs on a board: build/arm64/bin
   image      the same, and the image of an emulated board (`run_on: qemu-system`): build/arm64-board
   measure    code size, memory, start-up and time per sample; --write puts the tables into docs/reference/arm64.md
@@ -77,6 +78,7 @@ run_bundle_tests() {
 }
 
 case ${1:-} in
+  sysroot) prepare ;;
   image)
     prepare && configure arm64 -DGRIDSPACE_TESTS=ON && build arm64 programs && make_board_image
     ;;

@@ -47,7 +47,7 @@ build() {
   if [ -t 2 ]; then
     cmake --build "$root/build/$preset" -j "$(build_jobs)" --target "$@" >&2 && return 0
   else
-    cmake --build "$root/build/$preset" -j "$(build_jobs)" --target "$@" >"$log" 2>&1 &
+    ${build_limit_s:+timeout "$build_limit_s"} cmake --build "$root/build/$preset" -j "$(build_jobs)" --target "$@" >"$log" 2>&1 &
     pid=$!
     told_every 30 "$pid" "$preset" "$log"
     wait "$pid" && return 0

@@ -11,7 +11,10 @@ declare -A group_purpose=(
   [dashboard]="building the browser dashboard"
   [test]="the tests and their judges (tshark, CycloneDDS)"
   [all]="sanitizer and fuzz builds, static analysis, ngspice as judge, Slurm"
+  [bench]="measuring how fast it is"
   [e2e]="the dashboard in a browser"
+  [docs]="the documentation as a site"
+  [package]="making Debian packages and trying them in a clean Debian"
   [arm64]="cross-compiling for ARM64 and running it in emulation"
 )
 declare -A group_packages=(
@@ -22,7 +25,10 @@ declare -A group_packages=(
   [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark python3|python3 python3-yaml python3-scipy python3-pandas python3-matplotlib python3-nbclient
           python3-ipykernel sshd|openssh-server ssh|openssh-client setpriv|util-linux node|nodejs npm|npm"
   [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev slurmctld slurmd sbatch|slurm-client munge"
+  [bench]="libbenchmark-dev ngspice python3|python3 python3-numpy"
   [e2e]="chromium|chromium node|nodejs npm|npm"
+  [docs]="mkdocs|mkdocs mkdocs-material"
+  [package]="debhelper dh-python help2man lintian mmdebstrap dpkg-dev"
   [arm64]="g++-aarch64-linux-gnu qemu-user-static qemu-system-aarch64|qemu-system-arm cpio|cpio systemd-analyze|systemd readelf|binutils"
 )
 

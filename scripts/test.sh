@@ -15,7 +15,7 @@ source "$root/scripts/tiers.sh"
 
 contributor_tiers=(lint build unit integration scenarios)
 all_tiers=("${contributor_tiers[@]}" slow more_scenarios e2e arm64 sanitizers fuzz coverage tidy)
-long_tiers=(build long_tests long_scenarios long_sanitizers long_fuzz long_tidy)
+long_tiers=(build long_tests long_scenarios long_sanitizers long_fuzz long_soak long_tidy long_packages)
 
 usage() {
   cat <<'EOT'
@@ -39,6 +39,8 @@ with --long, by command only
   long_scenarios  all scenarios in real time and the longest in lockstep
   long_sanitizers every short scenario under ASan and UBSan; bus and launcher under TSan
   long_fuzz       every fuzz target for ten minutes
+  long_packages   the Debian packages: made, installed in a clean Debian 12, used, replaced, removed; as root
+  long_soak       an hour of protection.yaml in real time, a hundred starts of each scenario beside busy loops
   long_tidy       clang-tidy on everything
 EOT
 }
@@ -73,7 +75,7 @@ needs() { # needs TIER...: whether one of them will run
   for tier in "$@"; do case " ${tiers[*]} " in *" $tier "*) return 0 ;; esac; done
   return 1
 }
-if ! needs build && needs unit integration scenarios slow more_scenarios e2e arm64 long_tests long_scenarios &&
+if ! needs build && needs unit integration scenarios slow more_scenarios e2e arm64 long_tests long_scenarios long_soak &&
   { [ ! -e "$root/build/release/.programs_built" ] || ! grep -qs '^GRIDSPACE_TESTS:.*=ON' "$root/build/release/CMakeCache.txt"; }; then
   say "the tests are not built here yet: the tier 'build' is added"
   tiers=(build "${tiers[@]}")
@@ -106,6 +108,7 @@ for tier in "${tiers[@]}"; do
   note="" began=$SECONDS verdict=passed
   : >"$times"
   "tier_$tier" || { verdict=FAILED worst=1; }
+  case $note in 'NOT RUN'*) verdict=NOT_RUN ;; esac
   took=$((SECONDS - began))
   if [ "$(wc -l <"$times")" -gt 1 ]; then
     echo "slowest:$(sort -rn "$times" | head -n 20 | awk '$1 >= 1 { printf "%s %s %.0f s", sep, $2, $1; sep = "," }')"
@@ -118,13 +121,13 @@ for tier in "${tiers[@]}"; do
 done
 
 printf '\n== summary\n'
-total=0 passed=0
+total=0 passed=0 not_run=0
 for took in "${seconds[@]}"; do total=$((total + took)); done
 for i in "${!names[@]}"; do
-  case ${rows[i]} in passed*) passed=$((passed + 1)) ;; esac
+  case ${rows[i]} in passed*) passed=$((passed + 1)) ;; NOT_RUN*) not_run=$((not_run + 1)) ;; esac
   printf '%-15s %-7s %5d s %3d %%  %s\n' "${names[i]}" "${rows[i]%%|*}" "${seconds[i]}" $((total > 0 ? 100 * seconds[i] / total : 0)) "${rows[i]#*|}"
 done
 [ "${#growth[@]}" -eq 0 ] || printf '%s\n' "${growth[@]}"
 printf 'total %d s (load %s on %s processors; earlier runs: build/test_history.csv)\n' "$SECONDS" "$(cut -d' ' -f1 /proc/loadavg)" "$(nproc)"
-printf 'tiers: %d passed, %d failed\n' "$passed" $((${#names[@]} - passed))
+printf 'tiers: %d passed, %d failed, %d skipped\n' "$passed" $((${#names[@]} - passed - not_run)) "$not_run"
 exit "$worst"

@@ -98,6 +98,7 @@ Result<void> AgentMember::open_reads(program::Values const& values) {
             return ok;
         }
         readers_.push_back({declared, topic.topic, *type, std::move(inbox)});
+        works_in_every_tick_ |= topic.triggers && node_.is_of_simulator(topic.topic);
     }
     return {};
 }
@@ -256,7 +257,10 @@ void AgentMember::goes_on_to(SimTime now) {
     }
 }
 
-std::uint64_t AgentMember::next_tick(bus::Tick const&) const {
+std::uint64_t AgentMember::next_tick(bus::Tick const& tick) const {
+    if (works_in_every_tick_) {
+        return tick.number + 1;
+    }
     auto const timer = timers_.next();
     auto const frame = streams_ != nullptr ? streams_->next() : std::nullopt;
     return std::min(timer ? grid_.tick_of(timer->time) : bus::TickGrid::kNever,

@@ -61,6 +61,8 @@ class AgentMember : public bus::Member {
     [[nodiscard]] Result<void> write(int writer, void const* sample, std::size_t size);
     [[nodiscard]] Result<void> signal(int number, double value);
     void fail_with(Error error); ///< what run_member returns when the callback has
+    /// What its callback `end` has failed with.
+    [[nodiscard]] Result<void> outcome() const { return failure_ ? std::unexpected{*failure_} : Result<void>{}; }
     /// The program was told why something was not done: what is said of a callback that fails without a word.
     void refused(std::string why) { refused_ = std::move(why); }
 
@@ -101,6 +103,7 @@ class AgentMember : public bus::Member {
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::vector<double> row_;
     bool row_is_new_{false}, begins_{false};
+    bool works_in_every_tick_{false}; ///< a sample of the simulator is to be answered at once
     Timers timers_;
     SimTime now_;
     std::vector<SampleInbox::Arrival> arrivals_; ///< of a tick; reused

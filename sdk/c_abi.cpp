@@ -16,6 +16,7 @@
 #include <mutex>
 #include <span>
 #include <string_view>
+#include <thread>
 
 using namespace gridspace;
 
@@ -52,6 +53,22 @@ int code_of(gridspace_agent& agent, Result<int> const& result) {
 
 int code_of(gridspace_agent& agent, Result<void> const& result) {
     return code_of(agent, result ? Result<int>{0} : Result<int>{std::unexpected{result.error()}});
+}
+
+/// Of gridspace_main: callbacks come on it.
+std::thread::id agent_thread;
+
+/// The same of a function that only callbacks may call; on another thread it does nothing.
+template <class Body>
+int in_callback(gridspace_agent& agent, Body const& body) noexcept {
+    return guarded(-1, [&] {
+        if (std::this_thread::get_id() != agent_thread) {
+            note("called on another thread than the one that calls the agent; hand it over, and call it in a callback, "
+                 "of a timer for example");
+            return -1;
+        }
+        return code_of(agent, body());
+    });
 }
 
 int number_or_note(std::optional<int> number, char const* what, char const* name) {
@@ -114,7 +131,8 @@ int run_program(gridspace_program const& given, int argc, char** argv) {
                             [&](DaemonRun& run) {
                                 return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
                                     gridspace_agent agent{*program, settings, wire, node};
-                                    return bus::run_member(node, agent);
+                                    auto const ok = bus::run_member(node, agent);
+                                    return ok ? agent.outcome() : ok;
                                 });
                             },
                         .declaration = [&] { return program->declaration; },
@@ -130,6 +148,7 @@ int gridspace_main(gridspace_program const* program, int argc, char** argv) {
         std::fputs("gridspace_main: gridspace_program.size is not sizeof(gridspace_program)\n", stderr);
         return static_cast<int>(ExitCode::usage);
     }
+    agent_thread = std::this_thread::get_id();
     int const code = guarded(-1, [&] { return run_program(*program, argc, argv); });
     if (code < 0) {
         std::fprintf(stderr, "gridspace_main: %s\n", last_error.c_str());
@@ -174,15 +193,15 @@ char const* gridspace_process(gridspace_agent const* agent) {
 }
 
 int gridspace_every(gridspace_agent* agent, char const* period_s) {
-    return guarded(-1, [&] { return code_of(*agent, agent->every(period_s)); });
+    return in_callback(*agent, [&] { return agent->every(period_s); });
 }
 
 int gridspace_at(gridspace_agent* agent, int64_t time_ns) {
-    return guarded(-1, [&] { return code_of(*agent, agent->at(time_ns)); });
+    return in_callback(*agent, [&] { return agent->at(time_ns); });
 }
 
 int gridspace_cancel(gridspace_agent* agent, int timer) {
-    return guarded(-1, [&] { return code_of(*agent, agent->cancel(timer)); });
+    return in_callback(*agent, [&] { return agent->cancel(timer); });
 }
 
 char const* gridspace_setting(gridspace_agent const* agent, char const* path) {
@@ -227,7 +246,7 @@ int gridspace_writer(gridspace_agent const* agent, char const* topic) {
 }
 
 int gridspace_write(gridspace_agent* agent, int writer, void const* sample, size_t size) {
-    return guarded(-1, [&] { return code_of(*agent, agent->write(writer, sample, size)); });
+    return in_callback(*agent, [&] { return agent->write(writer, sample, size); });
 }
 
 void gridspace_keep(void const* sample) {
@@ -258,7 +277,7 @@ char const* gridspace_layout(char const* type, char const* idl_file) {
 }
 
 int gridspace_signal(gridspace_agent* agent, int signal, double value) {
-    return guarded(-1, [&] { return code_of(*agent, agent->signal(signal, value)); });
+    return in_callback(*agent, [&] { return agent->signal(signal, value); });
 }
 
 int gridspace_signal_number(gridspace_agent const* agent, char const* name) {

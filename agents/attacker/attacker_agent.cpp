@@ -161,7 +161,9 @@ class AttackerAgent final : public bus::Member {
         if (auto const work = next_work()) {
             needed = std::min(needed, grid_.tick_of(clock_.at_or_after(*work)));
         }
-        return needed;
+        bool const in_every_tick = std::ranges::any_of(
+            attacks_, [](auto const& attack) { return attack->topic && attack->topic->works_in_every_tick(); });
+        return in_every_tick ? tick.number + 1 : needed;
     }
 
     std::optional<std::chrono::steady_clock::time_point> deadline() const override {
@@ -340,8 +342,10 @@ class AttackerAgent final : public bus::Member {
         elapse(until_ns);
         for (auto const& attack : attacks_) {
             if (attack->topic) {
-                attack->now_ns = until_ns;
-                attack->topic->work(until_ns, latency_, attack->tell);
+                attack->topic->work(until_ns, latency_, [&](Label const& label, std::int64_t time_ns) {
+                    attack->now_ns = time_ns;
+                    attack->tell(label);
+                });
             }
         }
     }

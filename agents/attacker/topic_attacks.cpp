@@ -29,19 +29,23 @@ class CurrentsAttack final : public TopicAttack {
         return {};
     }
 
-    void work(std::int64_t, SimSpan latency, Tell const& tell) override {
+    void work(std::int64_t, SimSpan latency, TellAt const& tell) override {
         for (auto const& received : reader_->take()) {
             LineCurrents const& real = received.value;
             if (!anticipation_ && !begin(real)) {
                 continue;
             }
             auto index = static_cast<std::int64_t>(real.first_index());
+            auto const tell_now = [&, at = node_.time_base().nanoseconds(received.origin.time)](Label const& label) {
+                tell(label, at);
+            };
             for (PhaseCurrents const& i : real.samples()) {
-                anticipation_->real(index++, {i.ia(), i.ib(), i.ic()}, tell);
+                anticipation_->real(index++, {i.ia(), i.ib(), i.ic()}, tell_now);
             }
             forge(real, node_.effect_time(received.origin.time, latency));
         }
     }
+    [[nodiscard]] bool works_in_every_tick() const override { return node_.is_of_simulator(config_.topic.name); }
     [[nodiscard]] std::uint64_t forged() const override { return forged_; }
 
   private:
@@ -122,7 +126,7 @@ class CommandAttack final : public TopicAttack {
         return {};
     }
 
-    void work(std::int64_t until_ns, SimSpan latency, Tell const& tell) override {
+    void work(std::int64_t until_ns, SimSpan latency, TellAt const& tell) override {
         for (auto const& received : reader_->take()) {
             std::int64_t const at_ns = node_.time_base().nanoseconds(received.origin.time);
             elapse(std::min(at_ns - 1, until_ns), latency, tell);
@@ -139,7 +143,7 @@ class CommandAttack final : public TopicAttack {
     [[nodiscard]] std::uint64_t forged() const override { return attack_.forged(); }
 
   private:
-    void elapse(std::int64_t until_ns, SimSpan latency, Tell const& tell) {
+    void elapse(std::int64_t until_ns, SimSpan latency, TellAt const& tell) {
         for (auto due = attack_.next_ns(); due && *due <= until_ns; due = attack_.next_ns()) {
             std::int64_t const now_ns = *due;
             auto const state = attack_.forge(now_ns);
@@ -154,7 +158,7 @@ class CommandAttack final : public TopicAttack {
             command.time_ns(node_.time_base().nanoseconds(effect));
             command.status(state->value);
             writer_->write(command, effect);
-            tell(Label{labels_++, 0, real_ ? 1.0 : 0.0, state->value ? 1.0 : 0.0});
+            tell(Label{labels_++, 0, real_ ? 1.0 : 0.0, state->value ? 1.0 : 0.0}, now_ns);
         }
     }
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/current_inputs.hpp"
 
-#include "gateways/iec61850/quality.hpp"
 #include "gateways/port/subscriptions.hpp"
 
 #include <algorithm>
@@ -12,39 +11,20 @@
 namespace gridspace::relay {
 namespace {
 
-Synch synch_of(std::uint8_t smp_synch) {
-    return smp_synch == iec61850::kNotSynchronised ? Synch::none
-           : smp_synch == iec61850::kGlobalClock   ? Synch::global
-                                                   : Synch::local;
-}
-
-Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs::Params const& params) {
+Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs::Members const& members,
+                                    CurrentInputs::Params const& params) {
     auto subscription = gateways::sv_subscription(stream);
     subscription.simulation = params.accept_test;
     // One end that is silent is noticed when its partner has waited for it in vain; both, by the same time.
     subscription.silence_periods = std::max(
         subscription.silence_periods, static_cast<double>(params.partner_timeout_ns) * 1e-9 * subscription.rate_hz);
-    CurrentInputs::End end{
-        iec61850::SvSubscriber{std::move(subscription)},
-        iec61850::SvLayout{stream.data_set},
-        {},
-        {},
-        1,
-        gateways::SvFirstLine{params.first_line, stream.rate_hz.to_double(), params.accept_test, params.judge_arrival}};
-    auto const& slots = end.layout.slots();
-    for (std::size_t phase = 0; phase < 3; ++phase) {
-        auto const slot = end.layout.index_of(params.channels[phase]);
-        if (!slot || !iec61850::is_number(slots[*slot].leaf.type)) {
-            return fail(ExitCode::usage,
-                        fmt::format("stream '{}' has no number '{}'", stream.name.name, params.channels[phase]));
-        }
-        end.current[phase] = *slot;
-        end.scale = iec61850::is_integer(slots[*slot].leaf.type) ? 1e-3 : 1.0;
-        if (*slot + 1 < slots.size() && slots[*slot + 1].leaf.type == iec61850::BasicType::quality) {
-            end.quality[phase] = *slot + 1;
-        }
+    auto reader = SampleReader::create(stream, members);
+    if (!reader) {
+        return std::unexpected{reader.error()};
     }
-    return end;
+    return CurrentInputs::End{
+        iec61850::SvSubscriber{std::move(subscription)}, std::move(*reader),
+        gateways::SvFirstLine{params.first_line, stream.rate_hz.to_double(), params.accept_test, params.judge_arrival}};
 }
 
 } // namespace
@@ -52,8 +32,8 @@ Result<CurrentInputs::End> make_end(streams::Stream const& stream, CurrentInputs
 Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams::Stream const& to,
                                             Params const& params) {
     std::vector<End> ends;
-    for (streams::Stream const* stream : {&from, &to}) {
-        auto end = make_end(*stream, params);
+    for (auto const& [stream, members] : {std::pair{&from, &params.members[0]}, {&to, &params.members[1]}}) {
+        auto end = make_end(*stream, *members, params);
         if (!end) {
             return std::unexpected{end.error()};
         }
@@ -71,25 +51,6 @@ Result<CurrentInputs> CurrentInputs::create(streams::Stream const& from, streams
                       {static_cast<std::int64_t>(2 * frame_ns), params.max_interpolated}};
     out.same_sv_id_ = from.sv_id == to.sv_id;
     return out;
-}
-
-EndSample CurrentInputs::read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu) {
-    EndSample sample;
-    sample.present = true;
-    sample.synch = synch_of(asdu.smp_synch);
-    sample.simulated = frame.header.simulated();
-    for (std::size_t phase = 0; phase < 3; ++phase) {
-        sample.i_a[phase] = end.layout.read(end.current[phase], asdu.sample).number() * end.scale;
-        if (end.quality[phase]) {
-            auto const q = static_cast<std::uint32_t>(end.layout.read(*end.quality[phase], asdu.sample).bits);
-            bool const questionable = (q & iec61850::quality::kValidity) == iec61850::quality::kQuestionable;
-            if (!iec61850::quality::is_good(q)) {
-                sample.validity = std::max(sample.validity, questionable ? Validity::questionable : Validity::invalid);
-            }
-            sample.test = sample.test || (q & iec61850::quality::kTest) != 0;
-        }
-    }
-    return sample;
 }
 
 /// Whether the sample may be used, by the rules and by what is configured about them.
@@ -133,7 +94,7 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPa
             if (arrival.accepted || arrival.event == iec61850::SvEvent::late) {
                 bool const restarted =
                     arrival.event == iec61850::SvEvent::first || arrival.event == iec61850::SvEvent::restart;
-                EndSample sample = read(end, decoded_, asdu);
+                EndSample sample = end.reader.read(decoded_.header, asdu);
                 if (std::exchange(end.contest_next, false)) {
                     sample.validity = std::max(sample.validity, Validity::questionable);
                 }

@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "agents/relay/line_sample.hpp"
+#include "agents/relay/sample_reader.hpp"
 #include "common/result.hpp"
 #include "gateways/first_line/first_line.hpp"
 #include "gateways/iec61850/stream_alignment.hpp"
-#include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
 #include "gateways/streams/stream.hpp"
 
@@ -19,10 +18,9 @@ namespace gridspace::relay {
 /// Two streams of sampled values in, time-aligned pairs out. Pure: frames and times are given to it.
 class CurrentInputs {
   public:
-    /// `channels`: members of the data sets that hold the phase currents. An integer counts milliamperes (9-2LE); a
-    /// member of type quality right behind a current is its quality.
+    using Members = PhaseMembers;
     struct Params {
-        std::array<std::string, 3> channels;
+        std::array<Members, 2> members;
         std::int64_t partner_timeout_ns{20'000'000};
         int max_interpolated{
             3}; ///< what the relay bridges: for more in a row that may be late only, it waits two frames
@@ -48,10 +46,7 @@ class CurrentInputs {
 
     struct End {
         iec61850::SvSubscriber subscriber;
-        iec61850::SvLayout layout;
-        std::array<std::size_t, 3> current{};
-        std::array<std::optional<std::size_t>, 3> quality{};
-        double scale{1};
+        SampleReader reader;
         gateways::SvFirstLine first_line;
         bool contest_next{false}; ///< a contested sample had been given out already: its successor answers for it
     };
@@ -64,7 +59,6 @@ class CurrentInputs {
         : ends_{std::move(ends)}, alignment_{timeout_ns, wrap, held_back, overtaking} {}
     [[nodiscard]] bool pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place,
                                        std::int64_t arrival_ns);
-    [[nodiscard]] static EndSample read(End const& end, iec61850::SvFrame const& frame, iec61850::Asdu const& asdu);
     void give_out(std::int64_t now_ns, OnPair const& on_pair);
 
     std::vector<End> ends_; ///< from, to

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "agents/relay/line_sample.hpp"
+#include "agents/relay/common/line_sample.hpp"
 #include "common/rational.hpp"
 #include "common/result.hpp"
 

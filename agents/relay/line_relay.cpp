@@ -21,7 +21,7 @@ BlockReasons wrong_with(EndSample const& s, RelayParams const& params) {
         return kFromLost;
     }
     BlockReasons out = 0;
-    if (!plausible(s.i_a) || s.validity == Validity::invalid ||
+    if (!plausible(s.i_a) || !plausible(s.v_v) || s.validity == Validity::invalid ||
         (s.validity == Validity::questionable && !params.accept_questionable)) {
         out |= kFromQuality;
     }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "agents/relay/common/relay_events.hpp"
 #include "agents/relay/differential_element.hpp"
-#include "agents/relay/relay_events.hpp"
 
 namespace gridspace::relay {
 

@@ -7,7 +7,7 @@ namespace gridspace::relay {
 void describe(config::Fields& f, RelayLogicConfig& config) {
     using Kind = ElementParams::Kind;
     using SealIn = RelayLogicConfig::SealIn;
-    f.object("element", {.doc = "the differential element", .required = true}, [&](config::Fields& e) {
+    f.object("element", {.doc = "the differential element of a line"}, [&](config::Fields& e) {
         e.choice<Kind>("kind", config.kind, {{"phasor", Kind::phasor}, {"rms", Kind::rms}},
                        {.doc = "phasor: full-cycle DFT with restraint; rms: Eq. (5)-(6) as published"});
         e.fraction("window_cycles", config.window_cycles,

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/relay_parts.hpp"
 
+#include "agents/relay/functions/function_config.hpp"
 #include "common/text.hpp"
 #include "ids/forecaster/model_file.hpp"
 
 #include <array>
 #include <cstdlib>
+#include <fmt/format.h>
 
 namespace gridspace::relay {
 namespace {
@@ -15,7 +17,7 @@ using gateways::WireClock;
 using gateways::WirePort;
 
 struct Streams {
-    streams::Stream const *from, *to, *trip;
+    streams::Stream const *from, *to, *trip; ///< of a bay with one stream, `from` and `to` are the same
 };
 
 Result<Streams> find_streams(RelaySettings const& settings) {
@@ -24,16 +26,45 @@ Result<Streams> find_streams(RelaySettings const& settings) {
         return gateways::stream_of(settings.wire.streams, name, kind, diagnostics);
     };
     RelayConfig const& config = settings.relay;
-    Streams const out{find(config.from_stream, streams::Kind::smv), find(config.to_stream, streams::Kind::smv),
+    std::vector<config::Ref> const inputs = config.inputs();
+    if (inputs.empty() || inputs.size() > 2) {
+        return fail(ExitCode::usage, fmt::format("the relay hears {} streams", inputs.size()),
+                    "one or two are possible");
+    }
+    Streams const out{find(inputs.front(), streams::Kind::smv), find(inputs.back(), streams::Kind::smv),
                       find(config.trip, streams::Kind::goose)};
     return diagnostics.ok() && out.from != nullptr && out.to != nullptr && out.trip != nullptr
                ? Result<Streams>{out}
                : fail(ExitCode::usage, diagnostics.render());
 }
 
+Result<void> make_bay(RelayConfig const& config, Rational rate_hz, RelayParts& out) {
+    auto const params = make_bay_params(config, rate_hz);
+    if (!params) {
+        return std::unexpected{params.error()};
+    }
+    config::Diagnostics diagnostics;
+    auto set =
+        make_functions(config.bay.functions,
+                       {params->rate_hz, params->frequency_hz, params->samples_per_cycle, params->inputs}, diagnostics);
+    if (!set) {
+        return fail(ExitCode::usage, diagnostics.render());
+    }
+    std::vector<config::Ref> const inputs = config.inputs();
+    auto const source = [&](config::Ref const& stream) {
+        return stream.empty() ? std::nullopt : std::optional{BaySource{stream == inputs.front() ? 0U : 1U}};
+    };
+    out.sources = {source(config.bay.currents), source(config.bay.voltages), source(config.bay.bus_voltages)};
+    out.bay = std::make_unique<BayRelay>(*params, std::move(*set));
+    return {};
+}
+
 Result<void> make_relay(RelaySettings const& settings, Rational rate_hz, DaemonRun& run, bus::Node& node,
                         RelayParts& out) {
     RelayConfig const& config = settings.relay;
+    if (config.is_of_bay()) {
+        return make_bay(config, rate_hz, out);
+    }
     auto params =
         make_params(config.logic, rate_hz, Rational::parse(shortest(config.frequency_hz)).value_or(Rational{60}));
     if (!params) {
@@ -62,9 +93,28 @@ Result<void> make_relay(RelaySettings const& settings, Rational rate_hz, DaemonR
     return {};
 }
 
+/// What is read of the streams.
+std::array<CurrentInputs::Members, 2> members_of(RelayConfig const& config) {
+    std::array<CurrentInputs::Members, 2> out;
+    if (!config.is_of_bay()) {
+        out[0].currents = out[1].currents = config.channels;
+        return out;
+    }
+    std::vector<config::Ref> const inputs = config.inputs();
+    for (std::size_t end = 0; end < inputs.size(); ++end) {
+        if (inputs[end] == config.bay.currents) {
+            out[end].currents = config.bay.current_members;
+        }
+        if (inputs[end] == config.bay.voltages || inputs[end] == config.bay.bus_voltages) {
+            out[end].voltages = config.bay.voltage_members;
+        }
+    }
+    return out;
+}
+
 Result<void> make_inputs(RelayConfig const& config, Streams const& streams, bool simulated, RelayParts& out) {
     auto inputs = CurrentInputs::create(*streams.from, *streams.to,
-                                        {config.channels, static_cast<std::int64_t>(config.partner_timeout_ms * 1e6),
+                                        {members_of(config), static_cast<std::int64_t>(config.partner_timeout_ms * 1e6),
                                          static_cast<int>(config.logic.max_interpolated), config.first_line,
                                          config.logic.test_mode, !simulated});
     if (!inputs) {
@@ -81,7 +131,7 @@ void make_event_report(RelayConfig const& relay, std::string const& process, Rel
     if (config.folder.empty() && run != nullptr) {
         config.folder = std::filesystem::path{run} / "event_reports";
     }
-    if (config.trigger != EventReportConfig::Trigger::off && !config.folder.empty()) {
+    if (config.trigger != EventReportConfig::Trigger::off && !config.folder.empty() && !relay.is_of_bay()) {
         out.event_report = std::make_unique<EventReport>(
             config,
             EventReportFacts{process, relay.from_stream.name, relay.to_stream.name, out.rate_hz, relay.frequency_hz});
@@ -94,7 +144,11 @@ Result<void> open_wire(RelaySettings const& settings, Streams const& streams, bu
         return std::unexpected{port.error()};
     }
     out.port = std::move(*port);
-    auto publisher = TripPublisher::create(node, *out.port, *streams.trip, settings.relay.trip_field);
+    std::vector<std::string> fields{settings.relay.trip_field};
+    for (auto const& output : settings.relay.bay.outputs) {
+        fields.push_back(output.first);
+    }
+    auto publisher = TripPublisher::create(node, *out.port, *streams.trip, fields);
     if (!publisher) {
         return std::unexpected{publisher.error()};
     }
@@ -107,10 +161,10 @@ Result<void> open_first_line(RelayConfig const& config, DaemonRun& run, bus::Nod
         return {};
     }
     std::vector<gateways::FirstLineReport::Stream> streams;
-    std::array<config::Ref const*, 2> const names{&config.from_stream, &config.to_stream};
-    for (std::size_t i = 0; i < 2; ++i) {
+    std::vector<config::Ref> const names = config.inputs();
+    for (std::size_t i = 0; i < names.size(); ++i) {
         gateways::SvFirstLine const& rules = out.inputs->end(i).first_line;
-        streams.push_back({names[i]->name, streams::Kind::smv, [&rules] { return rules.counters(); },
+        streams.push_back({names[i].name, streams::Kind::smv, [&rules] { return rules.counters(); },
                            [&rules] { return rules.refused(); }, [&rules] { return rules.contested(); }});
     }
     auto report = gateways::FirstLineReport::create(node, run, std::move(streams), out.port->authentication());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "agents/relay/event_report.hpp"
+#include "agents/relay/functions/bay_relay.hpp"
 #include "agents/relay/guarded_relay.hpp"
 #include "agents/relay/intrusion_output.hpp"
 #include "agents/relay/relay_signals.hpp"
@@ -11,6 +12,7 @@
 #include "gateways/port/wire_config.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace gridspace::relay {
 
@@ -19,10 +21,20 @@ struct RelaySettings {
     gateways::WireConfig wire;
 };
 
+/// Which end of the inputs an input of a bay comes from.
+struct BaySource {
+    std::size_t end{0};
+};
+struct BaySources {
+    std::optional<BaySource> currents, voltages, bus_voltages;
+};
+
 /// What gridspace-relay is made of.
 struct RelayParts {
-    double rate_hz{0}; ///< of both streams
-    std::unique_ptr<GuardedRelay> relay;
+    double rate_hz{0};                   ///< of the streams
+    std::unique_ptr<GuardedRelay> relay; ///< of a line
+    std::unique_ptr<BayRelay> bay;       ///< or of a bay
+    BaySources sources;
     std::unique_ptr<IntrusionOutput> intrusion; ///< with a detector
     std::unique_ptr<CurrentInputs> inputs;
     std::unique_ptr<EventReport> event_report; ///< when it is wanted

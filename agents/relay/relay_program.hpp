@@ -3,6 +3,7 @@
 #pragma once
 
 #include "agents/relay/event_report_config.hpp"
+#include "agents/relay/functions/bay_relay.hpp"
 #include "agents/relay/relay_config.hpp"
 #include "gateways/first_line/first_line_config.hpp"
 #include "ids/detector/detector_config.hpp"
@@ -10,6 +11,8 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace gridspace::relay {
 
@@ -19,8 +22,24 @@ using config::Ref;
 inline constexpr std::array<char const*, 7> kIdsCounters{"samples", "flagged",  "open_flagged", "replaced",
                                                          "filled",  "restarts", "unusable"};
 
-/// gridspace-relay: two streams of sampled currents in, a trip by GOOSE out.
+/// `functions:`: the relay of a bay instead of the differential of a line.
+struct BayConfig {
+    Ref currents, voltages, bus_voltages; ///< streams; at most two different ones
+    std::array<std::string, 3> current_members{"Ia", "Ib", "Ic"}, voltage_members{"Va", "Vb", "Vc"};
+    config::Node functions;                           ///< read by make_functions()
+    std::vector<std::pair<std::string, Ref>> outputs; ///< members of the trip stream, and what they say: PTOC1.op
+    double offset_cycles{2};
+    double minimum_v{0};
+    double hold_ms{1000};
+    bool reversed{false}; ///< the CT counts out of what is protected; the launcher takes it from the network
+};
+
+/// gridspace-relay: sampled values in, a trip by GOOSE out.
 struct RelayConfig {
+    BayConfig bay;
+    [[nodiscard]] bool is_of_bay() const { return !bay.functions.is_null(); }
+    /// The streams that it hears, each once: of the line's ends, or of the bay.
+    [[nodiscard]] std::vector<Ref> inputs() const;
     Ref from_stream, to_stream; ///< of the two ends of the line
     std::array<std::string, 3> channels{"Ia", "Ib", "Ic"};
     Ref trip; ///< GOOSE stream
@@ -37,5 +56,8 @@ struct RelayConfig {
         to_positive{Positive::from_to}; ///< of the CTs; the launcher takes them from the network
 };
 void describe(config::Fields& f, RelayConfig& config);
+
+/// The relay of a bay whose streams have `rate_hz`.
+[[nodiscard]] Result<BayParams> make_bay_params(RelayConfig const& config, Rational rate_hz);
 
 } // namespace gridspace::relay

@@ -11,9 +11,12 @@ Result<std::unique_ptr<RelaySignals>> RelaySignals::create(bus::Node& node, Rela
         return std::unexpected{statistics.error()};
     }
     out->statistics_ = std::move(*statistics);
-    out->rows_ = {&out->statistics_->add(config.from_stream.name, STREAM_RECEIVED),
-                  &out->statistics_->add(config.to_stream.name, STREAM_RECEIVED),
-                  &out->statistics_->add(config.trip.name, STREAM_SENT)};
+    std::vector<Ref> const inputs = config.inputs();
+    out->streams_ = inputs.size();
+    for (Ref const& stream : inputs) {
+        out->rows_.push_back(&out->statistics_->add(stream.name, STREAM_RECEIVED));
+    }
+    out->rows_.push_back(&out->statistics_->add(config.trip.name, STREAM_SENT));
     std::string const prefix = "relay." + node.config().process + ".";
     auto state = bus::SignalPublisher::create(
         node, "relay", 0,
@@ -23,12 +26,12 @@ Result<std::unique_ptr<RelaySignals>> RelaySignals::create(bus::Node& node, Rela
     }
     out->state_ = std::move(*state);
     std::vector<bus::SignalColumn> columns;
-    for (config::Ref const* stream : {&config.from_stream, &config.to_stream}) {
+    for (Ref const& stream : inputs) {
         for (char const* name : {"received", "lost", "duplicate", "late", "invalid", "silences"}) {
-            columns.push_back({"stream." + stream->name + "." + name, ""});
+            columns.push_back({"stream." + stream.name + "." + name, ""});
         }
         if (!out->clock_.simulated()) { // says nothing where nobody looks at a clock
-            columns.push_back({"stream." + stream->name + ".rate_hz", "Hz"});
+            columns.push_back({"stream." + stream.name + ".rate_hz", "Hz"});
         }
     }
     auto counters = bus::SignalPublisher::create(node, "streams", 1, std::move(columns));
@@ -47,9 +50,9 @@ Result<void> RelaySignals::open_ages(RelayConfig const& config, double rate_hz) 
     auto const open = [&](char const* group, std::string name) {
         return bus::SignalPublisher::create(node_, group, rate_hz, {{std::move(name), "ms"}});
     };
-    std::array<config::Ref const*, 2> const streams{&config.from_stream, &config.to_stream};
-    for (std::size_t i = 0; i < 2; ++i) {
-        auto arrivals = open(i == 0 ? "arrival_from" : "arrival_to", "stream." + streams[i]->name + ".arrival_age_ms");
+    std::vector<Ref> const streams = config.inputs();
+    for (std::size_t i = 0; i < streams.size(); ++i) {
+        auto arrivals = open(i == 0 ? "arrival_from" : "arrival_to", "stream." + streams[i].name + ".arrival_age_ms");
         if (!arrivals) {
             return std::unexpected{arrivals.error()};
         }
@@ -115,13 +118,13 @@ bool RelaySignals::due(SimTime now, bool final) {
 
 void RelaySignals::report_statistics(SimTime now, CurrentInputs const& inputs, TripPublisher const& trip,
                                      gateways::WirePort& port) {
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < streams_; ++i) {
         gateways::report_received(*rows_[i], inputs.end(i).subscriber);
         rows_[i]->refused(rows_[i]->refused() + inputs.end(i).first_line.refused());
         rows_[i]->dropped(port.dropped());
     }
-    gateways::report_sent(*rows_[2], trip.counters());
-    rows_[2]->dropped(port.sent_counters().send_failed);
+    gateways::report_sent(*rows_.back(), trip.counters());
+    rows_.back()->dropped(port.sent_counters().send_failed);
     statistics_->publish(now);
 }
 
@@ -129,7 +132,7 @@ bool RelaySignals::report_counters(SimTime now, bool final, CurrentInputs const&
     std::array<double, 14> row{};
     std::size_t const columns = clock_.simulated() ? 6 : 7;
     std::int64_t const wall = clock_.now();
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < streams_; ++i) {
         using iec61850::SvEvent;
         auto const& c = inputs.end(i).subscriber.counters();
         double* out = row.data() + columns * i;
@@ -154,7 +157,7 @@ bool RelaySignals::report_counters(SimTime now, bool final, CurrentInputs const&
     if (columns > 6 && nothing_to_compare) {
         return false;
     }
-    counters_->row(now, row);
+    counters_->row(now, std::span{row}.first(columns * streams_));
     return true;
 }
 

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 namespace gridspace::relay {
 
@@ -20,6 +21,7 @@ class RelaySignals {
     /// Before Node::start.
     [[nodiscard]] static Result<std::unique_ptr<RelaySignals>> create(bus::Node& node, RelayConfig const& config,
                                                                       double rate_hz);
+    [[nodiscard]] std::size_t streams() const { return streams_; } ///< of sampled values: 1 or 2
 
     void announce(SimTime now);
     /// `sample_s`: simulated time of the sample that it comes from.
@@ -44,11 +46,12 @@ class RelaySignals {
 
     bus::Node& node_;
     gateways::WireClock clock_;
+    std::size_t streams_{2};
     std::unique_ptr<bus::SignalPublisher> state_, counters_;
     std::array<std::unique_ptr<bus::SignalPublisher>, 2> arrival_ages_; ///< real time
     std::unique_ptr<bus::SignalPublisher> decision_ages_;               ///< real time
     std::unique_ptr<gateways::StatisticsPublisher> statistics_;
-    std::array<StreamStatistics*, 3> rows_{}; ///< both currents, the trip
+    std::vector<StreamStatistics*> rows_; ///< the inputs, the trip
     std::int64_t reported_{-1}, reported_wall_ns_{0};
     std::array<std::uint64_t, 2> reported_samples_{};
 };

@@ -46,11 +46,15 @@ def tick_us(agent):
 
 def main():
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 3
-    differences = []
+    ticks, differences = [], []
     for number in range(rounds):
         ours, python = tick_us(AGENTS["C++"]), tick_us(AGENTS["Python"])
+        ticks.append([*ours, *python])
         differences.append([p - o for o, p in zip(ours, python)])
         print(f"round {number + 1}: a tick of C++ {ours[0]:.0f} us of processor time ({ours[1]:.0f} us of wall time), of Python {python[0]:.0f} ({python[1]:.0f})")
+    ours_cpu, ours_wall, python_cpu, python_wall = (statistics.median(column) for column in zip(*ticks))
+    print(f"median: C++ {ours_cpu:.0f} us of processor time ({ours_wall:.0f} us of wall time), Python {python_cpu:.0f} ({python_wall:.0f}); "
+          f"ratio {python_cpu / ours_cpu:.2f} ({python_wall / ours_wall:.2f})")
     processor, wall = (statistics.median(column) for column in zip(*differences))
     print(f"Python takes {processor:.0f} us of processor time ({wall:.0f} us of wall time) more in a tick")
 

@@ -47,17 +47,31 @@ void TickGate::on_ack(std::size_t process, std::uint64_t tick) {
     }
 }
 
+bool TickGate::holds_acknowledgements() const {
+    return pending_ &&
+           std::ranges::all_of(upstream_, [](Upstream const& upstream) { return upstream.acked >= upstream.awaited; });
+}
+
+bool TickGate::holds_samples() const {
+    return holds_acknowledgements() && (simulator_ == LedgerBook::kUnknown || book_.complete(simulator_)) &&
+           std::ranges::all_of(upstream_, [&](Upstream const& upstream) { return book_.complete(upstream.process); });
+}
+
+bool TickGate::lacks_only_samples() const {
+    return holds_acknowledgements() && !holds_samples();
+}
+
+bool TickGate::holds_frames() const {
+    return wires_ == nullptr ||
+           std::ranges::all_of(upstream_, [&](Upstream const& upstream) { return wires_->complete(upstream.process); });
+}
+
+bool TickGate::lacks_only_frames() const {
+    return holds_samples() && !holds_frames();
+}
+
 std::optional<TickGate::Grant> TickGate::granted() const {
-    if (!pending_ || (simulator_ != LedgerBook::kUnknown && !book_.complete(simulator_))) {
-        return std::nullopt;
-    }
-    for (Upstream const& upstream : upstream_) {
-        if (upstream.acked < upstream.awaited || !book_.complete(upstream.process) ||
-            (wires_ != nullptr && !wires_->complete(upstream.process))) {
-            return std::nullopt;
-        }
-    }
-    return Grant{pending_->tick, pending_->final};
+    return holds_samples() && holds_frames() ? std::optional{Grant{pending_->tick, pending_->final}} : std::nullopt;
 }
 
 std::string TickGate::awaiting() const {

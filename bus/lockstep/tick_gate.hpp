@@ -37,6 +37,10 @@ class TickGate {
     };
     /// The tick to work on now; nothing while something is missing.
     [[nodiscard]] std::optional<Grant> granted() const;
+    /// The pending tick has all its acknowledgements, and lacks samples that these speak of.
+    [[nodiscard]] bool lacks_only_samples() const;
+    /// The pending tick lacks nothing but raw frames that are announced.
+    [[nodiscard]] bool lacks_only_frames() const;
     /// The work of the granted tick is done.
     void done() { pending_.reset(); }
 
@@ -57,6 +61,10 @@ class TickGate {
         std::uint64_t tick;
         bool final;
     };
+
+    [[nodiscard]] bool holds_acknowledgements() const;
+    [[nodiscard]] bool holds_samples() const; ///< clock, acknowledgements and samples of the pending tick
+    [[nodiscard]] bool holds_frames() const;
 
     LedgerBook& book_;
     WireBook const* wires_;

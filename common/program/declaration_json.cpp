@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace gridspace::program {
 namespace {
@@ -112,6 +113,35 @@ void describe_keys(Fields& f, std::string_view name, std::vector<Key>& keys, std
     f.list(name, {.doc = doc}, [&](Fields& k) { describe_key(k, keys.emplace_back(), depth + 1); });
 }
 
+/// A default must be a value that may be given.
+void check_default(Fields& f, Key key) {
+    using Kind = Key::Kind;
+    bool const has_range = key.kind == Kind::number || key.kind == Kind::integer || key.kind == Kind::fraction ||
+                           key.kind == Kind::flag || (key.kind == Kind::word && !key.words.empty());
+    if (key.default_text.empty() || !has_range) {
+        return;
+    }
+    config::Diagnostics mistakes;
+    config::Node given = config::Node::map();
+    given.set(key.key, config::Node::scalar(key.default_text));
+    config::read_fields(given, "", mistakes, [&](Fields& g) { config::read_keys(g, {key}); });
+    if (!mistakes.ok()) {
+        f.error("default", fmt::format("the setting '{}' cannot have its own default, {}", key.key, key.default_text),
+                "a value of its kind, within its bounds");
+    }
+}
+
+/// Nothing is said twice.
+template <class T, class Name>
+void check_names(Fields& f, std::string_view list, std::vector<T> const& all, Name const& name) {
+    std::set<std::string_view> seen;
+    for (T const& one : all) {
+        if (!seen.insert(name(one)).second) {
+            f.error(list, fmt::format("`{}` has '{}' twice", list, name(one)));
+        }
+    }
+}
+
 void describe_key(Fields& f, Key& key, int depth) {
     f.text("key", key.key, {.doc = "its name; a unit is its suffix", .required = true});
     std::string kind;
@@ -135,6 +165,7 @@ void describe_key(Fields& f, Key& key, int depth) {
     if (key.kind == Key::Kind::word && key.words.empty()) {
         f.error("", fmt::format("the setting '{}' is a word, and no words are named", key.key), "words: [...]");
     }
+    check_default(f, key);
     if (f.has("keys")) {
         describe_keys(f, "keys", key.children, "of an object, the entries of a map, the items of a list", depth);
     }
@@ -192,6 +223,11 @@ void describe(Fields& f, Declaration& d) {
     describe_list(f, "reads", d.reads, "topics that it reads");
     describe_list(f, "writes", d.writes, "topics that it writes");
     describe_list(f, "signals", d.signals, "signals that it publishes");
+    check_names(f, "settings", d.settings, [](Key const& key) -> std::string_view { return key.key; });
+    for (auto const& [list, topics] : {std::pair{"reads", &d.reads}, {"writes", &d.writes}}) {
+        check_names(f, list, *topics, [](Topic const& topic) -> std::string_view { return topic.topic; });
+    }
+    check_names(f, "signals", d.signals, [](Signal const& signal) -> std::string_view { return signal.name; });
 }
 
 } // namespace

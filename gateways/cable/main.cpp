@@ -16,13 +16,14 @@ namespace {
 
 constexpr std::string_view kSeparator = "---"; // ssh's own words have a "--"
 
+constexpr char const* kUsage =
+    "the cable of `run_on: ssh:HOST`: carries Ethernet frames over ssh; started by `gridspace run`\n"
+    "Usage: gridspace-cable far BUNDLE | check\n"
+    "       gridspace-cable near --place HOST --patience SECONDS --files FOLDER [--outer FILE]\n"
+    "                            [--port NAME,MAC,ADDRESS:TAP]... --- SSH ARGUMENT... --- PROGRAM ARGUMENT...\n";
+
 int usage() {
-    std::fputs("usage: gridspace-cable far BUNDLE | check\n"
-               "       gridspace-cable near --place HOST --patience SECONDS --files FOLDER [--outer FILE] [--port "
-               "NAME,MAC,ADDRESS:TAP]...\n"
-               "                            --- SSH ARGUMENT... --- PROGRAM ARGUMENT...\n"
-               "The cable of `run_on: ssh:HOST`; started by `gridspace run`.\n",
-               stderr);
+    std::fputs(kUsage, stderr);
     return static_cast<int>(gridspace::ExitCode::usage);
 }
 
@@ -76,6 +77,10 @@ int main(int argc, char** argv) {
     }
     if (verb == "--version") {
         std::puts(gridspace::version_text("gridspace-cable").c_str());
+        return 0;
+    }
+    if (verb == "--help" || verb == "-h") {
+        std::fputs(kUsage, stdout);
         return 0;
     }
     return usage();

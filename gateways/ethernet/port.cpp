@@ -200,7 +200,7 @@ std::size_t Port::receive(std::span<ReceivedFrame> out) noexcept {
             count = lane->receiver->receive(out);
         }
         if (count == 0) {
-            if (impl_->either) {
+            if (impl_->either && impl_->options.waited_for) {
                 impl_->take_errors();
             }
             return 0;

@@ -124,6 +124,7 @@ Result<std::unique_ptr<IndexedSink>> IndexedSink::create(GatewayContext const& c
     params.rate_hz = raw->stream().rate_hz.to_double() * context.wire.speed;
     params.buffer_s = route.config.buffer_ms / 1e3;
     params.sample_octets = raw->sample_.size();
+    params.expects_zero = !context.node.config().clock.simulator.empty();
     raw->sender_ = std::make_unique<ScheduledSender>(
         params,
         [raw](std::int64_t index, std::span<std::uint8_t const> sample) {
@@ -143,6 +144,13 @@ void IndexedSink::put(Moment, std::int64_t index) {
     }
     encode(sample_);
     if (sender_ != nullptr) {
+        bool const has_clock = !context_.node.config().clock.simulator.empty();
+        std::int64_t const zero = zero_is_known_ || !has_clock ? 0 : context_.node.start_unix_ns();
+        if (zero != 0) {
+            zero_is_known_ = true; // once: from then on it is a device with a clock of its own
+            ArrivalClock::Reading const now = ArrivalClock::read();
+            sender_->set_zero(zero - now.utc_ns + now.steady_ns);
+        }
         sender_->push(index, sample_);
         return;
     }

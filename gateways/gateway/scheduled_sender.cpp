@@ -47,8 +47,31 @@ ScheduledSender::Counters ScheduledSender::counters() const {
     return {late_.load(), underruns_.load(), overflows_.load()};
 }
 
+void ScheduledSender::set_zero(std::int64_t zero_ns) {
+    zero_ns_.store(zero_ns, std::memory_order_release);
+}
+
+/// Waits for the first sample, and a moment for the clock that may come behind it.
+bool ScheduledSender::await_first(Playout& playout, std::function<void(std::int64_t)> const& look_after) {
+    constexpr std::int64_t kIdleNs = 200'000, kPatienceNs = 25'000'000; // the clock is told every 10 ms
+    std::int64_t arrived = 0;
+    while (!stop_) {
+        std::int64_t const now = now_ns();
+        std::int64_t const* const first = ring_.front();
+        arrived = first != nullptr && arrived == 0 ? now : arrived;
+        std::int64_t const zero = zero_ns_.load(std::memory_order_acquire);
+        bool const waits = params_.expects_zero && zero == 0 && now - arrived < kPatienceNs;
+        if (first != nullptr && !waits) {
+            playout.begin(*first, arrived, zero != 0 ? std::optional{zero} : std::nullopt);
+            return true;
+        }
+        sleep_until(now + kIdleNs);
+        look_after(now);
+    }
+    return false;
+}
+
 void ScheduledSender::loop() {
-    constexpr std::int64_t kIdleNs = 500'000; // before the first sample
     constexpr std::int64_t kLookAfterNs = 200'000'000;
     std::int64_t looked = now_ns();
     auto const look_after = [&](std::int64_t now) {
@@ -57,34 +80,40 @@ void ScheduledSender::loop() {
             idle_();
         }
     };
-    while (!stop_ && ring_.empty()) {
-        sleep_until(now_ns() + kIdleNs);
-        look_after(now_ns());
+    Playout playout{params_.rate_hz, params_.buffer_s};
+    if (!await_first(playout, look_after)) {
+        return;
     }
-    double const period_ns = 1e9 / params_.rate_hz;
-    std::int64_t const start = now_ns() + static_cast<std::int64_t>(params_.buffer_s * 1e9);
-    auto const due = [&](std::uint64_t k) { return start + std::llround(static_cast<double>(k) * period_ns); };
-    std::uint64_t sent = 0;
+    std::int64_t next = *ring_.front(); // the index of the next sample, as far as none is missing
+    std::int64_t slot = std::max(next, playout.index_at(now_ns()));
     bool starving = false;
-    for (std::uint64_t slot = 0; !stop_; ++slot) {
-        sleep_until(due(slot));
+    for (; !stop_; ++slot) {
+        sleep_until(playout.due(slot));
         std::int64_t const now = now_ns();
-        while (due(slot + 1) <= now) { // slept through whole periods: their samples are owed
-            ++slot;
-        }
-        std::uint64_t const owed = slot + 1 - sent;
+        slot = std::max(slot, playout.index_at(now)); // slept through whole periods: their samples are owed
+        std::int64_t const owed = slot + 1 - next;
         late_ += owed > 1 ? 1 : 0;
-        for (std::uint64_t n = std::min<std::uint64_t>(owed, 2); n > 0; --n) {
-            std::int64_t index = 0;
-            if (!ring_.pop(index)) {
+        for (std::int64_t n = std::min<std::int64_t>(owed, 2); n > 0; --n) {
+            std::int64_t const* const index = ring_.front();
+            if (index == nullptr) {
                 underruns_ += starving ? 0 : 1;
                 starving = true;
                 break;
             }
-            starving = false;
+            if (*index > slot) {
+                break; // samples are missing before it
+            }
+            if (starving) {
+                playout.came_late(now - playout.due(*index));
+                starving = false;
+            }
             std::size_t const at = popped_++ % kSlots * params_.sample_octets;
-            send_(index, std::span{slots_}.subspan(at, params_.sample_octets));
-            ++sent;
+            next = *index + 1;
+            send_(*index, std::span{slots_}.subspan(at, params_.sample_octets));
+            ring_.drop();
+        }
+        if (playout.slot()) {
+            slot = playout.index_at(now);
         }
         look_after(now);
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/spsc_ring.hpp"
+#include "gateways/gateway/playout.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -13,8 +14,8 @@
 
 namespace gridspace::gateways {
 
-/// Sends samples at their exact rate, like a device with a clock of its own: the first one `buffer_s` after it came,
-/// each further one a period later, by absolute deadlines. A sample that is not here when it is due is waited for (an
+/// Sends samples at their exact rate, like a device with a clock of its own: each `buffer_s` after the instant at which
+/// it was taken, by absolute deadlines (Playout). A sample that is not here when it is due is waited for (an
 /// underrun); what is owed then is caught up at no more than twice the rate. The counter of a sample never skips or
 /// repeats.
 class ScheduledSender {
@@ -23,6 +24,7 @@ class ScheduledSender {
         double rate_hz{4800};
         double buffer_s{0.0015};
         std::size_t sample_octets{0};
+        bool expects_zero{false}; ///< somebody will say when simulated time was 0
     };
     struct Counters {
         std::uint64_t late{0};      ///< wake-ups that found more than one sample due
@@ -39,10 +41,13 @@ class ScheduledSender {
 
     /// From one other thread; `sample` has the length of Params. Neither waits nor allocates.
     void push(std::int64_t index, std::span<std::uint8_t const> sample);
+    /// When simulated time was 0, on the monotonic clock. From any thread; before the first sample is sent it counts.
+    void set_zero(std::int64_t zero_ns);
     [[nodiscard]] Counters counters() const;
 
   private:
     void loop();
+    [[nodiscard]] bool await_first(Playout& playout, std::function<void(std::int64_t)> const& look_after);
     static constexpr std::size_t kCapacity = 4096;       // 0.85 s at 4800 Hz
     static constexpr std::size_t kSlots = kCapacity + 2; // what is being sent is not overwritten
 
@@ -53,6 +58,7 @@ class ScheduledSender {
     SpscRing<std::int64_t> ring_{kCapacity};
     std::uint64_t pushed_{0}, popped_{0}; ///< of one thread each
     std::atomic<std::uint64_t> late_{0}, underruns_{0}, overflows_{0};
+    std::atomic<std::int64_t> zero_ns_{0}; ///< 0: not known
     std::atomic<bool> stop_{false};
     std::thread thread_;
 };

@@ -51,6 +51,12 @@ class ArrivalStatistics {
                    ? static_cast<double>(last_index_ - first_index_) * 1e9 / static_cast<double>(last_ns_ - first_ns_)
                    : 0.0;
     }
+    /// The same if the sample after the last one arrives at `now_ns`; 0 before the first.
+    [[nodiscard]] double rate_hz_with_next(std::int64_t now_ns) const noexcept {
+        return count_ > 0 && now_ns > first_ns_
+                   ? static_cast<double>(last_index_ + 1 - first_index_) * 1e9 / static_cast<double>(now_ns - first_ns_)
+                   : 0.0;
+    }
     /// Times between arrivals by powers of two: bucket k holds [2^k, 2^(k+1)) ns.
     [[nodiscard]] std::array<std::uint64_t, 40> const& histogram() const noexcept { return histogram_; }
 

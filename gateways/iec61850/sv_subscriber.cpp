@@ -35,12 +35,17 @@ std::int64_t nearest_congruent(std::int64_t value, std::int64_t wrap, std::int64
 /// A second holds whole periods of 50 or 60 Hz; or the wrap is what the arrivals say (which may run faster or slower
 /// than the grid); or it is the end of 16 bits. With a few samples lost just there only the rates in use are believed,
 /// which are multiples of 160. `run` samples came in order before: of a few (a second of a slow stream has no more)
-/// only the arrivals are believed.
-std::uint32_t wrap_between(std::uint32_t last, std::uint32_t next, double arrivals_hz, std::uint32_t run) noexcept {
+/// only the arrivals are believed, of which the one of `next` is the last: `with_next_hz` is their rate. That is coarse
+/// (who listens got no processor for a moment), the fewer the more, so it is enough for whole tens, which are what slow
+/// streams have.
+std::uint32_t wrap_between(std::uint32_t last, std::uint32_t next, double arrivals_hz, double with_next_hz,
+                           std::uint32_t run) noexcept {
     std::uint32_t const wrap = last + 1;
     bool const arrivals_say_so = next == 0 && run > 0 && std::abs(arrivals_hz - wrap) < 0.02 * wrap;
-    if (run < kRunToLearn) {
-        return arrivals_say_so ? wrap : 0;
+    double const off = run < kRunToLearn ? 5 : 1.25;
+    bool const about = next == 0 && wrap % 10 == 0 && with_next_hz * off > wrap && with_next_hz < off * wrap;
+    if (about || run < kRunToLearn) {
+        return about || arrivals_say_so ? wrap : 0;
     }
     if (next == 0 && (wrap % 50 == 0 || wrap % 60 == 0 || wrap >= kWholeCounter - 1)) {
         return wrap;
@@ -150,9 +155,10 @@ void SvSubscriber::learn_wrap(std::uint16_t smp_cnt, std::int64_t now_ns) noexce
         return;
     }
     bool const gap = rate_seen() && periods_until(now_ns) > 2 * kNear; // then the last counter was not the highest
-    std::uint32_t wrap = smp_cnt >= last_cnt_ ? 0
-                         : gap                ? wrap_behind_a_pause(last_cnt_, smp_cnt, arrivals_.rate_hz(), run_)
-                                              : wrap_between(last_cnt_, smp_cnt, arrivals_.rate_hz(), run_);
+    std::uint32_t wrap =
+        smp_cnt >= last_cnt_ ? 0
+        : gap                ? wrap_behind_a_pause(last_cnt_, smp_cnt, arrivals_.rate_hz(), run_)
+              : wrap_between(last_cnt_, smp_cnt, arrivals_.rate_hz(), arrivals_.rate_hz_with_next(now_ns), run_);
     wrap = wrap == 0 ? wrap_over_gap(smp_cnt, now_ns) : wrap;
     if (wrap == 0) {
         return;

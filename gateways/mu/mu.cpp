@@ -13,20 +13,28 @@ namespace {
 
 using config::Node;
 
-/// `fields:`: phase currents into the members that the configuration names; 9-2LE counts milliamperes.
-Node fields_of(MuConfig const& mu, streams::Stream const* stream) {
-    Node fields = Node::map();
-    constexpr std::array<char const*, 3> kPhases{"samples.ia", "samples.ib", "samples.ic"};
-    for (std::size_t phase = 0; phase < kPhases.size(); ++phase) {
+/// Rules for three members of the data set; an integer counts parts of `1 / scale`.
+void add_phases(Node& fields, std::array<std::string, 3> const& members, std::array<char const*, 3> const& from,
+                char const* scale, streams::Stream const* stream) {
+    for (std::size_t phase = 0; phase < from.size(); ++phase) {
         Node rule = Node::map();
-        rule.set("from", Node::quoted_text(kPhases[phase]));
+        rule.set("from", Node::quoted_text(from[phase]));
         for (iec61850::Leaf const& leaf :
              stream == nullptr ? std::vector<iec61850::Leaf>{} : iec61850::leaves_of(stream->data_set)) {
-            if (leaf.name == mu.channels[phase] && iec61850::is_integer(leaf.type)) {
-                rule.set("scale", Node::scalar("1000"));
+            if (leaf.name == members[phase] && iec61850::is_integer(leaf.type)) {
+                rule.set("scale", Node::scalar(scale));
             }
         }
-        fields.set(mu.channels[phase], std::move(rule));
+        fields.set(members[phase], std::move(rule));
+    }
+}
+
+/// `fields:`: phases into the members that the configuration names; 9-2LE counts milliamperes and 10 mV.
+Node fields_of(MuConfig const& mu, streams::Stream const* stream) {
+    Node fields = Node::map();
+    add_phases(fields, mu.channels, {"samples.ia", "samples.ib", "samples.ic"}, "1000", stream);
+    if (mu.voltages) {
+        add_phases(fields, *mu.voltages, {"samples.va", "samples.vb", "samples.vc"}, "100", stream);
     }
     return fields;
 }
@@ -35,7 +43,7 @@ GatewayConfig table_of(MuConfig const& mu, std::vector<streams::Stream> const& s
     MappingConfig mapping;
     mapping.name = mu.to;
     mapping.from.topic = mu.from;
-    mapping.from.type.name = "LineCurrents";
+    mapping.from.type.name = mu.type();
     mapping.to.stream = mu.to;
     mapping.each.name = "samples";
     mapping.index.name = "first_index";

@@ -13,6 +13,14 @@ void describe(config::Fields& f, MuConfig& config) {
         c.text("b", config.channels[1], {.doc = "member for phase b"});
         c.text("c", config.channels[2], {.doc = "member for phase c"});
     });
+    f.object("voltages", {.doc = "members that get the phase voltages: `from` is then the topic of a bay, with a `vt`"},
+             [&](config::Fields& v) {
+                 std::array<std::string, 3>& members =
+                     config.voltages.emplace(std::array<std::string, 3>{"Va", "Vb", "Vc"});
+                 v.text("a", members[0], {.doc = "member for phase a"});
+                 v.text("b", members[1], {.doc = "member for phase b"});
+                 v.text("c", members[2], {.doc = "member for phase c"});
+             });
     f.choice<Sending>("sending", config.sending,
                       {{"scheduled", Sending::scheduled}, {"on_arrival", Sending::on_arrival}},
                       {.doc = "real time: at the exact sample rate behind a small buffer, or as soon as samples come"});

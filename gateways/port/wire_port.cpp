@@ -46,6 +46,7 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
         options.filter.ethertypes = ethertypes.receive;
         if (node.lockstep()) { // what is lost there, somebody waits for
             options.own_sources = lockstep::kRunAddressOctets;
+            options.waited_for = false;
         }
         auto receiver = ethernet::Port::open(options);
         if (!receiver) {
@@ -57,7 +58,12 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
                 node, config.receive_link.empty() ? config.link : config.receive_link, ethertype);
             port->readers_[ethertype]->bound(kMaxWaiting);
         }
-        port->thread_ = std::thread{[raw = port.get()] { raw->receive_loop(); }};
+        if (!node.lockstep()) {
+            port->thread_ = std::thread{[raw = port.get()] { raw->receive_loop(); }};
+        }
+    }
+    if (node.lockstep()) { // what is sent to it is in the ring when its ledger comes: nobody has to wake up for it
+        node.exchange_frames_with([raw = port.get()] { raw->drain(); }, [raw = port.get()] { raw->flush(); });
     }
     return port;
 }
@@ -77,13 +83,17 @@ void WirePort::receive_loop() {
         drain();
         if (auto const now = std::chrono::steady_clock::now(); now - maintained > std::chrono::milliseconds{200}) {
             maintained = now;
-            std::lock_guard const lock{receiving_};
-            receiver_->maintain();
-            ethernet::PortCounters const& counters = receiver_->counters();
-            dropped_.store(counters.dropped, std::memory_order_relaxed);
-            readers_.begin()->second->not_fetched(counters.others_dropped);
+            maintain_receiver();
         }
     }
+}
+
+void WirePort::maintain_receiver() {
+    std::lock_guard const lock{receiving_};
+    receiver_->maintain();
+    ethernet::PortCounters const& counters = receiver_->counters();
+    dropped_.store(counters.dropped, std::memory_order_relaxed);
+    readers_.begin()->second->not_fetched(counters.others_dropped);
 }
 
 void WirePort::drain() {
@@ -153,17 +163,45 @@ void WirePort::send(std::span<std::uint8_t const> frame, SimTime at) {
     if (auto const writer = writers_.find(iec61850::ethertype_of(frame)); writer != writers_.end()) {
         writer->second->sent(std::as_bytes(frame), at);
     }
-    if (!sender_.send(frame) && node_.lockstep()) {
+    if (!node_.lockstep()) {
+        (void)sender_.send(frame);
+        return;
+    }
+    outgoing_ends_.push_back(outgoing_.size() + frame.size());
+    outgoing_.insert(outgoing_.end(), frame.begin(), frame.end());
+    constexpr std::size_t kMostOctets = 256U << 10U;
+    if (outgoing_.size() > kMostOctets) {
+        flush();
+    }
+}
+
+void WirePort::flush() {
+    if (outgoing_ends_.empty()) {
+        return;
+    }
+    frames_.clear();
+    std::size_t begin = 0;
+    for (std::size_t const end : outgoing_ends_) {
+        frames_.push_back(iec61850::Octets{outgoing_}.subspan(begin, end - begin));
+        begin = end;
+    }
+    if (sender_.send(frames_) < frames_.size()) {
         node_.fail_with({ExitCode::environment,
                          fmt::format("the kernel did not take a frame on '{}'", sender_.interface()),
                          "is the link up?"});
     }
+    outgoing_.clear();
+    outgoing_ends_.clear();
 }
 
 void WirePort::maintain() {
     if (auto const now = std::chrono::steady_clock::now(); now - maintained_ > std::chrono::milliseconds{200}) {
         maintained_ = now;
         sender_.maintain();
+        if (receiver_ != nullptr && node_.lockstep()) {
+            drain(); // what others send is counted, and makes room
+            maintain_receiver();
+        }
     }
 }
 

@@ -35,7 +35,7 @@ class WirePort {
     [[nodiscard]] iec61850::Mac const& mac() const { return sender_.mac(); }
 
     /// Hands a frame to the kernel, with its code when its stream is authenticated. `at`: its simulated send time, in
-    /// lockstep.
+    /// lockstep, where what belongs to a tick goes together, before the acknowledgement.
     void send(std::span<std::uint8_t const> frame, SimTime at);
 
     /// Frames that are due and not refused for want of authenticity, valid until the next call for the same ethertype.
@@ -64,6 +64,8 @@ class WirePort {
   private:
     WirePort(bus::Node& node, ethernet::Port sender) : node_{node}, sender_{std::move(sender)} {}
     void receive_loop();
+    void maintain_receiver();
+    void flush(); ///< lockstep
 
     bus::Node& node_;
     ethernet::Port sender_;
@@ -76,6 +78,9 @@ class WirePort {
     std::vector<bus::WireFrame const*> genuine_;
     std::map<std::uint16_t, std::unique_ptr<bus::WireWriter>> writers_;
     std::map<std::uint16_t, std::unique_ptr<bus::WireReader>> readers_;
+    std::vector<std::uint8_t> outgoing_; ///< lockstep: the frames of the tick so far, one behind the other
+    std::vector<std::size_t> outgoing_ends_;
+    std::vector<iec61850::Octets> frames_;
     std::atomic<bool> stop_{false};
     std::atomic<std::uint64_t> dropped_{0};
     std::chrono::steady_clock::time_point maintained_;

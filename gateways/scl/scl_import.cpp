@@ -440,7 +440,8 @@ Result<Import> import_streams(std::string const& text, std::string const& name, 
     tinyxml2::XMLDocument document;
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
         return fail(ExitCode::usage,
-                    fmt::format("{}:{}: not XML: {}", name, document.ErrorLineNum(), document.ErrorName()));
+                    fmt::format("{}:{}: not XML: {}", name, document.ErrorLineNum(), document.ErrorName()),
+                    "expected an SCD, ICD or CID file");
     }
     Element const* const root = document.RootElement();
     if (root == nullptr || local_name(*root) != "SCL") {

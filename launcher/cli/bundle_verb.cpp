@@ -173,7 +173,9 @@ void add_bundle(CLI::App& app, Action& action) {
     verb->add_option("PROCESS", a->process, "name of the process")->required();
     verb->add_option("--arch", a->arch, "arm64 or amd64")->check(CLI::IsMember({"arm64", "amd64"}));
     verb->add_option("--out", a->out, "folder for the two files (default: this one)");
-    verb->add_option("--set", a->scenario.set, "override a value")->take_all()->allow_extra_args(false);
+    verb->add_option("--set", a->scenario.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")
+        ->take_all()
+        ->allow_extra_args(false);
     verb->callback([a, &action] { action = [a] { return bundle(*a); }; });
 }
 

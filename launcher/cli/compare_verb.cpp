@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/json_value.hpp"
 #include "common/text.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/manifest.hpp"
 #include "launcher/cli/verbs.hpp"
@@ -23,11 +24,6 @@ struct CompareArguments {
     double tolerance{0};
     std::vector<std::string> signals;
 };
-
-/// How far a run came, simulated; 0 when it does not say.
-double reached_of(Json const& manifest) {
-    return value_of(manifest, "simulated_s", 0.0);
-}
 
 int compare(CompareArguments const& arguments) {
     auto const run_a = closed_run(arguments.a), run_b = closed_run(arguments.b);
@@ -122,7 +118,7 @@ void add_compare(CLI::App& app, Action& action) {
         app.add_subcommand("compare", "compare the recordings of two runs: identical, or the first divergence");
     verb->add_option("RUN_A", a->a, "run folder or recording")->required();
     verb->add_option("RUN_B", a->b, "run folder or recording")->required();
-    verb->add_option("--tolerance", a->tolerance, "of numbers, absolute or relative")->check(CLI::NonNegativeNumber);
+    verb->add_option("--tolerance", a->tolerance, "of numbers, absolute or relative")->check(not_negative());
     verb->add_option("--signals", a->signals, "compare only these recorded signals (patterns)")->delimiter(',');
     verb->callback([a, &action] { action = [a] { return compare(*a); }; });
 }

@@ -4,6 +4,7 @@
 // `gridspace doctor`: what this machine allows, tried rather than guessed.
 #include "bus/rtps_guard/known_participants.hpp"
 #include "common/realtime.hpp"
+#include "launcher/cli/doctor_latency.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/namespaces.hpp"
 #include "launcher/run/virtual_network.hpp"
@@ -204,10 +205,24 @@ int doctor(bool json) {
 } // namespace
 
 void add_doctor(CLI::App& app, Action& action) {
-    auto const json = std::make_shared<bool>(false);
+    struct Options {
+        bool latency{false};
+        LatencyQuestion question{5000.0 / 6, 3, false}; // four samples of 4800 Hz: the tick of `protection.yaml`
+    };
+    auto const options = std::make_shared<Options>();
     CLI::App* verb = app.add_subcommand("doctor", "look at what this machine allows, and what helps");
-    verb->add_flag("--json", *json, "as JSON");
-    verb->callback([json, &action] { action = [json] { return doctor(*json); }; });
+    verb->add_flag("--latency", options->latency, "measure how late it wakes a process up, for each way to wait");
+    verb->add_option("--period-us", options->question.period_us,
+                     "between two wake-ups (default: 833.3, a tick of case 2)")
+        ->check(CLI::Range(50.0, 1e6));
+    verb->add_option("--seconds", options->question.seconds, "for each way to wait (default: 3)")
+        ->check(CLI::Range(0.1, 3600.0));
+    verb->add_flag("--json", options->question.json, "as JSON");
+    verb->callback([options, &action] {
+        action = [options] {
+            return options->latency ? show_latency(options->question) : doctor(options->question.json);
+        };
+    });
 }
 
 } // namespace gridspace::cli

@@ -99,9 +99,8 @@ void add_export(CLI::App& app, Action& action) {
     verb->add_option("RUN", a->run, "run folder, or latest")->required();
     verb->add_flag("--csv", a->csv, "CSV: one table per topic (the default)");
     verb->add_flag("--comtrade", a->comtrade, "COMTRADE (IEEE C37.111-2013), ASCII and BINARY, around each trigger");
-    verb->add_option(
-        "--trigger", a->trigger,
-        "COMTRADE: relay2.trip, a signal that rises, or an event (default: record.comtrade of the scenario)");
+    verb->add_option("--trigger", a->trigger,
+                     "COMTRADE: relay2.trip, a signal that rises, or an event (default: as the scenario says)");
     verb->add_option("--before-ms", a->before_ms, "COMTRADE: begin before the trigger")
         ->check(CLI::Range(0.0, 60000.0));
     verb->add_option("--after-ms", a->after_ms, "COMTRADE: end after the trigger")->check(CLI::Range(0.001, 60000.0));

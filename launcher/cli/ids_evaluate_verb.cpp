@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ids/evaluation/evaluate.hpp"
 #include "ids/forecaster/model_file.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/ids/recordings.hpp"
@@ -181,16 +182,15 @@ void add_ids_evaluate(CLI::App& ids, Action& action) {
     verb->add_option("MODEL", a->model, "model file (JSON)")->required();
     verb->add_option("DATA", a->data, "recordings (CSV, npy), or a training configuration for unseen ones of its kind")
         ->required();
-    verb->add_option("--percent", a->percent, "threshold")->check(CLI::PositiveNumber);
+    verb->add_option("--percent", a->percent, "threshold")->check(positive());
     verb->add_option("--nominal-peak-a", a->nominal_peak_a,
                      "crest of the nominal current (default: the largest of the first two cycles)")
-        ->check(CLI::PositiveNumber);
-    verb->add_option("--rate-hz", a->rate_hz, "samples a second, for npy")->check(CLI::PositiveNumber);
-    verb->add_option("--event-s", a->event_s, "when something happens in the recordings")
-        ->check(CLI::NonNegativeNumber);
+        ->check(positive());
+    verb->add_option("--rate-hz", a->rate_hz, "samples a second, for npy")->check(positive());
+    verb->add_option("--event-s", a->event_s, "when something happens in the recordings")->check(not_negative());
     verb->add_option("--threshold", a->threshold, "what the threshold of the attack table is relative to")
         ->check(CLI::IsMember({"instantaneous", "nominal_peak", "running_peak", "larger_peak", "adaptive"}));
-    verb->add_option("--seed", a->seed, "of unseen recordings and attacks")->check(CLI::NonNegativeNumber);
+    verb->add_option("--seed", a->seed, "of unseen recordings and attacks")->check(not_negative());
     verb->add_flag("!--no-attacks", a->attacks, "only the false positives");
     verb->add_flag("--json", a->json, "as JSON");
     verb->callback([a, &action] { action = [a] { return ids_evaluate(*a); }; });

@@ -4,6 +4,7 @@
 #include "common/time.hpp"
 #include "common/version.hpp"
 #include "ids/forecaster/model_file.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/progress_line.hpp"
 #include "launcher/cli/verbs.hpp"
@@ -126,7 +127,7 @@ void add_ids_train(CLI::App& ids, Action& action) {
     CLI::App* verb = ids.add_subcommand("train", "train a forecaster");
     verb->add_option("CONFIG", a->config, "training configuration (YAML)")->required();
     verb->add_option("--out", a->output, "model file instead of the configuration's");
-    verb->add_option("--seed", a->seed, "seed instead of the configuration's")->check(CLI::NonNegativeNumber);
+    verb->add_option("--seed", a->seed, "seed instead of the configuration's")->check(not_negative());
     verb->add_flag("--json", a->json, "the result as JSON");
     verb->add_flag("--quiet", a->quiet, "no progress");
     verb->callback([a, &action] { action = [a] { return ids_train(*a); }; });

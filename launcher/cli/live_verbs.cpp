@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "common/text.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/monitor_client.hpp"
@@ -337,7 +338,7 @@ void add_control(CLI::App& app, Action& action) {
     add("continue", "let a paused run go on");
     add("step", "let a paused run go on for some ticks")
         ->add_option("--ticks", a->ticks, "how many")
-        ->check(CLI::PositiveNumber);
+        ->check(positive());
     add("stop", "end a run");
 }
 

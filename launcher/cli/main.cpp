@@ -5,36 +5,63 @@
 #include "common/exit_code.hpp"
 #include "common/text.hpp"
 #include "common/version.hpp"
-#include "launcher/cli/verbs.hpp"
+#include "launcher/cli/help.hpp"
+#include "launcher/cli/ids_verbs.hpp"
 #include "launcher/run/say.hpp"
 #include "launcher/scenario/installation.hpp"
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
+#include <vector>
 
 namespace gridspace::cli {
 namespace {
 
 void add_ids(CLI::App& app, Action& action) {
-    CLI::App* ids = app.add_subcommand("ids", "train and judge the forecasters of the intrusion detector");
+    CLI::App* ids = app.add_subcommand(
+        "ids", "the intrusion detector: train and judge forecasters, scan captures, score detectors");
     ids->require_subcommand(1);
-    for (auto* const add : {add_ids_train, add_ids_evaluate, add_ids_study}) {
+    for (auto* const add : {add_ids_train, add_ids_evaluate, add_ids_study, add_ids_scan, add_ids_score}) {
         add(*ids, action);
     }
 }
 
+struct VerbGroup {
+    char const* title;
+    std::vector<void (*)(CLI::App&, Action&)> add;
+};
+
 /// In the order of the help.
-constexpr std::array kVerbs{add_run,      add_sweep,   add_timebox,    add_validate,  add_signals, add_powerflow,
-                            add_simulate, add_compare, add_report,     add_info,      add_export,  add_ids,
-                            add_monitor,  add_router,  add_graph,      add_topic,     add_control, add_doctor,
-                            add_bundle,   add_play,    add_wire,       add_scl,       add_fmu,     add_new,
-                            add_types,    add_schema,  add_sweep_task, add_completion};
+std::vector<VerbGroup> verb_groups() {
+    return {{"Run", {add_run, add_sweep, add_certify, add_validate, add_signals, add_timebox}},
+            {"Look at a run", {add_monitor, add_report, add_info, add_compare, add_export, add_play}},
+            {"While it runs", {add_graph, add_topic, add_control}},
+            {"A network alone", {add_powerflow, add_simulate}},
+            {"Devices and other tools", {add_wire, add_scl, add_fmu, add_bundle, add_router, add_ids}},
+            {"Write your own", {add_new, add_types}},
+            {"This machine", {add_doctor, add_completion, add_schema, add_sweep_task}}};
+}
+
+/// Adds all verbs. A verb that has no group yet gets that of its row.
+void add_verbs(CLI::App& app, Action& action) {
+    auto const has_none = [](CLI::App* verb) { return verb->get_group() == "Subcommands"; };
+    for (VerbGroup const& group : verb_groups()) {
+        for (auto* const add : group.add) {
+            add(app, action);
+        }
+        for (CLI::App* const verb : app.get_subcommands(has_none)) {
+            verb->group(group.title);
+            for (CLI::App* const below : verb->get_subcommands(has_none)) {
+                below->group("Verbs");
+            }
+        }
+    }
+}
 
 int version(bool json) {
     Version const& v = gridspace::version();
@@ -73,14 +100,14 @@ std::string mistake(CLI::App const* app, CLI::Error const& error) {
 int main_function(int argc, char** argv) {
     CLI::App app{"Gridspace: smart-grid co-simulation over DDS and IEC 61850", "gridspace"};
     app.require_subcommand(0, 1);
+    app.formatter(help_formatter());
     app.set_help_all_flag("--help-all", "help of all verbs");
     bool show_version = false, version_json = false;
     app.add_flag("--version", show_version, "version of this build");
     app.add_flag("--json", version_json, "with --version: as JSON");
     Action action;
-    for (auto* const add : kVerbs) {
-        add(app, action);
-    }
+    add_verbs(app, action);
+    app.footer("`gridspace VERB --help` shows the options of a verb, `gridspace --help-all` those of all.");
     app.failure_message(mistake);
     try {
         app.parse(argc, argv);
@@ -91,7 +118,7 @@ int main_function(int argc, char** argv) {
         return version(version_json);
     }
     if (!action) {
-        fmt::print(stderr, "{}", app.help());
+        fmt::print(stderr, "{}", first_help());
         return static_cast<int>(ExitCode::usage);
     }
     launcher::offer_agent_libraries();

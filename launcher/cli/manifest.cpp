@@ -17,6 +17,10 @@ Json manifest_of(std::filesystem::path const& folder) {
     return Json::parse(stream, nullptr, false);
 }
 
+double reached_of(Json const& manifest) {
+    return value_of(manifest, "simulated_s", 0.0);
+}
+
 std::string clock_of(Json const& manifest, char const* key) {
     return value_of(part_of(manifest, "clock"), key, std::string{});
 }

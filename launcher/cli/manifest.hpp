@@ -13,6 +13,9 @@ namespace gridspace::cli {
 /// manifest.json of a run folder; not an object where there is none.
 [[nodiscard]] nlohmann::ordered_json manifest_of(std::filesystem::path const& folder);
 
+/// How far the run came, simulated seconds; 0 when it does not say.
+[[nodiscard]] double reached_of(nlohmann::ordered_json const& manifest);
+
 /// A text of its `clock`.
 [[nodiscard]] std::string clock_of(nlohmann::ordered_json const& manifest, char const* key);
 

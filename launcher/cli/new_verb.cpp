@@ -4,14 +4,17 @@
 // Makes a folder of files of `templates/`. In their names NAME, in them @name@, @Name@ and @program@ are filled in.
 #include "common/exit_code.hpp"
 #include "common/result.hpp"
+#include "common/text.hpp"
+#include "launcher/cli/taken_names.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/say.hpp"
 #include "launcher/scenario/installation.hpp"
+#include "launcher/sweep/study_folder.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cctype>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
@@ -23,13 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxName = 32; ///< of a process, in messages and on the wire
-
-/// Files and processes beside it, and words that a module of Python cannot have as its name.
-constexpr std::array<std::string_view, 41> kTaken{
-    "gridspace", "network", "scenario", "sim",   "recorder", "test",   "and",  "as",       "assert",  "async", "await",
-    "break",     "class",   "continue", "def",   "del",      "elif",   "else", "except",   "finally", "for",   "from",
-    "global",    "if",      "import",   "in",    "is",       "lambda", "none", "nonlocal", "not",     "or",    "pass",
-    "raise",     "return",  "try",      "while", "with",     "yield",  "ev1",  "mcca"};
 
 struct NewArguments {
     std::string name, language;
@@ -75,9 +71,9 @@ Result<void> check(NewArguments const& a) {
                         "of a process and of a class",
                         kMaxName));
     }
-    if (std::find(kTaken.begin(), kTaken.end(), a.name) != kTaken.end()) {
+    if (std::find(kTakenNames.begin(), kTakenNames.end(), a.name) != kTakenNames.end()) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be the name: it means something already", a.name),
-                    "in Python, or beside it in its folder");
+                    "in Python or CMake, or beside it in its folder");
     }
     std::error_code ignored;
     if (fs::exists(a.out, ignored)) {
@@ -138,6 +134,26 @@ Result<void> make_folder(NewArguments const& a, std::vector<std::string> const& 
     return ok;
 }
 
+/// How this program is called here: by its name where PATH leads to it, else by its file.
+struct OwnCommand {
+    std::string program{launcher::program_file("gridspace").string()}; ///< as a word of the shell
+    std::string for_tests;                                             ///< what their commands begin with
+
+    OwnCommand() {
+        std::error_code error;
+        char const* const path = std::getenv("PATH");
+        for (std::string const& folder : split(path == nullptr ? "" : path, ':')) {
+            if (fs::equivalent(fs::path{folder} / "gridspace", program, error) && !error) {
+                program = "gridspace";
+                return;
+            }
+        }
+        for_tests =
+            fmt::format("GRIDSPACE_BIN_DIR={} ", launcher::shell_word(fs::path{program}.parent_path().string()));
+        program = launcher::shell_word(program);
+    }
+};
+
 int finish(Result<void> const& made, std::vector<std::string> const& next) {
     if (!made) {
         say(stderr, "error: {}{}{}\n", made.error().message, made.error().remedy.empty() ? "" : "\n  ",
@@ -152,7 +168,7 @@ int finish(Result<void> const& made, std::vector<std::string> const& next) {
 
 int agent(NewArguments const& a) {
     auto const made = make_folder(a, {"agent/any", "agent/" + (a.language == "c++" ? "cpp" : a.language)}, true);
-    std::string const out = a.out.string(), run = fmt::format("gridspace run {}/scenario.yaml", out);
+    std::string const out = a.out.string(), run = fmt::format("{} run {}/scenario.yaml", OwnCommand{}.program, out);
     if (a.language == "python") {
         return finish(made, {run, fmt::format("PYTHONPATH={} python3 {}/{}_test.py",
                                               launcher::shared_folder("python").string(), out, a.name)});
@@ -164,14 +180,17 @@ int agent(NewArguments const& a) {
 }
 
 int scenario(NewArguments const& a) {
-    return finish(make_folder(a, {"scenario"}, true), {fmt::format("gridspace run {}/{}.yaml", a.out.string(), a.name),
-                                                       fmt::format("python3 {}/{}_test.py", a.out.string(), a.name)});
+    OwnCommand const own;
+    return finish(make_folder(a, {"scenario"}, true),
+                  {fmt::format("{} run {}/{}.yaml", own.program, a.out.string(), a.name),
+                   fmt::format("{}python3 {}/{}_test.py", own.for_tests, a.out.string(), a.name)});
 }
 
 int network(NewArguments const& a) {
+    OwnCommand const own;
     return finish(make_folder(a, {"network"}, false),
-                  {fmt::format("gridspace powerflow {}/{}.yaml", a.out.string(), a.name),
-                   fmt::format("python3 {}/{}_test.py", a.out.string(), a.name)});
+                  {fmt::format("{} powerflow {}/{}.yaml", own.program, a.out.string(), a.name),
+                   fmt::format("{}python3 {}/{}_test.py", own.for_tests, a.out.string(), a.name)});
 }
 
 } // namespace

@@ -42,9 +42,11 @@ void add_play(CLI::App& app, Action& action) {
     add_options(*verb, *options);
     auto const dashboard = std::make_shared<MonitorArguments>();
     auto const in_dashboard = std::make_shared<bool>(false);
-    verb->add_flag("--dashboard", *in_dashboard, "only into the dashboard: nothing is sent (as gridspace monitor RUN)");
+    verb->add_flag("--dashboard", *in_dashboard, "only into the dashboard: nothing is sent (as gridspace monitor RUN)")
+        ->group("Dashboard");
     verb->add_option("--listen", dashboard->listen, "address and port of the dashboard (port 0: a free one)")
-        ->needs("--dashboard");
+        ->needs("--dashboard")
+        ->group("Dashboard");
     verb->final_callback([&action, options, dashboard, in_dashboard] {
         action = [options, dashboard, in_dashboard] {
             if (*in_dashboard) {

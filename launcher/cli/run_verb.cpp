@@ -184,16 +184,18 @@ void add_run(CLI::App& app, Action& action) {
     auto const a = std::make_shared<RunArguments>();
     CLI::App* verb = app.add_subcommand("run", "run a scenario: start, watch, record, judge, report");
     scenario_options(verb, a->scenario);
-    verb->add_flag("--dry-run", a->dry_run, "show what would be started");
-    verb->add_option("--out", a->out, "run folder (default: runs/<scenario>-<utc>)");
-    verb->add_option("--junit", a->junit, "write the expectations as JUnit XML");
-    verb->add_flag("--json", a->json, "progress as JSON lines, the summary as JSON");
-    verb->add_flag("--quiet", a->quiet, "print nothing but errors");
-    verb->add_flag("--no-namespaces", a->no_namespaces, "everything on the loopback interface");
-    verb->add_flag("--no-deadlines", a->no_deadlines, "wait for ever (a debugger is attached)");
+    verb->add_flag("--no-namespaces", a->no_namespaces, "everything on the loopback interface")->group("Where it runs");
+    verb->add_option("--out", a->out, "run folder (default: runs/<scenario>-<utc>)")->group("What comes out");
+    verb->add_option("--junit", a->junit, "write the expectations as JUnit XML")->group("What comes out");
+    verb->add_flag("--json", a->json, "progress as JSON lines, the summary as JSON")->group("What comes out");
+    verb->add_flag("--quiet", a->quiet, "print nothing but errors")->group("What comes out");
+    verb->add_flag("--dry-run", a->dry_run, "show what would be started; start nothing")->group("Look into it");
     verb->add_flag("--allow-control", a->allow_control,
-                   "pause, continue, step and stop it from the dashboard and the command line");
+                   "pause, continue, step and stop it from the dashboard and the command line")
+        ->group("Look into it");
+    verb->add_flag("--no-deadlines", a->no_deadlines, "wait for ever (a debugger is attached)")->group("Look into it");
     verb->add_option("--log-level", a->log_level, "of the processes")
+        ->group("Look into it")
         ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
     verb->callback([a, &action] { action = [a] { return run(*a); }; });
 }

@@ -20,6 +20,7 @@ int schema(std::filesystem::path const& root) {
                                      {"configs/schema/network.schema.json", launcher::network_schema()},
                                      {"configs/schema/router.schema.json", launcher::router_schema()},
                                      {"configs/schema/study.schema.json", launcher::study_schema()},
+                                     {"configs/schema/certify.schema.json", launcher::certify_schema()},
                                      {"docs/reference/config.md", launcher::config_page()},
                                      {"docs/reference/actions.md", launcher::actions_page()}}) {
         std::ofstream stream{root / file, std::ios::trunc};

@@ -5,8 +5,9 @@
 #include "common/config/merge.hpp"
 #include "common/text.hpp"
 #include "gateways/scl/scl_export.hpp"
-#include "gateways/scl/scl_import.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/scl_file.hpp"
 #include "launcher/cli/verbs.hpp"
 
 #include <CLI/CLI.hpp>
@@ -37,19 +38,9 @@ int write(std::string const& text, std::filesystem::path const& out) {
 }
 
 int import_scl(Arguments const& a) {
-    std::error_code ignored;
-    std::ifstream stream{a.file, std::ios::binary};
-    if (!stream || std::filesystem::is_directory(a.file, ignored)) {
-        return print_error({ExitCode::usage, fmt::format("cannot read '{}'", a.file.string()),
-                            stream ? "it is a folder; expected an SCD, ICD or CID file" : ""});
-    }
-    std::string const text{std::istreambuf_iterator<char>{stream}, {}};
-    auto const imported = scl::import_streams(text, a.file.string(), a.import);
+    auto const imported = read_scl_file(a.file, a.import);
     if (!imported) {
         return print_error(imported.error());
-    }
-    for (std::string const& note : imported->notes) {
-        fmt::print(stderr, "note: {}: {}\n", a.file.string(), note);
     }
     if (imported->streams.entries.empty()) {
         return print_error({ExitCode::usage, fmt::format("'{}' has no stream that can be used", a.file.string()),
@@ -116,7 +107,8 @@ int export_scl(Arguments const& a) {
         return static_cast<int>(ExitCode::usage);
     }
     if (all.empty()) {
-        return print_error({ExitCode::usage, fmt::format("'{}' has no `streams:`", a.file.string()), ""});
+        return print_error({ExitCode::usage, fmt::format("'{}' has no `streams:`", a.file.string()),
+                            "expected a scenario with GOOSE or SMV streams (docs/reference/streams.md)"});
     }
     auto const streams = chosen(all, a);
     if (!streams) {
@@ -136,7 +128,7 @@ void add_scl(CLI::App& app, Action& action) {
     import->add_option("FILE", a->file, "SCL file")->required();
     import->add_option("--ied", a->import.ied, "only the control blocks of this IED");
     import->add_option("--nominal-hz", a->import.nominal_hz, "frequency of the grid, for rates per period (default 50)")
-        ->check(CLI::PositiveNumber);
+        ->check(positive());
     import->add_option("--out", a->out, "file (default: standard output)");
     import->callback([&action, a] { action = [a] { return import_scl(*a); }; });
     CLI::App* const exported = verb->add_subcommand("export", "write the streams of a scenario as a CID file");

@@ -5,6 +5,7 @@
 #include "common/comtrade/comtrade_writer.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/progress.hpp"
@@ -40,21 +41,12 @@ using Clock = std::chrono::steady_clock;
 /// After so many steps somebody looks whether what was written are numbers.
 constexpr std::int64_t kStepsBetweenChecks = 256;
 
-/// Of an instrument transformer.
-struct Ratio {
-    double primary{1}, secondary{1};
-};
-
 /// By the beginning of the transformer's signals ("ct.NAME", "vt.NAME").
-std::map<std::string, Ratio> ratios_of(sim::Network const& n) {
-    std::map<std::string, Ratio> out;
-    for (sim::Ct const& ct : n.cts) {
-        sim::CtType const& type = *sim::find(n.ct_types, ct.type.name);
-        out["ct." + ct.name.name] = {type.primary_a, type.secondary_a};
-    }
-    for (sim::Vt const& vt : n.vts) {
-        sim::VtType const& type = *sim::find(n.vt_types, vt.type.name);
-        out["vt." + vt.name.name] = {type.primary_v, type.secondary_v};
+std::map<std::string, sim::Instrument::Ratio> ratios_of(sim::Network const& n) {
+    std::map<std::string, sim::Instrument::Ratio> out;
+    sim::NetworkAround const around{n};
+    for (sim::Instrument const* i : sim::all<sim::Instrument>(n)) {
+        out[signal_prefix(*i)] = i->ratio(around);
     }
     return out;
 }
@@ -80,7 +72,7 @@ class Output {
     }
 
     Result<void> open_comtrade(std::filesystem::path const& file, double frequency_hz, double rate_hz, double trigger_s,
-                               std::map<std::string, Ratio> const& ratios) {
+                               std::map<std::string, sim::Instrument::Ratio> const& ratios) {
         ComtradeHeader header;
         header.line_frequency_hz = frequency_hz;
         header.sample_rate_hz = rate_hz;
@@ -408,7 +400,7 @@ void add_simulate(CLI::App& app, Action& action) {
     verb->add_flag("--list-signals", a->list_signals, "list what can be written, and end");
     verb->add_option("--csv", a->csv, "write a table: time_s first, one header row");
     verb->add_option("--comtrade", a->comtrade, "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");
-    verb->add_option("--every", a->every, "write every n-th step")->check(CLI::PositiveNumber);
+    verb->add_option("--every", a->every, "write every n-th step")->check(positive());
     verb->add_flag("--timing", a->timing, "print wall time per step and the real-time factor");
     verb->add_flag("--quiet", a->quiet, "print nothing but errors");
     verb->callback([a, &action] { action = [a] { return simulate(*a); }; });

@@ -4,8 +4,8 @@
 // `gridspace sweep`: a scenario many times.
 #include "common/time.hpp"
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/sweep_progress.hpp"
 #include "launcher/cli/verbs.hpp"
-#include "launcher/run/progress_bar.hpp"
 #include "launcher/run/say.hpp"
 #include "launcher/sweep/run_pool.hpp"
 #include "launcher/sweep/slurm.hpp"
@@ -23,7 +23,6 @@ namespace gridspace::cli {
 namespace {
 
 using namespace launcher;
-using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kShownPoints = 20, kShownFailures = 5;
@@ -32,44 +31,6 @@ struct SweepArguments {
     std::filesystem::path study, out;
     std::size_t jobs{0};
     bool slurm{false}, dry_run{false}, resume{false}, keep{false}, json{false}, quiet{false};
-};
-
-/// One line that is redrawn on a terminal; a line every half minute elsewhere.
-class SweepProgressLine {
-  public:
-    SweepProgressLine(std::string study, bool quiet)
-        : study_{std::move(study)}, quiet_{quiet}, is_terminal_{::isatty(STDERR_FILENO) != 0} {}
-
-    void show(SweepProgress const& at, bool last) {
-        auto const now = Clock::now();
-        auto const pause = is_terminal_ ? std::chrono::milliseconds{200} : std::chrono::milliseconds{30'000};
-        if (quiet_ || at.of == 0 || (!last && now - shown_ < pause)) {
-            return;
-        }
-        shown_ = now;
-        std::string const text = fmt::format(
-            "{} / {} runs{}{}", at.done, at.of, at.failed > 0 ? fmt::format(", {} not passed", at.failed) : "",
-            !last && at.left_s ? ", about " + human_duration(*at.left_s) + " left" : "");
-        if (is_terminal_) {
-            double const share = static_cast<double>(at.done) / static_cast<double>(at.of);
-            say(stderr, "\r\x1b[K{} ▕{}▏ {}{}", study_, progress_bar(share, 24), text, last ? "\n" : "");
-            is_drawn_ = !last;
-        } else {
-            say(stderr, "{}: {}\n", study_, text);
-        }
-    }
-
-    void note(std::string_view text) {
-        if (!quiet_) {
-            say(stderr, "{}{}\n", is_drawn_ ? "\r\x1b[K" : "", text);
-            is_drawn_ = false;
-        }
-    }
-
-  private:
-    std::string study_;
-    bool quiet_, is_terminal_, is_drawn_{false};
-    Clock::time_point shown_{Clock::now()};
 };
 
 std::string plural(std::size_t count, std::string_view what) {

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "timebox/box.hpp"
@@ -78,15 +79,14 @@ int timebox(TimeboxArguments const& arguments) {
 
 void add_timebox(CLI::App& app, Action& action) {
     auto const arguments = std::make_shared<TimeboxArguments>();
-    CLI::App* verb = app.add_subcommand(
-        "timebox", "run an unmodified program in simulated time, as fast as it goes, with the same result each time");
-    verb->add_option("command", arguments->command, "the program and its arguments, behind --")->required();
-    verb->add_option("--until", arguments->until_s, "simulated time at which it is ended, s")
-        ->check(CLI::PositiveNumber);
+    CLI::App* verb =
+        app.add_subcommand("timebox", "run an unmodified program in simulated time, with the same result each time");
+    verb->add_option("COMMAND", arguments->command, "the program and its arguments, behind --")->required();
+    verb->add_option("--until", arguments->until_s, "simulated time at which it is ended, s")->check(positive());
     verb->add_option("--seed", arguments->seed, "of the random numbers that the kernel gives");
     verb->add_option("--epoch", arguments->epoch_unix_s, "what the clock shows at the start, s since 1970 (UTC)");
     verb->add_option("--patience", arguments->patience_s, "real time that it may compute without a call, s")
-        ->check(CLI::PositiveNumber);
+        ->check(positive());
     verb->add_flag("--trace", arguments->trace, "list the calls that were held, with simulated times (stderr)");
     verb->add_flag("-q,--quiet", arguments->quiet, "no summary");
     verb->callback([arguments, &action] { action = [arguments] { return timebox(*arguments); }; });

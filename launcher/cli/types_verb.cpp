@@ -51,7 +51,7 @@ int types(std::vector<std::filesystem::path> const& files) {
         std::ifstream in{file};
         std::string const text{std::istreambuf_iterator<char>{in}, {}};
         if (!in.is_open()) {
-            say(stderr, "error: cannot read '{}'\n", file.string());
+            say(stderr, "error: cannot read '{}'\n  expected a file of IDL\n", file.string());
             return static_cast<int>(ExitCode::usage);
         }
         if (auto const ok = add_all(header, text); !ok) {

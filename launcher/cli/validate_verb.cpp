@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/yaml.hpp"
+#include "launcher/certify/certify_case.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/sweep/study_plan.hpp"
@@ -47,12 +48,18 @@ int validate(ValidateArguments const& arguments) {
         auto const root = file.extension() == ".m" ? std::nullopt : config::load_yaml(file, probe);
         bool const is_network = file.extension() == ".m" || (root && root->find("gridspace_network") != nullptr);
         bool const is_study = root && root->find("gridspace_study") != nullptr;
-        std::string const kind = is_network ? "network" : is_study ? "study" : "scenario";
+        bool const is_case = root && root->find("gridspace_certify") != nullptr;
+        std::string const kind = is_network ? "network" : is_study ? "study" : is_case ? "case" : "scenario";
         std::string summary;
         if (is_study) {
             auto const study = launcher::load_study(file, diagnostics);
             if (auto const plan = study ? launcher::plan_study(*study, diagnostics) : std::nullopt) {
                 summary = fmt::format("{} runs of {}", plan->runs.size(), plan->scenario);
+            }
+        } else if (is_case) {
+            auto const all = launcher::load_certify_case(file, diagnostics);
+            if (auto const groups = all ? launcher::plan_case(*all, 0, diagnostics) : std::nullopt) {
+                summary = fmt::format("{} groups of faults", groups->size());
             }
         } else if (is_network) {
             if (auto const network = sim::load_network(file, diagnostics)) {
@@ -91,9 +98,11 @@ int validate(ValidateArguments const& arguments) {
 
 void add_validate(CLI::App& app, Action& action) {
     auto const a = std::make_shared<ValidateArguments>();
-    CLI::App* verb = app.add_subcommand("validate", "check scenario, network and study files; start nothing");
-    verb->add_option("FILE", a->files, "files")->required();
-    verb->add_option("--set", a->set, "override a value")->take_all()->allow_extra_args(false);
+    CLI::App* verb = app.add_subcommand("validate", "check scenario, network and study files and cases; start nothing");
+    verb->add_option("FILE", a->files, "scenario, network (YAML or MATPOWER), study or case")->required();
+    verb->add_option("--set", a->set, "override a value of a scenario: --set clock.tick_s=0.25 (may be repeated)")
+        ->take_all()
+        ->allow_extra_args(false);
     verb->add_option("--format", a->format, "text or json")->check(CLI::IsMember({"text", "json"}));
     verb->callback([a, &action] { action = [a] { return validate(*a); }; });
 }

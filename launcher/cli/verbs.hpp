@@ -38,6 +38,7 @@ struct MonitorArguments {
 int monitor(MonitorArguments const& arguments);
 
 void add_bundle(CLI::App& app, Action& action);
+void add_certify(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action);
 void add_completion(CLI::App& app, Action& action);
 void add_control(CLI::App& app, Action& action); ///< pause, continue, step, stop

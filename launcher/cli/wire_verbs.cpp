@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `gridspace wire ...`: frames of IEC 61850 for people at the bench.
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/wire/capture_statistics.hpp"
@@ -9,25 +10,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <fmt/format.h>
 #include <memory>
 
 namespace gridspace::cli {
 namespace {
 
-/// A finite number, from `least` on; the library's own check lets "nan" pass.
-CLI::Validator number(double least, char const* what) {
-    return CLI::Validator{[least, what](std::string& text) {
-                              double value = 0;
-                              auto const [end, ec] = std::from_chars(text.data(), text.data() + text.size(), value);
-                              bool const ok = ec == std::errc{} && end == text.data() + text.size() &&
-                                              std::abs(value) <= 1e9 && value >= least;
-                              return ok ? std::string{} : fmt::format("'{}' is not {}", text, what);
-                          },
-                          ""};
-}
 CLI::Validator seconds() {
     return number(0, "a number of seconds (0 to 1e9)");
 }

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "common/nearest_rank.hpp"
 #include "common/text.hpp"
 #include "launcher/judge/expectation.hpp"
 #include "launcher/judge/timeline.hpp"
@@ -61,15 +62,8 @@ std::vector<double> collect(Expectation const& e, Timeline const& timeline) {
     return out;
 }
 
-/// Nearest-rank percentile.
-double percentile(std::vector<double> values, double share) {
-    std::sort(values.begin(), values.end());
-    auto const rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
-    return values[std::clamp<std::size_t>(rank, 1, values.size()) - 1];
-}
-
 std::optional<double> statistic(Expectation const& e, Timeline const& timeline) {
-    std::vector<double> const values = collect(e, timeline);
+    std::vector<double> values = collect(e, timeline);
     if (values.empty()) {
         return std::nullopt;
     }
@@ -93,9 +87,11 @@ std::optional<double> statistic(Expectation const& e, Timeline const& timeline) 
         return sum / static_cast<double>(values.size());
     }
     case Verb::median_of:
-        return percentile(values, 0.5);
+        std::ranges::sort(values);
+        return nearest_rank(values, 0.5);
     case Verb::p99_of:
-        return percentile(values, 0.99);
+        std::ranges::sort(values);
+        return nearest_rank(values, 0.99);
     default: {
         // last_of: with a pattern, the worst last value is what matters; the largest is shown.
         if (!e.expression->is_plain_signal()) {

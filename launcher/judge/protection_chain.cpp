@@ -49,7 +49,7 @@ void follow_back(Node const& scenario, ProtectionChain::End& end, std::string& g
     for (Node::Entry const& gateway : entries(walk(&scenario, {"simulation", "gateways"}))) {
         for (Node::Entry const& publish : entries(gateway.value.find("publish"))) {
             if (!end.topic.empty() && publish.key == end.topic) {
-                end.transformer = publish.value.text;
+                end.transformer = publish.value.is_map() ? text_of(&publish.value, {"ct"}) : publish.value.text;
                 gateway_name = gateway.key;
             }
         }
@@ -94,7 +94,10 @@ std::vector<ProtectionChain> protection_chains(Node const& scenario) {
         ProtectionChain chain;
         chain.relay = process.key;
         chain.trip_stream = text_of(&process.value, {"trip"});
-        chain.ends[0].stream = text_of(&process.value, {"currents", "from"});
+        bool const is_bay = process.value.find("functions") != nullptr;
+        chain.ends[0].stream =
+            text_of(&process.value, is_bay ? std::initializer_list<std::string_view>{"inputs", "currents"}
+                                           : std::initializer_list<std::string_view>{"currents", "from"});
         chain.ends[1].stream = text_of(&process.value, {"currents", "to"});
         for (ProtectionChain::End& end : chain.ends) {
             follow_back(scenario, end, chain.gateway);

@@ -197,7 +197,7 @@ int Results::exit_code() const {
 Result<Results> read_results(fs::path const& folder, RunOutcome const* seen) {
     if (!fs::exists(folder / "manifest.json")) {
         return fail(ExitCode::usage, fmt::format("'{}' is not a run folder", folder.string()),
-                    "it has no manifest.json");
+                    "it has no manifest.json: give a folder that `gridspace run` has written, or latest");
     }
     Results out;
     out.folder = fs::canonical(folder);

@@ -5,6 +5,7 @@
 #include "common/config/fields.hpp"
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
+#include "common/nearest_rank.hpp"
 #include "launcher/wire/steady_interval.hpp"
 
 #include <algorithm>
@@ -294,7 +295,7 @@ void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::
             }
         }
         if (commanded && effect != nullptr && *commanded < effect->values.size()) {
-            add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], true,
+            add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], false,
                 clock + ": written to " + ied.topic);
             add("command takes effect", effect->values[*commanded], false,
                 "simulated time stated in the command: its message plus the declared latency of the breaker IED");
@@ -314,14 +315,19 @@ void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::
             if (last) {
                 add(breaker + ": last pole open", *last, false,
                     "simulated time: each pole opens at its own current zero");
+                out.chain.back().opens = true;
             }
         }
     }
     for (std::size_t i = 0; i < out.chain.size(); ++i) {
         // A decision is about a sample: its age is counted from the sample's instant. Otherwise the clocks do not mix.
         bool const about_sample = i == 1 && !out.foreign;
-        if (i == 0 || about_sample || out.chain[i].simulated == out.chain[i - 1].simulated) {
-            out.chain[i].since_before_ms = out.chain[i].after_ms - (i == 0 ? 0 : out.chain[i - 1].after_ms);
+        std::size_t before = i == 0 ? 0 : i - 1;
+        while (before > 0 && out.chain[i].opens && out.chain[before].opens) {
+            --before;
+        }
+        if (i == 0 || about_sample || out.chain[i].simulated == out.chain[before].simulated) {
+            out.chain[i].since_before_ms = out.chain[i].after_ms - (i == 0 ? 0 : out.chain[before].after_ms);
         }
     }
 }
@@ -402,7 +408,7 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
         lockstep ? std::optional{static_cast<double>(samples->times_ns[tripped]) / 1e6}
                  : at_instant(decisions, sample_s).transform([&](double age) { return sample_s * 1e3 + age; });
     if (decided_ms) {
-        add("relay decides to trip", *decided_ms, true, clock + ": the decision about that sample");
+        add("relay decides to trip", *decided_ms, false, clock + ": the decision about the sample that trips");
     }
     SignalSeries const *states = find(signals, "stream." + chain.trip_stream + ".st_num"),
                        *sent = find(signals, "stream." + chain.trip_stream + ".sent_after_ms");
@@ -433,17 +439,13 @@ Spread spread_of(std::vector<double> values) {
     for (double const v : values) {
         out.mean += v / static_cast<double>(values.size());
     }
-    auto const rank = [&](double share) {
-        auto const n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size()) - 1e-9));
-        return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
-    };
     constexpr double kNanosecondMs = 1e-6; // what the arithmetic of doubles may lose
     out.below_zero = static_cast<std::size_t>(
         std::count_if(values.begin(), values.end(), [](double v) { return v < -kNanosecondMs; }));
     out.min = values.front();
-    out.p50 = rank(0.5);
-    out.p99 = rank(0.99);
-    out.p999 = rank(0.999);
+    out.p50 = nearest_rank(values, 0.5);
+    out.p99 = nearest_rank(values, 0.99);
+    out.p999 = nearest_rank(values, 0.999);
     out.max = values.back();
     return out;
 }

@@ -56,9 +56,10 @@ struct GooseTiming {
 struct ChainStep {
     std::string what, method;
     double after_ms{0};                    ///< since the fault
-    bool communication{false};             ///< a transfer that the class is about
+    bool communication{false};             ///< the transfer of a message, which is what the class is about
     std::optional<double> since_before_ms; ///< nothing: the two are of different clocks
     bool simulated{false};                 ///< an instant of simulated time
+    bool opens{false};                     ///< breakers open side by side, each counted from the command
 };
 
 struct RelayTiming {

@@ -11,23 +11,32 @@ namespace gridspace::play {
 void add_options(CLI::App& app, PlayOptions& o) {
     app.add_option("RUN", o.run, "run folder, its data.mcap, or latest")->required();
     app.add_option("--rate", o.rate, "recorded seconds per second; 0: as fast as readers take it")
-        ->check(CLI::Range(0.0, 1e6));
-    app.add_option("--start", o.start, "begin at this simulated time (10s, 5min, 2h)");
-    app.add_option("--until", o.until, "end at this simulated time");
-    app.add_option("--topics", o.topics, "only these (patterns)")->delimiter(',');
-    app.add_option("--loop", o.loops, "so many times; 0: for ever")->check(CLI::NonNegativeNumber);
-    app.add_option("--domain", o.domain, "DDS domain")->check(CLI::Range(0, 232));
+        ->check(CLI::Range(0.0, 1e6))
+        ->group("What is played");
+    app.add_option("--start", o.start, "begin at this simulated time (10s, 5min, 2h)")->group("What is played");
+    app.add_option("--until", o.until, "end at this simulated time")->group("What is played");
+    app.add_option("--topics", o.topics, "only these (patterns)")->delimiter(',')->group("What is played");
+    app.add_option("--loop", o.loops, "so many times; 0: for ever")
+        ->check(CLI::Range(0, 1'000'000'000))
+        ->group("What is played");
+    app.add_option("--domain", o.domain, "DDS domain")->check(CLI::Range(0, 232))->group("Where");
     app.add_option("--data-domain", o.data_domain,
                    "another DDS domain for the topics that are studied; those of the framework stay")
-        ->check(CLI::Range(0, 232));
-    app.add_option("--address", o.addresses, "IPv4 addresses of the interfaces to use (default: all)")->delimiter(',');
-    app.add_flag("--wait", o.wait, "begin when every topic has a reader");
+        ->check(CLI::Range(0, 232))
+        ->group("Where");
+    app.add_option("--address", o.addresses, "IPv4 addresses of the interfaces to use (default: all)")
+        ->delimiter(',')
+        ->group("Where");
+    app.add_flag("--wait", o.wait, "begin when every topic has a reader")->group("Where");
     app.add_flag("--json", o.json, "what was played, as JSON");
-    app.add_option("--frames", o.frames, "send the recorded frames on this interface, too");
-    app.add_option("--only", o.only, "of the frames those of this point of the capture")->needs("--frames");
+    app.add_option("--frames", o.frames, "send the recorded frames on this interface, too")->group("Frames");
+    app.add_option("--only", o.only, "of the frames those of this point of the capture")
+        ->needs("--frames")
+        ->group("Frames");
     app.add_option("--allow-attacks-on", o.allow_attacks_on, "an interface that is not a virtual cable")
-        ->needs("--frames");
-    app.add_flag("--no-samples", o.no_samples, "frames alone")->needs("--frames");
+        ->needs("--frames")
+        ->group("Frames");
+    app.add_flag("--no-samples", o.no_samples, "frames alone")->needs("--frames")->group("Frames");
 }
 
 std::vector<std::string> to_words(PlayOptions const& o) {

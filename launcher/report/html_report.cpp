@@ -8,6 +8,7 @@
 #include "launcher/folder/write_file.hpp"
 #include "launcher/report/detector_tables.hpp"
 #include "launcher/report/figures.hpp"
+#include "launcher/report/html_page.hpp"
 #include "launcher/report/report_assets.hpp"
 #include "launcher/report/tables.hpp"
 #include "launcher/report/wire_timing_page.hpp"
@@ -31,31 +32,12 @@ std::string file_name(std::string id) {
     return id;
 }
 
-std::string row(std::vector<std::string> const& cells, char const* tag) {
-    std::string out = "<tr>";
-    for (std::string const& cell : cells) {
-        out += fmt::format("<{}>{}</{}>", tag, cell, tag);
-    }
-    return out + "</tr>\n";
-}
-
-std::string table(ReportTable const& t) {
-    std::vector<std::string> header = t.header;
-    std::transform(header.begin(), header.end(), header.begin(), escape_markup);
-    std::string out = fmt::format("<section><h2>{}</h2>\n<table>{}", escape_markup(t.title), row(header, "th"));
-    for (auto const& cells : t.rows) {
-        out += row(cells, "td");
-    }
-    return out + "</table>" + (t.note.empty() ? "" : "<p class=\"method\">" + escape_markup(t.note) + "</p>") +
-           "</section>\n";
-}
-
 std::string expectations(Results const& r) {
     if (r.expectations.empty()) {
         return "";
     }
-    std::string out = "<section><h2>Expectations</h2>\n<table class=\"expect\">" +
-                      row({"", "name", "value", "accepted", "what happened"}, "th");
+    std::string out = "<section tabindex=\"0\"><h2>Expectations</h2>\n<table class=\"expect\">" +
+                      html_row({"", "name", "value", "accepted", "what happened"}, "th");
     for (ExpectationResult const& e : r.expectations) {
         bool const condition = e.verb == "always" || e.verb == "never" || e.verb == "eventually";
         std::string const value = !e.value    ? "–"
@@ -65,8 +47,8 @@ std::string expectations(Results const& r) {
                             : e.status == Status::failed ? (e.advisory ? "<span class=\"warn\">▲ advisory</span>"
                                                                        : "<span class=\"bad\">✗ fail</span>")
                                                          : "<span class=\"dim\">shown</span>";
-        out += row({badge, escape_markup(e.name), value, escape_markup(e.band.to_string()), escape_markup(e.detail)},
-                   "td");
+        out += html_row(
+            {badge, escape_markup(e.name), value, escape_markup(e.band.to_string()), escape_markup(e.detail)}, "td");
     }
     return out + "</table></section>\n";
 }
@@ -160,13 +142,47 @@ ReportTable stranger_table(Results const& r) {
     return t;
 }
 
+constexpr std::size_t kFewEvents = 12, kStoryFigures = 4; // what tells the story stands before the tables
+
+/// Times also since the first event of the scenario's timeline, which caused the others.
 ReportTable event_table(Results const& r) {
-    ReportTable t{"Events", {"time", "source", "event", "what"}, {}};
+    ReportTable t{"What happened", {"time", "", "source", "event", "what"}, {}};
+    auto const cause = std::ranges::find(r.events, "event", &LoggedEvent::event);
+    if (cause != r.events.end()) {
+        t.header[1] = fmt::format("since {}, ms", cause->text);
+    }
     for (LoggedEvent const& e : r.events) {
-        t.rows.push_back({fmt::format("{:.4f} s", e.time_s), escape_markup(e.source), escape_markup(e.event),
-                          escape_markup(e.text)});
+        bool const later = cause != r.events.end() && e.time_s >= cause->time_s;
+        t.rows.push_back({fmt::format("{:.4f} s", e.time_s),
+                          later ? fmt::format("{:+.2f}", (e.time_s - cause->time_s) * 1e3) : "",
+                          escape_markup(e.source), escape_markup(e.event), escape_markup(e.text)});
     }
     return t;
+}
+
+/// The drawings, one after the other; beside them as files. `data`: what the page's script needs of them.
+Result<std::vector<std::string>> drawings(Results const& r, std::vector<Figure> figures, std::string& data) {
+    std::vector<std::string> out;
+    for (Figure& figure : figures) {
+        figure.id = file_name(std::move(figure.id));
+        std::string const svg = to_svg(figure);
+        for (auto const& [ending, text] :
+             {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {
+            if (auto ok = replace_file(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
+                return std::unexpected{ok.error()};
+            }
+        }
+        out.push_back(
+            fmt::format("<figure id=\"{0}\" tabindex=\"0\"><figcaption>{1} <span class=\"files\"><a "
+                        "href=\"figures/{0}.svg\">SVG</a> "
+                        "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}{3}</figure>\n",
+                        figure.id, escape_markup(figure.title), svg,
+                        figure.note.empty() ? "" : "<p class=\"method\">" + escape_markup(figure.note) + "</p>"));
+        if (figure.interactive()) {
+            data += (data.empty() ? "" : ",") + to_json(figure);
+        }
+    }
+    return out;
 }
 
 } // namespace
@@ -191,48 +207,34 @@ Result<fs::path> write_html_report(Results const& r) {
     for (std::string const& note : r.notes) {
         body += fmt::format("<p class=\"warn\">▲ {}</p>\n", escape_markup(note));
     }
-    body += expectations(r);
     ReportSettings const settings = report_settings(scenario);
     WireTiming const timing = measure_wire_timing(r, scenario);
+    std::string data;
+    auto const figures = drawings(r, make_figures(settings, {r, scenario, timing}), data);
+    if (!figures) {
+        return std::unexpected{figures.error()};
+    }
+    std::string const events = r.events.empty() ? "" : html_table(event_table(r));
+    bool const few_events = r.events.size() <= kFewEvents;
+    body += few_events ? events : "";
+    auto const rest = figures->begin() + static_cast<std::ptrdiff_t>(std::min(kStoryFigures, figures->size()));
+    std::for_each(figures->begin(), rest, [&](std::string const& drawing) { body += drawing; });
+    body += expectations(r);
     for (auto const& tables :
          {make_tables(settings, r), detector_tables(r.intrusion), wire_timing_tables(timing, published_of(scenario))}) {
         for (ReportTable const& t : tables) {
-            body += table(t);
+            body += html_table(t);
         }
     }
-    std::string data;
-    for (Figure& figure : make_figures(settings, {r, scenario, timing})) {
-        figure.id = file_name(std::move(figure.id));
-        std::string const svg = to_svg(figure);
-        for (auto const& [ending, text] :
-             {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {
-            if (auto ok = replace_file(r.folder / "report" / "figures" / (figure.id + ending), text); !ok) {
-                return std::unexpected{ok.error()};
-            }
-        }
-        body +=
-            fmt::format("<figure id=\"{0}\"><figcaption>{1} <span class=\"files\"><a href=\"figures/{0}.svg\">SVG</a> "
-                        "<a href=\"figures/{0}.csv\">CSV</a></span></figcaption>{2}{3}</figure>\n",
-                        figure.id, escape_markup(figure.title), svg,
-                        figure.note.empty() ? "" : "<p class=\"method\">" + escape_markup(figure.note) + "</p>");
-        if (figure.interactive()) {
-            data += (data.empty() ? "" : ",") + to_json(figure);
-        }
-    }
+    std::for_each(rest, figures->end(), [&](std::string const& drawing) { body += drawing; });
     body += notes(scenario) + files_table(r);
     if (ReportTable const strangers = stranger_table(r); !strangers.rows.empty()) {
-        body += table(strangers);
+        body += html_table(strangers);
     }
-    if (!r.events.empty()) {
-        body += table(event_table(r));
-    }
-    body += table(process_table(r)) + table(topic_table(r));
+    body += few_events ? "" : events;
+    body += html_table(process_table(r)) + html_table(topic_table(r));
     std::string const page =
-        fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-                    "content=\"width=device-width\">"
-                    "<title>{} – Gridspace report</title><style>{}</style></head>\n<body><main>{}</main>\n"
-                    "<script>const figures=[{}];\n{}</script></body></html>\n",
-                    escape_markup(r.scenario), kReportCss, body, data, kReportJs);
+        html_page(r.scenario + " – Gridspace report", body, fmt::format("const figures=[{}];\n{}", data, kReportJs));
     fs::path file = r.folder / "report" / "index.html";
     if (auto ok = replace_file(file, page); !ok) {
         return std::unexpected{ok.error()};

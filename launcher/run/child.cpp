@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/child.hpp"
 
-#include "common/privileges.hpp"
+#include "common/privileges/capabilities.hpp"
 #include "common/realtime.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
@@ -26,6 +26,7 @@ namespace {
 
 constexpr int kStatusFd = 3; // in the child
 constexpr int kListenFd = 4;
+constexpr int kBoardFd = 5;
 
 struct Pipe {
     UniqueFd read, write;
@@ -91,10 +92,12 @@ void execute(std::vector<char*> const& arguments) {
     if (process.fifo_priority > 0) {
         schedule_fifo(process.fifo_priority); // what came of it the process says in its log
     }
-    // Standard descriptors, then 3 (status) and 4 (listening socket). Sources are moved above 10 first: no overlap.
+    // Standard descriptors, then 3 (status), 4 (listening socket) and 5 (board). Sources are moved above 10 first: no
+    // overlap.
     int const control = ::fcntl(control_read, F_DUPFD, 10), status = ::fcntl(status_write, F_DUPFD, 10),
               log = ::fcntl(log_fd, F_DUPFD, 10),
               listening = options.listen_fd < 0 ? -1 : ::fcntl(options.listen_fd, F_DUPFD, 10),
+              board = options.board_fd < 0 ? -1 : ::fcntl(options.board_fd, F_DUPFD, 10),
               error = ::fcntl(error_fd, F_DUPFD_CLOEXEC, 10);
     error_fd = error;
     ::dup2(control, STDIN_FILENO);
@@ -104,7 +107,13 @@ void execute(std::vector<char*> const& arguments) {
     if (listening >= 0) {
         ::dup2(listening, kListenFd);
     }
-    for (int const fd : {control, status, log, listening}) {
+    if (board >= 0) {
+        ::dup2(board, kBoardFd);
+        ::setenv("GRIDSPACE_BOARD", std::to_string(kBoardFd).c_str(), 1);
+    } else {
+        ::unsetenv("GRIDSPACE_BOARD");
+    }
+    for (int const fd : {control, status, log, listening, board}) {
         if (fd >= 0) {
             ::close(fd);
         }

@@ -21,6 +21,7 @@ struct Child {
 struct SpawnOptions {
     int netns{-1};     ///< network namespace to run in, or -1
     int listen_fd{-1}; ///< socket to hand over, or -1
+    int board_fd{-1};  ///< shared memory of the clock to hand over, or -1
     std::int64_t incarnation{0};
 };
 

@@ -90,7 +90,7 @@ Result<MonitorAddress> monitor_address(std::filesystem::path const& run) {
         return MonitorAddress{text, {}, {}};
     }
     return fail(ExitCode::usage, fmt::format("'{}' is neither a run folder nor the address of a monitor", text),
-                "`gridspace run` prints both");
+                "is a scenario running? `gridspace run` prints its folder and the address of its monitor");
 }
 
 namespace {

@@ -67,7 +67,8 @@ Result<fs::path> make_run_folder(std::string const& scenario, fs::path const& pa
                         "choose another one for --out");
         }
         fs::create_directories(exact, error);
-        return error ? fail(ExitCode::environment, fmt::format("cannot make '{}': {}", exact.string(), error.message()))
+        return error ? fail(ExitCode::environment, fmt::format("cannot make '{}': {}", exact.string(), error.message()),
+                            "choose another one for --out")
                      : Result<fs::path>{fs::absolute(exact).lexically_normal()};
     }
     fs::create_directories(parent, error);
@@ -75,7 +76,8 @@ Result<fs::path> make_run_folder(std::string const& scenario, fs::path const& pa
     fs::path folder = parent / name;
     for (int n = 2; !fs::create_directory(folder, error); ++n) {
         if (error) {
-            return fail(ExitCode::environment, fmt::format("cannot make '{}': {}", folder.string(), error.message()));
+            return fail(ExitCode::environment, fmt::format("cannot make '{}': {}", folder.string(), error.message()),
+                        "--out names another folder");
         }
         folder = parent / fmt::format("{}-{}", name, n);
     }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_plan.hpp"
 
-#include "common/privileges.hpp"
+#include "common/privileges/capabilities.hpp"
 #include "common/realtime.hpp"
 #include "common/text.hpp"
 #include "launcher/run/emulation.hpp"
@@ -11,6 +11,7 @@
 #include "launcher/scenario/discovery_peers.hpp"
 #include "launcher/scenario/installation.hpp"
 #include "launcher/scenario/run_on.hpp"
+#include "launcher/scenario/tick_length.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -33,7 +34,8 @@ std::vector<std::string> addresses_of(std::vector<Port> const& ports, std::strin
 }
 
 bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Dataflow const& flow,
-                            DiscoveryPeers const& peers, RunPlan const& plan, PlanOptions const& options) {
+                            WorkAhead const& ahead, DiscoveryPeers const& peers, RunPlan const& plan,
+                            PlanOptions const& options) {
     bus::NodeConfig node;
     node.process = process.name.name;
     node.program = process.program.name;
@@ -51,6 +53,13 @@ bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Da
     clock.mode = scenario.clock.mode;
     clock.quantum_s = scenario.quantum_s();
     clock.tick_s = scenario.tick_s();
+    if (auto const found = ahead.ahead_s.find(node.process); found != ahead.ahead_s.end()) {
+        clock.ahead_s = found->second;
+        clock.ends_at_s = scenario.simulation.duration();
+    }
+    if (auto const found = ahead.promise_s.find(node.process); found != ahead.promise_s.end()) {
+        clock.promise_s = found->second;
+    }
     clock.epoch_unix_s = parse_utc(scenario.simulation.epoch).value_or(0);
     clock.member_timeout_s = scenario.clock.member_timeout_s * patience(scenario);
     // The simulator starts last, hears from everybody how far they are, and names who is missing. The others wait as
@@ -215,6 +224,18 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, bu
     return out;
 }
 
+/// Members and simulator share memory where all of them are our programs or made with our library, on this machine and
+/// for its processor.
+std::size_t board_places(Scenario const& scenario, Dataflow const& flow) {
+    bool const all_can = std::ranges::all_of(scenario.processes, [&](Process const& process) {
+        bool const takes_part = process.settings->is_member() || &process == scenario.simulator();
+        return !takes_part || (process.settings->is_daemon() && !is_external(process) &&
+                               parse_run_on(process.run_on).value_or(RunOn{}).kind == RunOn::Kind::native);
+    });
+    bool const wanted = scenario.clock.mode == bus::ClockMode::lockstep && scenario.clock.shared_memory;
+    return wanted && all_can ? flow.members.size() + 1 : 0;
+}
+
 } // namespace
 
 RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
@@ -234,11 +255,13 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
         plan.hosts.push_back(host.name.name);
     }
     Dataflow const flow = dataflow(scenario);
+    WorkAhead const ahead = work_ahead(scenario, flow);
     DiscoveryPeers const peers{scenario, flow, plan.ports};
     for (Process const& process : scenario.processes) {
-        bus::NodeConfig const node = node_config(scenario, process, flow, peers, plan, options);
+        bus::NodeConfig const node = node_config(scenario, process, flow, ahead, peers, plan, options);
         plan.processes.push_back(plan_process(scenario, process, node, plan, options));
     }
+    plan.board_places = board_places(scenario, flow);
     std::stable_partition(plan.processes.begin(), plan.processes.end(),
                           [](PlannedProcess const& p) { return !p.is_simulator; });
     for (sim::Event const& event : process_events(scenario)) {

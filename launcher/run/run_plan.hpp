@@ -60,7 +60,8 @@ struct RunPlan {
     std::vector<std::vector<ProcessAction>> holds; ///< by index of the simulator's hold
     double duration_s{0};
     bool lockstep{true};
-    bool allow_control{false}; ///< pause, continue, step and stop through the monitor
+    std::size_t board_places{0}; ///< members and simulator, whose clock goes through shared memory; 0: over DDS
+    bool allow_control{false};   ///< pause, continue, step and stop through the monitor
     double start_timeout_s{30}, member_timeout_s{10};
     std::string scheduling; ///< in real time: what the processes run under, and why; for the manifest and the report
 };

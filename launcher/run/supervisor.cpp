@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/supervisor.hpp"
 
+#include "bus/board/board.hpp"
 #include "common/line_output.hpp"
 #include "common/text.hpp"
 #include "common/waited_time.hpp"
@@ -56,6 +57,9 @@ class Supervisor {
         : plan_{plan}, channel_{channel}, output_{channel, kMaxWaiting}, listen_fds_{listen_fds} {
         for (PlannedProcess const& process : plan.processes) {
             watched_.emplace_back().plan = process;
+        }
+        if (plan.board_places > 0) {
+            board_ = bus::Board::create(plan.board_places);
         }
     }
 
@@ -112,6 +116,10 @@ class Supervisor {
         if (auto const it = listen_fds_.find(w.plan.name); it != listen_fds_.end()) {
             options.listen_fd = it->second.get();
         }
+        if (!board_) {
+            return std::unexpected{board_.error()};
+        }
+        options.board_fd = w.plan.is_member || w.plan.is_simulator ? board_->get() : -1;
         auto child = spawn(w.plan, options);
         if (!child) {
             return std::unexpected{child.error()};
@@ -561,6 +569,7 @@ class Supervisor {
     LineOutput output_; ///< to the channel
     std::map<std::string, UniqueFd> const& listen_fds_;
     VirtualNetwork network_;
+    Result<UniqueFd> board_{UniqueFd{}};
     std::vector<Watched> watched_;
     std::optional<Error> failure_;
     std::optional<Clock::time_point> simulator_done_;

@@ -140,7 +140,7 @@ Result<void> VirtualNetwork::take_interfaces(RunPlan const& plan, std::map<std::
         if (process.interface.empty() || !taken.insert(process.interface).second) {
             continue;
         }
-        if (auto ok = ip(plan.outer_network, fmt::format("link set {} netns /proc/self/fd/{}\n", process.interface,
+        if (auto ok = ip(plan.outer_network, fmt::format("link set dev {} netns /proc/self/fd/{}\n", process.interface,
                                                          hosts_.at(process.host)));
             !ok) {
             return fail(ok.error().code,
@@ -148,14 +148,14 @@ Result<void> VirtualNetwork::take_interfaces(RunPlan const& plan, std::map<std::
                                     ok.error().message),
                         "does `ip link` show it, and is this run started as root?");
         }
-        inside[process.host] += fmt::format("link set {} up\n", process.interface);
+        inside[process.host] += fmt::format("link set dev {} up\n", process.interface);
     }
     return {};
 }
 
 Result<void> VirtualNetwork::plug(RunPlan const& plan, Port const& port) const {
     // This process is process 1 of its namespaces, and lives where the switches are.
-    if (auto ok = ip(plan.outer_network, fmt::format("link set {} netns 1\n", port.plug)); !ok) {
+    if (auto ok = ip(plan.outer_network, fmt::format("link set dev {} netns 1\n", port.plug)); !ok) {
         return fail(ok.error().code,
                     fmt::format("the interface '{}' cannot be plugged into '{}' for host '{}': {}", port.plug,
                                 port.link, port.host, ok.error().message),
@@ -177,14 +177,14 @@ std::string VirtualNetwork::cable(RunPlan const& plan, Port const& port, std::st
             continue;
         }
         commands +=
-            fmt::format("link add {} netns /proc/self/fd/{} type veth peer name {} netns /proc/self/fd/{}\n",
+            fmt::format("link add name {} netns /proc/self/fd/{} type veth peer name {} netns /proc/self/fd/{}\n",
                         bump.host_interface, hosts_.at(bump.process_host), near.interface, hosts_.at(near.host));
         for (std::string const& interface : {bump.host_interface, bump.switch_interface}) {
-            inside[bump.process_host] += fmt::format("link set {} promisc on up\n", interface);
+            inside[bump.process_host] += fmt::format("link set dev {} promisc on up\n", interface);
         }
         near = {bump.switch_interface, bump.process_host};
     }
-    return commands + fmt::format("link add {} type veth peer name {} netns /proc/self/fd/{}\n", switch_end,
+    return commands + fmt::format("link add name {} type veth peer name {} netns /proc/self/fd/{}\n", switch_end,
                                   near.interface, hosts_.at(near.host));
 }
 
@@ -208,7 +208,7 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
     std::string core = "link set lo up\n";
     std::map<std::string, std::string> inside;
     for (std::size_t l = 0; l < links.size(); ++l) {
-        core += fmt::format("link add {} type bridge mcast_snooping 0 stp_state 0\nlink set {} up\n", bridge_name(l),
+        core += fmt::format("link add name {0} type bridge mcast_snooping 0 stp_state 0\nlink set dev {0} up\n",
                             bridge_name(l));
     }
     for (std::size_t p = 0; p < plan.ports.size(); ++p) {
@@ -219,14 +219,14 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
             if (auto ok = plug(plan, port); !ok) {
                 return ok;
             }
-            core += fmt::format("link property add dev {} altname {}\nlink set {} promisc on master {} up\n", port.plug,
-                                outer, port.plug, bridge_name(link));
+            core += fmt::format("link property add dev {} altname {}\nlink set dev {} promisc on master {} up\n",
+                                port.plug, outer, port.plug, bridge_name(link));
             continue;
         }
         core += cable(plan, port, outer, inside);
-        core += fmt::format("link set {} master {} up\n", outer, bridge_name(link));
+        core += fmt::format("link set dev {} master {} up\n", outer, bridge_name(link));
         std::string& commands = inside[port.host];
-        commands += fmt::format("link set {} up\n", port.interface);
+        commands += fmt::format("link set dev {} up\n", port.interface);
         if (!port.address.empty()) {
             commands += fmt::format("addr add {}/{} dev {}\n", port.address, port.prefix, port.interface);
             commands += permanent_neighbours(plan.ports, port);

@@ -6,6 +6,7 @@
 #include "common/text.hpp"
 #include "launcher/scenario/bumps.hpp"
 #include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/tick_length.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -267,23 +268,7 @@ void check_dataflow(Scenario const& scenario, Diagnostics& diagnostics) {
                           "in lockstep a chain of processes must come to an end within a tick");
     }
     check_hosts_of_frames(scenario, diagnostics);
-    Rational const tick = scenario.tick_s();
-    for (bus::MemberPlan const& member : flow.members) {
-        Process const& process = *scenario.find_process(member.name);
-        Rational const latency = process.settings->latency_s(process);
-        if (member.feeds_simulator && latency < tick) {
-            config::SourceMark where = process.name.where;
-            if (Node const* written = process.node.find("latency_us")) {
-                where = written->where;
-            }
-            diagnostics.error(
-                where,
-                fmt::format("process '{}' acts on the simulator {} us after its input, and a tick is {} us",
-                            member.name, shortest((latency * Rational{1'000'000}).to_double()),
-                            shortest((tick * Rational{1'000'000}).to_double())),
-                "its `latency_us` must be at least a tick: a tick that is over cannot be changed");
-        }
-    }
+    check_loops(scenario, flow, diagnostics);
 }
 
 std::vector<TopicUse> recorded_topics(Scenario const& scenario, Process const& recorder) {

@@ -11,6 +11,7 @@
 #include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fmt/format.h>
 
 namespace gridspace::launcher {
@@ -20,7 +21,12 @@ using config::Diagnostics;
 using config::Node;
 using program::ElementUse;
 
-constexpr std::chrono::seconds kPatience{5}; ///< a program has to say what it is
+/// How long a program has to say what it is: on a busy machine a Python takes seconds to start.
+std::chrono::seconds patience() {
+    char const* const given = std::getenv("GRIDSPACE_DESCRIBE_TIMEOUT_S");
+    long const seconds = given == nullptr ? 0 : std::strtol(given, nullptr, 10);
+    return std::chrono::seconds{seconds > 0 ? seconds : 30};
+}
 
 /// What a setting says, as names: the scalar, the items of a list, the keys of a map. Defaults count.
 std::vector<Ref> names_in(program::Declaration const& declaration, Process const& process, std::string_view key) {
@@ -301,6 +307,21 @@ Node DeclaredSettings::settings(Scenario const& s, Process const& process) const
 
 namespace {
 
+/// The last line, and of a traceback of Python the place as well: "SyntaxError: invalid syntax (agent.py:12)".
+std::string last_words(std::string_view errors) {
+    std::string_view const all = trim(errors);
+    std::string out{all.substr(all.rfind('\n') + 1)}; // npos + 1 is 0
+    constexpr std::string_view kFile = "File \"", kLine = "\", line ";
+    std::size_t const file = all.rfind(kFile), line = all.find(kLine, std::min(file, all.size()));
+    if (line != std::string_view::npos) {
+        std::string_view const path = all.substr(file + kFile.size(), line - file - kFile.size());
+        std::string_view const number = all.substr(line + kLine.size());
+        out += fmt::format(" ({}:{})", path.substr(path.rfind('/') + 1),
+                           number.substr(0, number.find_first_not_of("0123456789")));
+    }
+    return out;
+}
+
 /// What the program says when it is asked.
 std::optional<program::Declaration> ask_program(std::vector<std::string> const& command, Ref const& where,
                                                 Diagnostics& diagnostics) {
@@ -311,7 +332,7 @@ std::optional<program::Declaration> ask_program(std::vector<std::string> const& 
                           std::move(hint), static_cast<int>(where.name.size()));
         return std::nullopt;
     };
-    auto const said = run_limited(words, kPatience, {});
+    auto const said = run_limited(words, patience(), {});
     if (!said) {
         return refuse(said.error().message, said.error().remedy);
     }
@@ -321,13 +342,11 @@ std::optional<program::Declaration> ask_program(std::vector<std::string> const& 
         return refuse(fmt::format("it printed more than {} octets", kMaxCommandOutput), hint);
     }
     if (said->timed_out) {
-        return refuse(fmt::format("no answer within {} s", kPatience.count()), hint);
+        return refuse(fmt::format("no answer within {} s", patience().count()), hint);
     }
     if (said->code != 0) {
-        std::string const last{trim(said->errors)};
-        return refuse(fmt::format("it ended with code {}{}{}", said->code, last.empty() ? "" : ": ",
-                                  last.substr(last.rfind('\n') == std::string::npos ? 0 : last.rfind('\n') + 1)),
-                      hint);
+        std::string const last = last_words(said->errors);
+        return refuse(fmt::format("it ended with code {}{}{}", said->code, last.empty() ? "" : ": ", last), hint);
     }
     if (trim(said->output).empty()) {
         return refuse("it printed nothing", hint);

@@ -17,12 +17,13 @@ using sim::Complex;
 
 /// Current into the line at a transformer's end, amperes RMS; zero when the line is not in service.
 Complex into_line(sim::Network const& network, sim::PowerFlow const& flow, sim::Ct const& ct) {
+    std::vector<sim::TwoPort const*> const elements = two_ports(network);
     for (sim::PowerFlow::BranchValue const& branch : flow.branches) {
-        if (branch.kind != sim::TwoPort::Kind::line || network.lines[branch.element].name != ct.line) {
+        sim::TwoPort const& line = *elements[branch.element];
+        if (line.name != ct.line) {
             continue;
         }
         bool const at_from = ct.end == sim::LineEnd::from;
-        sim::Line const& line = network.lines[branch.element];
         std::size_t const bus = sim::index_of(network.buses, (at_from ? line.from : line.to).name);
         Complex const kva =
             at_from ? Complex{branch.p_from_kw, branch.q_from_kvar} : Complex{branch.p_to_kw, branch.q_to_kvar};

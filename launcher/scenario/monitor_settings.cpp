@@ -3,7 +3,11 @@
 #include "launcher/scenario/monitor_settings.hpp"
 
 #include "common/text.hpp"
+#include "launcher/judge/expectation.hpp"
 #include "launcher/scenario/scenario.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
 
 namespace gridspace::launcher {
 namespace {
@@ -36,36 +40,28 @@ void add_network(Node& run, sim::Network const& network) {
         }
         buses.items.push_back(std::move(node));
     }
-    auto const add_branches = [&](auto const& elements, char const* kind) {
-        for (auto const& e : elements) {
-            branches.items.push_back(entry({{"name", e.name.name},
-                                            {"label", label_of(e)},
-                                            {"from", e.from.name},
-                                            {"to", e.to.name},
-                                            {"kind", kind}}));
-        }
-    };
-    add_branches(network.lines, "line");
-    add_branches(network.transformers, "transformer");
-    for (sim::Breaker const& breaker : network.breakers) {
-        breakers.items.push_back(entry({{"name", breaker.name.name},
-                                        {"line", breaker.line.name},
-                                        {"end", breaker.end == sim::LineEnd::from ? "from" : "to"}}));
+    for (sim::TwoPort const* e : two_ports(network)) {
+        branches.items.push_back(entry({{"name", e->name.name},
+                                        {"label", label_of(*e)},
+                                        {"from", e->from.name},
+                                        {"to", e->to.name},
+                                        {"kind", std::string{e->kind().prefix}}}));
     }
-    for (sim::Ct const& ct : network.cts) {
-        cts.items.push_back(entry(
-            {{"name", ct.name.name}, {"line", ct.line.name}, {"end", ct.end == sim::LineEnd::from ? "from" : "to"}}));
+    auto const end_of = [](sim::LineEnd end) { return end == sim::LineEnd::from ? "from" : "to"; };
+    for (sim::LineSwitch const* e : sim::all<sim::LineSwitch>(network)) {
+        breakers.items.push_back(entry({{"name", e->name.name}, {"line", e->line.name}, {"end", end_of(e->end)}}));
     }
-    auto const add_devices = [&](auto const& elements, std::string_view kind) {
-        for (auto const& e : elements) {
-            devices.items.push_back(entry(
-                {{"name", e.name.name}, {"label", label_of(e)}, {"bus", e.bus.name}, {"kind", std::string{kind}}}));
+    for (sim::Instrument const* e : sim::all<sim::Instrument>(network)) {
+        if (auto const place = e->place(); !place.line.empty()) {
+            cts.items.push_back(entry({{"name", e->name.name}, {"line", place.line.name}, {"end", end_of(place.end)}}));
         }
-    };
-    add_devices(network.sources, "source");
-    add_devices(network.machines, "machine");
-    add_devices(network.generators, "generator");
-    for_each_kind(network, [&]<class T>(std::vector<T> const& elements) { add_devices(elements, T::kKind.prefix); });
+    }
+    for (sim::OnePort const* e : one_ports(network)) {
+        devices.items.push_back(entry({{"name", e->name.name},
+                                       {"label", label_of(*e)},
+                                       {"bus", e->bus.name},
+                                       {"kind", std::string{e->kind().prefix}}}));
+    }
     run.set("buses", std::move(buses));
     run.set("branches", std::move(branches));
     run.set("breakers", std::move(breakers));
@@ -93,6 +89,29 @@ Node faults_of(std::vector<sim::Event> const& events) {
         faults.items.push_back(std::move(node));
     }
     return faults;
+}
+
+/// "time of breaker.CB3.position == open, since fault"
+std::string rule_of(Expectation const& e) {
+    std::string verb = e.verb_name;
+    std::ranges::replace(verb, '_', ' ');
+    std::string out = verb + " " + (e.expression ? e.expression->text() : e.stream);
+    for (auto const& [word, moment] : {std::pair{"since", &e.since}, {"from", &e.from}, {"until", &e.until}}) {
+        out += *moment ? fmt::format(", {} {}", word, to_text(**moment)) : "";
+    }
+    return out;
+}
+
+Node expectations_of(Node const& expect) {
+    config::Diagnostics reported; // when the scenario was checked
+    Node out = Node::sequence();
+    for (Expectation const& e : read_expectations(expect, reported)) {
+        Node node =
+            entry({{"name", e.name.name}, {"rule", rule_of(e)}, {"accepted", e.band().to_string()}, {"unit", e.unit}});
+        node.set("advisory", Node::scalar(e.advisory ? "true" : "false"));
+        out.items.push_back(std::move(node));
+    }
+    return out;
 }
 
 } // namespace
@@ -135,6 +154,7 @@ Node monitored_run(Scenario const& scenario, std::string const& folder) {
         add_network(run, *scenario.network);
     }
     run.set("faults", faults_of(scenario.events));
+    run.set("expectations", expectations_of(scenario.expect));
     return run;
 }
 

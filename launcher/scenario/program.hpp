@@ -74,6 +74,11 @@ class ProcessSettings {
     [[nodiscard]] virtual bool is_expected() const { return true; }
     /// From input to effect.
     [[nodiscard]] virtual Rational latency_s(Process const&) const { return Rational{0}; }
+    /// Lockstep: for input up to an instant, everything that it sends up to so long after that instant is sent. At most
+    /// its latency; what a program sends by timers of its own counts too.
+    [[nodiscard]] virtual Rational promises_s(Process const&) const { return Rational{0}; }
+    /// Lockstep: its ticks may end later than the clock's, where its input is complete so far (`ahead_s`).
+    [[nodiscard]] virtual bool works_ahead() const { return false; }
     /// `settings:` of the configuration file that the process is started with.
     [[nodiscard]] virtual config::Node settings(Scenario const& scenario, Process const& process) const = 0;
     /// The command with its arguments, for a program that is not ours; empty otherwise.

@@ -60,7 +60,7 @@ class SimSettings final : public ProcessSettings {
         }
         for (sim::LineGatewayConfig const& gateway : gateways(s).lines) {
             for (auto const& publish : gateway.publish) {
-                out.push_back({publish.topic.name, "LineCurrents"});
+                out.push_back({publish.topic.name, publish.voltage.empty() ? "LineCurrents" : "BaySamples"});
             }
         }
         add_signals(out);
@@ -75,7 +75,7 @@ class SimSettings final : public ProcessSettings {
                                        [&](sim::Ev const& ev) { return ev.bus == bus.name; });
                 });
             if (with_evs > 0) {
-                out.push_back({"decisions", "ChargingDecision", with_evs});
+                out.push_back({"decisions", "ChargingDecision", with_evs, false, !somebody_decides(s)});
             }
         }
         std::vector<sim::ControlConfig> const steered = controls(s);
@@ -113,7 +113,7 @@ class SimSettings final : public ProcessSettings {
             check_gateways(all, *s.network, diagnostics);
         }
         (void)sim::read_sampling(s.simulation.sampling, diagnostics);
-        check_steering(s, process, diagnostics);
+        check_steering(s, diagnostics);
     }
 
   private:
@@ -134,7 +134,7 @@ class SimSettings final : public ProcessSettings {
         }
     }
     /// Who may steer must be there and say so; nothing is steered by two.
-    void check_steering(Scenario const& s, Process const& process, Diagnostics& diagnostics) const {
+    void check_steering(Scenario const& s, Diagnostics& diagnostics) const {
         std::vector<sim::ControlConfig> const all = sim::read_controls(s.simulation.controls, diagnostics);
         if (s.network) {
             check_controls(all, *s.network, s.simulation.solver == sim::SolverKind::emt, diagnostics);
@@ -143,9 +143,7 @@ class SimSettings final : public ProcessSettings {
         for (Process const& one : s.processes) {
             names.push_back(one.name.name);
         }
-        std::vector<TopicUse> const read = reads(s, process);
-        bool const decided =
-            std::any_of(read.begin(), read.end(), [](auto const& use) { return use.topic == "decisions"; });
+        bool const decided = per_bus(s) && somebody_decides(s);
         for (sim::ControlConfig const& control : all) {
             if (decided && control.kind->section == "evs" && control.quantity == "current_a") {
                 diagnostics.error(
@@ -182,6 +180,15 @@ class SimSettings final : public ProcessSettings {
         return sim::read_gateways(s.simulation.gateways, ignored);
     }
     static bool per_bus(Scenario const& s) { return gateways(s).per_bus; }
+    /// Where nobody does, EVs wait, or are steered by set-points.
+    static bool somebody_decides(Scenario const& s) {
+        return std::any_of(s.processes.begin(), s.processes.end(), [&](Process const& who) {
+            std::vector<TopicUse> const writes =
+                who.settings == nullptr ? std::vector<TopicUse>{} : who.settings->writes(s, who);
+            return std::any_of(writes.begin(), writes.end(),
+                               [](TopicUse const& use) { return use.type == "ChargingDecision"; });
+        });
+    }
 };
 
 /// One of ours that has declared what it is; `describe` reads it, with the checks that are its own.
@@ -295,7 +302,7 @@ std::span<Program const> programs() {
         Program{"gridspace-sim", "simulator", "simulator", SimSettings::read},
         declared<agents::EvConfig, agents::ev_declaration>(),
         Program{"gridspace-mu", "merging unit", "merging_unit", read_merging_unit},
-        Program{"gridspace-relay", "line differential relay", "relay", read_relay},
+        Program{"gridspace-relay", "protection relay: a line differential, or functions of a bay", "relay", read_relay},
         Program{"gridspace-attacker", "attacks on streams and topics", "attacker", read_attacker},
         Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
         Program{"gridspace-link", "impairments of a cable", "member", read_link},

@@ -63,7 +63,9 @@ struct ClockSettings {
     bus::ClockMode mode{bus::ClockMode::lockstep};
     double speed{0}; ///< 0: max
     std::optional<Rational> tick_s;
-    std::optional<std::int64_t> tick_samples;
+    std::optional<std::int64_t> tick_samples; ///< of `auto` what it came to
+    bool tick_samples_auto{false};
+    bool shared_memory{false}; ///< lockstep: for clock and acknowledgements, where all members are on this machine
     double member_timeout_s{10}, start_timeout_s{30};
     bool start_at_utc_second{false};
     bool fifo{true}; ///< real time: SCHED_FIFO where it is permitted

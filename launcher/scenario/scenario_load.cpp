@@ -10,6 +10,7 @@
 #include "launcher/scenario/impairments.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/scenario_check.hpp"
+#include "launcher/scenario/tick_length.hpp"
 #include "launcher/scenario/wire_programs.hpp"
 #include "sim/app/engine_factory.hpp"
 
@@ -40,11 +41,19 @@ void describe_clock(Fields& f, ClockSettings& c) {
         f.error("speed", fmt::format("clock.speed is '{}'", speed), "expected a number > 0, or max");
     }
     f.fraction("tick_s", c.tick_s, {.doc = "simulated time between two clock samples", .above = 0});
-    std::int64_t samples = 0;
-    f.integer("tick_samples", samples, {.doc = "the same in samples of the sampling rate", .min = 1});
-    if (samples > 0) {
-        c.tick_samples = samples;
+    std::string samples;
+    f.text("tick_samples", samples,
+           {.doc = "the same in samples of the sampling rate; auto: the longest tick that every loop allows"});
+    c.tick_samples_auto = samples == "auto";
+    if (auto const number = Rational::parse(samples); number && number->is_whole() && *number >= Rational{1}) {
+        c.tick_samples = number->num();
+    } else if (!samples.empty() && !c.tick_samples_auto) {
+        f.error("tick_samples", fmt::format("clock.tick_samples is '{}'", samples),
+                "expected an integer >= 1, or auto");
     }
+    f.flag(
+        "shared_memory", c.shared_memory,
+        {.doc = "lockstep: clock and acknowledgements among the processes of this machine go through shared memory"});
     f.number("member_timeout_s", c.member_timeout_s,
              {.doc = "how long a member may take for a tick before the run is stalled; 0: no limit", .min = 0});
     f.number("start_timeout_s", c.start_timeout_s,
@@ -327,6 +336,17 @@ std::vector<sim::Event> process_events(Scenario const& scenario) {
     return out;
 }
 
+/// `tick_samples: auto` becomes a number, once it is known what the programs are.
+static void settle_tick(Scenario& scenario) {
+    bool const readable =
+        scenario.simulator() != nullptr && scenario.simulation.sampling.find("rate_hz") != nullptr &&
+        scenario.simulation.step_s > Rational{0} &&
+        std::ranges::all_of(scenario.processes, [](Process const& p) { return p.settings != nullptr; });
+    if (scenario.clock.tick_samples_auto) {
+        scenario.clock.tick_samples = readable ? longest_tick_samples(scenario) : 1;
+    }
+}
+
 std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadOptions const& options,
                                         Diagnostics& diagnostics) {
     auto root = config::load_extended(file, diagnostics);
@@ -336,6 +356,16 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     if (config::Node::Entry const* version = root->find_entry("gridspace_network")) {
         diagnostics.error(version->where, "this is a network file, and a scenario is expected",
                           "run `gridspace powerflow` on it, or name it as simulation.network of a scenario");
+        return nullptr;
+    }
+    if (config::Node::Entry const* version = root->find_entry("gridspace_study")) {
+        diagnostics.error(version->where, "this is a study file, and a scenario is expected",
+                          "run `gridspace sweep` on it, or give the file that its `scenario` names");
+        return nullptr;
+    }
+    if (config::Node::Entry const* version = root->find_entry("gridspace_certify")) {
+        diagnostics.error(version->where, "this is a case of a certification, and a scenario is expected",
+                          "run `gridspace certify` on it, or give the file that its `scenario` names");
         return nullptr;
     }
     if (options.over != nullptr) {
@@ -364,6 +394,7 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
             process.settings->settle(*scenario);
         }
     }
+    settle_tick(*scenario);
     check_scenario(*scenario, diagnostics);
     return diagnostics.ok() ? std::move(scenario) : nullptr;
 }

@@ -7,6 +7,10 @@
 
 #include <memory>
 
+namespace gridspace::sim {
+struct Ct;
+}
+
 namespace gridspace::launcher {
 
 // Programs that exchange raw frames: what the launcher has to know about them.
@@ -19,6 +23,10 @@ namespace gridspace::launcher {
 
 /// A model of another tool.
 [[nodiscard]] std::unique_ptr<ProcessSettings> read_fmu(config::Fields& f);
+
+/// The transformer behind a stream: stream <- merging unit <- topic <- transformer. Null when the stream comes from
+/// somebody else's device.
+[[nodiscard]] sim::Ct const* transformer_behind(Scenario const& s, config::Ref const& stream);
 
 /// The topics on which signals are published.
 void add_signals(std::vector<TopicUse>& topics);

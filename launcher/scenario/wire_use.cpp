@@ -3,6 +3,7 @@
 #include "launcher/scenario/wire_use.hpp"
 
 #include "common/text.hpp"
+#include "gateways/port/wire_config.hpp"
 #include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/bumps.hpp"
 
@@ -107,6 +108,40 @@ bool has_raw_frames(Scenario const& scenario) {
         return process.settings != nullptr && (!process.settings->sends(scenario, process).empty() ||
                                                !process.settings->receives(scenario, process).empty());
     });
+}
+
+streams::Stream const* must_be_stream(Scenario const& s, config::Ref const& ref, streams::Kind kind,
+                                      config::Diagnostics& diagnostics) {
+    return gateways::stream_of(s.streams, ref, kind, diagnostics);
+}
+
+void must_have_member(streams::Stream const* stream, std::string const& member, config::Ref const& at, bool boolean,
+                      config::Diagnostics& diagnostics) {
+    if (stream == nullptr) {
+        return;
+    }
+    std::vector<std::string> names;
+    for (iec61850::Leaf const& leaf : iec61850::leaves_of(stream->data_set)) {
+        bool const suits = boolean ? leaf.type == iec61850::BasicType::boolean : iec61850::is_number(leaf.type);
+        if (leaf.name == member && suits) {
+            return;
+        }
+        if (leaf.name == member) {
+            diagnostics.error(at.where,
+                              fmt::format("member '{}' of stream '{}' is of type {}", member, stream->name.name,
+                                          iec61850::type_name(leaf.type)),
+                              boolean ? "expected boolean" : "expected a number", static_cast<int>(at.name.size()));
+            return;
+        }
+        names.push_back(leaf.name);
+    }
+    diagnostics.error(at.where, fmt::format("stream '{}' has no member '{}'", stream->name.name, member),
+                      spelling_hint(member, names), static_cast<int>(at.name.size()));
+}
+
+WireUse use_of(Scenario const& s, Process const& process, config::Ref const& stream) {
+    streams::Stream const* found = streams::find_stream(s.streams, stream.name);
+    return {raw_link(s, process), found == nullptr ? std::uint16_t{0} : found->ethertype(), stream.name};
 }
 
 } // namespace gridspace::launcher

@@ -22,6 +22,15 @@ void check_raw_link(Scenario const& scenario, Process const& process, config::Di
 void check_samples_on_steps(Scenario const& scenario, streams::Stream const& stream, config::Ref const& ref,
                             config::Diagnostics& diagnostics);
 
+/// The scenario's stream of this name and kind, with an error at `ref` when there is none.
+[[nodiscard]] streams::Stream const* must_be_stream(Scenario const& scenario, config::Ref const& ref,
+                                                    streams::Kind kind, config::Diagnostics& diagnostics);
+/// The member of the data set must exist, and be a number or a Boolean; the complaint is at `ref`. No stream: nothing.
+void must_have_member(streams::Stream const* stream, std::string const& member, config::Ref const& ref, bool boolean,
+                      config::Diagnostics& diagnostics);
+/// A stream on the link of a process.
+[[nodiscard]] WireUse use_of(Scenario const& scenario, Process const& process, config::Ref const& stream);
+
 /// Does any process exchange raw frames? Then the run needs network namespaces, or real interfaces.
 [[nodiscard]] bool has_raw_frames(Scenario const& scenario);
 

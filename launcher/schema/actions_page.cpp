@@ -38,7 +38,7 @@ std::string actions_page() {
            "solver | "
            "what |\n|---|---|---|---|---|---|---|\n";
     for (sim::ActionKind const& kind : sim::action_kinds()) {
-        for (sim::Quantity const& q : kind.quantities) {
+        for (sim::Quantity const& q : kind.settable) {
             std::string const range = sim::range_text(q.range);
             out += fmt::format("| `{}` | `{}` | `{}` | {} | {} | {} | {} |\n", kind.section, kind.prefix, q.name,
                                config::unit_of_key(q.name), range, solvers(q.in_phasors, q.in_waveforms), q.range.doc);
@@ -52,7 +52,16 @@ std::string actions_page() {
                                solvers(use.in_phasors, use.in_waveforms), use.doc);
         }
     }
-    return out + "\nNo element follows `start`, `stop`, `reset` and `mode` yet: they are refused.\n";
+    out +=
+        "\n## Modes\nAn event says `mode: {G1: droop}`, an agent the command `COMMAND_MODE` with the word as `mode`. "
+        "At the start the first one\nholds that the element is able to.\n\n| agents say | mode | what "
+        "|\n|---|---|---|\n";
+    for (sim::ActionKind const& kind : sim::action_kinds()) {
+        for (sim::Mode const& mode : kind.modes) {
+            out += fmt::format("| `{}` | `{}` | {} |\n", kind.prefix, mode.word, mode.doc);
+        }
+    }
+    return out;
 }
 
 } // namespace gridspace::launcher

@@ -6,6 +6,7 @@
 #include "common/config/key.hpp"
 #include "common/text.hpp"
 #include "gateways/streams/stream.hpp"
+#include "launcher/certify/certify_case.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/schema/schema_definitions.hpp"
 #include "launcher/sweep/study.hpp"
@@ -41,6 +42,9 @@ Keys router_keys() {
 }
 Keys study_keys() {
     return keys_of([](config::Fields& f) { describe_study_keys(f); });
+}
+Keys certify_keys() {
+    return keys_of([](config::Fields& f) { describe_certify_keys(f); });
 }
 Keys stream_keys() {
     streams::Stream smv, goose;
@@ -248,6 +252,10 @@ std::string study_schema() {
     return finished(properties_of(study_keys()), "Gridspace study");
 }
 
+std::string certify_schema() {
+    return finished(properties_of(certify_keys()), "Gridspace certification of a relay");
+}
+
 std::string scenario_schema() {
     Json root = properties_of(scenario_keys());
     Keys const common = [] {
@@ -325,6 +333,9 @@ yours. A key whose value is left open here is described where the table says.
     out += "\n## Router\nWhat `gridspace router CONFIG` reads ([how to](../how_to/connect_two_sites.md)).\n\n" +
            tables("", router_keys());
     out += "\n## Study\nWhat `gridspace sweep STUDY` reads ([what it does](sweep.md)).\n\n" + tables("", study_keys());
+    out += "\n## Certification\nWhat `gridspace certify CASE` reads ([what it "
+           "does](../tutorials/certify_a_relay.md)).\n\n" +
+           tables("", certify_keys());
     bus::NodeConfig node;
     out += "\n## Place on the bus\n`bus:` of the configuration file of a process, which `gridspace run` writes.\n\n" +
            tables("bus", keys_of([&](config::Fields& f) { bus::describe(f, node); }));

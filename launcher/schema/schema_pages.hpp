@@ -12,6 +12,7 @@ namespace gridspace::launcher {
 [[nodiscard]] std::string network_schema();
 [[nodiscard]] std::string router_schema();
 [[nodiscard]] std::string study_schema();
+[[nodiscard]] std::string certify_schema();
 [[nodiscard]] std::string config_page();
 [[nodiscard]] std::string actions_page();
 

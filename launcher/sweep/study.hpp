@@ -57,4 +57,11 @@ void describe_study_keys(config::Fields& fields);
 /// its scenario is found by plan_study().
 [[nodiscard]] std::optional<Study> load_study(std::filesystem::path const& file, config::Diagnostics& diagnostics);
 
+/// Whether a parameter of `vary` is drawn from a distribution.
+[[nodiscard]] bool is_drawn(config::Node const& parameter);
+
+/// The same of a study that somebody else has put together.
+[[nodiscard]] std::optional<Study> read_study(config::Node const& root, std::filesystem::path const& file,
+                                              config::Diagnostics& diagnostics);
+
 } // namespace gridspace::launcher

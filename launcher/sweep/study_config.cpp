@@ -277,6 +277,12 @@ void check_paths(Study const& s, Diagnostics& diagnostics) {
 
 } // namespace
 
+bool is_drawn(Node const& parameter) {
+    constexpr std::size_t kListed = 4; // values, range, files, csv
+    return std::any_of(kSources.begin() + kListed, kSources.end(),
+                       [&](std::string_view source) { return parameter.find(source) != nullptr; });
+}
+
 void describe_study_keys(config::Fields& fields) {
     Study study;
     describe(fields, study);
@@ -287,17 +293,23 @@ std::optional<Study> load_study(std::filesystem::path const& file, Diagnostics& 
     if (!root) {
         return std::nullopt;
     }
-    for (auto const& [key, what] : {std::pair{"gridspace", "a scenario"}, {"gridspace_network", "a network file"}}) {
+    for (auto const& [key, what] : {std::pair{"gridspace", "a scenario"},
+                                    {"gridspace_network", "a network file"},
+                                    {"gridspace_certify", "a case of a certification"}}) {
         if (Node::Entry const* version = root->find_entry(key)) {
             diagnostics.error(version->where, fmt::format("this is {}, and a study is expected", what),
                               "a study names a scenario and what varies: docs/reference/sweep.md");
             return std::nullopt;
         }
     }
+    return read_study(*root, file, diagnostics);
+}
+
+std::optional<Study> read_study(Node const& root, std::filesystem::path const& file, Diagnostics& diagnostics) {
     Study study;
     study.file = file;
     int const before = diagnostics.errors();
-    config::read_fields(*root, "", diagnostics, [&](Fields& f) { describe(f, study); });
+    config::read_fields(root, "", diagnostics, [&](Fields& f) { describe(f, study); });
     check_paths(study, diagnostics);
     if (diagnostics.errors() > before) {
         return std::nullopt;

@@ -56,8 +56,7 @@ std::string describe(Study const& study, StudyRun const& run) {
     return out.empty() ? "the only run" : out;
 }
 
-std::optional<StudyPlan> plan_study(Study const& study, Diagnostics& diagnostics,
-                                    std::function<void(std::size_t, std::size_t)> const& seen) {
+std::optional<StudyPlan> plan_study(Study const& study, Diagnostics& diagnostics, RunCheck const& check) {
     auto const base = load_base(study, diagnostics);
     if (!base) {
         return std::nullopt;
@@ -75,6 +74,9 @@ std::optional<StudyPlan> plan_study(Study const& study, Diagnostics& diagnostics
         StudyRun& run = plan.runs[i];
         Diagnostics own;
         auto const scenario = load_scenario(study.scenario, {.over = &run.overlay}, own);
+        if (scenario && check) {
+            check(*scenario, own);
+        }
         for (config::Diagnostic const& d : own.sorted()) {
             if (d.severity == config::Severity::error) {
                 diagnostics.error(d.where, d.message, d.hint, d.width);
@@ -82,7 +84,7 @@ std::optional<StudyPlan> plan_study(Study const& study, Diagnostics& diagnostics
                 diagnostics.warning(d.where, d.message, d.hint, d.width);
             }
         }
-        if (!scenario) {
+        if (!scenario || !own.ok()) {
             diagnostics.error(
                 study.parameters_mark,
                 fmt::format("run {} of {} cannot be done: {}", i + 1, plan.runs.size(), describe(study, run)),
@@ -97,9 +99,6 @@ std::optional<StudyPlan> plan_study(Study const& study, Diagnostics& diagnostics
                 plan.results.push_back(entry.key);
             }
             plan.lockstep = scenario->clock.mode == bus::ClockMode::lockstep;
-        }
-        if (seen) {
-            seen(i + 1, plan.runs.size());
         }
     }
     return plan;

@@ -11,6 +11,8 @@
 
 namespace gridspace::launcher {
 
+struct Scenario;
+
 /// One run of a study: a row of its table.
 struct StudyRun {
     Point point;
@@ -30,9 +32,12 @@ struct StudyPlan {
 /// "requested_h = 3, soc = 0.5, repetition 2": for messages.
 [[nodiscard]] std::string describe(Study const& study, StudyRun const& run);
 
-/// All runs of a study, each of which was loaded as `gridspace run` loads it: nothing is found wrong only after hours.
-/// `seen(done, of)` is called now and then. What is wrong is in `diagnostics`; nothing is returned then.
+/// What more has to be true of each run's scenario; adds what is not to the diagnostics.
+using RunCheck = std::function<void(Scenario const&, config::Diagnostics&)>;
+
+/// All runs of a study, each of which was loaded as `gridspace run` loads it and checked: nothing is found wrong only
+/// after hours. What is wrong is in `diagnostics`; nothing is returned then.
 [[nodiscard]] std::optional<StudyPlan> plan_study(Study const& study, config::Diagnostics& diagnostics,
-                                                  std::function<void(std::size_t, std::size_t)> const& seen = {});
+                                                  RunCheck const& check = {});
 
 } // namespace gridspace::launcher

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/wire/capture_statistics.hpp"
 
+#include "common/nearest_rank.hpp"
 #include "recorder/pcapng/pcapng_reader.hpp"
 
 #include <algorithm>
@@ -108,19 +109,15 @@ Percentiles percentiles(std::vector<double>& values) {
         return out;
     }
     std::sort(values.begin(), values.end());
-    auto const rank = [&](double p) {
-        auto const n = static_cast<std::size_t>(std::ceil(p * static_cast<double>(values.size())));
-        return values[std::clamp<std::size_t>(n, 1, values.size()) - 1];
-    };
     double sum = 0;
     for (double const v : values) {
         sum += v;
     }
     return {values.size(),
             values.front(),
-            rank(0.5),
-            rank(0.99),
-            rank(0.999),
+            nearest_rank(values, 0.5),
+            nearest_rank(values, 0.99),
+            nearest_rank(values, 0.999),
             values.back(),
             sum / static_cast<double>(values.size())};
 }
@@ -145,31 +142,24 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
     std::unordered_map<std::uint32_t, std::int64_t> last_of_interface;
     CaptureStatistics out;
     std::int64_t begin = 0, end = 0;
-    for (;;) {
-        auto frame = reader->next();
-        if (!frame) {
-            return std::unexpected{frame.error()};
-        }
-        if (!*frame) {
-            break;
-        }
-        Octets const octets{(*frame)->octets};
-        std::int64_t const time = (*frame)->time_ns;
+    auto const read = reader->each([&](pcapng::Frame const& frame) {
+        Octets const octets{frame.octets};
+        std::int64_t const time = frame.time_ns;
         begin = out.frames == 0 ? time : std::min(begin, time);
         end = std::max(end, time);
         ++out.frames;
-        auto const [clock, first_of_interface] = last_of_interface.try_emplace((*frame)->interface, time);
+        auto const [clock, first_of_interface] = last_of_interface.try_emplace(frame.interface, time);
         out.clock_back += !first_of_interface && time < clock->second ? 1 : 0;
         clock->second = time;
-        if (reader->interfaces()[(*frame)->interface].link_type != pcapng::kEthernetLink) {
+        if (reader->interfaces()[frame.interface].link_type != pcapng::kEthernetLink) {
             ++out.no_ethernet;
-            continue;
+            return;
         }
-        out.cut += (*frame)->original_octets > octets.size() ? 1 : 0;
+        out.cut += frame.original_octets > octets.size() ? 1 : 0;
         std::uint64_t const key = identity(octets);
-        bool const inside = pcapng::is_inside_a_cable(reader->interfaces()[(*frame)->interface].name);
-        if (!sightings.add(key, (*frame)->interface, inside, time)) {
-            continue;
+        bool const inside = pcapng::is_inside_a_cable(reader->interfaces()[frame.interface].name);
+        if (!sightings.add(key, frame.interface, inside, time)) {
+            return;
         }
         std::vector<Stream>& streams = streams_by_frame[key];
         streams.clear();
@@ -184,6 +174,9 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
             }
             at->second = time;
         }
+    });
+    if (!read) {
+        return std::unexpected{read.error()};
     }
     out.seconds = static_cast<double>(end - begin) * 1e-9;
     out.truncated = reader->truncated();

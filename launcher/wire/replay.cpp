@@ -24,31 +24,27 @@ Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o, LeftOut& 
         return std::unexpected{reader.error()};
     }
     std::vector<pcapng::Frame> out;
-    for (;;) {
-        auto frame = reader->next();
-        if (!frame) {
-            return std::unexpected{frame.error()};
-        }
-        if (!*frame) {
-            break;
-        }
-        pcapng::Interface const& point = reader->interfaces()[(*frame)->interface];
+    auto const read = reader->each([&](pcapng::Frame&& frame) {
+        pcapng::Interface const& point = reader->interfaces()[frame.interface];
         if (o.only.empty() ? pcapng::is_inside_a_cable(point.name) : point.name != o.only) {
-            continue;
+            return;
         }
-        auto const& octets = (*frame)->octets;
+        auto const& octets = frame.octets;
         std::uint16_t const ethertype = iec61850::ethertype_of(octets);
         if (point.link_type != pcapng::kEthernetLink) {
             ++left_out.no_ethernet;
-        } else if ((*frame)->original_octets > octets.size()) { // half a frame is another frame
+        } else if (frame.original_octets > octets.size()) { // half a frame is another frame
             ++left_out.cut;
         } else if (octets.size() < 14) {
             ++left_out.too_short;
         } else if (!o.all_protocols && ethertype != iec61850::kSvEthertype && ethertype != iec61850::kGooseEthertype) {
             ++left_out.other_protocols;
         } else {
-            out.push_back(std::move(**frame));
+            out.push_back(std::move(frame));
         }
+    });
+    if (!read) {
+        return std::unexpected{read.error()};
     }
     std::vector<std::string> names;
     for (pcapng::Interface const& point : reader->interfaces()) {

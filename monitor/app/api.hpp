@@ -36,6 +36,8 @@ class Api {
     [[nodiscard]] std::string run() const;
     [[nodiscard]] std::string graph() const;
     [[nodiscard]] std::string network() const;
+    /// What the scenario expects; of a recorded run also what came of it, and how real its time was.
+    [[nodiscard]] std::string verdict() const;
     [[nodiscard]] std::string topics() const;
     [[nodiscard]] std::string streams() const;
     [[nodiscard]] std::string signals() const;

@@ -92,6 +92,8 @@ std::span<Api::Entry const> Api::entries() {
               [](Api const& api, Request const& r, Text const&) { return api.picture(r.target, false); }},
         Entry{{"GET", "/api/v1/network"},
               [](Api const& api, Request const&, Text const&) { return json_response(api.network()); }},
+        Entry{{"GET", "/api/v1/verdict"},
+              [](Api const& api, Request const&, Text const&) { return json_response(api.verdict()); }},
         Entry{{"GET", "/api/v1/topics"},
               [](Api const& api, Request const&, Text const&) { return json_response(api.topics()); }},
         Entry{{"GET", "/api/v1/topics/{topic}/last"},

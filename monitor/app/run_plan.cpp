@@ -73,6 +73,13 @@ void describe_run(config::Fields& f, RunPlan& run) {
         e.number("at_s", out.at_s);
         e.number("until_s", out.until_s);
     });
+    list(f, "expectations", "of the scenario", run.expectations, [](config::Fields& e, RunPlan::Expectation& out) {
+        e.text("name", out.name, {.required = true});
+        e.text("rule", out.rule);
+        e.text("accepted", out.accepted);
+        e.text("unit", out.unit);
+        e.flag("advisory", out.advisory);
+    });
 }
 
 } // namespace

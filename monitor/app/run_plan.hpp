@@ -56,12 +56,18 @@ struct RunPlan {
         double position_percent{50}, at_s{0};
         std::optional<double> until_s;
     };
+    /// What the scenario expects; whether it held is judged when the run has ended.
+    struct Expectation {
+        std::string name, rule, accepted, unit;
+        bool advisory{false};
+    };
     std::vector<Bus> buses;
     std::vector<Branch> branches;
     std::vector<Breaker> breakers;
     std::vector<Ct> cts;
     std::vector<Device> devices;
     std::vector<Fault> faults;
+    std::vector<Expectation> expectations;
 };
 
 /// Settings of gridspace-monitor.

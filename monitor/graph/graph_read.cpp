@@ -4,6 +4,7 @@
 #include "monitor/graph/match.hpp"
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace gridspace::graph {
 namespace {
@@ -19,6 +20,16 @@ E named(std::string const& name, std::initializer_list<E> all) {
         }
     }
     return *all.begin();
+}
+
+/// A natural number of the graph; another value, or one beyond T, is an error of the file. (The library's own
+/// conversion of 1e40 is undefined.)
+template <class T>
+T natural(Json const& json) {
+    if (!json.is_number_unsigned() || !std::in_range<T>(json.get<std::uint64_t>())) {
+        throw Json::type_error::create(302, "expected a natural number", &json);
+    }
+    return json.get<T>();
 }
 
 double duration(Json const& json) {
@@ -66,20 +77,21 @@ bus::EndpointQos qos_of(Json const& json) {
 std::optional<Snapshot> from_json(std::string const& text) try {
     Json const json = Json::parse(text);
     Snapshot out;
-    json.at("revision").get_to(out.revision);
+    out.revision = natural<std::uint64_t>(json.at("revision"));
     for (Json const& p : json.at("processes")) {
         out.processes.push_back({p.at("name"), p.at("program"), p.at("host"),
                                  named(p.at("state").get<std::string>(), {ProcessState::expected, ProcessState::alive,
                                                                           ProcessState::ended, ProcessState::lost}),
-                                 p.at("incarnation"), p.at("addresses"), p.at("networks")});
+                                 natural<std::uint32_t>(p.at("incarnation")), p.at("addresses"), p.at("networks")});
     }
     for (Json const& t : json.at("topics")) {
-        out.topics.push_back({t.at("name"), t.at("network"), t.at("type"), t.at("framework"), t.at("writers"),
-                              t.at("readers"), t.value("not_heard", std::vector<std::string>{})});
+        out.topics.push_back({t.at("name"), t.at("network"), t.at("type"), t.at("framework"),
+                              natural<std::size_t>(t.at("writers")), natural<std::size_t>(t.at("readers")),
+                              t.value("not_heard", std::vector<std::string>{})});
     }
     for (Json const& e : json.at("edges")) {
-        out.edges.push_back({e.at("process"), e.at("topic"), e.at("network"), e.at("writes"), e.at("endpoints"),
-                             e.at("matched"), e.at("problems")});
+        out.edges.push_back({e.at("process"), e.at("topic"), e.at("network"), e.at("writes"),
+                             natural<std::size_t>(e.at("endpoints")), e.at("matched"), e.at("problems")});
     }
     for (Json const& w : json.at("wires")) {
         out.wires.push_back({w.at("process"), w.at("stream"), w.at("kind"), w.at("link"), w.at("publishes")});

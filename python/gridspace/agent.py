@@ -18,9 +18,10 @@ from fractions import Fraction
 from typing import Any
 
 from gridspace import library
-from gridspace.declaration import Reads, Setting, Signal, Writer, Writes
+from gridspace.declaration import Declared, Reads, Setting, Signal, Writer, Writes
 from gridspace.samples import Kept, Sample, sample_class, sample_type
 
+_OWN = {"settings"}  # beside those of the class
 LEVELS = {"debug": 0, "info": 1, "warning": 2, "error": 3}
 
 
@@ -36,6 +37,12 @@ class Agent:
 
     program = ""
     role = "member"
+
+    def __init_subclass__(cls, **options: Any):
+        super().__init_subclass__(**options)
+        for name, value in vars(cls).items():
+            if isinstance(value, Declared) and (hasattr(Agent, name) or name in _OWN):
+                raise TypeError(f"{cls.__name__}.{name}: an agent has that attribute already; give it another name")
 
     def __init__(self, **settings: Any):
         unknown = settings.keys() - {s.name for s in _declared(type(self), Setting)}
@@ -94,7 +101,7 @@ class Agent:
 
     def every(self, period_s: float | Fraction | str, function: Callable[[], None]) -> int:
         """Calls the function at whole multiples of the period, from now on. Returns the timer, for cancel()."""
-        text = str(Fraction(repr(period_s)) if isinstance(period_s, float) else period_s)
+        text = str(Fraction(repr(float(period_s))) if isinstance(period_s, float) else period_s)  # float(): numpy writes its own otherwise
         return self._timer("every", text.encode(), function, True)
 
     def at(self, time_s: float, function: Callable[[], None]) -> int:
@@ -248,7 +255,8 @@ class _Life:
 def _said(e: BaseException, cls: type[Agent]) -> str:
     """"ValueError: too low (ems.py:31 in decide)": the innermost line that is the agent's own."""
     frames = traceback.extract_tb(e.__traceback__)
-    package = str(pathlib.Path(__file__).resolve().parent)
-    own = [f for f in frames if not f.filename.startswith(package)] or frames
+    package = pathlib.Path(__file__).resolve().parent
+    files = [pathlib.Path(f.filename).resolve() for f in frames]
+    own = [f for f, file in zip(frames, files) if file.is_relative_to(_folder(cls)) and not file.is_relative_to(package)] or frames
     where = f" ({pathlib.Path(own[-1].filename).name}:{own[-1].lineno} in {own[-1].name})" if own else ""
     return f"{''.join(traceback.format_exception_only(e)).strip()}{where}"

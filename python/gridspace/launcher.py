@@ -3,6 +3,7 @@
 """The program `gridspace`: where it is, and how it is asked."""
 from __future__ import annotations
 
+import json
 import os
 import pathlib
 import shutil
@@ -44,11 +45,18 @@ def ask(arguments: Sequence[str], accept: Sequence[int] = (0,)) -> str:
     return done.stdout
 
 
+def _as_yaml(value: object) -> str:
+    if value is None:
+        return "~"
+    return json.dumps(value) if isinstance(value, (bool, list, tuple, dict)) else str(value)
+
+
 def run(scenario: str | os.PathLike, *, out: str | os.PathLike | None = None, set: Mapping[str, object] | Sequence[tuple[str, object]] = (),  # noqa: A002 (--set)
         until: str | None = None, speed: str | float | None = None, seed: int | None = None, arguments: Sequence[str] = ()) -> Run:
     """Runs a scenario to its end and returns its recording, whether or not its expectations hold (Run.passed).
 
-    set: values to override by their path, as --set: {"clock.tick_s": 0.25, "expect": "~"}; pairs where the order counts.
+    set: values to override by their path, as --set: {"clock.tick_s": 0.25, "processes.monitor": None}; pairs where the order counts. None
+    removes what stands there; a text is YAML, as on the command line; a list or dict stands for itself.
     until: simulated time at which it ends ("10s", "2h"). speed: simulated seconds a second, or "max". out: the run folder; a new one in
     the temporary folder of the machine when not given. arguments: further options of `gridspace run`.
     """
@@ -57,7 +65,7 @@ def run(scenario: str | os.PathLike, *, out: str | os.PathLike | None = None, se
     folder = pathlib.Path(out) if out is not None else pathlib.Path(tempfile.mkdtemp(prefix="gridspace-")) / "run"
     words = ["run", os.fspath(scenario), "--out", str(folder)]
     for path, value in set.items() if isinstance(set, Mapping) else set:
-        words += ["--set", f"{path}={str(value).lower() if isinstance(value, bool) else value}"]
+        words += ["--set", f"{path}={_as_yaml(value)}"]
     for option, value in (("--until", until), ("--speed", speed), ("--seed", seed)):
         if value is not None:
             words += [option, str(value)]

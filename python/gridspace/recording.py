@@ -77,8 +77,14 @@ class Run:
 
     @functools.cached_property
     def summary(self) -> dict[str, Any]:
-        """report/summary.json."""
+        """report/summary.json. Raises Error when the run has not ended."""
+        if not self._ended:
+            raise Error(f"the run in '{self.folder}' has not ended: report/summary.json comes with its end", 2)
         return json.loads((self.folder / "report/summary.json").read_text())
+
+    @property
+    def _ended(self) -> bool:
+        return (self.folder / "report/summary.json").is_file()
 
     @functools.cached_property
     def manifest(self) -> dict[str, Any]:
@@ -131,7 +137,7 @@ class Run:
         for pattern in patterns or ("*",):
             found = fnmatch.filter(self._tables, pattern)
             if not found:
-                raise KeyError(f"no signal of {self.folder} fits '{pattern}'")
+                raise KeyError(f"no signal of {self.folder} fits '{pattern}'{'' if self._ended else '; the run has not ended, open it again later'}")
             wanted.update(found)
         out: dict[str, Signal] = {}
         for file in sorted({self._tables[name][0] for name in wanted}):

@@ -82,7 +82,7 @@ class _Field:
         if self.kind in ("double", "float"):
             if type(value) is float:
                 return value
-            if isinstance(value, (str, bytes)) or not hasattr(value, "__float__") and not hasattr(value, "__index__"):
+            if isinstance(value, (str, bytes)) or getattr(value, "ndim", 0) or not hasattr(value, "__float__") and not hasattr(value, "__index__"):
                 raise self.wrong(value, f"a number ({self.kind})")
             return float(value)
         if self.kind in _NUMBERS:
@@ -108,7 +108,7 @@ class _Field:
         return self._items(value, keep)
 
     def _whole(self, value: Any) -> int:
-        if isinstance(value, bool) or not hasattr(value, "__index__"):
+        if isinstance(value, bool) or getattr(value, "ndim", 0) or not hasattr(value, "__index__"):
             raise self.wrong(value, f"a whole number ({self.kind})")
         value = value.__index__()
         if self.native(value).value != value:
@@ -130,11 +130,11 @@ class _Field:
         return value
 
     def _items(self, value: Any, keep: list) -> Any:
-        if isinstance(value, (str, bytes, Mapping)) or not hasattr(value, "__len__"):
+        if isinstance(value, (str, bytes, Mapping)) or not hasattr(value, "__len__") or getattr(value, "ndim", 1) == 0:
             raise self.wrong(value, "a list")
         count = len(value)
         if self.kind == "array" and count != self.bound:
-            raise self.wrong(value, f"a list of {self.bound}", ValueError)
+            raise ValueError(f"{self.where} holds {self.bound} items, and not {count}")
         items = self.element.array_of(value, count, keep)
         if self.kind == "array":
             return items

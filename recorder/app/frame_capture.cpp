@@ -96,12 +96,15 @@ Result<std::unique_ptr<FrameCapture>> FrameCapture::open(bus::Node& node, Captur
         auto ok = raw->open_ports(config);
         bool const good = ok.has_value();
         opened.set_value(std::move(ok));
-        if (good) {
+        if (good && !raw->node_.lockstep()) {
             raw->capture();
         }
     }};
     if (auto ok = result.get(); !ok) {
         return std::unexpected{ok.error()};
+    }
+    if (node.lockstep()) { // frames are in the rings when their ledgers come
+        node.exchange_frames_with([raw = out.get()] { raw->fetch(); }, {});
     }
     return out;
 }
@@ -159,6 +162,7 @@ Result<void> FrameCapture::open_ports(CaptureConfig const& config) {
         options.include_outgoing = port.both_ways;
         if (node_.lockstep()) {
             options.own_sources = lockstep::kRunAddressOctets;
+            options.waited_for = false;
         }
         auto socket = ethernet::Port::open(options);
         if (!socket) {
@@ -171,7 +175,6 @@ Result<void> FrameCapture::open_ports(CaptureConfig const& config) {
 
 void FrameCapture::capture() {
     constexpr int kLookForStopMs = 50;
-    std::array<ethernet::ReceivedFrame, 64> batch;
     std::vector<pollfd> waiting(ports_.size());
     while (!stop_) {
         for (std::size_t i = 0; i < ports_.size(); ++i) {
@@ -182,18 +185,24 @@ void FrameCapture::capture() {
             if ((waiting[i].revents & POLLERR) != 0) {
                 ports_[i].socket->wait(0); // takes the error ("network is down") away
             }
-            for (std::size_t n = 0; (n = ports_[i].socket->receive(batch)) > 0;) {
-                for (std::size_t k = 0; k < n; ++k) {
-                    ethernet::ReceivedFrame const& frame = batch[k];
-                    Way const& way = frame.outgoing ? ports_[i].out : ports_[i].in;
-                    std::uint16_t const ethertype = iec61850::ethertype_of(frame.octets);
-                    if (auto* reader = way.reader_of(ethertype)) {
-                        ports_[i].no_room +=
-                            reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing)) ? 0
-                                                                                                                   : 1;
-                    } else if (node_.lockstep() && is_other(ethertype)) {
-                        ports_[i].others.add(lockstep::source_of(std::as_bytes(frame.octets)));
-                    }
+        }
+        fetch();
+    }
+}
+
+void FrameCapture::fetch() {
+    for (std::size_t i = 0; i < ports_.size(); ++i) {
+        for (std::size_t n = 0; (n = ports_[i].socket->receive(batch_)) > 0;) {
+            for (std::size_t k = 0; k < n; ++k) {
+                ethernet::ReceivedFrame const& frame = batch_[k];
+                Way const& way = frame.outgoing ? ports_[i].out : ports_[i].in;
+                std::uint16_t const ethertype = iec61850::ethertype_of(frame.octets);
+                if (auto* reader = way.reader_of(ethertype)) {
+                    bool const taken =
+                        reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing));
+                    ports_[i].no_room += taken ? 0 : 1;
+                } else if (node_.lockstep() && is_other(ethertype)) {
+                    ports_[i].others.add(lockstep::source_of(std::as_bytes(frame.octets)));
                 }
             }
         }
@@ -217,6 +226,9 @@ std::vector<std::string> FrameCapture::strangers() const {
 }
 
 Result<void> FrameCapture::write_due() {
+    if (node_.lockstep() && file_ != nullptr) {
+        fetch(); // what nobody has announced, too: it makes room, and is counted
+    }
     std::vector<bus::WireFrame const*> due;
     for (auto const& [channel, reader] : readers_) {
         auto const frames = reader->take();

@@ -7,6 +7,7 @@
 #include "recorder/app/recorder_config.hpp"
 #include "recorder/pcapng/pcapng_writer.hpp"
 
+#include <array>
 #include <atomic>
 #include <map>
 #include <memory>
@@ -36,7 +37,8 @@ class FrameCapture {
   private:
     explicit FrameCapture(bus::Node& node) : node_{node} {}
     Result<void> open_ports(CaptureConfig const& config);
-    void capture();
+    void capture(); ///< real time: until stop_
+    void fetch();
 
     /// One ethertype on one piece of cable; 0: any ethertype.
     using Channel = std::pair<std::string, std::uint16_t>;
@@ -61,6 +63,7 @@ class FrameCapture {
     std::unique_ptr<pcapng::Writer> file_;
     std::vector<Port> ports_;
     std::map<Channel, std::unique_ptr<bus::WireReader>> readers_;
+    std::array<ethernet::ReceivedFrame, 64> batch_; ///< of who fetches
     std::uint64_t dropped_{0};
     std::atomic<bool> stop_{false};
     std::thread thread_;

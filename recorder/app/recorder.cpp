@@ -77,6 +77,7 @@ class RecorderShell {
             return std::unexpected{frames.error()};
         }
         frames_ = std::move(*frames);
+        node_.listen_in_rounds(std::chrono::milliseconds{1});
         if (auto ok = node_.start(); !ok) {
             return ok;
         }

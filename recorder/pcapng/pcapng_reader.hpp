@@ -47,6 +47,20 @@ class Reader {
 
     /// The next frame; nothing at the end. The error names the file and the offset.
     [[nodiscard]] Result<std::optional<Frame>> next();
+    /// All that are left, to `on_frame(Frame&&)`.
+    template <class OnFrame>
+    [[nodiscard]] Result<void> each(OnFrame const& on_frame) {
+        for (;;) {
+            auto frame = next();
+            if (!frame) {
+                return std::unexpected{frame.error()};
+            }
+            if (!*frame) {
+                return {};
+            }
+            on_frame(std::move(**frame));
+        }
+    }
     [[nodiscard]] std::vector<Interface> const& interfaces() const { return interfaces_; }
     [[nodiscard]] bool truncated() const { return truncated_; }
 

@@ -31,25 +31,7 @@ grep -q '^  wire:' "$stage/conf/config.yaml" && raw=yes
 sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g; s|@MACHINE@|$machine|g" "$here/start.in" >"$stage/start"
 
 # What the Debian package depends on: what the program links to.
-depends=""
-for library in $(needed "$program"); do
-  case $library in
-    libc.so.6 | libm.so.6) package="libc6 (>= 2.36)" ;;
-    libgcc_s.so.1) package=libgcc-s1 ;;
-    libstdc++.so.6) package="libstdc++6 (>= 12)" ;;
-    libfastrtps.so.2.9) package=libfastrtps2.9 ;;
-    libfastcdr.so.1) package=libfastcdr1 ;;
-    libyaml-cpp.so.0.7) package=libyaml-cpp0.7 ;;
-    libfmt.so.9) package=libfmt9 ;;
-    libcrypto.so.3 | libssl.so.3) package=libssl3 ;;
-    libzstd.so.1) package=libzstd1 ;;
-    libz.so.1) package=zlib1g ;;
-    libtinyxml2.so.9) package=libtinyxml2-9 ;;
-    "$loader") continue ;;
-    *) fail "no Debian package is known for the library $library" "add it to $0" ;;
-  esac
-  case ", $depends," in *", $package,"*) ;; *) depends="$depends${depends:+, }$package" ;; esac
-done
+depends=$(depends_of "$program")
 debname=gridspace-$(printf '%s' "$name" | tr '[:upper:]_' '[:lower:]-')
 packages=$(printf '%s\n' "$depends" | sed 's/ ([^)]*)//g' | tr -d ',' | tr ' ' '\n' | LC_ALL=C sort -u | tr '\n' ' ' | sed 's/ $//')
 sed -e "s|@NAME@|$name|g; s|@PROGRAM@|$base|g; s|@ARCH@|$arch|g; s|@MACHINE@|$machine|g; s|@DEBNAME@|$debname|g; s|@DEPENDS@|$packages|g" \

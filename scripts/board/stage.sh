@@ -17,6 +17,30 @@ of_arch() {
 
 needed() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p'; }
 
+# depends_of PROGRAM...: the Debian packages that they link to, as a field `Depends`.
+depends_of() (
+  depends=""
+  for library in $(for file in "$@"; do needed "$file"; done | awk '!seen[$0]++'); do
+    case $library in
+      libc.so.6 | libm.so.6) package="libc6 (>= 2.36)" ;;
+      libgcc_s.so.1) package=libgcc-s1 ;;
+      libstdc++.so.6) package="libstdc++6 (>= 12)" ;;
+      libfastrtps.so.2.9) package=libfastrtps2.9 ;;
+      libfastcdr.so.1) package=libfastcdr1 ;;
+      libyaml-cpp.so.0.7) package=libyaml-cpp0.7 ;;
+      libfmt.so.9) package=libfmt9 ;;
+      libcrypto.so.3 | libssl.so.3) package=libssl3 ;;
+      libzstd.so.1) package=libzstd1 ;;
+      libz.so.1) package=zlib1g ;;
+      libtinyxml2.so.9) package=libtinyxml2-9 ;;
+      "$loader") continue ;;
+      *) fail "no Debian package is known for the library $library" "add it to scripts/board/stage.sh" ;;
+    esac
+    case ", $depends," in *", $package,"*) ;; *) depends="$depends${depends:+, }$package" ;; esac
+  done
+  printf '%s' "$depends"
+)
+
 # collect PROGRAM ROOT TO: every library that is needed, and what those need, without the C library (which is the board's).
 collect() {
   for library in $(needed "$1"); do

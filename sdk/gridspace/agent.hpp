@@ -112,6 +112,8 @@ class Agent {
             return 0;
         } catch (std::exception const& e) {
             return gridspace_fail(handle, e.what(), nullptr);
+        } catch (...) {
+            return gridspace_fail(handle, "an exception that is no std::exception", nullptr);
         }
     }
     static int begins(gridspace_agent* handle, void* self) {

@@ -3,104 +3,53 @@
 #include "sim/actions/action_table.hpp"
 
 #include "common/text.hpp"
-#include "sim/components/faces/number_specs.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 
 namespace gridspace::sim {
 namespace {
 
-using elements::any;
-using elements::not_negative;
-using elements::positive;
-
-constexpr CommandUse kService[] = {{Command::connect, "puts it back into service"},
-                                   {Command::disconnect, "takes it out of service"}};
-constexpr CommandUse kConverter[] = {
-    kService[0],
-    kService[1],
-    {Command::start, "gives its power again: with waveforms as after an outage, with phasors at once"},
-    {Command::stop, "stands by: connected, and without current"}};
-constexpr CommandUse kSwitch[] = {{Command::open, "opens its poles, each at a zero of its current"},
-                                  {Command::close, "closes its poles"},
-                                  kService[0],
-                                  kService[1]};
-constexpr CommandUse kOnlyOut[] = {kService[1]};
-constexpr CommandUse kGeneratorService[] = {
-    {Command::connect, "puts it back into service; with phasors one of role pq, with waveforms no slack"},
-    {Command::disconnect, "takes it out of service; with phasors one of role pq"}};
-constexpr CommandUse kOnlyOutInWaveforms[] = {{Command::disconnect, "takes it out of service", false}};
-constexpr CommandUse kBreaker[] = {
-    {Command::open, "opens its poles after its mechanism's time; a stuck one stays closed"},
-    {Command::close, "closes its poles"},
-    {Command::reset, "its mechanism works again, if it was stuck (`fail_to_open`)"}};
-
-constexpr Quantity kSource[] = {
-    {"voltage_pu", not_negative("its internal voltage")},
-    {"frequency_hz", positive("its frequency, the phase goes on; with phasors behind an impedance")}};
-constexpr Quantity kMachine[] = {{"p_kw", any("power at nominal speed that its governor holds")},
-                                 {"voltage_setpoint_pu", positive("voltage that its regulator holds")},
-                                 {"droop_percent", positive("of its governor")}};
-constexpr Quantity kGenerator[] = {{"p_kw", any("power into the network; not of a slack")},
-                                   {"q_kvar", any("reactive power into the network; of role pq")},
-                                   {"voltage_setpoint_pu", positive("voltage that it holds; of roles slack and pv")}};
-constexpr Quantity kTransformer[] = {
-    {"tap_ratio", positive("off-nominal ratio at its `from` side; with waveforms not of one that saturates")}};
-
-template <auto Member>
-std::vector<std::string> names_of(Network const& network) {
-    std::vector<std::string> out;
-    for (auto const& element : network.*Member) {
-        out.push_back(element.name.name);
-    }
+/// Kinds of which something can be set or that follow commands.
+std::vector<ActionKind> all_kinds() {
+    std::vector<ActionKind> out;
+    Elements const none;
+    for_each_kind(none, [&]<class T>(std::vector<T> const&) {
+        Kind const& kind = T::kKind;
+        if (!kind.settable.empty() || !kind.commands.empty()) {
+            out.push_back({kind, [](Network const& n) {
+                               std::vector<std::string> names;
+                               for_each_kind(n, [&]<class U>(std::vector<U> const& elements) {
+                                   if constexpr (std::is_same_v<T, U>) {
+                                       for (U const& e : elements) {
+                                           names.push_back(e.name.name);
+                                       }
+                                   }
+                               });
+                               return names;
+                           }});
+        }
+    });
     return out;
 }
 
-template <auto Member>
-constexpr ActionKind one_port() {
-    using Elements = std::remove_cvref_t<decltype(std::declval<Network const&>().*Member)>;
-    constexpr Kind const& kKind = Elements::value_type::kKind;
-    return {kKind.section,
-            kKind.prefix,
-            kKind.word,
-            kKind.settable,
-            kKind.stands_by  ? std::span<CommandUse const>{kConverter}
-            : kKind.switched ? std::span<CommandUse const>{kSwitch}
-                             : std::span<CommandUse const>{kService},
-            names_of<Member>};
+std::vector<ActionKind> const& kinds() {
+    static std::vector<ActionKind> const all = all_kinds();
+    return all;
 }
-
-template <std::size_t... I>
-constexpr auto all_kinds(std::index_sequence<I...>) {
-    return std::array{
-        one_port<std::get<I>(kOnePorts)>()...,
-        ActionKind{"sources", "source", "source", kSource, kOnlyOutInWaveforms, names_of<&Network::sources>},
-        ActionKind{"machines", "machine", "machine", kMachine, kOnlyOut, names_of<&Network::machines>},
-        ActionKind{"generators", "generator", "generator", kGenerator, kGeneratorService,
-                   names_of<&Network::generators>},
-        ActionKind{"lines", "line", "line", {}, kService, names_of<&Network::lines>},
-        ActionKind{"transformers", "transformer", "transformer", kTransformer, kService,
-                   names_of<&Network::transformers>},
-        ActionKind{"breakers", "breaker", "breaker", {}, kBreaker, names_of<&Network::breakers>},
-    };
-}
-
-constexpr auto kKinds = all_kinds(std::make_index_sequence<std::tuple_size_v<decltype(kOnePorts)>>{});
 
 ActionKind const* kind_where(std::string_view ActionKind::* word, std::string_view is) {
-    auto const found = std::find_if(kKinds.begin(), kKinds.end(), [&](ActionKind const& k) { return k.*word == is; });
-    return found == kKinds.end() ? nullptr : &*found;
+    auto const found = std::find_if(kinds().begin(), kinds().end(), [&](ActionKind const& k) { return k.*word == is; });
+    return found == kinds().end() ? nullptr : &*found;
 }
 
 /// "loads.<name>.p_kw, ..."
 std::string settable_paths(bool waveform) {
     std::vector<std::string> out;
-    for (ActionKind const& kind : kKinds) {
+    for (ActionKind const& kind : kinds()) {
         for (std::string const& quantity : kind.quantity_names(waveform)) {
             out.push_back(fmt::format("{}.<name>.{}", kind.section, quantity));
         }
@@ -111,10 +60,10 @@ std::string settable_paths(bool waveform) {
 } // namespace
 
 Quantity const* ActionKind::quantity(std::string_view name, bool waveform) const {
-    auto const found = std::find_if(quantities.begin(), quantities.end(), [&](Quantity const& q) {
+    auto const found = std::find_if(settable.begin(), settable.end(), [&](Quantity const& q) {
         return q.name == name && (waveform ? q.in_waveforms : q.in_phasors);
     });
-    return found == quantities.end() ? nullptr : &*found;
+    return found == settable.end() ? nullptr : &*found;
 }
 
 CommandUse const* ActionKind::use(Command command, bool waveform) const {
@@ -126,7 +75,7 @@ CommandUse const* ActionKind::use(Command command, bool waveform) const {
 
 std::vector<std::string> ActionKind::quantity_names(bool waveform) const {
     std::vector<std::string> out;
-    for (Quantity const& q : quantities) {
+    for (Quantity const& q : settable) {
         if (waveform ? q.in_waveforms : q.in_phasors) {
             out.emplace_back(q.name);
         }
@@ -135,7 +84,7 @@ std::vector<std::string> ActionKind::quantity_names(bool waveform) const {
 }
 
 std::span<ActionKind const> action_kinds() {
-    return kKinds;
+    return kinds();
 }
 ActionKind const* kind_of_section(std::string_view section) {
     return kind_where(&ActionKind::section, section);

@@ -6,7 +6,6 @@
 #include "sim/engine/action.hpp"
 #include "sim/network/network.hpp"
 
-#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,25 +16,8 @@
 /// docs/reference/actions.md is made from it.
 namespace gridspace::sim {
 
-/// In the order of CommandKind in idl/controls.idl.
-enum class Command { open, close, connect, disconnect, start, stop, reset, mode };
-constexpr std::array<std::string_view, 8> kCommands{"open",  "close", "connect", "disconnect",
-                                                    "start", "stop",  "reset",   "mode"};
-
-/// A command that elements of a kind follow.
-struct CommandUse {
-    Command command{};
-    std::string_view doc{};
-    bool in_phasors{true}, in_waveforms{true};
-};
-
 /// A kind of element, and what can be done to it.
-struct ActionKind {
-    std::string_view section; ///< of the network file, and in the paths of `set:` ("batteries")
-    std::string_view prefix;  ///< of its signals, and in the names that agents use ("battery")
-    std::string_view word;    ///< in messages ("battery")
-    std::span<Quantity const> quantities;
-    std::span<CommandUse const> commands;
+struct ActionKind : Kind {
     std::vector<std::string> (*names)(Network const& network);
 
     /// Nothing where the kind has no such quantity, or that solver cannot follow it.
@@ -44,7 +26,7 @@ struct ActionKind {
     [[nodiscard]] std::vector<std::string> quantity_names(bool waveform) const;
 };
 
-/// Elements at one bus in the order of their list, then the others.
+/// In the order of the list of elements.
 [[nodiscard]] std::span<ActionKind const> action_kinds();
 [[nodiscard]] ActionKind const* kind_of_section(std::string_view section);
 [[nodiscard]] ActionKind const* kind_of_prefix(std::string_view prefix);
@@ -59,6 +41,9 @@ struct Setting {
     ActionKind const* kind{nullptr};
     std::string_view element; ///< a part of the path
     Quantity const* quantity{nullptr};
+    [[nodiscard]] bool names(Element const& e) const {
+        return e.kind().section == kind->section && e.name.name == element;
+    }
 };
 /// Fails where nothing of this path can be set by that solver, or not to this value. Elements are not looked for.
 [[nodiscard]] Result<Setting> setting_of(SetParameter const& action, bool waveform);
@@ -70,8 +55,14 @@ struct Setting {
 /// What a quantity of an element is before anybody has set it.
 [[nodiscard]] double start_value(Network const& network, ActionKind const& kind, std::string_view element,
                                  Quantity const& quantity);
-/// What a command does to an element; no kind of element follows `mode`.
-[[nodiscard]] Action action_of(Command command, std::string element);
+/// The values that a quantity of this one element can have.
+[[nodiscard]] config::NumberSpec range_of(Network const& network, ActionKind const& kind, std::string_view element,
+                                          Quantity const& quantity, bool waveform);
+/// What a command does to an element. `mode`: the word of Command::mode.
+[[nodiscard]] Action action_of(Command command, std::string element, std::string mode = {});
+[[nodiscard]] std::vector<std::string> mode_words(Kind const& kind);
+/// Fails where the element of this name has no such mode, and says which there are.
+[[nodiscard]] Result<void> check_mode(Network const& network, SetMode const& action);
 [[nodiscard]] std::vector<std::string> names_that_follow(Network const& network, Command command, bool waveform);
 /// Commands that are given by a bare name, as in `open:` of an event: whether an element of that name follows.
 [[nodiscard]] bool follows(Network const& network, std::string_view element, Command command, bool waveform);

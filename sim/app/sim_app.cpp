@@ -230,11 +230,13 @@ class SimApp {
     }
 
     /// The configuration was good enough to start with: a solver that ends later has met something else.
-    static Result<void> broken_off(Error error) {
+    [[nodiscard]] Result<void> broken_off(Error error) const {
         if (error.code == ExitCode::usage) {
             error.code = ExitCode::child_died;
             if (error.remedy.empty()) {
-                error.remedy = "what had changed just before is in events.ndjson of the run folder";
+                std::string const asked = simulation_.last_request();
+                error.remedy = fmt::format("what had changed just before is in events.ndjson of the run folder{}{}",
+                                           asked.empty() ? "" : "; the last set-point or command was ", asked);
             }
         }
         return std::unexpected{std::move(error)};

@@ -3,56 +3,103 @@
 #pragma once
 
 #include "sim/components/battery/battery.hpp"
+#include "sim/components/breaker/breaker.hpp"
+#include "sim/components/bus/bus.hpp"
+#include "sim/components/ct/ct.hpp"
 #include "sim/components/ev/ev.hpp"
+#include "sim/components/generator/generator.hpp"
+#include "sim/components/line/line.hpp"
 #include "sim/components/load/load.hpp"
+#include "sim/components/machine/machine.hpp"
+#include "sim/components/profile/profile.hpp"
 #include "sim/components/pv/pv.hpp"
 #include "sim/components/shunt/shunt.hpp"
 #include "sim/components/shunt_capacitor/shunt_capacitor.hpp"
+#include "sim/components/source/source.hpp"
+#include "sim/components/transformer/transformer.hpp"
+#include "sim/components/vt/vt.hpp"
 
+#include <concepts>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace gridspace::sim {
 
-/// The elements at one bus, by kind.
-struct OnePorts {
+/// What a network file names, by kind.
+struct Elements {
+    std::vector<Bus> buses;
+    std::vector<LineType> line_types;
+    std::vector<Line> lines;
+    std::vector<Source> sources;
+    std::vector<Generator> generators;
+    std::vector<MachineType> machine_types;
+    std::vector<Machine> machines;
+    std::vector<Transformer> transformers;
     std::vector<Load> loads;
     std::vector<Shunt> shunts;
     std::vector<Pv> pv;
     std::vector<Ev> evs;
     std::vector<Battery> batteries;
     std::vector<ShuntCapacitor> shunt_capacitors;
+    std::vector<BreakerType> breaker_types;
+    std::vector<Breaker> breakers;
+    std::vector<CtType> ct_types;
+    std::vector<Ct> cts;
+    std::vector<VtType> vt_types;
+    std::vector<Vt> vts;
+    std::vector<Profile> profiles;
 };
 
 /// The list of kinds, in the order in which everybody takes them up: sums, states and signals are in this order, so it
-/// decides the last bits of results.
-constexpr std::tuple kOnePorts{&OnePorts::loads, &OnePorts::shunts,    &OnePorts::pv,
-                               &OnePorts::evs,   &OnePorts::batteries, &OnePorts::shunt_capacitors};
+/// decides the last bits of results. New kinds go to its end.
+constexpr std::tuple kElementKinds{&Elements::buses,
+                                   &Elements::line_types,
+                                   &Elements::lines,
+                                   &Elements::sources,
+                                   &Elements::generators,
+                                   &Elements::machine_types,
+                                   &Elements::machines,
+                                   &Elements::transformers,
+                                   &Elements::loads,
+                                   &Elements::shunts,
+                                   &Elements::pv,
+                                   &Elements::evs,
+                                   &Elements::batteries,
+                                   &Elements::shunt_capacitors,
+                                   &Elements::breaker_types,
+                                   &Elements::breakers,
+                                   &Elements::ct_types,
+                                   &Elements::cts,
+                                   &Elements::vt_types,
+                                   &Elements::vts,
+                                   &Elements::profiles};
 
 /// Calls visit(vector) for the elements of each kind.
-template <class Elements, class Visit>
-void for_each_kind(Elements& elements, Visit const& visit) {
-    std::apply([&](auto... kind) { (visit(elements.*kind), ...); }, kOnePorts);
+template <class E, class Visit>
+void for_each_kind(E& elements, Visit const& visit) {
+    std::apply([&](auto... kind) { (visit(elements.*kind), ...); }, kElementKinds);
 }
 
-/// All of them, in the order of the list.
-[[nodiscard]] inline std::vector<OnePort*> one_ports(OnePorts& elements) {
-    std::vector<OnePort*> out;
-    for_each_kind(elements, [&](auto& kind) {
-        for (OnePort& e : kind) {
-            out.push_back(&e);
+/// All with this face, in the order of the list.
+template <class Face, class E>
+[[nodiscard]] auto all(E& elements) {
+    using Pointer = std::conditional_t<std::is_const_v<E>, Face const*, Face*>;
+    std::vector<Pointer> out;
+    for_each_kind(elements, [&]<class Vector>(Vector& kind) {
+        if constexpr (std::derived_from<typename Vector::value_type, Face>) {
+            for (auto& element : kind) {
+                out.push_back(&element);
+            }
         }
     });
     return out;
 }
-[[nodiscard]] inline std::vector<OnePort const*> one_ports(OnePorts const& elements) {
-    std::vector<OnePort const*> out;
-    for_each_kind(elements, [&](auto const& kind) {
-        for (OnePort const& e : kind) {
-            out.push_back(&e);
-        }
-    });
-    return out;
+[[nodiscard]] inline std::vector<OnePort const*> one_ports(Elements const& e) {
+    return all<OnePort>(e);
+}
+[[nodiscard]] inline std::vector<TwoPort const*> two_ports(Elements const& e) {
+    return all<TwoPort>(e);
 }
 
 } // namespace gridspace::sim

@@ -147,10 +147,12 @@ class Check {
             wrong(c, std::string{refusal->why}, std::string{refusal->hint});
             return false;
         }
+        std::vector<std::string> const elements = elements_of(c, all_, n_, waveform_);
+        auto const range = range_of(n_, *c.kind, elements.empty() ? "" : elements.front(), *q, waveform_);
         for (auto const& bound : {c.low, c.high, c.then}) {
-            if (bound && !within(q->range, *bound)) {
+            if (bound && !within(range, *bound)) {
                 wrong(c, fmt::format("{} is a value that a {} cannot have", shortest(*bound), c.kind->word),
-                      fmt::format("expected {}", range_text(q->range)));
+                      fmt::format("expected {}", range_text(range)));
                 return false;
             }
         }

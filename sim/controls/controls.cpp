@@ -41,7 +41,8 @@ Controls::Controls(std::vector<ControlConfig> const& configs, Network const& net
         for (std::string const& element : elements_of(c, configs, network, waveform)) {
             std::string const name = fmt::format("{}.{}", c.kind->prefix, element);
             if (q != nullptr) {
-                Control::Limits limits{q->range, c.ramp_per_s, c.hold_s, c.then.value_or(0)};
+                Control::Limits limits{range_of(network, *c.kind, element, *q, waveform), c.ramp_per_s, c.hold_s,
+                                       c.then.value_or(0)};
                 limits.allowed.min = std::max(limits.allowed.min, c.low.value_or(-INFINITY));
                 limits.allowed.max = std::min(limits.allowed.max, c.high.value_or(INFINITY));
                 std::string const path = fmt::format("{}.{}.{}", c.kind->section, element, c.quantity);
@@ -51,7 +52,7 @@ Controls::Controls(std::vector<ControlConfig> const& configs, Network const& net
                                   names_of(c.from)});
                 continue;
             }
-            Commands commands{names_of(c.from), {}};
+            Commands commands{names_of(c.from), {}, mode_words(*c.kind)};
             for (CommandUse const& use : c.kind->commands) {
                 std::string_view const word = kCommands[static_cast<std::size_t>(use.command)];
                 bool const named = c.commands.empty() || std::any_of(c.commands.begin(), c.commands.end(),
@@ -123,12 +124,12 @@ void Controls::set_point(Simulation& simulation, Asked const& asked, std::string
     control.take(simulation, asked.effect, asked.process, value, asked.valid_for_s);
 }
 
-void Controls::command(Simulation& simulation, Asked const& asked, std::size_t index) {
+void Controls::command(Simulation& simulation, Asked const& asked, std::size_t index, std::string_view mode) {
     std::string_view const word = index < kCommands.size() ? kCommands[index] : "?";
     auto const it = commands_.find(asked.element);
     auto const refuse_it = [&](Why const& why) {
         refuse("command_refused", asked, std::string{asked.element},
-               fmt::format("{} {}", word, printable(asked.element)), why);
+               fmt::format("{}{}{} {}", word, mode.empty() ? "" : " ", printable(mode), printable(asked.element)), why);
     };
     if (it == commands_.end()) {
         return refuse_it(unknown(asked.element, ""));
@@ -144,9 +145,13 @@ void Controls::command(Simulation& simulation, Asked const& asked, std::size_t i
         }
         return refuse_it({"command", fmt::format("expected {}", join(allowed, ", "))});
     }
+    std::vector<std::string> const& modes = it->second.modes;
+    if (command == Command::mode && std::find(modes.begin(), modes.end(), mode) == modes.end()) {
+        return refuse_it({"mode", fmt::format("expected {}", join(modes, ", "))});
+    }
     said_.erase({std::string{asked.process}, it->first});
     std::string element{asked.element.substr(asked.element.find('.') + 1)};
-    simulation.request(asked.effect, action_of(command, std::move(element)), it->first);
+    simulation.request(asked.effect, action_of(command, std::move(element), std::string{mode}), it->first);
 }
 
 void Controls::advance(Simulation& simulation, SimTime until) {
@@ -173,7 +178,8 @@ void Controls::refused_by_engine(SimTime at, std::string const& name, Error cons
     ++refused_;
     auto const [it, first] = said_.try_emplace({"", name}, "engine");
     if (first) {
-        tell_(at, "command_refused", fmt::format("{}: {}, ignored", name, error.message));
+        tell_(at, quantities_.contains(name) ? "set_point_refused" : "command_refused",
+              fmt::format("{}: {}, ignored", name, error.message));
     }
 }
 

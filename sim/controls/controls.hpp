@@ -28,8 +28,8 @@ class Controls {
         double valid_for_s{0};
     };
     void set_point(Simulation& simulation, Asked const& asked, std::string_view quantity, double value);
-    /// `command`: index in kCommands.
-    void command(Simulation& simulation, Asked const& asked, std::size_t command);
+    /// `command`: index in kCommands; `mode`: the word of Command::mode.
+    void command(Simulation& simulation, Asked const& asked, std::size_t command, std::string_view mode = {});
     /// Ramps, losses and fallbacks up to `until`, after all that takes effect until then.
     void advance(Simulation& simulation, SimTime until);
 
@@ -48,6 +48,7 @@ class Controls {
     struct Commands {
         std::vector<std::string> from;
         std::set<Command> allowed;
+        std::vector<std::string> modes;
     };
     /// Why something is refused: a kind that stays the same, and a sentence.
     struct Why {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/emt/bergeron.hpp"
 
-#include "sim/emt/emt_machine.hpp"
+#include "sim/circuit/space.hpp"
 
 #include <algorithm>
 #include <cmath>

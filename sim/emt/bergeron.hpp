@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/emt/circuit.hpp"
+#include "sim/circuit/circuit.hpp"
 
 #include <array>
 #include <complex>

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <utility>
 
 /// Changes while a simulation runs. They take effect at the present instant: the next step starts with them.
 namespace gridspace::sim::emt {
@@ -44,46 +45,47 @@ Result<void> EmtEngine::apply(Action const& action) {
     return std::visit([this](auto const& a) { return act(a); }, action);
 }
 
-std::optional<std::size_t> EmtEngine::switch_named(std::string const& name) const {
-    if (std::size_t const i = index_of(network_.breakers, name); i < network_.breakers.size()) {
-        return static_cast<std::size_t>(parts_.breaker_switch[i]);
-    }
-    for (std::size_t i = 0; i < one_ports_.size(); ++i) {
-        if (one_ports_[i]->kind().switched && one_ports_[i]->name.name == name) {
-            return static_cast<std::size_t>(parts_.one_ports[i].breaker);
-        }
-    }
-    return {};
+std::size_t EmtEngine::one_port_named(std::string_view name) const {
+    auto const it =
+        std::find_if(one_ports_.begin(), one_ports_.end(), [&](OnePort const* e) { return e->name.name == name; });
+    return static_cast<std::size_t>(it - one_ports_.begin());
 }
 
 Result<void> EmtEngine::act(SwitchBreaker const& a) {
-    auto const index = switch_named(a.breaker);
+    std::vector<LineSwitch const*> const at_lines = all<LineSwitch>(std::as_const(network_));
+    Opening how;
+    std::optional<int> index;
+    for (std::size_t i = 0; i < at_lines.size(); ++i) {
+        if (at_lines[i]->name.name == a.breaker) {
+            index = parts_.line_switch[i];
+            how = at_lines[i]->opening(NetworkAround{network_});
+        }
+    }
+    if (std::size_t const i = one_port_named(a.breaker);
+        i < one_ports_.size() && one_ports_[i]->kind().follows(Command::open)) {
+        index = parts_.one_ports[i].breaker;
+    }
     if (!index) {
         return fail(ExitCode::usage, fmt::format("there is no breaker '{}'", a.breaker));
     }
     if (a.close) {
-        solver_.close_switch(*index);
-    } else if (Breaker const* breaker = find(network_.breakers, a.breaker)) {
-        BreakerType const& type = *find(network_.breaker_types, breaker->type.name);
-        solver_.open_switch(*index, {.after_s = type.mechanism_ms * 1e-3,
-                                     .chop_a = type.chop_a,
-                                     .at_once = type.opens == BreakerType::Opens::at_once});
+        solver_.close_switch(static_cast<std::size_t>(*index));
     } else {
-        solver_.open_switch(*index);
+        solver_.open_switch(static_cast<std::size_t>(*index), how);
     }
     return {};
 }
 
-int EmtEngine::far_node(NetworkCircuit::LineParts::Section const& section) const {
-    using Kind = NetworkCircuit::LineParts::Section::Kind;
+int EmtEngine::far_node(TwoPortParts::Section const& section) const {
+    using Kind = TwoPortParts::Section::Kind;
     Circuit const& c = solver_.circuit();
     auto const i = static_cast<std::size_t>(section.index);
     return section.kind == Kind::rl ? c.rl[i].to : section.kind == Kind::coupled ? c.coupled[i].to : c.bergeron[i].to;
 }
 
 /// Cuts a section of a line in two and returns the node between them.
-Result<int> EmtEngine::cut(NetworkCircuit::LineParts& line, std::size_t s, double place, std::string const& name) {
-    using Section = NetworkCircuit::LineParts::Section;
+Result<int> EmtEngine::cut(TwoPortParts& line, std::size_t s, double place, std::string const& name) {
+    using Section = TwoPortParts::Section;
     Section& first = line.sections[s];
     Section second = first;
     double const share = (place - first.start) / (first.end - first.start);
@@ -140,15 +142,17 @@ Result<int> EmtEngine::fault_place(ApplyFault const& a) {
         }
         return parts_.bus_node[bus];
     }
-    std::size_t const index = index_of(network_.lines, a.line);
-    if (index == network_.lines.size()) {
+    auto const found =
+        std::find_if(two_ports_.begin(), two_ports_.end(), [&](TwoPort const* e) { return e->name.name == a.line; });
+    auto const index = static_cast<std::size_t>(found - two_ports_.begin());
+    if (found == two_ports_.end() || parts_.two_ports[index].sections.empty()) {
         return fail(ExitCode::usage, fmt::format("there is no line '{}'", a.line));
     }
     if (!(a.position_percent >= 0 && a.position_percent <= 100)) {
         return fail(ExitCode::usage,
                     fmt::format("a fault at {} % of line '{}' is not on it", shortest(a.position_percent), a.line));
     }
-    NetworkCircuit::LineParts& line = parts_.lines[index];
+    TwoPortParts& line = parts_.two_ports[index];
     double const place = a.position_percent / 100;
     if (place <= kSamePlace) {
         return line.from_node;
@@ -180,7 +184,7 @@ Result<void> EmtEngine::act(ApplyFault const& a) {
     if (fresh) {
         c.faults.push_back(branch);
         // A fault at the very end of a line is beyond its breaker and CT.
-        for (NetworkCircuit::LineParts const& line : parts_.lines) {
+        for (TwoPortParts const& line : parts_.two_ports) {
             for (auto const& [end, breaker] :
                  {std::pair{line.from_node, line.from_switch}, std::pair{line.to_node, line.to_switch}}) {
                 if (end == *node) {
@@ -249,10 +253,8 @@ Result<void> EmtEngine::act(Connect const& a) {
     if (it == parts_.terminals.end()) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be connected: there is no such element", a.element));
     }
-    auto const is = [&](auto const& elements) { return find(elements, a.element) != nullptr; };
-    Generator const* generator = find(network_.generators, a.element);
-    bool const ideal = is(network_.sources) || (generator != nullptr && generator->role == GeneratorRole::slack);
-    if (ideal || is(network_.machines)) {
+    if (std::size_t const i = one_port_named(a.element);
+        i < one_ports_.size() && holding_of(*one_ports_[i]).keeps_alive) {
         return fail(ExitCode::usage,
                     fmt::format("'{}' cannot be connected again: nothing brings it to the grid's angle", a.element));
     }
@@ -265,7 +267,7 @@ Result<void> EmtEngine::act(Connect const& a) {
 
 Result<void> EmtEngine::act(StandBy const& a) {
     for (std::size_t k = 0; k < one_ports_.size(); ++k) {
-        if (one_ports_[k]->name.name != a.element || !one_ports_[k]->kind().stands_by) {
+        if (one_ports_[k]->name.name != a.element || !one_ports_[k]->kind().follows(Command::stop)) {
             continue;
         }
         for (std::size_t i = 0; i < converters_.size(); ++i) {

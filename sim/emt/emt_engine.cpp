@@ -3,7 +3,6 @@
 #include "sim/emt/emt_engine_impl.hpp"
 
 #include "common/text.hpp"
-#include "sim/components/faces/converter.hpp"
 #include "sim/powerflow/power_flow.hpp"
 #include "sim/powerflow/three_phase.hpp"
 
@@ -17,7 +16,8 @@ namespace gridspace::sim::emt {
 
 EmtEngine::EmtEngine(Network network, NetworkCircuit parts, EmtOptions options)
     : network_{std::move(network)}, parts_{std::move(parts)}, options_{options},
-      solver_{parts_.circuit, options_.time_base.seconds(options_.step)}, one_ports_{one_ports(network_)} {
+      solver_{parts_.circuit, options_.time_base.seconds(options_.step)}, one_ports_{all<OnePort>(network_)},
+      two_ports_{all<TwoPort>(network_)} {
     plls_.assign(network_.buses.size(), Pll{network_.frequency_hz});
     read_plls_.resize(plls_.size());
     std::iota(read_plls_.begin(), read_plls_.end(), std::size_t{0});
@@ -36,35 +36,29 @@ Result<void> EmtEngine::initialise() {
     if (!flow) {
         return std::unexpected{flow.error()};
     }
-    std::vector<Solver::MachineStart> starts;
-    for (std::size_t m = 0; m < network_.machines.size(); ++m) {
-        std::size_t const bus = index_of(network_.buses, network_.machines[m].bus.name);
-        std::complex<double> const v = flow->buses[bus].v * parts_.bus_peak_v[bus];
-        std::complex<double> const s{flow->machines[m].p_kw * 1e3, flow->machines[m].q_kvar * 1e3};
-        starts.push_back({v, v == 0.0 ? 0.0 : std::conj(s * 2.0 / (3.0 * v))});
-    }
     std::complex<double> const turn = std::polar(1.0, 2 * std::numbers::pi / 3);
     std::vector<BusPhases> bus_v;
     for (auto const& bus : flow->buses) {
         bus_v.push_back({bus.v, bus.v / turn, bus.v * turn});
     }
-    std::vector<double> generator_kvar;
-    for (std::size_t g = 0; g < flow->generators.size(); ++g) {
-        auto const& unit = flow->generators[g];
-        Generator const& generator = network_.generators[g];
-        double const kva = std::hypot(unit.p_kw, unit.q_kvar), most = kConverterOverload * generator.rating_kva;
-        double const v = std::abs(flow->buses[index_of(network_.buses, generator.bus.name)].v);
-        if (generator.role == GeneratorRole::pv && most > 0 && kva > most * v) {
-            return fail(
-                ExitCode::usage,
-                fmt::format("generator '{}' would have to give {:.4g} kVA at the start, more than the {:.4g} kVA "
-                            "that its converter can ({} of rating_kva)",
-                            generator.name.name, kva, most * v, kConverterOverload),
-                "give it a larger rating_kva, reactive limits, or less power");
+    std::vector<Solver::NortonStart> starts;
+    std::vector<double> kvar;
+    for (std::size_t i = 0; i < parts_.one_ports.size(); ++i) {
+        NetworkCircuit::OnePortParts const& parts = parts_.one_ports[i];
+        PowerFlow::UnitValue const& unit = flow->units[i];
+        std::complex<double> const pu = flow->buses[parts.bus].v;
+        if (parts.norton >= 0) {
+            std::complex<double> const v = pu * parts_.bus_peak_v[parts.bus], s{unit.p_kw * 1e3, unit.q_kvar * 1e3};
+            starts.push_back({v, v == 0.0 ? 0.0 : std::conj(s * 2.0 / (3.0 * v))});
         }
-        generator_kvar.push_back(unit.q_kvar);
+        if (PowerModel const* model = model_of(parts)) {
+            if (auto ok = model->check_start(std::abs(pu), {unit.p_kw, unit.q_kvar}); !ok) {
+                return ok;
+            }
+        }
+        kvar.push_back(unit.q_kvar);
     }
-    return begin(starts, start_injections(bus_v, generator_kvar));
+    return begin(starts, start_injections(bus_v, kvar));
 }
 
 Result<void> EmtEngine::initialise_unbalanced() {
@@ -82,10 +76,10 @@ Result<void> EmtEngine::initialise_unbalanced() {
         }
         bus_v.push_back(v);
     }
-    return begin({}, start_injections(bus_v, std::vector<double>(network_.generators.size(), 0.0)));
+    return begin({}, start_injections(bus_v, std::vector<double>(parts_.one_ports.size(), 0.0)));
 }
 
-Result<void> EmtEngine::begin(std::vector<Solver::MachineStart> const& starts,
+Result<void> EmtEngine::begin(std::vector<Solver::NortonStart> const& starts,
                               std::vector<BusPhases> const& injections) {
     if (auto ok = solver_.start(starts, injections); !ok) {
         return ok;
@@ -95,17 +89,9 @@ Result<void> EmtEngine::begin(std::vector<Solver::MachineStart> const& starts,
                     fmt::format("nothing connects {} to earth: its voltage is undefined", floating.front()),
                     "earth a star point, or add a load, a shunt or line capacitance there");
     }
-    for (EmtMachine const& m : solver_.machines()) {
-        auto const& avr = m.data().avr;
-        double const efd = m.state()[machines::kEfd];
-        if (avr && (efd > avr->efd_max_pu || efd < avr->efd_min_pu)) {
-            auto const i = static_cast<std::size_t>(&m - solver_.machines().data());
-            return fail(
-                ExitCode::usage,
-                fmt::format(
-                    "machine '{}' needs a field voltage of {:.3f} p.u. at the start, outside its limits {} to {}",
-                    network_.machines[i].name.name, efd, shortest(avr->efd_min_pu), shortest(avr->efd_max_pu)),
-                "ask it for less reactive power (voltage_setpoint_pu), or widen efd_min_pu and efd_max_pu");
+    for (NortonPort const& p : solver_.circuit().norton) {
+        if (auto ok = p.element->check_start(); !ok) {
+            return ok;
         }
     }
     now_ = {};
@@ -147,7 +133,7 @@ Result<void> EmtEngine::step(double t_end, double h) {
         plls_[i].step(v.alpha, v.beta, h);
     }
     step_injections(t_end, h);
-    for (Instrument& i : instruments_) {
+    for (MeteredPlace& i : instruments_) {
         if (i.transformer.dynamic()) {
             i.transformer.step(instrument_input(i), h);
         }
@@ -184,22 +170,31 @@ std::complex<double> EmtEngine::switch_power(std::size_t bus, std::size_t index)
 namespace {
 
 /// Waves that the step cannot resolve would appear as others.
-Result<void> check_step(Network const& n, double step_s) {
+Result<void> check_step(Network const& n, Circuit const& c, double step_s) {
     if (step_s * n.frequency_hz * kMinStepsPerPeriod > 1) {
         return fail(ExitCode::usage,
                     fmt::format("a step of {} s is too long for {} Hz: a period needs at least {} steps",
                                 shortest(step_s), shortest(n.frequency_hz), kMinStepsPerPeriod),
                     fmt::format("a step of at most {:.3g} s", 1 / (kMinStepsPerPeriod * n.frequency_hz)));
     }
-    for (Source const& s : n.sources) {
-        for (Source::Harmonic const& h : s.harmonics) {
-            double const hz = static_cast<double>(h.order) * n.frequency_hz;
+    for (VoltageSource const& s : c.sources) {
+        for (VoltageSource::Harmonic const& h : s.harmonics) {
+            double const hz = h.order * n.frequency_hz;
             if (2 * step_s * hz >= 1) {
                 return fail(ExitCode::usage,
                             fmt::format("harmonic {} of source '{}' has {:.4g} Hz, which steps of {:.4g} s cannot show",
-                                        h.order, s.name.name, hz, step_s),
+                                        h.order, s.name, hz, step_s),
                             fmt::format("a step below {:.3g} s", 1 / (2 * hz)));
             }
+        }
+    }
+    for (BergeronLine const& line : c.bergeron) {
+        double const tau = std::min(line.tau1, line.tau0);
+        if (tau < step_s) {
+            return fail(ExitCode::usage,
+                        fmt::format("line '{}': a wave travels along it in {:.3g} us, less than a step of {:.3g} us",
+                                    line.name, tau * 1e6, step_s * 1e6),
+                        "use `model: pi` for this line, or a shorter step_s");
         }
     }
     return {};
@@ -216,17 +211,8 @@ Result<std::unique_ptr<Engine>> make_emt_engine(Network network, EmtOptions opti
         return fail(ExitCode::usage, "the waveform solver needs a step longer than 0");
     }
     double const step_s = options.time_base.seconds(options.step);
-    if (auto ok = check_step(network, step_s); !ok) {
+    if (auto ok = check_step(network, parts->circuit, step_s); !ok) {
         return std::unexpected{ok.error()};
-    }
-    for (BergeronLine const& line : parts->circuit.bergeron) {
-        double const tau = std::min(line.tau1, line.tau0);
-        if (tau < step_s) {
-            return fail(ExitCode::usage,
-                        fmt::format("line '{}': a wave travels along it in {:.3g} us, less than a step of {:.3g} us",
-                                    line.name, tau * 1e6, step_s * 1e6),
-                        "use `model: pi` for this line, or a shorter step_s");
-        }
     }
     return std::make_unique<EmtEngine>(std::move(network), std::move(*parts), options);
 }

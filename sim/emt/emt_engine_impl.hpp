@@ -21,7 +21,7 @@ namespace gridspace::sim::emt {
 constexpr double kMinStepsPerPeriod = 8;
 
 /// An instrument transformer and what it is connected to.
-struct Instrument {
+struct MeteredPlace {
     InstrumentTransformer transformer;
     bool current{true};
     std::size_t at{0}; ///< switch of a CT, first node of a VT
@@ -47,49 +47,55 @@ class EmtEngine final : public Engine {
     [[nodiscard]] Result<void> act(Disconnect const& a);
     [[nodiscard]] Result<void> act(Connect const& a);
     [[nodiscard]] Result<void> act(StandBy const& a);
+    [[nodiscard]] Result<void> act(SetMode const& a);
     [[nodiscard]] Result<void> act(Repair const& /*a*/) { return {}; }
     [[nodiscard]] Result<int> fault_place(ApplyFault const& a);
-    [[nodiscard]] int far_node(NetworkCircuit::LineParts::Section const& section) const;
-    [[nodiscard]] Result<int> cut(NetworkCircuit::LineParts& line, std::size_t section, double place,
-                                  std::string const& name);
+    [[nodiscard]] int far_node(TwoPortParts::Section const& section) const;
+    [[nodiscard]] Result<int> cut(TwoPortParts& line, std::size_t section, double place, std::string const& name);
     /// The switch that `open:` and `close:` work: of a breaker, or of an element that has one.
     [[nodiscard]] std::optional<std::size_t> switch_named(std::string const& name) const;
-    /// False when there is no such element at one bus, or it cannot have this value; fails where it refuses it.
+    /// False when there is no such element, or it cannot have this value; fails where it refuses it.
     [[nodiscard]] Result<bool> set_one_port(Setting const& setting, double value);
-    /// False when there is none, or it cannot have this value.
-    bool set_source(Setting const& setting, double value);
-    bool set_generator(Setting const& setting, double value);
-    bool set_machine(Setting const& setting, double value);
-    bool set_transformer(Setting const& setting, double value);
+    bool set_in_parts(NetworkCircuit::OnePortParts const& parts, Quantity const& quantity, double value);
+    bool set_two_port(Setting const& setting, double value);
+    [[nodiscard]] PowerModel* model_of(NetworkCircuit::OnePortParts const& parts) const {
+        return parts.injection < 0 ? nullptr : parts_.injections[static_cast<std::size_t>(parts.injection)].model.get();
+    }
+    /// By its name; the number of them when there is none.
+    [[nodiscard]] std::size_t one_port_named(std::string_view name) const;
     /// Those behind these switches, which are about to close.
     void resume_converters(std::vector<int> const& switches);
     /// Gives the star of an element at one bus the admittance that the element has now.
     void change_star(std::size_t one_port);
     [[nodiscard]] Result<void> step(double t_end, double h);
     [[nodiscard]] Result<void> initialise_unbalanced();
-    [[nodiscard]] Result<void> begin(std::vector<Solver::MachineStart> const& machines,
+    [[nodiscard]] Result<void> begin(std::vector<Solver::NortonStart> const& norton,
                                      std::vector<std::array<std::complex<double>, 3>> const& injections);
     void start_plls();
     /// Power that an injection is to put into the network from now on, VA.
     [[nodiscard]] std::complex<double> wanted(std::size_t injection, double t, double v, double h);
     void step_injections(double t_end, double h);
-    /// Voltages by bus and phase, p.u. of nominal; reactive powers of generators that hold a voltage, kvar.
+    /// Voltages by bus and phase, p.u. of nominal; reactive powers of elements at one bus, kvar.
     using BusPhases = std::array<std::complex<double>, 3>;
     [[nodiscard]] std::vector<BusPhases> start_injections(std::vector<BusPhases> const& bus_v,
-                                                          std::vector<double> const& generator_kvar);
+                                                          std::vector<double> const& kvar);
     void add_instruments();
     void start_instruments();
-    [[nodiscard]] std::array<double, 3> instrument_input(Instrument const& i) const;
+    [[nodiscard]] std::array<double, 3> instrument_input(MeteredPlace const& i) const;
 
     void signal(std::string name, std::string unit, std::function<double()> read);
     void phases(std::string const& prefix, std::string const& unit, std::function<double(int)> read);
     void define_signals();
     void bus_signals();
-    void branch_signals();
-    void unit_signals();
+    void two_port_signals();
+    void switch_signals();
+    void instrument_signals();
+    void rotor_signals();
     void position_signal(std::string const& prefix, int breaker);
     void one_port_signals();
-    void source_signals();
+    void ideal_source_signals(std::string const& prefix, NetworkCircuit::OnePortParts const& parts);
+    /// What everything else at the bus of an ideal source takes: that gives it.
+    [[nodiscard]] double rest_of_bus(std::size_t bus, std::size_t own_switch, int phase) const;
     void powers_and_currents(std::string const& prefix, std::size_t bus, int breaker, double sign);
 
     [[nodiscard]] Space bus_voltage(std::size_t bus) const;
@@ -106,9 +112,10 @@ class EmtEngine final : public Engine {
     std::vector<std::size_t> read_plls_;                           ///< buses whose loop somebody reads
     std::vector<std::pair<std::size_t, std::size_t>> pll_signals_; ///< signal, bus
     std::vector<OnePort*> one_ports_;                              ///< of network_
+    std::vector<TwoPort*> two_ports_;                              ///< of network_
     std::vector<GridFollowing> converters_;                        ///< by injection
     std::vector<PhaseFollowing> phase_currents_;                   ///< by injection; used where it is by phase
-    std::vector<Instrument> instruments_;                          ///< CTs, then VTs
+    std::vector<MeteredPlace> instruments_;                        ///< in the order of the list
     std::map<std::string, std::size_t> faults_;
     std::vector<SignalDef> signals_;
     std::vector<std::function<double()>> readers_;

@@ -15,15 +15,12 @@ std::complex<double> EmtEngine::wanted(std::size_t i, double t, double v, double
 }
 
 std::vector<EmtEngine::BusPhases> EmtEngine::start_injections(std::vector<BusPhases> const& bus_v,
-                                                              std::vector<double> const& generator_kvar) {
+                                                              std::vector<double> const& kvar) {
     converters_.clear();
     phase_currents_.clear();
-    for (NetworkCircuit::Injection const& injection : parts_.injections) {
-        injection.model->start(0);
-    }
-    for (std::size_t g = 0; g < parts_.generators.size(); ++g) {
-        if (int const i = parts_.generators[g].injection; i >= 0) {
-            parts_.injections[static_cast<std::size_t>(i)].model->start(generator_kvar[g]);
+    for (std::size_t i = 0; i < parts_.one_ports.size(); ++i) {
+        if (PowerModel* model = model_of(parts_.one_ports[i])) {
+            model->start(kvar[i]);
         }
     }
     std::complex<double> const turn = std::polar(1.0, 2 * std::numbers::pi / 3);

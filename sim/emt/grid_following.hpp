@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/emt/emt_machine.hpp"
+#include "sim/circuit/space.hpp"
 #include "sim/emt/pll.hpp"
 
 #include <array>

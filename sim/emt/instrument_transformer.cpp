@@ -13,20 +13,6 @@ using Complex = std::complex<double>;
 
 } // namespace
 
-double TwoSlopeCore::current(double flux) const {
-    double const inside = std::clamp(flux, -knee, knee);
-    return inside / l + (flux - inside) / l_air;
-}
-
-double TwoSlopeCore::flux(double rhs, double k) const {
-    // x + k current(x) rises with x: where it passes the knee tells the slope.
-    double const at_knee = knee * (1 + k / l);
-    if (std::abs(rhs) <= at_knee) {
-        return rhs / (1 + k / l);
-    }
-    return std::copysign(knee + (std::abs(rhs) - at_knee) / (1 + k / l_air), rhs);
-}
-
 double InstrumentTransformer::shown(double input) const {
     double const out = d_.factor * input;
     return d_.quantum > 0 ? std::round(out / d_.quantum) * d_.quantum : out;

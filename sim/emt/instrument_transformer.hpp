@@ -2,33 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sim/circuit/instrument_data.hpp"
+
 #include <array>
 #include <complex>
-#include <optional>
 
 namespace gridspace::sim::emt {
-
-/// Flux linkage and magnetising current of a core with two slopes: i = flux / l up to the knee, slope 1 / l_air beyond.
-struct TwoSlopeCore {
-    double l{0}, l_air{0}, knee{0}; ///< H, H, Wb turns
-    [[nodiscard]] double current(double flux) const;
-    /// The flux x with x + k current(x) = rhs, k >= 0.
-    [[nodiscard]] double flux(double rhs, double k) const;
-};
-
-struct InstrumentData {
-    double factor{1};    ///< sign and ratio error, of what comes out
-    double quantum{0};   ///< of what comes out; 0: none
-    double cutoff_hz{0}; ///< Butterworth of second order; 0: no filter
-    /// A core in series with a resistance. Of a CT: what the secondary current drives, input and output in primary
-    /// amperes over `turns`. Of a VT: the primary, `turns` 1.
-    struct Core {
-        enum class Of { current, voltage } of{Of::current};
-        TwoSlopeCore slopes;
-        double r_ohm{0}, turns{1}, remanence{0}; ///< remanence: flux at the start, Wb turns
-    };
-    std::optional<Core> core;
-};
 
 /// Three current or voltage transformers: core, filter, ratio error, quantum, in this order. CT: flux' = R i_s with
 /// i_s = i_p / turns - i_m(flux), R the sum of winding and burden. VT: flux' = v - R i_m(flux), which is the output.
@@ -39,6 +18,7 @@ class InstrumentTransformer {
 
     /// Whether it has a memory, and step() must be called.
     [[nodiscard]] bool dynamic() const { return d_.core || d_.cutoff_hz > 0; }
+    [[nodiscard]] bool saturates() const { return d_.core.has_value(); }
     /// Steady state for peak phasors by phase, from which steps of h follow.
     void start(std::array<std::complex<double>, 3> const& input, double w, double h);
     /// Values at the end of a step of h.

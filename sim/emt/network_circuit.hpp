@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
-#include "sim/emt/circuit.hpp"
+#include "sim/circuit/circuit.hpp"
 #include "sim/network/network.hpp"
 
 #include <map>
@@ -13,24 +13,16 @@
 
 namespace gridspace::sim::emt {
 
-/// Where the elements of a network are in its circuit; vectors go by the element's index in the network.
+/// Where the elements of a network are in its circuit.
 struct NetworkCircuit {
-    struct LineParts {
-        struct Section {
-            enum class Kind { rl, coupled, wave } kind{Kind::rl};
-            int index{0};            ///< of the branch or travelling-wave line
-            double start{0}, end{1}; ///< shares of the length
-        };
-        std::vector<Section> sections; ///< along the line; faults cut them
-        int from_node{0}, to_node{0};  ///< on the line side of the breakers
-        int from_switch{0}, to_switch{0};
-    };
-    /// Poles, and impedances to earth behind them.
+    /// Poles, and what an element at one bus has behind them; -1: not there.
     struct OnePortParts {
         std::size_t bus{0};
         int node{0}, breaker{0};
         int resistance{-1}, inductance{-1}, capacitance{-1}; ///< of the star: rl, rl, capacitor branch
         int injection{-1};
+        int source{-1}, impedance{-1}; ///< ideal source, and the rl branch from there to the node
+        int norton{-1};
     };
     /// A grid-following current: a converter, or what a load draws beyond a constant impedance.
     struct Injection {
@@ -42,35 +34,14 @@ struct NetworkCircuit {
         bool ceases{false};    ///< gives nothing where no grid holds its bus
         std::unique_ptr<PowerModel> model;
     };
-    struct SourceParts {
-        int source{0};
-        int impedance{-1}; ///< rl branch from the ideal source to the terminal
-        int breaker{0};
-    };
-    struct GeneratorParts {
-        int breaker{0};
-        int injection{-1}; ///< of a converter; -1: an ideal source
-        int source{-1};    ///< that
-    };
-    struct MachineParts {
-        int breaker{0};
-    };
-    struct TransformerParts {
-        int from_switch{0}, to_switch{0};
-        int limbs{0}; ///< the first of three windings that hold its ratio
-    };
 
     Circuit circuit;
     std::vector<int> bus_node;
-    std::vector<double> bus_peak_v; ///< nominal, phase to earth
-    std::vector<LineParts> lines;
-    std::vector<OnePortParts> one_ports; ///< in the order of one_ports(network)
-    std::vector<SourceParts> sources;
-    std::vector<GeneratorParts> generators;
-    std::vector<MachineParts> machines;
-    std::vector<TransformerParts> transformers;
+    std::vector<double> bus_peak_v;                    ///< nominal, phase to earth
+    std::vector<TwoPortParts> two_ports;               ///< in the order of two_ports(network)
+    std::vector<OnePortParts> one_ports;               ///< in the order of one_ports(network)
     std::vector<Injection> injections;                 ///< in the order of the circuit's
-    std::vector<int> breaker_switch;                   ///< by breaker
+    std::vector<int> line_switch;                      ///< by switch at a line's end
     std::map<std::string, std::vector<int>> terminals; ///< switches that take an element out of service, by its name
 };
 

@@ -94,8 +94,7 @@ void fill_coefficients(Circuit const& c, double h, StepCoefficients& out) {
     }
 }
 
-Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits const& bits,
-                                                  std::vector<EmtMachine> const& machine_models) const {
+Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits const& bits) const {
     Admittances<double> y;
     y.rl = rl_g;
     y.capacitors = capacitor_g;
@@ -103,8 +102,8 @@ Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits c
         y.coupled.push_back(b.g);
     }
     y.windings = winding_g;
-    for (EmtMachine const& m : machine_models) {
-        y.machines.push_back(m.conductance(h));
+    for (NortonPort const& p : c.norton) {
+        y.norton.push_back(p.element->conductance(h));
     }
     for (BergeronLine const& b : c.bergeron) {
         y.bergeron.push_back(PhaseMatrix::sequence(1 / (b.z1 + b.r1 / 4), 1 / (b.z0 + b.r0 / 4)));
@@ -161,8 +160,7 @@ void NodalSystem::add_column(int slot, double value, double* x) const {
 }
 
 Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits const& bits,
-                                                 StepCoefficients const& coefficients,
-                                                 std::vector<EmtMachine> const& machines) {
+                                                 StepCoefficients const& coefficients) {
     auto topology = make_topology(c, bits);
     if (!topology) {
         return std::unexpected{topology.error()};
@@ -172,7 +170,7 @@ Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits co
     system->h = coefficients.h;
     system->topology = std::move(*topology);
     Topology const& t = system->topology;
-    auto assembly = assemble(c, t, bits, coefficients.admittances(c, bits, machines));
+    auto assembly = assemble(c, t, bits, coefficients.admittances(c, bits));
     system->coupling = std::move(assembly.coupling);
     system->anchored = system->factors.factor(t.unknowns, assembly.matrix);
     auto const n = static_cast<std::size_t>(t.unknowns);
@@ -193,7 +191,7 @@ Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits co
     system->coupled_to = triple_slots(c.coupled, t, [](CoupledBranch const& b) { return b.to; });
     system->bergeron_from = triple_slots(c.bergeron, t, [](BergeronLine const& b) { return b.from; });
     system->bergeron_to = triple_slots(c.bergeron, t, [](BergeronLine const& b) { return b.to; });
-    system->machine = triple_slots(c.machines, t, [](MachinePort const& m) { return m.node; });
+    system->norton = triple_slots(c.norton, t, [](NortonPort const& p) { return p.node; });
     system->injection = triple_slots(c.injections, t, [](Injection const& i) { return i.node; });
     system->winding = weighted_slots(c.windings, t);
     system->core = weighted_slots(c.cores, t);

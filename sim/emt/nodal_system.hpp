@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/emt/circuit.hpp"
-#include "sim/emt/emt_machine.hpp"
+#include "sim/circuit/circuit.hpp"
 #include "sim/emt/topology.hpp"
 
 #include <memory>
@@ -26,8 +25,7 @@ struct StepCoefficients {
     };
     std::vector<Coupled> coupled;
     std::vector<double> winding_g, winding_trapezoid, winding_euler;
-    Admittances<double> admittances(Circuit const& circuit, SwitchBits const& bits,
-                                    std::vector<EmtMachine> const& machines) const;
+    Admittances<double> admittances(Circuit const& circuit, SwitchBits const& bits) const;
 };
 void fill_coefficients(Circuit const& circuit, double h, StepCoefficients& out);
 
@@ -42,7 +40,7 @@ struct NodalSystem {
     std::vector<double> inverse; ///< column-major
     Ldlt<double> factors;
     // slots of elements' nodes, in element order
-    std::vector<int> rl_from, rl_to, capacitor_from, capacitor_to, coupled_from, coupled_to, winding, core, machine,
+    std::vector<int> rl_from, rl_to, capacitor_from, capacitor_to, coupled_from, coupled_to, winding, core, norton,
         injection, bergeron_from, bergeron_to;
     std::uint64_t last_used{0};
     /// What a system that differs little from another adds to its solution (nodal_update.cpp).
@@ -64,8 +62,7 @@ struct NodalSystem {
     void add_column(int slot, double value, double* x) const;
 };
 [[nodiscard]] Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& circuit, SwitchBits const& bits,
-                                                               StepCoefficients const& coefficients,
-                                                               std::vector<EmtMachine> const& machines);
+                                                               StepCoefficients const& coefficients);
 
 /// The system of `bits` by a low-rank change of another of the same step; nothing when they differ in poles, by more
 /// than a few fault phases and cores, or so that a part loses its connection to earth.

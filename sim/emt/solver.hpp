@@ -21,13 +21,13 @@ class Solver {
     /// `step_s` is the usual step; others cost a factorisation.
     Solver(Circuit circuit, double step_s);
 
-    /// Steady state at time 0 with these terminal currents of machines (positive sequence phasors, A peak, out of the
-    /// machine) and voltages (V peak), by machine, and injected currents (A peak, by phase), by injection; every other
+    /// Steady state at time 0 with these terminal voltages (V peak) and currents (A peak, into the network; positive
+    /// sequence phasors) of Norton elements, and injected currents (A peak, by phase), by injection; every other
     /// element follows from the network equations.
-    struct MachineStart {
+    struct NortonStart {
         std::complex<double> v, i;
     };
-    [[nodiscard]] Result<void> start(std::vector<MachineStart> const& machines,
+    [[nodiscard]] Result<void> start(std::vector<NortonStart> const& norton,
                                      std::vector<std::array<std::complex<double>, 3>> const& injections = {});
 
     /// Simulates from t() to `t_end`, which is `h` away.
@@ -35,12 +35,6 @@ class Solver {
 
     // Switching: takes effect at t().
     void close_switch(std::size_t index);
-    /// Contacts part `after_s` from now. Each pole interrupts when its current falls to `chop_a` or passes through
-    /// zero; `at_once`: all do when they part.
-    struct Opening {
-        double after_s{0}, chop_a{0};
-        bool at_once{false};
-    };
     void open_switch(std::size_t index, Opening const& how);
     void open_switch(std::size_t index) { open_switch(index, Opening{}); }
     void apply_fault(std::size_t fault);
@@ -79,8 +73,6 @@ class Solver {
     [[nodiscard]] bool opening(std::size_t index) const; ///< commanded, and not yet open
     /// When the last pole opened; NaN before.
     [[nodiscard]] double opened_at(std::size_t index) const { return switches_[index].opened_at; }
-    [[nodiscard]] std::vector<EmtMachine>& machines() { return state_.machines; }
-    [[nodiscard]] std::vector<EmtMachine> const& machines() const { return state_.machines; }
     /// Injected currents, A, that hold until changed: 3 per injection.
     [[nodiscard]] std::vector<double>& injected() { return injected_; }
     /// Unknown nodes that nothing connects to earth, at the start.
@@ -89,15 +81,13 @@ class Solver {
     [[nodiscard]] bool dense() const { return system_->dense; }
 
   private:
-    using Rule = EmtMachine::Rule;
-    /// What a trial step changes.
+    /// What a trial step changes, beside the Norton elements.
     struct Dynamics {
         std::vector<double> v; ///< by slot
         std::vector<double> rl_v, rl_i, capacitor_v, capacitor_i, coupled_v, coupled_i, winding_v, winding_i;
         std::vector<double> core_flux, core_v, core_i;
         std::vector<double> wave_i;          ///< 6 per Bergeron line
         std::vector<std::size_t> wave_marks; ///< of waves_, when saved
-        std::vector<EmtMachine> machines;
     };
     struct SwitchControl {
         std::array<bool, 3> armed{};
@@ -132,7 +122,7 @@ class Solver {
     Circuit circuit_;
     double step_s_;
     double t_{0};
-    bool restart_{true};  ///< a discontinuity lies at t_
+    double damping_s_{0}; ///< for so long backward Euler steps follow a discontinuity
     bool modified_{true}; ///< bits_ are not those of system_
     SwitchBits bits_;
     std::vector<SwitchControl> switches_;
@@ -155,6 +145,7 @@ class Solver {
     double limit_v_{0};                               ///< voltages beyond are divergence
 
     /// Nothing is cut shorter than this share of the usual step.
+    static constexpr double kDampedSteps = 2; ///< one leaves 4 % of what a chopped current rings with
     static constexpr double kMinSegment = 1e-5;
     /// Cores that change slope to and fro at one instant keep theirs for a segment after so many changes.
     static constexpr int kMaxChangesAtOnce = 12;

@@ -129,7 +129,7 @@ void Solver::set_source_frequency(std::size_t source, double frequency_hz) {
 
 void Solver::set_source_amplitude(std::size_t source, double amplitude_v) {
     circuit_.sources[source].amplitude_v = amplitude_v;
-    restart_ = true;
+    damping_s_ = kDampedSteps * step_s_;
 }
 
 } // namespace gridspace::sim::emt

@@ -28,8 +28,8 @@ double Solver::current(CurrentTerm const& term, int phase) const {
         return term.sign * state_.wave_i[6 * i + 3 + k];
     case Kind::fault:
         return term.sign * fault_current(i, phase);
-    case Kind::machine:
-        return term.sign * state_.machines[i].current_a(phase);
+    case Kind::norton:
+        return term.sign * circuit_.norton[i].element->current_a(phase);
     case Kind::injection:
         return term.sign * injected_[3 * i + k];
     }

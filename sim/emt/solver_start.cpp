@@ -24,7 +24,7 @@ ComplexPhaseMatrix impedance_inverse(PhaseMatrix const& r, PhaseMatrix const& l,
 
 } // namespace
 
-Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
+Result<void> Solver::start(std::vector<NortonStart> const& norton_starts,
                            std::vector<std::array<Complex, 3>> const& injection_starts) {
     t_ = 0;
     if (auto ok = use(step_s_); !ok) {
@@ -56,11 +56,8 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
     for (SaturableCore const& b : circuit_.cores) {
         y.cores.push_back(1.0 / Complex{0, w * b.l});
     }
-    for (MachinePort const& m : circuit_.machines) {
-        double const scale = m.i_base / m.v_base;
-        Complex const zero = m.data.x0 > 0 ? 1.0 / Complex{m.data.ra, speed * m.data.x0} : Complex{};
-        y.machines.push_back(
-            ComplexPhaseMatrix::sequence(scale / Complex{m.data.ra, speed * m.data.x2()}, scale * zero));
+    for (NortonPort const& p : circuit_.norton) {
+        y.norton.push_back(p.element->steady_admittance(speed));
     }
     std::vector<ComplexPhaseMatrix> crosses;
     for (BergeronWaves const& line : waves_) { // true delays: they know the true frequency
@@ -84,10 +81,12 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
         rhs[static_cast<std::size_t>(e.row)] -= e.value * v[static_cast<std::size_t>(e.column)];
     }
     auto const slot = [&](int node) { return static_cast<std::size_t>(t.slot[static_cast<std::size_t>(node)]); };
-    for (std::size_t m = 0; m < circuit_.machines.size(); ++m) {
-        Complex const norton = machine_starts[m].i + y.machines[m].one * machine_starts[m].v;
+    auto const norton_current = [&](std::size_t m) {
+        return norton_starts[m].i + y.norton[m].one * norton_starts[m].v;
+    };
+    for (std::size_t m = 0; m < circuit_.norton.size(); ++m) {
         for (int k = 0; k < 3; ++k) {
-            rhs[slot(circuit_.machines[m].node + k)] += phase_of(norton, k);
+            rhs[slot(circuit_.norton[m].node + k)] += phase_of(norton_current(m), k);
         }
     }
     for (std::size_t i = 0; i < injection_starts.size(); ++i) {
@@ -171,18 +170,16 @@ Result<void> Solver::start(std::vector<MachineStart> const& machine_starts,
         state_.core_flux[i] = (volts / Complex{0, w}).real();
         state_.core_i[i] = state_.core_flux[i] / circuit_.cores[i].l;
     }
-    for (std::size_t m = 0; m < circuit_.machines.size(); ++m) {
-        MachinePort const& port = circuit_.machines[m];
-        Complex const norton = machine_starts[m].i + y.machines[m].one * machine_starts[m].v;
+    for (std::size_t m = 0; m < circuit_.norton.size(); ++m) {
+        NortonPort const& port = circuit_.norton[m];
         // The positive sequence is what phase a shows of a balanced state.
         Complex volts{};
         for (int k = 0; k < 3; ++k) {
             volts += v[slot(port.node + k)] * std::polar(1.0 / 3, k * 2 * std::numbers::pi / 3);
         }
-        Complex const amperes = norton - y.machines[m].one * volts;
-        state_.machines[m].start(volts / port.v_base, amperes / port.i_base, speed);
+        port.element->start(volts, norton_current(m) - y.norton[m].one * volts, speed);
     }
-    restart_ = false;
+    damping_s_ = 0;
     return {};
 }
 

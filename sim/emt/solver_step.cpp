@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-/// One step of the solver: history currents, one solution of the network, machines corrected, currents.
+/// One step of the solver: history currents, one solution of the network, Norton elements corrected, currents.
 namespace gridspace::sim::emt {
 
 void Solver::source_voltages(double t) {
@@ -200,34 +200,32 @@ void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& 
     for (Entry<double> const& e : system_->coupling) {
         rhs[e.row] -= e.value * x[e.column];
     }
-    bool round = true;
-    int const* slot = system_->machine.data();
-    for (EmtMachine& m : state_.machines) {
-        auto const j = m.predict(t_end, h, rule);
+    int corrections = 0;
+    int const* slot = system_->norton.data();
+    for (NortonPort const& p : circuit_.norton) {
+        auto const j = p.element->predict(t_end, h, rule);
         for (std::size_t k = 0; k < 3; ++k) {
             rhs[slot[k]] += j[k];
         }
         slot += 3;
-        round = round && m.data().round_subtransient();
+        corrections = std::max(corrections, p.element->corrections());
     }
     solve_network();
-    // Where the subtransient reactances of the axes differ, the flux behind their mean follows the current itself: more
-    // rounds.
-    for (int repeat = state_.machines.empty() ? 0 : round ? 1 : 3; repeat > 0; --repeat) {
-        slot = system_->machine.data();
+    for (int repeat = corrections; repeat > 0; --repeat) {
+        slot = system_->norton.data();
         int const unknowns = system_->topology.unknowns;
         double* const change = correction_.data();
         std::size_t changes = 0;
-        for (EmtMachine& m : state_.machines) {
+        for (NortonPort const& p : circuit_.norton) {
             double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
-            auto const j = m.correct(v);
+            auto const j = p.element->correct(v);
             for (std::size_t k = 0; k < 3; ++k) {
                 change[changes++] = j[k];
             }
             slot += 3;
         }
         for (std::size_t k = 0; k < changes; ++k) {
-            int const s = system_->machine[k];
+            int const s = system_->norton[k];
             if (s >= unknowns) {
                 continue;
             }
@@ -241,10 +239,10 @@ void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& 
             solve_network();
         }
     }
-    slot = system_->machine.data();
-    for (EmtMachine& m : state_.machines) {
+    slot = system_->norton.data();
+    for (NortonPort const& p : circuit_.norton) {
         double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
-        m.finish(v);
+        p.element->finish(v);
         slot += 3;
     }
     currents(c);

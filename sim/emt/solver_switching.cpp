@@ -123,7 +123,8 @@ void Solver::open_crossed(double share) {
 }
 
 void Solver::switched() {
-    restart_ = modified_ = true;
+    damping_s_ = kDampedSteps * step_s_;
+    modified_ = true;
 }
 
 void Solver::part_contacts() {

@@ -149,8 +149,8 @@ Assembly<S> assemble(Circuit const& c, Topology const& topology, SwitchBits cons
     for (std::size_t i = 0; i < c.coupled.size(); ++i) {
         stamp.between(c.coupled[i].from, c.coupled[i].to, y.coupled[i]);
     }
-    for (std::size_t i = 0; i < c.machines.size(); ++i) {
-        stamp.between(c.machines[i].node, kEarth, y.machines[i]);
+    for (std::size_t i = 0; i < c.norton.size(); ++i) {
+        stamp.between(c.norton[i].node, kEarth, y.norton[i]);
     }
     for (std::size_t i = 0; i < c.bergeron.size(); ++i) {
         stamp.between(c.bergeron[i].from, kEarth, y.bergeron[i]);

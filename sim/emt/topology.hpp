@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
-#include "sim/emt/circuit.hpp"
+#include "sim/circuit/circuit.hpp"
 #include "sim/emt/ldlt.hpp"
 
 #include <complex>
@@ -37,7 +37,7 @@ using Conductances = std::array<std::array<double, 3>, 3>;
 /// What every element conducts: real for a time step, complex for the steady state.
 template <class S>
 struct Admittances {
-    std::vector<PhaseMatrixOf<S>> rl, capacitors, machines, bergeron;
+    std::vector<PhaseMatrixOf<S>> rl, capacitors, norton, bergeron;
     std::vector<S> windings, cores;
     std::vector<Matrix3Of<S>> coupled;
 };

@@ -50,11 +50,17 @@ struct StandBy {
     bool on{true};
 };
 
+/// How the regulator of an element works from now on, by a word of the table of actions ("isochronous").
+struct SetMode {
+    std::string element, mode;
+};
+
 /// The mechanism of a breaker that was stuck (`fail_to_open`) works again. The engines see nothing of it.
 struct Repair {
     std::string breaker;
 };
 
-using Action = std::variant<SwitchBreaker, ApplyFault, ClearFault, SetParameter, Disconnect, Connect, StandBy, Repair>;
+using Action =
+    std::variant<SwitchBreaker, ApplyFault, ClearFault, SetParameter, Disconnect, Connect, StandBy, SetMode, Repair>;
 
 } // namespace gridspace::sim

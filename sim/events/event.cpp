@@ -26,6 +26,7 @@ constexpr EventAction kActions[] = {
     {"stop", "converters that stand by: connected, and without current", "`COMMAND_STOP`"},
     {"fail_to_open", "breakers that stay closed from then on, whatever opens them"},
     {"reset", "breakers that failed to open, and work again", "`COMMAND_RESET`"},
+    {"mode", "elements and how their regulators work from then on: `{G1: droop}`", "`COMMAND_MODE`"},
     {"desynchronise", "merging unit that loses its clock: smpSynch becomes 0"},
     {"resynchronise", "merging unit whose clock is right again"},
     {"kill", "process killed (SIGKILL)"},
@@ -104,6 +105,15 @@ void describe(Fields& f, Event& e) {
     f.references("stop", e.stop, what("stop"));
     f.references("fail_to_open", e.fail_to_open, what("fail_to_open"));
     f.references("reset", e.reset, what("reset"));
+    config::Node mode;
+    f.raw("mode", mode, what("mode"));
+    for (config::Node::Entry const& entry : mode.entries) {
+        e.mode.emplace_back(Ref{entry.key, entry.where}, entry.value.text);
+    }
+    if (f.has("mode") && !mode.is_map()) {
+        f.error("mode", fmt::format("`mode` is {}", config::describe(mode)),
+                "expected elements and their modes: {G1: droop}");
+    }
     f.reference("desynchronise", e.desynchronise, what("desynchronise"));
     f.integer("shift_samples", e.shift_samples,
               {.doc = "desynchronise: how far its counter runs ahead of the samples", .min = -4800, .max = 4800});
@@ -151,6 +161,9 @@ std::vector<TimedAction> timeline(std::vector<Event> const& events) {
             for (Ref const& element : *elements) {
                 add(*e.at_s, action_of(command, element.name));
             }
+        }
+        for (auto const& [element, mode] : e.mode) {
+            add(*e.at_s, SetMode{element.name, mode});
         }
         if (e.fault) {
             add(*e.at_s, *e.fault);
@@ -219,9 +232,9 @@ void check_set(Event const& e, Ref const& path, double value, Network const& n, 
     if (auto const refusal = refusal_of(n, *kind, parts[1], *quantity, waveform)) {
         wrong(fmt::format(", but {}", refusal->why), std::string{refusal->hint});
     }
-    if (!within(quantity->range, value)) {
+    if (auto const range = range_of(n, *kind, parts[1], *quantity, waveform); !within(range, value)) {
         wrong(fmt::format(" to {}, which is out of range", shortest(value)),
-              fmt::format("expected {}", range_text(quantity->range)));
+              fmt::format("expected {}", range_text(range)));
     }
 }
 
@@ -256,6 +269,12 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
                 } else {
                     must(n.breakers, element, "breaker", e);
                 }
+            }
+        }
+        for (auto const& [element, mode] : e.mode) {
+            if (auto const ok = check_mode(n, {element.name, mode}); !ok) {
+                diagnostics.error(element.where, fmt::format("event '{}': {}", e.name.name, ok.error().message),
+                                  ok.error().remedy, static_cast<int>(element.name.size()));
             }
         }
         for (Ref const& b : e.fail_to_open) {

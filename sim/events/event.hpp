@@ -25,6 +25,7 @@ struct Event {
     std::vector<Ref> open, close;                        ///< breakers
     std::vector<Ref> start, stop;                        ///< converters
     std::vector<Ref> reset;                              ///< breakers whose mechanism works again
+    std::vector<std::pair<Ref, std::string>> mode;       ///< elements, and how their regulators work from then on
     std::optional<ApplyFault> fault;
     Ref fault_line, fault_bus;
     std::optional<Rational> clear_after_ms;

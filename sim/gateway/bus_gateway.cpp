@@ -27,11 +27,10 @@ Result<std::unique_ptr<BusGateway>> BusGateway::create(bus::Node& node, Engine& 
     }
     g.sample_->bus(bus.c_str());
     std::string const prefix = "bus." + bus;
-    for (auto [signal, name] : {std::pair{&g.v_, ".v_pu"},
-                                {&g.angle_, ".angle_deg"},
-                                {&g.frequency_, ".frequency_hz"},
-                                {&g.p_, ".p_kw"},
-                                {&g.q_, ".q_kvar"}}) {
+    g.p_ = consumed(engine, network, bus, ".p_kw");
+    g.q_ = consumed(engine, network, bus, ".q_kvar");
+    for (auto [signal, name] :
+         {std::pair{&g.v_, ".v_pu"}, {&g.angle_, ".angle_deg"}, {&g.frequency_, ".frequency_hz"}}) {
         *signal = engine.find_signal(prefix + name);
         if (*signal == engine.signals().size()) {
             return fail(ExitCode::usage,
@@ -68,13 +67,37 @@ Result<std::unique_ptr<BusGateway>> BusGateway::create(bus::Node& node, Engine& 
 
 BusGateway::~BusGateway() = default;
 
+std::vector<BusGateway::Term> BusGateway::consumed(Engine& engine, Network const& network, std::string const& bus,
+                                                   std::string_view quantity) {
+    std::size_t const none = engine.signals().size();
+    if (std::size_t const signal = engine.find_signal(fmt::format("bus.{}{}", bus, quantity)); signal != none) {
+        return {{signal, 1}};
+    }
+    std::vector<Term> out;
+    for (OnePort const* e : all<OnePort>(network)) {
+        std::size_t const signal = engine.find_signal(fmt::format("{}{}", signal_prefix(*e), quantity));
+        if (e->bus.name == bus && signal != none) {
+            out.push_back({signal, e->kind().feeds ? -1.0 : 1.0});
+        }
+    }
+    return out;
+}
+
+double BusGateway::sum(std::vector<Term> const& terms) const {
+    double out = -0.0; // the sum of one is that one, to its sign
+    for (Term const& term : terms) {
+        out += term.sign * engine_->value(term.signal);
+    }
+    return out;
+}
+
 void BusGateway::publish(SimTime t) {
     sample_->time_ns(node_->time_base().nanoseconds(t));
     sample_->v_pu(engine_->value(v_));
     sample_->angle_deg(engine_->value(angle_));
     sample_->frequency_hz(engine_->value(frequency_));
-    sample_->p_kw(engine_->value(p_));
-    sample_->q_kvar(engine_->value(q_));
+    sample_->p_kw(sum(p_));
+    sample_->q_kvar(sum(q_));
     for (std::size_t i = 0; i < evs_.size(); ++i) {
         EvMeasurement& ev = sample_->evs()[i];
         ev.soc_percent(engine_->value(evs_[i].soc));

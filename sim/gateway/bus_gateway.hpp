@@ -38,6 +38,15 @@ class BusGateway {
 
   private:
     BusGateway() = default;
+    /// A signal, and how it counts in a sum.
+    struct Term {
+        std::size_t signal{0};
+        double sign{1};
+    };
+    /// What is consumed at the bus: a signal of the solver, or what its elements say.
+    [[nodiscard]] static std::vector<Term> consumed(Engine& engine, Network const& network, std::string const& bus,
+                                                    std::string_view quantity);
+    [[nodiscard]] double sum(std::vector<Term> const& terms) const;
     struct EvPort {
         std::size_t soc{0}, current{0}, reference{0}; ///< signals
     };
@@ -47,8 +56,9 @@ class BusGateway {
     std::unique_ptr<bus::Writer<BusMeasurement>> measurements_;
     std::shared_ptr<bus::Reader<ChargingDecision>> decisions_; ///< only where there are EVs
     std::unique_ptr<BusMeasurement> sample_;
-    std::unique_ptr<Outbox<BusMeasurement>> outbox_;           ///< real time
-    std::size_t v_{0}, angle_{0}, frequency_{0}, p_{0}, q_{0}; ///< signals
+    std::unique_ptr<Outbox<BusMeasurement>> outbox_; ///< real time
+    std::size_t v_{0}, angle_{0}, frequency_{0};     ///< signals
+    std::vector<Term> p_, q_;
     std::vector<EvPort> evs_;
     std::unique_ptr<ChargingOrders> orders_; ///< for the same EVs
     std::function<void(SimTime, std::string const&)> on_refusal_;

@@ -81,7 +81,7 @@ void ControlGateway::take_commands(Simulation& simulation, SimTime until) {
     }
     if (commands_ != nullptr) {
         pass_on(*commands_, simulation, until, [&](Controls::Asked const& asked, ElementCommand const& sample) {
-            controls_.command(simulation, asked, static_cast<std::size_t>(sample.command()));
+            controls_.command(simulation, asked, static_cast<std::size_t>(sample.command()), sample.mode().c_str());
         });
     }
     controls_.advance(simulation, until);

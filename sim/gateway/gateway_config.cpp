@@ -45,6 +45,17 @@ void topics_of(Node const* node, std::string const& what, Diagnostics& diagnosti
     }
 }
 
+LineGatewayConfig::Publish read_bay(Ref const& topic, Node const& value, std::string const& gateway,
+                                    Diagnostics& diagnostics) {
+    LineGatewayConfig::Publish out{topic, {}, {}};
+    config::read_fields(value, fmt::format("simulation.gateways.{}.publish.{}", gateway, topic.name), diagnostics,
+                        [&](config::Fields& f) {
+                            f.reference("ct", out.transformer, {.doc = "current transformer", .required = true});
+                            f.reference("vt", out.voltage, {.doc = "voltage transformer", .required = true});
+                        });
+    return out;
+}
+
 } // namespace
 
 void describe(config::Fields& f, SamplingConfig& s) {
@@ -92,17 +103,20 @@ GatewaysConfig read_gateways(Node const& gateways, Diagnostics& diagnostics) {
         }
         Node publish, subscribe;
         config::read_fields(entry.value, "simulation.gateways." + entry.key, diagnostics, [&](config::Fields& f) {
-            f.raw("publish", publish, {.doc = "DDS topic: current transformer"});
+            f.raw("publish", publish, {.doc = "DDS topic: current transformer, or {ct: …, vt: …} of a bay"});
             f.raw("subscribe", subscribe, {.doc = "DDS topic: breakers that a trip command on it opens"});
         });
         topics_of(&publish, fmt::format("`publish` of gateway '{}'", entry.key), diagnostics,
                   [&](Ref const& topic, Node const& value) {
                       if (value.is_scalar()) {
-                          gateway.publish.push_back({topic, {value.text, value.where}});
+                          gateway.publish.push_back({topic, {value.text, value.where}, {}});
+                      } else if (value.is_map()) {
+                          gateway.publish.push_back(read_bay(topic, value, entry.key, diagnostics));
                       } else {
-                          diagnostics.error(
-                              topic.where, fmt::format("topic '{}' publishes {}", topic.name, config::describe(value)),
-                              "expected the name of a current transformer", static_cast<int>(topic.name.size()));
+                          diagnostics.error(topic.where,
+                                            fmt::format("topic '{}' publishes {}", topic.name, config::describe(value)),
+                                            "expected the name of a current transformer, or {ct: …, vt: …}",
+                                            static_cast<int>(topic.name.size()));
                       }
                   });
         topics_of(&subscribe, fmt::format("`subscribe` of gateway '{}'", entry.key), diagnostics,
@@ -144,6 +158,9 @@ void check_gateways(GatewaysConfig const& gateways, Network const& network, Diag
     for (LineGatewayConfig const& gateway : gateways.lines) {
         for (LineGatewayConfig::Publish const& p : gateway.publish) {
             must(network.cts, p.transformer, gateway.name, "current transformer");
+            if (!p.voltage.empty()) {
+                must(network.vts, p.voltage, gateway.name, "voltage transformer");
+            }
             if (auto const [it, added] = published.try_emplace(p.topic.name, gateway.name); !added) {
                 diagnostics.error(p.topic.where,
                                   fmt::format("topic '{}' is published by the gateways '{}' and '{}'", p.topic.name,

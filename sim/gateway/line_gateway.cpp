@@ -23,34 +23,12 @@ Result<std::unique_ptr<LineGateway>> LineGateway::create(bus::Node& node, Engine
                     "choose a step of which the sampling period is a whole multiple");
     }
     g.sample_span_ = node.time_base().nearest(period_s);
-    // In lockstep nobody may wait for a sample of a tick that is over: a message ends with its tick (flush).
-    g.samples_per_message_ = static_cast<std::size_t>(sampling.samples_per_message);
     for (LineGatewayConfig::Publish const& publish : config.publish) {
-        Transformer transformer;
-        for (std::size_t phase = 0; phase < 3; ++phase) {
-            std::string const name = fmt::format("ct.{}.i.{}", publish.transformer.name, "abc"[phase]);
-            transformer.phases[phase] = engine.find_signal(name);
-            if (transformer.phases[phase] == engine.signals().size()) {
-                return fail(ExitCode::usage,
-                            fmt::format("the solver has no signal '{}' for the gateway '{}'", name, config.name.name),
-                            "sampled currents need `solver: emt`");
-            }
+        auto topic = SampledTopic::create(node, engine, publish, config.name.name, sampling);
+        if (!topic) {
+            return std::unexpected{topic.error()};
         }
-        transformer.message = std::make_unique<LineCurrents>();
-        transformer.message->transformer(publish.transformer.name.c_str());
-        transformer.message->rate_num(static_cast<std::uint32_t>(sampling.rate_hz.num()));
-        transformer.message->rate_den(static_cast<std::uint32_t>(sampling.rate_hz.den()));
-        transformer.message->samples().reserve(MAX_SAMPLES_PER_MESSAGE);
-        auto writer = node.writer<LineCurrents>(publish.topic.name);
-        if (!writer) {
-            return std::unexpected{writer.error()};
-        }
-        transformer.writer = std::move(*writer);
-        if (!node.lockstep()) {
-            constexpr std::size_t kMessages = 4096; // seconds
-            transformer.outbox = std::make_unique<Outbox<LineCurrents>>(kMessages);
-        }
-        g.transformers_.push_back(std::move(transformer));
+        g.topics_.push_back(std::move(*topic));
     }
     for (LineGatewayConfig::Subscribe const& subscribe : config.subscribe) {
         Trip trip;
@@ -77,53 +55,27 @@ void LineGateway::observe(SimTime t) {
     if (t.quanta % sample_span_.quanta != 0) {
         return;
     }
-    last_sample_ = t;
-    for (Transformer& transformer : transformers_) {
-        auto& samples = transformer.message->samples();
-        if (samples.empty()) {
-            transformer.message->first_index(static_cast<std::uint64_t>(t.quanta / sample_span_.quanta));
-        }
-        PhaseCurrents currents;
-        currents.ia(static_cast<float>(engine_->value(transformer.phases[0])));
-        currents.ib(static_cast<float>(engine_->value(transformer.phases[1])));
-        currents.ic(static_cast<float>(engine_->value(transformer.phases[2])));
-        samples.push_back(currents);
-        if (samples.size() >= samples_per_message_) {
-            send(transformer);
-        }
+    for (auto const& topic : topics_) {
+        topic->sample(t, static_cast<std::uint64_t>(t.quanta / sample_span_.quanta));
     }
-}
-
-void LineGateway::send(Transformer& transformer) {
-    LineCurrents& message = *transformer.message;
-    message.time_ns(node_->time_base().nanoseconds(last_sample_));
-    if (transformer.outbox != nullptr) {
-        transformer.outbox->put(last_sample_, message);
-    } else {
-        transformer.writer->write(message, last_sample_);
-    }
-    message.samples().clear();
 }
 
 void LineGateway::flush() {
-    for (Transformer& transformer : transformers_) {
-        if (!transformer.message->samples().empty()) {
-            send(transformer);
-        }
+    for (auto const& topic : topics_) {
+        topic->flush();
     }
 }
 
 void LineGateway::drain(SimTime until) {
-    for (Transformer& transformer : transformers_) {
-        transformer.outbox->drain(
-            until, [&](LineCurrents const& message, SimTime time) { transformer.writer->write(message, time); });
+    for (auto const& topic : topics_) {
+        topic->drain(until);
     }
 }
 
 std::uint64_t LineGateway::lost() const {
     std::uint64_t lost = 0;
-    for (Transformer const& transformer : transformers_) {
-        lost += transformer.outbox == nullptr ? 0 : transformer.outbox->lost();
+    for (auto const& topic : topics_) {
+        lost += topic->lost();
     }
     return lost;
 }

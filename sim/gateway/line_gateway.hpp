@@ -4,14 +4,12 @@
 
 #include "bus/node.hpp"
 #include "sim/gateway/gateway_config.hpp"
-#include "sim/gateway/outbox.hpp"
+#include "sim/gateway/sampled_topic.hpp"
 #include "sim/runtime/simulation.hpp"
 
-#include <array>
 #include <memory>
 #include <vector>
 
-struct LineCurrents;
 struct TripCommand;
 
 namespace gridspace::sim {
@@ -38,27 +36,18 @@ class LineGateway {
 
   private:
     LineGateway() = default;
-    struct Transformer {
-        std::array<std::size_t, 3> phases{}; ///< signals
-        std::unique_ptr<LineCurrents> message;
-        std::unique_ptr<bus::Writer<LineCurrents>> writer;
-        std::unique_ptr<Outbox<LineCurrents>> outbox; ///< real time
-    };
     struct Trip {
         std::vector<std::string> breakers;
         std::vector<bool> follows; ///< by breaker: not latched
         bool last{false};          ///< the signal
         std::shared_ptr<bus::Reader<TripCommand>> commands;
     };
-    void send(Transformer& transformer);
     [[nodiscard]] SimTime realtime_effect(std::int64_t time_ns, SimTime now) const;
 
     bus::Node* node_{nullptr};
     Engine* engine_{nullptr};
     SimSpan sample_span_;
-    std::size_t samples_per_message_{1};
-    SimTime last_sample_;
-    std::vector<Transformer> transformers_;
+    std::vector<std::unique_ptr<SampledTopic>> topics_;
     std::vector<Trip> trips_;
 };
 

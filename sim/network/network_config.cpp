@@ -4,34 +4,25 @@
 
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
-#include "sim/network/element_config.hpp"
+#include "sim/components/faces/number_specs.hpp"
 #include "sim/network/matpower.hpp"
 #include "sim/network/network_check.hpp"
 
 namespace gridspace::sim {
 namespace {
 
-using namespace elements;
+using config::Fields;
 
-/// A section that maps names to elements: each is appended with its name.
-template <class T>
-void section(Fields& f, std::string_view key, std::string_view doc, std::vector<T>& elements,
-             void (*one)(Fields&, T&)) {
-    f.map(key, {.doc = doc}, [&](Ref const& name, Fields& e) {
-        T element;
-        element.name = name;
-        e.text("label", element.label, {.doc = "text for displays; the name when not given"});
-        one(e, element);
-        elements.push_back(std::move(element));
-    });
-}
-
-void bus(Fields& f, Bus& b) {
-    f.number("voltage_v", b.voltage_v, positive("nominal voltage, line to line, r.m.s.", true));
-    f.object("diagram", {.doc = "place in the one-line diagram"}, [&](Fields& d) {
-        d.number("x", b.diagram_x, any("column"));
-        d.number("y", b.diagram_y, any("row, downwards"));
-    });
+/// The keys by which an element says where it is.
+void read_place(Fields& f, Element& e) {
+    if (auto* one_port = dynamic_cast<OnePort*>(&e)) {
+        f.reference("bus", one_port->bus, {.doc = "its bus", .required = true});
+    } else if (auto* two_port = dynamic_cast<TwoPort*>(&e)) {
+        f.reference("from", two_port->from, {.doc = "bus at the `from` end", .required = true});
+        f.reference("to", two_port->to, {.doc = "bus at the `to` end", .required = true});
+    } else if (auto* on_line = dynamic_cast<LineSwitch*>(&e)) {
+        f.reference("line", on_line->line, {.doc = "the line that it switches", .required = true});
+    }
 }
 
 } // namespace
@@ -44,30 +35,19 @@ void describe(Fields& f, Network& n) {
     std::string description;
     f.text("description", description, {.doc = "what it is"});
     f.object("base", {.doc = "base values", .required = true}, [&](Fields& b) {
-        b.number("frequency_hz", n.frequency_hz, positive("nominal frequency", true));
-        b.number("power_kva", n.power_kva, positive("base power", true));
+        b.number("frequency_hz", n.frequency_hz, elements::positive("nominal frequency", true));
+        b.number("power_kva", n.power_kva, elements::positive("base power", true));
     });
-    section(f, "buses", "buses", n.buses, bus);
-    section(f, "sources", "stiff networks behind an impedance", n.sources, source);
-    section(f, "line_types", "line data per km", n.line_types, line_type);
-    section(f, "lines", "lines", n.lines, line);
-    section(f, "transformers", "two-winding transformers", n.transformers, transformer);
-    section(f, "breaker_types", "breaker data", n.breaker_types, breaker_type);
-    section(f, "breakers", "breakers at line ends", n.breakers, breaker);
-    section(f, "ct_types", "current transformer data", n.ct_types, ct_type);
-    section(f, "cts", "current transformers at line ends", n.cts, ct);
-    section(f, "vt_types", "voltage transformer data", n.vt_types, vt_type);
-    section(f, "vts", "voltage transformers at buses", n.vts, vt);
-    section(f, "machine_types", "synchronous machine data", n.machine_types, machine_type);
-    section(f, "machines", "synchronous machines", n.machines, machine);
-    section(f, "generators", "generators without dynamics", n.generators, generator);
     for_each_kind(n, [&]<class T>(std::vector<T>& elements) {
-        section<T>(f, T::kKind.section, T::kKind.doc, elements, [](Fields& e, T& element) {
-            e.reference("bus", element.bus, {.doc = "its bus", .required = true});
+        f.map(T::kKind.section, {.doc = T::kKind.doc}, [&](Ref const& name, Fields& e) {
+            T element;
+            element.name = name;
+            e.text("label", element.label, {.doc = "text for displays; the name when not given"});
+            read_place(e, element);
             element.fields(e);
+            elements.push_back(std::move(element));
         });
     });
-    section(f, "profiles", "values over time", n.profiles, profile);
 }
 
 std::optional<Network> read_network(config::Node const& root, config::Diagnostics& diagnostics) {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace gridspace::sim::phasor {
 namespace {
@@ -19,14 +18,10 @@ constexpr double kMinShare = 1e-6;
 
 /// A line with a fault admittance inside, seen from its buses: nodes `from`, fault, `to`, of which open ends and the
 /// fault are eliminated (Kron).
-void put_on_line(Network const& n, SwitchState const& switches, ApplyFault const& fault, Complex y_fault,
-                 TwoPort& port) {
-    Line const& line = n.lines[port.element];
-    LineTotals const t = line_totals(n, line);
-    double const omega = 2 * std::numbers::pi * n.frequency_hz;
-    double const z_base = base_impedance(n, n.buses[port.from]);
-    Complex const series = z_base / Complex{t.r_ohm, omega * t.l_h};
-    Complex const half{0, omega * t.c_f / 2 * z_base};
+void put_on_line(PiSection const& line, double z_base, Ends closed, ApplyFault const& fault, Complex y_fault,
+                 Branch& port) {
+    Complex const series = z_base / line.series_ohm;
+    Complex const half = line.half_s * z_base;
     double const share = std::clamp(fault.position_percent / 100, kMinShare, 1 - kMinShare);
     Complex const near = series / share, far = series / (1 - share);
     std::array<std::array<Complex, 3>, 3> y{}; // from, to, fault
@@ -48,16 +43,27 @@ void put_on_line(Network const& n, SwitchState const& switches, ApplyFault const
         }
     };
     eliminate(2);
-    if (!switches.closed(n, line.name.name, LineEnd::from)) {
+    if (!closed.from) {
         eliminate(0);
     }
-    if (!switches.closed(n, line.name.name, LineEnd::to)) {
+    if (!closed.to) {
         eliminate(1);
     }
     port.ff = y[0][0];
     port.ft = y[0][1];
     port.tf = y[1][0];
     port.tt = y[1][1];
+}
+
+/// What the fault lies on; nullptr where nothing of that name has a length.
+TwoPort const* line_of(Network const& n, ApplyFault const& f) {
+    NetworkAround const around{n};
+    for (TwoPort const* e : two_ports(n)) {
+        if (e->name.name == f.line && e->pi(around)) {
+            return e;
+        }
+    }
+    return nullptr;
 }
 
 bool balanced(ApplyFault const& f) {
@@ -67,7 +73,7 @@ bool balanced(ApplyFault const& f) {
 } // namespace
 
 Result<void> Faults::apply(Network const& n, ApplyFault const& f) {
-    if (f.line.empty() ? find(n.buses, f.bus) == nullptr : find(n.lines, f.line) == nullptr) {
+    if (f.line.empty() ? find(n.buses, f.bus) == nullptr : line_of(n, f) == nullptr) {
         return fail(ExitCode::usage, fmt::format("there is no {} '{}'", f.line.empty() ? "bus" : "line",
                                                  f.line.empty() ? f.bus : f.line));
     }
@@ -100,10 +106,13 @@ Result<void> Faults::clear(std::string const& name) {
 }
 
 Result<void> Faults::enter(Network const& n, SwitchState const& switches, std::set<std::string> const& out,
-                           std::vector<TwoPort>& branches, std::vector<Complex>& shunts) const {
+                           std::vector<Branch>& branches, std::vector<Complex>& shunts) const {
+    NetworkAround const around{n};
+    std::vector<TwoPort const*> const elements = two_ports(n);
     for (auto const& [name, f] : active_) {
-        std::string const& bus_name = f.line.empty() ? f.bus : find(n.lines, f.line)->from.name;
-        double const z_base = base_impedance(n, *find(n.buses, bus_name));
+        TwoPort const* const line = f.line.empty() ? nullptr : line_of(n, f);
+        Ref const bus = line == nullptr ? Ref{f.bus, {}} : line->from;
+        double const z_base = around.base_ohm(bus);
         double const r = std::max(f.resistance_ohm, kMinOhm) / z_base;
         Complex y = 1 / r;
         if (!balanced(f)) {
@@ -113,13 +122,13 @@ Result<void> Faults::enter(Network const& n, SwitchState const& switches, std::s
             }
             y = 1.0 / positive_sequence_fault(f.type, *z, r);
         }
-        if (f.line.empty()) {
-            shunts[index_of(n.buses, f.bus)] += y;
+        if (line == nullptr) {
+            shunts[around.bus(bus)] += y;
             continue;
         }
-        for (TwoPort& b : branches) {
-            if (b.kind == TwoPort::Kind::line && n.lines[b.element].name.name == f.line) {
-                put_on_line(n, switches, f, y, b);
+        for (Branch& b : branches) {
+            if (b.element != Branch::kNone && elements[b.element] == line) {
+                put_on_line(line->pi(around)->positive, z_base, switches.closed(n, line->name), f, y, b);
             }
         }
     }

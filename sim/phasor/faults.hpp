@@ -4,7 +4,7 @@
 
 #include "common/result.hpp"
 #include "sim/engine/action.hpp"
-#include "sim/powerflow/two_port.hpp"
+#include "sim/powerflow/branch.hpp"
 
 #include <map>
 #include <set>
@@ -23,7 +23,7 @@ class Faults {
     [[nodiscard]] Result<void> clear(std::string const& name);
     /// Puts the faults into branches and shunts (by bus). `out`: elements that were disconnected.
     [[nodiscard]] Result<void> enter(Network const& network, SwitchState const& switches,
-                                     std::set<std::string> const& out, std::vector<TwoPort>& branches,
+                                     std::set<std::string> const& out, std::vector<Branch>& branches,
                                      std::vector<Complex>& shunts) const;
 
   private:

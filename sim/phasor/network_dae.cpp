@@ -34,7 +34,7 @@ NetworkDae::NetworkDae(std::vector<std::unique_ptr<PhasorInjection>> const& inje
     slopes_.resize(most);
 }
 
-void NetworkDae::set_network(std::vector<TwoPort> branches, std::vector<Complex> shunts, std::vector<BusRule> rules) {
+void NetworkDae::set_network(std::vector<Branch> branches, std::vector<Complex> shunts, std::vector<BusRule> rules) {
     rules_ = std::move(rules);
     for (auto& row : rows_) {
         row.clear();
@@ -50,7 +50,7 @@ void NetworkDae::set_network(std::vector<TwoPort> branches, std::vector<Complex>
     for (std::size_t i = 0; i < buses_; ++i) {
         add(i, i, shunts[i]);
     }
-    for (TwoPort const& b : branches) {
+    for (Branch const& b : branches) {
         add(b.from, b.from, b.ff);
         add(b.from, b.to, b.ft);
         add(b.to, b.from, b.tf);

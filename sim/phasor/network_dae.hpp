@@ -4,7 +4,7 @@
 
 #include "sim/components/faces/phasor_injection.hpp"
 #include "sim/phasor/dae_solver.hpp"
-#include "sim/powerflow/two_port.hpp"
+#include "sim/powerflow/branch.hpp"
 
 #include <memory>
 #include <optional>
@@ -35,7 +35,7 @@ class NetworkDae final : public DaeProblem {
     NetworkDae(std::vector<std::unique_ptr<PhasorInjection>> const& injections, std::size_t buses);
 
     /// The network as it is now.
-    void set_network(std::vector<TwoPort> branches, std::vector<Complex> shunts, std::vector<BusRule> rules);
+    void set_network(std::vector<Branch> branches, std::vector<Complex> shunts, std::vector<BusRule> rules);
 
     [[nodiscard]] std::span<double> states_of(std::size_t injection, std::span<double> y) const;
     [[nodiscard]] std::span<double const> states_of(std::size_t injection, std::span<double const> y) const;

@@ -5,31 +5,35 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 namespace gridspace::sim::phasor {
 
 Result<void> PhasorEngine::act(SwitchBreaker const& a) {
-    std::size_t const i = index_of(network_.breakers, a.breaker);
-    if (i == network_.breakers.size()) {
-        auto const it = units_.find(a.breaker);
-        if (it != units_.end() && it->second.kind != nullptr && it->second.kind->switched) {
-            return connect(it->first, it->second, a.close);
+    std::vector<LineSwitch const*> const at_lines = all<LineSwitch>(std::as_const(network_));
+    auto const found =
+        std::find_if(at_lines.begin(), at_lines.end(), [&](LineSwitch const* s) { return s->name.name == a.breaker; });
+    if (found == at_lines.end()) {
+        if (Unit const* unit = unit_named(a.breaker);
+            unit != nullptr && unit->injection && unit->element->kind().follows(Command::open)) {
+            return connect(*unit, a.close);
         }
         return fail(ExitCode::usage, fmt::format("there is no breaker '{}'", a.breaker));
     }
+    auto const i = static_cast<std::size_t>(found - at_lines.begin());
     std::erase_if(pending_, [&](auto const& p) { return p.second == i; });
-    double const mechanism_s = find(network_.breaker_types, network_.breakers[i].type.name)->mechanism_ms * 1e-3;
-    if (!a.close && switches_.breaker_closed[i] && mechanism_s > 0) {
+    double const mechanism_s = (*found)->opening(NetworkAround{network_}).after_s;
+    if (!a.close && switches_.switch_closed[i] && mechanism_s > 0) {
         pending_.emplace(t_ + mechanism_s, i);
         return {};
     }
-    switches_.breaker_closed[i] = a.close;
+    switches_.switch_closed[i] = a.close;
     return set_topology();
 }
 
 Result<void> PhasorEngine::open_breakers() {
     while (!pending_.empty() && pending_.begin()->first <= t_) {
-        switches_.breaker_closed[pending_.begin()->second] = false;
+        switches_.switch_closed[pending_.begin()->second] = false;
         pending_.erase(pending_.begin());
     }
     if (auto ok = set_topology(); !ok) {
@@ -47,56 +51,37 @@ Result<void> PhasorEngine::act(SetParameter const& a) {
     if (!setting) {
         return std::unexpected{setting.error()};
     }
-    auto const [kind, element, quantity] = *setting;
     input_changed_ = true;
-    if (std::size_t const i = index_of(network_.transformers, element);
-        kind->section == "transformers" && i < network_.transformers.size()) {
-        network_.transformers[i].tap_ratio = a.value;
-        return set_topology();
-    }
-    if (kind->section == "generators" && set_generator(element, quantity->name, a.value)) {
-        return set_topology();
-    }
-    if (std::size_t const i = index_of(network_.sources, element);
-        kind->section == "sources" && i < network_.sources.size()) {
-        if (auto const behind = sources_.find(i); behind != sources_.end()) {
-            behind->second->change(t_, quantity->name, a.value);
+    for (TwoPort* e : all<TwoPort>(network_)) {
+        if (setting->names(*e) && e->set(setting->quantity->name, a.value)) {
+            return set_topology();
         }
-        if (quantity->name == "frequency_hz") {
-            slopes_jump_ = true;
-            return sources_.contains(i) ? Result<void>{} : std::unexpected{cannot_be_set(a, false)};
-        }
-        network_.sources[i].voltage_pu = a.value;
-        if (sources_.contains(i)) {
-            return {};
-        }
-        return set_topology(); // it holds its bus
     }
-    bool const one_port = kind->section != "transformers" && kind->section != "sources";
-    auto const it = one_port ? units_.find(element) : units_.end();
-    bool const known = it != units_.end() && it->second.section == kind->section;
-    return known && it->second.injection->set(quantity->name, a.value) ? Result<void>{}
-                                                                       : std::unexpected{cannot_be_set(a, false)};
+    for (Unit const& unit : units_) {
+        if (setting->names(*unit.element)) {
+            return set(unit, *setting->quantity, a.value) ? (unit.injection ? Result<void>{} : set_topology())
+                                                          : std::unexpected{cannot_be_set(a, false)};
+        }
+    }
+    return std::unexpected{cannot_be_set(a, false)};
 }
 
-bool PhasorEngine::set_generator(std::string_view name, std::string_view quantity, double value) {
-    std::size_t const i = index_of(network_.generators, name);
-    if (i == network_.generators.size() || network_.generators[i].role == GeneratorRole::pq) {
-        return false; // an injection
-    }
-    Generator& g = network_.generators[i];
-    if (quantity == "voltage_setpoint_pu") {
-        g.voltage_setpoint_pu = value;
-    } else if (quantity == "p_kw" && g.role == GeneratorRole::pv) {
-        g.p_kw = value;
-    } else {
+bool PhasorEngine::set(Unit const& unit, Quantity const& quantity, double value) {
+    if (!unit.element->set(quantity.name, value)) {
         return false;
     }
-    return true;
+    if (!unit.injection) {
+        return !quantity.turns_voltages; // it holds the angle of its bus
+    }
+    slopes_jump_ = slopes_jump_ || quantity.turns_voltages;
+    return injections_[*unit.injection]->set(t_, quantity.name, value);
 }
 
-Result<void> PhasorEngine::connect(std::string const& name, Unit const& unit, bool connected) {
-    unit.injection->connect(connected);
+Result<void> PhasorEngine::connect(Unit const& unit, bool connected) {
+    std::string const& name = unit.element->name.name;
+    if (unit.injection) {
+        injections_[*unit.injection]->connect(connected);
+    }
     if (connected) {
         out_.erase(name);
     } else {
@@ -114,37 +99,44 @@ Result<void> PhasorEngine::act(Connect const& a) {
 }
 
 Result<void> PhasorEngine::act(StandBy const& a) {
-    auto const it = units_.find(a.element);
-    if (it == units_.end() || it->second.kind == nullptr || !it->second.kind->stands_by) {
+    Unit const* unit = unit_named(a.element);
+    if (unit == nullptr || !unit->injection || !unit->element->kind().follows(Command::stop)) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be started or stopped: it is no converter", a.element));
     }
-    it->second.injection->stand_by(a.on);
+    injections_[*unit->injection]->stand_by(a.on);
     return set_topology();
 }
 
+Result<void> PhasorEngine::act(SetMode const& a) {
+    if (auto ok = check_mode(network_, a); !ok) {
+        return ok;
+    }
+    if (Unit const* unit = unit_named(a.element); unit != nullptr && unit->injection) {
+        injections_[*unit->injection]->set_mode(a.mode);
+    }
+    input_changed_ = true;
+    return {};
+}
+
 Result<void> PhasorEngine::put(std::string const& element, bool into_service) {
-    if (auto const it = units_.find(element); it != units_.end()) {
-        if (into_service && it->second.section == "machines") {
-            return fail(ExitCode::usage, fmt::format("machine '{}' cannot be connected again", element),
+    Unit const* unit = unit_named(element);
+    CommandUse const* use = unit == nullptr ? nullptr : unit->element->kind().use(Command::disconnect);
+    if (use != nullptr && use->in_phasors && !unit->holds_without_injection()) {
+        if (into_service && unit->holding.keeps_alive) {
+            return fail(ExitCode::usage, fmt::format("{} cannot be connected again", owner_of(*unit->element)),
                         "nothing brings it to the grid's angle before");
         }
-        return connect(it->first, it->second, into_service);
+        return connect(*unit, into_service);
     }
-    if (std::size_t const i = index_of(network_.lines, element); i < network_.lines.size()) {
-        switches_.line_out[i] = !into_service;
-    } else if (std::size_t const j = index_of(network_.transformers, element); j < network_.transformers.size()) {
-        switches_.transformer_out[j] = !into_service;
-    } else if (find(network_.shunts, element) != nullptr) {
-        if (into_service) {
-            out_.erase(element);
-        } else {
-            out_.insert(element);
-        }
-    } else {
+    std::vector<TwoPort const*> const elements = two_ports(network_);
+    auto const found =
+        std::find_if(elements.begin(), elements.end(), [&](TwoPort const* e) { return e->name.name == element; });
+    if (found == elements.end()) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be {}connected: there is no such element at one bus, "
                                                  "generator with given power, line or transformer",
                                                  element, into_service ? "" : "dis"));
     }
+    switches_.out[static_cast<std::size_t>(found - elements.begin())] = !into_service;
     return set_topology();
 }
 

@@ -49,24 +49,25 @@ Result<void> PhasorEngine::initialise() {
         dae_->set_voltage(i, flow->buses[i].v, y_);
         angles_[i] = std::arg(flow->buses[i].v);
     }
-    for (std::size_t m = 0; m < machines_.size(); ++m) {
-        machines_[m]->set_start_power(Complex{flow->machines[m].p_kw, flow->machines[m].q_kvar} / network_.power_kva);
+    for (std::size_t i = 0; i < units_.size(); ++i) {
+        if (auto const k = units_[i].injection) {
+            Complex const s = Complex{flow->units[i].p_kw, flow->units[i].q_kvar} / network_.power_kva;
+            injections_[*k]->start(0, flow->buses[injections_[*k]->bus()].v, s, dae_->states_of(*k, std::span{y_}));
+        }
     }
-    for (std::size_t k = 0; k < injections_.size(); ++k) {
-        injections_[k]->start(0, flow->buses[injections_[k]->bus()].v, dae_->states_of(k, std::span{y_}));
-    }
-    for (Generator const& g : network_.generators) {
-        std::size_t const bus = bus_of(g.bus);
-        double const v = std::abs(flow->buses[bus].v);
-        if (g.role == GeneratorRole::pv && std::abs(v - g.voltage_setpoint_pu) > 1e-9) {
-            at_q_limit_[bus] = v < g.voltage_setpoint_pu ? 1 : -1; // as the power flow found it
+    std::vector<bool> fed(network_.buses.size(), false);
+    std::vector<BusRule> const rules = bus_rules(fed);
+    for (std::size_t bus = 0; bus < rules.size(); ++bus) {
+        double const v = std::abs(flow->buses[bus].v), held = rules[bus].v_set;
+        if (rules[bus].kind == BusRule::Kind::regulated && std::abs(v - held) > 1e-9) {
+            at_q_limit_[bus] = v < held ? 1 : -1; // as the power flow found it
         }
     }
     if (auto ok = set_topology(); !ok) {
         return ok;
     }
-    for (MachineInjection const* m : machines_) {
-        if (auto ok = m->check_field(dae_->states_of(index_of_injection(m), std::span<double const>{y_})); !ok) {
+    for (std::size_t k = 0; k < injections_.size(); ++k) {
+        if (auto ok = injections_[k]->check_start(dae_->states_of(k, std::span<double const>{y_})); !ok) {
             return ok;
         }
     }
@@ -116,65 +117,35 @@ Result<void> PhasorEngine::advance(SimTime until) {
     return check_voltages();
 }
 
-namespace {
-
-class Around final : public Surroundings {
-  public:
-    Around(Network const& n, double start_hour_of_day) : n_{n}, start_hour_of_day_{start_hour_of_day} {}
-    [[nodiscard]] double base_kva() const override { return n_.power_kva; }
-    [[nodiscard]] std::size_t bus(Ref const& bus) const override { return index_of(n_.buses, bus.name); }
-    [[nodiscard]] double voltage_v(Ref const& bus) const override { return find(n_.buses, bus.name)->voltage_v; }
-    [[nodiscard]] Scale scale(Ref const& profile) const override { return scale_of(n_, profile, start_hour_of_day_); }
-
-  private:
-    Network const& n_;
-    double start_hour_of_day_;
-};
-
-} // namespace
-
-std::size_t PhasorEngine::index_of_injection(PhasorInjection const* injection) const {
-    for (std::size_t k = 0; k < injections_.size(); ++k) {
-        if (injections_[k].get() == injection) {
-            return k;
-        }
-    }
-    return injections_.size();
+bool PhasorEngine::Unit::holds_without_injection() const {
+    return !injection && (holding.ideal || holding.regulates);
 }
 
-void PhasorEngine::add_unit(Ref const& name, std::unique_ptr<PhasorInjection> injection, std::string_view section,
-                            Kind const* kind) {
-    units_[name.name] = {injection.get(), section, kind};
-    injections_.push_back(std::move(injection));
+PhasorEngine::Unit const* PhasorEngine::unit_named(std::string_view name) const {
+    auto const it =
+        std::find_if(units_.begin(), units_.end(), [&](Unit const& u) { return u.element->name.name == name; });
+    return it == units_.end() ? nullptr : &*it;
 }
 
+/// States and currents are in this order: first what holds no voltage, then what does.
 void PhasorEngine::add_injections() {
-    Around const around{network_, options_.start_hour_of_day};
-    for (OnePort const* e : one_ports(network_)) {
-        if (auto injection = e->phasor(around)) {
-            injection->connect(e->closed_at_start());
-            add_unit(e->name, std::move(injection), e->kind().section, &e->kind());
-        }
+    NetworkAround const around{network_, options_.start_hour_of_day};
+    for (OnePort* e : all<OnePort>(network_)) {
+        units_.push_back({e, {}, holding_of(*e)});
         if (!e->closed_at_start()) {
             out_.insert(e->name.name);
         }
     }
-    for (std::size_t i = 0; i < network_.sources.size(); ++i) {
-        Source const& source = network_.sources[i];
-        if (source.r_ohm != 0 || source.l_mh != 0) {
-            auto injection = std::make_unique<SourceInjection>(network_, source, bus_of(source.bus));
-            sources_[i] = injection.get();
-            injections_.push_back(std::move(injection));
-        }
-    }
-    for (Machine const& machine : network_.machines) {
-        auto injection = std::make_unique<MachineInjection>(network_, machine, bus_of(machine.bus));
-        machines_.push_back(injection.get());
-        add_unit(machine.name, std::move(injection), "machines");
-    }
-    for (Generator const& g : network_.generators) {
-        if (g.role == GeneratorRole::pq) {
-            add_unit(g.name, std::make_unique<GivenPower>(g, bus_of(g.bus), network_.power_kva), "generators");
+    for (bool const holds : {false, true}) {
+        for (Unit& unit : units_) {
+            if (unit.holding.keeps_alive != holds) {
+                continue;
+            }
+            if (auto injection = unit.element->phasor(around)) {
+                injection->connect(unit.element->closed_at_start());
+                unit.injection = injections_.size();
+                injections_.push_back(std::move(injection));
+            }
         }
     }
 }
@@ -196,7 +167,7 @@ Result<void> PhasorEngine::restart() {
         if (auto ok = solver_->restart(t_, y_, yp_); !ok) {
             return ok;
         }
-        if (round > 2 * network_.generators.size() || !cross_q_limits()) {
+        if (round > 2 * units_.size() || !cross_q_limits()) {
             return std::exchange(slopes_jump_, false) ? find_slopes() : Result<void>{};
         }
         if (auto ok = set_topology(); !ok) {
@@ -242,23 +213,12 @@ Result<std::unique_ptr<Engine>> make_phasor_engine(Network network, PhasorOption
 
 std::vector<std::string> unseen_by_phasors(Network const& n) {
     std::vector<std::string> out;
-    auto const note = [&](auto const& elements, auto const& has, std::string_view words) {
-        auto const it = std::find_if(elements.begin(), elements.end(), has);
-        if (it != elements.end()) {
-            out.push_back(fmt::format("phasors do not know {} '{}'", words, it->name.name));
-        }
-    };
-    note(n.sources, [](Source const& s) { return !s.harmonics.empty(); }, "the harmonics of source");
-    note(
-        n.transformers, [](Transformer const& t) { return t.saturation.has_value(); }, "the saturation of transformer");
-    note(n.lines, [](Line const& l) { return l.model == LineModel::bergeron; }, "the travelling waves of line");
-    note(
-        n.line_types, [](LineType const& t) { return !t.phase_r_ohm_per_km.empty(); },
-        "unequal phases: they transpose the lines of type");
     for_each_kind(n, [&]<class T>(std::vector<T> const& elements) {
-        note(
-            elements, [](OnePort const& e) { return e.unbalanced(); },
-            fmt::format("powers by phase: they take a third of the sum for each of {}", T::kKind.word));
+        auto const it = std::find_if(elements.begin(), elements.end(),
+                                     [](Element const& e) { return !e.unseen_by_phasors().empty(); });
+        if (it != elements.end()) {
+            out.push_back(fmt::format("phasors do not know {} '{}'", it->unseen_by_phasors(), it->name.name));
+        }
     });
     return out;
 }

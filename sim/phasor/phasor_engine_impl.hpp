@@ -2,18 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sim/actions/action_table.hpp"
 #include "sim/phasor/faults.hpp"
 #include "sim/phasor/fixed_step_solver.hpp"
-#include "sim/phasor/machine_injection.hpp"
 #include "sim/phasor/network_dae.hpp"
 #include "sim/phasor/phasor_engine.hpp"
-#include "sim/phasor/source_injections.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
 #include <functional>
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <set>
 
 /// The inside of the phasor engine. phasor_engine.cpp has its life and the solver, phasor_topology.cpp the network as
@@ -39,6 +39,7 @@ class PhasorEngine final : public Engine {
     Result<void> act(Disconnect const& a);
     Result<void> act(Connect const& a);
     Result<void> act(StandBy const& a);
+    Result<void> act(SetMode const& a);
     Result<void> act(Repair const& /*a*/) { return {}; }
     Result<void> act(ApplyFault const& a);
     Result<void> act(ClearFault const& a);
@@ -46,26 +47,26 @@ class PhasorEngine final : public Engine {
     Result<void> open_breakers();
     [[nodiscard]] bool opening(std::size_t breaker) const;
 
-    [[nodiscard]] std::size_t index_of_injection(PhasorInjection const* injection) const;
-    [[nodiscard]] std::size_t bus_of(Ref const& bus) const { return index_of(network_.buses, bus.name); }
+    /// An element at one bus, and what it injects; nothing where an admittance, or a held voltage, says all.
     struct Unit {
-        PhasorInjection* injection{nullptr};
-        std::string_view section;
-        Kind const* kind{nullptr}; ///< of an element at one bus
+        OnePort* element{nullptr};
+        std::optional<std::size_t> injection{};
+        Holding holding{};
+        [[nodiscard]] bool holds_without_injection() const;
     };
-    void add_unit(Ref const& name, std::unique_ptr<PhasorInjection> injection, std::string_view section,
-                  Kind const* kind = nullptr);
+    [[nodiscard]] std::size_t bus_of(Ref const& bus) const { return index_of(network_.buses, bus.name); }
+    [[nodiscard]] Unit const* unit_named(std::string_view name) const;
     void add_injections();
-    /// One that holds a voltage. False when it is none, or has no such quantity.
-    bool set_generator(std::string_view name, std::string_view quantity, double value);
+    /// False when it cannot have this value.
+    bool set(Unit const& unit, Quantity const& quantity, double value);
     /// Puts an element into service or takes it out; the same of a unit.
     Result<void> put(std::string const& element, bool into_service);
-    Result<void> connect(std::string const& name, Unit const& unit, bool connected);
+    Result<void> connect(Unit const& unit, bool connected);
 
     /// Admittances and bus rules for the switches as they are now; the solver starts anew.
     Result<void> set_topology();
     [[nodiscard]] std::vector<BusRule> bus_rules(std::vector<bool>& fed) const;
-    void mark_dead(std::vector<TwoPort> const& branches, std::vector<bool> fed, std::vector<BusRule>& rules) const;
+    void mark_dead(std::vector<Branch> const& branches, std::vector<bool> fed, std::vector<BusRule>& rules) const;
     /// A generator that holds a voltage meets its reactive limit, or the voltage is back.
     void reach_q_limit(std::size_t bus);
     /// Generators that a jump of the voltages has taken across a reactive limit. False when there are none.
@@ -80,7 +81,7 @@ class PhasorEngine final : public Engine {
     void define_signals();
     void define_bus_signals();
     void define_branch_signals();
-    void define_generator_signals();
+    void define_held_signals();
     void signal(std::string name, std::string unit, std::function<double()> read) {
         signals_.push_back({std::move(name), std::move(unit)});
         readers_.push_back(std::move(read));
@@ -90,17 +91,15 @@ class PhasorEngine final : public Engine {
     PhasorOptions options_;
     SwitchState switches_;
     std::vector<std::unique_ptr<PhasorInjection>> injections_;
-    std::vector<MachineInjection*> machines_;
+    std::vector<Unit> units_; ///< in the order of one_ports(network_)
     Faults faults_;
-    std::map<std::string, Unit, std::less<>> units_;  ///< what can be taken out of service, by name
-    std::map<std::size_t, SourceInjection*> sources_; ///< behind an impedance, by their index in the network
     std::unique_ptr<NetworkDae> dae_;
     std::unique_ptr<DaeIntegrator> solver_;
-    std::multimap<double, std::size_t> pending_; ///< breakers that will part, by time
+    std::multimap<double, std::size_t> pending_; ///< switches that will part, by time
     std::set<std::string> out_;                  ///< disconnected elements
     std::vector<double> angles_, slopes_hz_;     ///< by bus: what follows its angle, rad; and how fast that goes
     std::vector<int> at_q_limit_; ///< by bus: its generators are at their lower (-1) or upper (1) reactive limit
-    std::vector<TwoPort> branches_;
+    std::vector<Branch> branches_;
     std::vector<double> y_, yp_;
     double t_{0};
     bool input_changed_{false};

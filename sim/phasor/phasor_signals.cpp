@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
+#include <utility>
 
 namespace gridspace::sim::phasor {
 namespace {
@@ -17,9 +17,10 @@ constexpr double kIntermediate = 0, kOpen = 1, kClosed = 2;
 void PhasorEngine::define_signals() {
     define_bus_signals();
     define_branch_signals();
-    for (std::size_t i = 0; i < network_.breakers.size(); ++i) {
-        signal("breaker." + network_.breakers[i].name.name + ".position", "dpc", [this, i] {
-            return opening(i) ? kIntermediate : switches_.breaker_closed[i] ? kClosed : kOpen;
+    std::vector<LineSwitch const*> const at_lines = all<LineSwitch>(std::as_const(network_));
+    for (std::size_t i = 0; i < at_lines.size(); ++i) {
+        signal(signal_prefix(*at_lines[i]) + ".position", "dpc", [this, i] {
+            return opening(i) ? kIntermediate : switches_.switch_closed[i] ? kClosed : kOpen;
         });
     }
     for (std::size_t k = 0; k < injections_.size(); ++k) {
@@ -31,25 +32,33 @@ void PhasorEngine::define_signals() {
             });
         }
     }
-    for (auto const& [name, unit] : units_) {
-        if (unit.kind != nullptr && unit.kind->switched) {
-            signal(fmt::format("{}.{}.position", unit.kind->prefix, name), "dpc",
-                   [injection = unit.injection] { return injection->connected() ? kClosed : kOpen; });
+    for (Unit const& unit : units_) {
+        if (unit.injection && unit.element->kind().follows(Command::open)) {
+            signal(signal_prefix(*unit.element) + ".position", "dpc",
+                   [this, k = *unit.injection] { return injections_[k]->connected() ? kClosed : kOpen; });
         }
     }
-    if (!machines_.empty()) {
-        signal("system.coi_hz", "Hz", [this] {
+    auto const rotor = [this](std::size_t k) {
+        return injections_[k]->rotor(dae_->states_of(k, std::span<double const>{y_}));
+    };
+    std::vector<std::size_t> turning;
+    for (std::size_t k = 0; k < injections_.size(); ++k) {
+        if (rotor(k)) {
+            turning.push_back(k);
+        }
+    }
+    if (!turning.empty()) {
+        signal("system.coi_hz", "Hz", [rotor, turning] {
             double weighted = 0, weight = 0;
-            for (MachineInjection const* m : machines_) {
-                auto const x = dae_->states_of(index_of_injection(m), std::span<double const>{y_});
-                double const inertia = m->data().h * m->data().rating_kva;
-                weighted += inertia * m->value(0, t_, x, dae_->voltage(m->bus(), y_));
-                weight += inertia;
+            for (std::size_t const k : turning) {
+                Rotor const r = *rotor(k);
+                weighted += r.inertia_kws * r.frequency_hz;
+                weight += r.inertia_kws;
             }
             return weighted / weight;
         });
     }
-    define_generator_signals();
+    define_held_signals();
 }
 
 void PhasorEngine::define_bus_signals() {
@@ -67,20 +76,22 @@ void PhasorEngine::define_bus_signals() {
 
 void PhasorEngine::define_branch_signals() {
     double const base = network_.power_kva;
-    auto const branch_signals = [&](TwoPort::Kind kind, std::string const& prefix, std::size_t element,
-                                    double amperes_from, double amperes_to) {
+    std::vector<TwoPort const*> const elements = two_ports(network_);
+    for (std::size_t element = 0; element < elements.size(); ++element) {
+        TwoPort const& e = *elements[element];
         for (bool const from : {true, false}) {
-            auto const current = [this, kind, element, from]() -> std::pair<Complex, Complex> {
-                for (TwoPort const& b : branches_) {
-                    if (b.kind == kind && b.element == element) {
+            auto const current = [this, element, from]() -> std::pair<Complex, Complex> {
+                for (Branch const& b : branches_) {
+                    if (b.element == element) {
                         Complex const vf = dae_->voltage(b.from, y_), vt = dae_->voltage(b.to, y_);
                         return from ? std::pair{vf, b.ff * vf + b.ft * vt} : std::pair{vt, b.tf * vf + b.tt * vt};
                     }
                 }
                 return {};
             };
-            std::string const end = prefix + (from ? ".from" : ".to");
-            double const amperes = from ? amperes_from : amperes_to;
+            std::string const end = signal_prefix(e) + (from ? ".from" : ".to");
+            double const amperes =
+                base * 1e3 / (std::sqrt(3.0) * network_.buses[bus_of(from ? e.from : e.to)].voltage_v);
             signal(end + ".p_kw", "kW", [current, base] {
                 auto const [v, i] = current();
                 return (v * std::conj(i)).real() * base;
@@ -91,37 +102,27 @@ void PhasorEngine::define_branch_signals() {
             });
             signal(end + ".i_a", "A", [current, amperes] { return std::abs(current().second) * amperes; });
         }
-    };
-    auto const amperes = [&](Ref const& bus) {
-        return base * 1e3 / (std::sqrt(3.0) * network_.buses[bus_of(bus)].voltage_v);
-    };
-    for (std::size_t i = 0; i < network_.lines.size(); ++i) {
-        Line const& line = network_.lines[i];
-        branch_signals(TwoPort::Kind::line, "line." + line.name.name, i, amperes(line.from), amperes(line.to));
-    }
-    for (std::size_t i = 0; i < network_.transformers.size(); ++i) {
-        Transformer const& t = network_.transformers[i];
-        branch_signals(TwoPort::Kind::transformer, "transformer." + t.name.name, i, amperes(t.from), amperes(t.to));
     }
 }
 
-void PhasorEngine::define_generator_signals() {
+/// What the bus needs beyond its other injections; shared equally where several hold one bus.
+void PhasorEngine::define_held_signals() {
     double const base = network_.power_kva;
-    for (Generator const& g : network_.generators) {
-        if (g.role != GeneratorRole::pq) {
-            // What the bus needs beyond its other injections; shared equally where several hold one bus.
-            std::size_t const bus = bus_of(g.bus);
-            auto const holders = static_cast<double>(
-                std::count_if(network_.generators.begin(), network_.generators.end(), [&](Generator const& other) {
-                    return other.role != GeneratorRole::pq && other.bus == g.bus;
-                }));
-            auto const power = [this, bus, holders] {
-                Complex const v = dae_->voltage(bus, y_);
-                return v * std::conj(dae_->network_current(bus, y_) - dae_->injected_current(bus, t_, y_)) / holders;
-            };
-            signal("generator." + g.name.name + ".p_kw", "kW", [power, base] { return power().real() * base; });
-            signal("generator." + g.name.name + ".q_kvar", "kvar", [power, base] { return power().imag() * base; });
+    for (Unit const& unit : units_) {
+        if (!unit.holds_without_injection()) {
+            continue;
         }
+        std::size_t const bus = bus_of(unit.element->bus);
+        auto const holders = static_cast<double>(std::count_if(units_.begin(), units_.end(), [&](Unit const& other) {
+            return other.holds_without_injection() && other.element->bus == unit.element->bus;
+        }));
+        auto const power = [this, bus, holders] {
+            Complex const v = dae_->voltage(bus, y_);
+            return v * std::conj(dae_->network_current(bus, y_) - dae_->injected_current(bus, t_, y_)) / holders;
+        };
+        std::string const name = signal_prefix(*unit.element);
+        signal(name + ".p_kw", "kW", [power, base] { return power().real() * base; });
+        signal(name + ".q_kvar", "kvar", [power, base] { return power().imag() * base; });
     }
 }
 

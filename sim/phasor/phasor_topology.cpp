@@ -8,38 +8,62 @@
 namespace gridspace::sim::phasor {
 namespace {
 
-/// Reactive power of a generator without limits, kvar.
-constexpr double kUnlimited = 1e30;
+/// Rules of the buses from what their elements say to a power flow.
+class RuleMaker final : public PowerFlowFace {
+  public:
+    RuleMaker(Network const& n, std::vector<BusRule>& rules, std::vector<bool>& fed)
+        : around_{n}, rules_{rules}, fed_{fed} {}
+
+    void take(OnePort const& element, bool has_injection, bool in_service) {
+        has_injection_ = has_injection;
+        in_service_ = in_service;
+        element.power_flow(*this);
+    }
+    void source(Ref const& bus, IdealSource const& s) override {
+        std::size_t const i = around_.bus(bus);
+        fed_[i] = fed_[i] || in_service_;
+        if (!has_injection_) {
+            rules_[i] = {BusRule::Kind::held, std::polar(s.voltage_pu, s.angle_deg / kDegrees), 1, 0};
+        }
+    }
+    void regulate(Ref const& bus, Regulation const& r) override {
+        std::size_t const i = around_.bus(bus);
+        fed_[i] = fed_[i] || (r.keeps_alive && in_service_);
+        BusRule& rule = rules_[i];
+        if (has_injection_ || rule.kind == BusRule::Kind::held) {
+            return;
+        }
+        double const base = around_.base_kva();
+        bool const first = rule.kind != BusRule::Kind::regulated;
+        rule = {BusRule::Kind::regulated,
+                {},
+                first ? r.voltage_pu : rule.v_set,
+                (first ? 0 : rule.p) + r.p_kw / base,
+                (first ? 0 : rule.q_min) + r.q_min_kvar / base,
+                (first ? 0 : rule.q_max) + r.q_max_kvar / base,
+                0};
+    }
+    void inject(Ref const&, Complex) override {}
+    void admit(Ref const&, Complex) override {}
+    void draw(Ref const&, VoltageDependent const&, double) override {}
+    [[nodiscard]] double voltage_v(Ref const& bus) const override { return around_.voltage_v(bus); }
+    [[nodiscard]] double omega() const override { return around_.omega(); }
+    [[nodiscard]] double scale(Ref const&) const override { return 1; }
+
+  private:
+    NetworkAround around_;
+    std::vector<BusRule>& rules_;
+    std::vector<bool>& fed_;
+    bool has_injection_{false}, in_service_{true};
+};
 
 } // namespace
 
 std::vector<BusRule> PhasorEngine::bus_rules(std::vector<bool>& fed) const {
     std::vector<BusRule> rules(network_.buses.size());
-    for (Source const& s : network_.sources) {
-        fed[bus_of(s.bus)] = true;
-        if (s.r_ohm == 0 && s.l_mh == 0) {
-            rules[bus_of(s.bus)] = {BusRule::Kind::held, std::polar(s.voltage_pu, s.angle_deg / kDegrees), 1, 0};
-        }
-    }
-    for (Machine const& m : network_.machines) {
-        fed[bus_of(m.bus)] = fed[bus_of(m.bus)] || !out_.contains(m.name.name);
-    }
-    for (Generator const& g : network_.generators) {
-        BusRule& rule = rules[bus_of(g.bus)];
-        if (g.role == GeneratorRole::slack) {
-            rule = {BusRule::Kind::held, std::polar(g.voltage_setpoint_pu, g.angle_deg / kDegrees), 1, 0};
-            fed[bus_of(g.bus)] = true;
-        } else if (g.role == GeneratorRole::pv && rule.kind != BusRule::Kind::held) {
-            double const base = network_.power_kva;
-            bool const first = rule.kind != BusRule::Kind::regulated;
-            rule = {BusRule::Kind::regulated,
-                    {},
-                    first ? g.voltage_setpoint_pu : rule.v_set,
-                    (first ? 0 : rule.p) + g.p_kw / base,
-                    (first ? 0 : rule.q_min) + g.q_min_kvar.value_or(-kUnlimited) / base,
-                    (first ? 0 : rule.q_max) + g.q_max_kvar.value_or(kUnlimited) / base,
-                    0};
-        }
+    RuleMaker maker{network_, rules, fed};
+    for (Unit const& unit : units_) {
+        maker.take(*unit.element, unit.injection.has_value(), !out_.contains(unit.element->name.name));
     }
     for (std::size_t i = 0; i < rules.size(); ++i) {
         if (rules[i].kind == BusRule::Kind::regulated && at_q_limit_[i] != 0) {
@@ -51,12 +75,12 @@ std::vector<BusRule> PhasorEngine::bus_rules(std::vector<bool>& fed) const {
 }
 
 Result<void> PhasorEngine::set_topology() {
-    std::vector<TwoPort> branches = two_ports(network_, switches_);
+    std::vector<Branch> branches = sim::branches(network_, switches_);
     std::vector<Complex> shunts(network_.buses.size());
-    for (OnePort const* e : one_ports(network_)) {
-        if (!units_.contains(e->name.name) && !out_.contains(e->name.name)) { // its admittance says all
-            std::size_t const bus = bus_of(e->bus);
-            shunts[bus] += e->admittance_kva(network_.buses[bus].voltage_v) / network_.power_kva;
+    for (Unit const& unit : units_) {
+        if (!unit.injection && !out_.contains(unit.element->name.name)) { // its admittance says all
+            std::size_t const bus = bus_of(unit.element->bus);
+            shunts[bus] += unit.element->admittance_kva(network_.buses[bus].voltage_v) / network_.power_kva;
         }
     }
     if (auto ok = faults_.enter(network_, switches_, out_, branches, shunts); !ok) {
@@ -83,11 +107,11 @@ Result<void> PhasorEngine::set_topology() {
     return {};
 }
 
-void PhasorEngine::mark_dead(std::vector<TwoPort> const& branches, std::vector<bool> fed,
+void PhasorEngine::mark_dead(std::vector<Branch> const& branches, std::vector<bool> fed,
                              std::vector<BusRule>& rules) const {
     for (bool changed = true; changed;) {
         changed = false;
-        for (TwoPort const& b : branches) {
+        for (Branch const& b : branches) {
             if ((b.ft != Complex{} || b.tf != Complex{}) && fed[b.from] != fed[b.to]) {
                 fed[b.from] = fed[b.to] = changed = true;
             }

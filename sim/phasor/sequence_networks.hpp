@@ -4,7 +4,7 @@
 
 #include "common/result.hpp"
 #include "sim/engine/action.hpp"
-#include "sim/powerflow/two_port.hpp"
+#include "sim/powerflow/branch.hpp"
 
 #include <set>
 #include <string>

@@ -8,23 +8,19 @@
 #include <Eigen/SparseCore>
 #include <array>
 #include <map>
+#include <optional>
 
 namespace gridspace::sim {
 
 /// The inside of the three-phase power flow. feeder.cpp makes the admittance matrix of the network, three_phase.cpp
 /// iterates.
-class Feeder : private PowerFlowFace {
+class Feeder : private PowerFlowFace, private PhaseNetworkFace {
   public:
     Feeder(Network const& n, SwitchState const& state);
     Result<ThreePhaseFlow> solve(ThreePhaseOptions const& options);
 
   private:
     using Matrix3 = Eigen::Matrix3cd;
-    /// Three coils: their ends, and the volts of one at nominal voltage.
-    struct Coils {
-        std::array<std::pair<int, int>, 3> ends;
-        double rated_v{0};
-    };
     struct DrawnPower {
         int node{0};
         double rated_v{0}; ///< phase to earth
@@ -39,39 +35,42 @@ class Feeder : private PowerFlowFace {
     };
     /// The current y (weights . voltages of the nodes) flows, times its weight, out of each node.
     struct Limb {
-        std::size_t index; ///< of the transformer
+        std::size_t element; ///< of two_ports(network)
         Complex y;
         std::array<int, 4> nodes;
         std::array<double, 4> weights;
     };
-    struct LineParts {
-        std::size_t index;
+    struct Series {
+        std::size_t element;
         Matrix3 y, shunt;
         int from, to;
     };
 
-    void inject(Ref const& bus, Complex kva) override { converters_.emplace_back(node_of(bus), kva); }
+    // what elements at one bus are
+    void source(Ref const& bus, IdealSource const& source) override;
+    void regulate(Ref const& bus, Regulation const& regulation) override;
+    void inject(Ref const& bus, Complex kva) override { converters_.emplace_back(node(bus), kva); }
     void admit(Ref const& bus, Complex kva) override;
     void draw(Ref const& bus, VoltageDependent const& load, double scale) override {
-        loads_.push_back({node_of(bus), phase_v_[bus_of(bus)], &load, scale});
+        loads_.push_back({node(bus), phase_v_[around_.bus(bus)], &load, scale});
     }
-    [[nodiscard]] double voltage_v(Ref const& bus) const override { return n_.buses[bus_of(bus)].voltage_v; }
-    [[nodiscard]] double scale(Ref const& profile) const override;
+    [[nodiscard]] double voltage_v(Ref const& bus) const override { return around_.voltage_v(bus); }
+    [[nodiscard]] double omega() const override { return around_.omega(); }
+    [[nodiscard]] double scale(Ref const& profile) const override {
+        return profile_value(n_, profile, hours_, start_hour_of_day_);
+    }
+    // what two-ports are
+    void series(PhaseBlock const& z_ohm, PhaseBlock const& shunt_s) override;
+    void limb(Complex y, std::array<int, 4> const& nodes, std::array<double, 4> const& weights) override;
+    [[nodiscard]] int node(Ref const& bus) const override { return static_cast<int>(3 * around_.bus(bus)); }
+    [[nodiscard]] int add_node() override { return nodes_++; }
 
-    std::size_t bus_of(Ref const& bus) const { return index_of(n_.buses, bus.name); }
-    int node_of(Ref const& bus) const { return static_cast<int>(3 * bus_of(bus)); }
     void add(int i, int j, Complex y) {
         if (i >= 0 && j >= 0) {
             entries_.emplace_back(i, j, y);
         }
     }
     Result<void> build();
-    void line(std::size_t index);
-    Coils coils(Ref const& bus, Winding connection, bool forward);
-    Result<void> transformer(std::size_t index);
-    void limb(Limb const& l);
-    Result<void> hold(std::string const& name, Ref const& bus, double pu, double angle_deg, Complex z1, Complex z0);
-    Result<void> sources();
 
     /// Puts shares of the loads into the matrix.
     template <class Shares>
@@ -82,7 +81,11 @@ class Feeder : private PowerFlowFace {
 
     Network const& n_;
     SwitchState const& state_;
-    double omega_;
+    NetworkAround around_;
+    std::vector<TwoPort const*> two_ports_;
+    std::size_t adding_{0};         ///< the two-port that is being added
+    OnePort const* added_{nullptr}; ///< the element at one bus that is being added
+    std::optional<Error> refused_;  ///< what such an element asked for
     double hours_{0}, start_hour_of_day_{0};
     int nodes_{0};
     std::map<int, Complex> held_; ///< voltages of ideal sources, by node
@@ -92,7 +95,7 @@ class Feeder : private PowerFlowFace {
     std::vector<std::pair<int, Complex>> linear_; ///< admittances of loads that are in the matrix, by node
     std::vector<DrawnPower> loads_;
     std::vector<std::pair<int, Complex>> converters_; ///< first node, kVA
-    std::vector<LineParts> lines_;
+    std::vector<Series> series_;
     std::vector<Limb> limbs_;
 };
 

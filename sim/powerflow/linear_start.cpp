@@ -34,7 +34,7 @@ PowerFlowStart linear_start(PowerFlowProblem const& problem) {
             power[at(load.node)] -= load.p;
         }
     }
-    for (TwoPort const& b : problem.branches) {
+    for (Branch const& b : problem.branches) {
         double const weight = std::abs(b.ft);
         if (weight == 0 || b.tf == Complex{}) {
             continue;

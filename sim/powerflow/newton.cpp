@@ -38,7 +38,7 @@ std::vector<Row> admittance(PowerFlowProblem const& problem) {
     for (std::size_t i = 0; i < problem.nodes.size(); ++i) {
         add(i, i, problem.shunts[i]);
     }
-    for (TwoPort const& b : problem.branches) {
+    for (Branch const& b : problem.branches) {
         add(b.from, b.from, b.ff);
         add(b.from, b.to, b.ft);
         add(b.to, b.from, b.tf);

@@ -54,6 +54,83 @@ Error explain(Network const& n, PowerFlowProblem const& problem, SearchOutcome c
                         std::floor(found.reached * 100), node_name(n, weakest), found.v_reached[weakest])};
 }
 
+/// Powers of branches and buses; returns what each ideal source behind an impedance delivers to its bus, by node, kVA.
+/// What leaves a bus into lines and transformers is what its devices inject; shunts count as devices.
+std::vector<Complex> add_branches(PowerFlowProblem const& problem, std::vector<Complex> const& v, double base,
+                                  std::size_t buses, PowerFlow& out) {
+    std::vector<Complex> into_branches(problem.nodes.size()), from_source(problem.nodes.size());
+    for (Branch const& b : problem.branches) {
+        Complex const s_from = v[b.from] * std::conj(b.ff * v[b.from] + b.ft * v[b.to]) * base;
+        Complex const s_to = v[b.to] * std::conj(b.tf * v[b.from] + b.tt * v[b.to]) * base;
+        if (b.element == Branch::kNone) {
+            from_source[b.from] = -s_to;
+            continue;
+        }
+        into_branches[b.from] += s_from;
+        into_branches[b.to] += s_to;
+        out.branches.push_back({b.element, s_from.real(), s_from.imag(), s_to.real(), s_to.imag()});
+        out.losses_kw += s_from.real() + s_to.real();
+    }
+    for (std::size_t i = 0; i < buses; ++i) {
+        Complex const shunt = std::conj(problem.shunts[i]) * std::norm(v[i]) * base;
+        Complex const net = into_branches[i] + shunt;
+        out.buses.push_back({v[i], net.real(), net.imag()});
+    }
+    return from_source;
+}
+
+/// What a bus injects beyond its loads and given powers is shared by those that hold it.
+void add_units(PowerFlowProblem const& problem, NewtonOutcome const& solved, std::vector<Complex> const& from_source,
+               double base, PowerFlow& out) {
+    using Unit = PowerFlowProblem::Unit;
+    std::size_t const buses = out.buses.size();
+    std::vector<Complex> needed(buses);
+    for (std::size_t i = 0; i < buses; ++i) {
+        needed[i] = {out.buses[i].p_kw, out.buses[i].q_kvar};
+    }
+    auto const drawn = [&](PowerFlowProblem::BusLoad const& load) {
+        VoltagePower const f = load.load->factor(solved.v[load.node], 0);
+        return base * Complex{load.p * f.p, load.q * f.q};
+    };
+    for (PowerFlowProblem::BusLoad const& load : problem.loads) {
+        needed[load.node] += drawn(load);
+    }
+    // Where a source behind an impedance is: the branch from its node leads to its bus.
+    for (Branch const& b : problem.branches) {
+        if (b.element == Branch::kNone) {
+            needed[b.to] -= from_source[b.from];
+        }
+    }
+    // Given powers are in node.p and node.q together with scheduled ones; what is scheduled is not among them.
+    std::vector<double> holders(buses, 0);
+    std::vector<Complex> scheduled(buses);
+    for (Unit const& unit : problem.units) {
+        if (unit.holds != Unit::Holds::nothing && unit.node < buses) {
+            holders[unit.node] += 1;
+            scheduled[unit.node] += unit.kva.real();
+        }
+    }
+    for (Unit const& unit : problem.units) {
+        std::size_t const i = unit.node;
+        Complex given = unit.admittance ? unit.kva * solved.v[i] * solved.v[i] : unit.kva;
+        if (unit.load) {
+            given -= drawn(problem.loads[*unit.load]);
+        }
+        if (unit.holds != Unit::Holds::nothing && i >= buses) {
+            given = from_source[i];
+        } else if (unit.holds != Unit::Holds::nothing) {
+            PowerFlowProblem::Node const& node = problem.nodes[i];
+            Complex const fixed{node.p * base - scheduled[i].real(), node.q * base};
+            Complex const rest = needed[i] - fixed;
+            double const p = unit.kva.real(), beyond = rest.real() - scheduled[i].real();
+            bool const has_schedule = unit.holds == Unit::Holds::power_and_voltage;
+            double const own = !has_schedule ? beyond : node.kind == NodeKind::slack ? p + beyond / holders[i] : p;
+            given = {own, rest.imag() / holders[i]};
+        }
+        out.units.push_back({given.real(), given.imag()});
+    }
+}
+
 } // namespace
 
 Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, PowerFlowOptions const& options) {
@@ -72,83 +149,8 @@ Result<PowerFlow> solve_power_flow(Network const& n, SwitchState const& state, P
     for (std::size_t i = 0; i < problem.nodes.size(); ++i) {
         v.push_back(std::polar(solved.v[i], solved.angle[i]));
     }
-    // What leaves each bus into lines and transformers is what its devices inject; shunts count as devices.
-    std::vector<Complex> into_branches(problem.nodes.size());
-    std::vector<Complex> from_source(problem.nodes.size());
-    std::size_t const own_branches = two_ports(n, state).size();
-    for (std::size_t i = 0; i < problem.branches.size(); ++i) {
-        TwoPort const& b = problem.branches[i];
-        Complex const s_from = v[b.from] * std::conj(b.ff * v[b.from] + b.ft * v[b.to]) * base;
-        Complex const s_to = v[b.to] * std::conj(b.tf * v[b.from] + b.tt * v[b.to]) * base;
-        if (i >= own_branches) {
-            from_source[b.from] = -s_to; // what a source delivers to its bus
-            continue;
-        }
-        into_branches[b.from] += s_from;
-        into_branches[b.to] += s_to;
-        out.branches.push_back({b.kind, b.element, s_from.real(), s_from.imag(), s_to.real(), s_to.imag()});
-        out.losses_kw += s_from.real() + s_to.real();
-    }
-    for (std::size_t i = 0; i < n.buses.size(); ++i) {
-        Complex const shunt = std::conj(problem.shunts[i]) * std::norm(v[i]) * base;
-        Complex const net = into_branches[i] + shunt;
-        out.buses.push_back({v[i], net.real(), net.imag()});
-    }
-    // Units: what a bus injects beyond its loads and fixed injections is shared by the units that hold it.
-    NameIndex const buses{n.buses};
-    std::vector<Complex> needed(n.buses.size());
-    for (std::size_t i = 0; i < n.buses.size(); ++i) {
-        needed[i] = {out.buses[i].p_kw, out.buses[i].q_kvar};
-    }
-    for (PowerFlowProblem::BusLoad const& load : problem.loads) {
-        VoltagePower const f = load.load->factor(solved.v[load.node], 0);
-        needed[load.node] += base * Complex{load.p * f.p, load.q * f.q};
-    }
-    for (std::size_t s = 0; s < n.sources.size(); ++s) {
-        std::size_t const node = problem.source_node[s];
-        Complex const delivered = node >= n.buses.size() ? from_source[node] : Complex{};
-        out.sources.push_back({delivered.real(), delivered.imag()});
-        if (node >= n.buses.size()) {
-            needed[buses[n.sources[s].bus.name]] -= delivered;
-        }
-    }
-    // Fixed injections (PV inverters, PQ generators) are in node.p and node.q together with scheduled powers; take what
-    // is not a unit's own away.
-    std::vector<double> holders(n.buses.size(), 0);
-    std::vector<Complex> scheduled(n.buses.size());
-    auto const count = [&](Ref const& bus, double p) {
-        holders[buses[bus.name]] += 1;
-        scheduled[buses[bus.name]] += p;
-    };
-    for (Generator const& g : n.generators) {
-        if (g.role != GeneratorRole::pq) {
-            count(g.bus, g.role == GeneratorRole::slack ? 0 : g.p_kw);
-        }
-    }
-    for (Machine const& m : n.machines) {
-        count(m.bus, m.p_kw);
-    }
-    auto const share = [&](Ref const& bus, double p, bool scheduled_p) -> PowerFlow::UnitValue {
-        std::size_t const i = buses[bus.name];
-        PowerFlowProblem::Node const& node = problem.nodes[i];
-        Complex const fixed{node.p * base - scheduled[i].real(), node.q * base};
-        Complex const rest = needed[i] - fixed;
-        double const own_p = node.kind == NodeKind::slack || !scheduled_p
-                                 ? (scheduled_p ? p + (rest.real() - scheduled[i].real()) / holders[i]
-                                                : rest.real() - scheduled[i].real())
-                                 : p;
-        return {own_p, rest.imag() / holders[i]};
-    };
-    for (Generator const& g : n.generators) {
-        if (g.role == GeneratorRole::pq) {
-            out.generators.push_back({g.p_kw, g.q_kvar});
-        } else {
-            out.generators.push_back(share(g.bus, g.p_kw, g.role == GeneratorRole::pv));
-        }
-    }
-    for (Machine const& m : n.machines) {
-        out.machines.push_back(share(m.bus, m.p_kw, true));
-    }
+    std::vector<Complex> const from_source = add_branches(problem, v, base, n.buses.size(), out);
+    add_units(problem, solved, from_source, base, out);
     return out;
 }
 

@@ -4,7 +4,7 @@
 
 #include "common/result.hpp"
 #include "sim/network/network.hpp"
-#include "sim/powerflow/two_port.hpp"
+#include "sim/powerflow/branch.hpp"
 
 #include <optional>
 #include <string>
@@ -26,8 +26,7 @@ struct PowerFlow {
         double p_kw{0}, q_kvar{0}; ///< net injection: generation minus load
     };
     struct BranchValue {
-        TwoPort::Kind kind{TwoPort::Kind::line};
-        std::size_t element{0};
+        std::size_t element{0};              ///< of two_ports(network)
         double p_from_kw{0}, q_from_kvar{0}; ///< into the branch at its `from` end
         double p_to_kw{0}, q_to_kvar{0};     ///< into the branch at its `to` end
     };
@@ -37,8 +36,8 @@ struct PowerFlow {
     int iterations{0};
     double mismatch_pu{0};
     std::vector<BusValue> buses;       ///< by bus of the network
-    std::vector<BranchValue> branches; ///< lines and transformers in service
-    std::vector<UnitValue> sources, machines, generators;
+    std::vector<BranchValue> branches; ///< two-ports in service
+    std::vector<UnitValue> units;      ///< what each of one_ports(network) gives; those that share a bus: equally
     double losses_kw{0};
     std::vector<std::string> doubts; ///< what an operator would not believe of the solution, with numbers
 };

@@ -12,7 +12,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 /// Gives every island a node that holds the angle, and marks nodes without any source of voltage as dead.
-void hold_angles(Network const& network, PowerFlowProblem& problem) {
+void hold_angles(PowerFlowProblem& problem) {
     std::size_t const n = problem.nodes.size();
     std::vector<std::size_t> island(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -24,7 +24,7 @@ void hold_angles(Network const& network, PowerFlowProblem& problem) {
         }
         return i;
     };
-    for (TwoPort const& b : problem.branches) {
+    for (Branch const& b : problem.branches) {
         if (b.ft != Complex{} || b.tf != Complex{}) {
             island[top(b.from)] = top(b.to);
         }
@@ -35,19 +35,19 @@ void hold_angles(Network const& network, PowerFlowProblem& problem) {
             held[top(i)] = true;
         }
     }
-    // The largest machine first, the first of equals.
-    std::vector<std::size_t> order;
-    for (std::size_t m = 0; m < network.machines.size(); ++m) {
-        order.push_back(m);
+    // The largest first, the first of equals.
+    std::vector<PowerFlowProblem::Unit const*> order;
+    for (PowerFlowProblem::Unit const& unit : problem.units) {
+        if (unit.holds == PowerFlowProblem::Unit::Holds::power_and_voltage && unit.keeps_alive) {
+            order.push_back(&unit);
+        }
     }
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return network.machines[a].rating_kva > network.machines[b].rating_kva;
-    });
-    for (std::size_t const m : order) {
-        std::size_t const node = index_of(network.buses, network.machines[m].bus.name);
-        if (!held[top(node)]) {
-            problem.nodes[node].kind = NodeKind::slack;
-            held[top(node)] = true;
+    std::stable_sort(order.begin(), order.end(),
+                     [](auto const* a, auto const* b) { return a->rating_kva > b->rating_kva; });
+    for (PowerFlowProblem::Unit const* unit : order) {
+        if (!held[top(unit->node)]) {
+            problem.nodes[unit->node].kind = NodeKind::slack;
+            held[top(unit->node)] = true;
         }
     }
     for (std::size_t i = 0; i < n; ++i) {
@@ -62,7 +62,7 @@ void hold_angles(Network const& network, PowerFlowProblem& problem) {
 /// angles that are far away Newton's method finds no way.
 void start_angles(PowerFlowProblem& problem) {
     std::vector<std::vector<std::pair<std::size_t, double>>> next(problem.nodes.size());
-    for (TwoPort const& b : problem.branches) {
+    for (Branch const& b : problem.branches) {
         if (b.ft != Complex{} && b.tf != Complex{}) {
             double const turn = lead_of(b);
             next[b.from].emplace_back(b.to, turn);
@@ -110,30 +110,80 @@ void given_start(Network const& network, PowerFlowProblem& problem) {
 /// Puts elements into the problem.
 class Filler final : public PowerFlowFace {
   public:
+    using Unit = PowerFlowProblem::Unit;
     Filler(Network const& n, PowerFlowOptions const& options, PowerFlowProblem& problem)
-        : n_{n}, options_{options}, problem_{problem}, buses_{n.buses} {}
+        : n_{n}, options_{options}, problem_{problem}, around_{n} {}
+
+    void take(OnePort const& e) {
+        problem_.units.push_back({.node = around_.bus(e.bus)});
+        if (e.closed_at_start()) {
+            e.power_flow(*this);
+        }
+    }
+
+    void source(Ref const& bus, IdealSource const& s) override {
+        std::size_t const at = around_.bus(bus);
+        std::size_t node = at;
+        if (s.z1_ohm != Complex{}) {
+            Complex const y = around_.base_ohm(bus) / s.z1_ohm;
+            node = problem_.nodes.size();
+            problem_.branches.push_back({{y, -y, -y, y}, Branch::kNone, node, at});
+            problem_.nodes.emplace_back();
+        }
+        hold(node, NodeKind::slack, s.voltage_pu);
+        problem_.nodes[node].angle = s.angle_deg * kDegree;
+        unit().holds = Unit::Holds::voltage_and_angle;
+        unit().node = node;
+    }
+    void regulate(Ref const& bus, Regulation const& r) override {
+        double const base = n_.power_kva;
+        PowerFlowProblem::Node& node = problem_.nodes[around_.bus(bus)];
+        node.p += r.p_kw / base;
+        bool const first = node.kind == NodeKind::pq;
+        hold(around_.bus(bus), NodeKind::pv, r.voltage_pu);
+        node.q_min = (first ? 0 : node.q_min) + r.q_min_kvar / base;
+        node.q_max = (first ? 0 : node.q_max) + r.q_max_kvar / base;
+        unit().holds = Unit::Holds::power_and_voltage;
+        unit().kva = r.p_kw;
+        unit().rating_kva = r.rating_kva;
+        unit().keeps_alive = r.keeps_alive;
+    }
     void inject(Ref const& bus, Complex kva) override {
-        PowerFlowProblem::Node& node = problem_.nodes[buses_[bus.name]];
+        PowerFlowProblem::Node& node = problem_.nodes[around_.bus(bus)];
         node.p += kva.real() / n_.power_kva;
         node.q += kva.imag() / n_.power_kva;
+        unit().kva += kva;
     }
-    void admit(Ref const& bus, Complex kva) override { problem_.shunts[buses_[bus.name]] += kva / n_.power_kva; }
+    void admit(Ref const& bus, Complex kva) override {
+        problem_.shunts[around_.bus(bus)] += kva / n_.power_kva;
+        unit().kva = -std::conj(kva);
+        unit().admittance = true;
+    }
     void draw(Ref const& bus, VoltageDependent const& load, double scale) override {
         double const k = scale / n_.power_kva;
         Complex const nominal = load.nominal_kva();
-        problem_.loads.push_back({buses_[bus.name], &load, nominal.real() * k, nominal.imag() * k});
+        unit().load = problem_.loads.size();
+        problem_.loads.push_back({around_.bus(bus), &load, nominal.real() * k, nominal.imag() * k});
     }
-    [[nodiscard]] double voltage_v(Ref const& bus) const override { return n_.buses[buses_[bus.name]].voltage_v; }
+    [[nodiscard]] double voltage_v(Ref const& bus) const override { return around_.voltage_v(bus); }
+    [[nodiscard]] double omega() const override { return around_.omega(); }
     [[nodiscard]] double scale(Ref const& profile) const override {
-        Profile const* p = find(n_.profiles, profile.name);
-        return p == nullptr ? 1.0 : profile_value(*p, options_.hours, options_.start_hour_of_day);
+        return profile_value(n_, profile, options_.hours, options_.start_hour_of_day);
     }
 
   private:
+    Unit& unit() { return problem_.units.back(); }
+    void hold(std::size_t node, NodeKind kind, double v) {
+        PowerFlowProblem::Node& at = problem_.nodes[node];
+        if (at.kind == NodeKind::pq || (at.kind == NodeKind::pv && kind == NodeKind::slack)) {
+            at.kind = kind;
+            at.v = v;
+        }
+    }
     Network const& n_;
     PowerFlowOptions const& options_;
     PowerFlowProblem& problem_;
-    NameIndex buses_;
+    NetworkAround around_;
 };
 
 } // namespace
@@ -141,64 +191,14 @@ class Filler final : public PowerFlowFace {
 PowerFlowProblem make_problem(Network const& n, SwitchState const& state, PowerFlowOptions const& options) {
     PowerFlowProblem problem;
     problem.nodes.resize(n.buses.size());
-    problem.branches = two_ports(n, state);
-    double const base = n.power_kva;
-    NameIndex const buses{n.buses};
-    auto const bus_of = [&](Ref const& bus) { return buses[bus.name]; };
-    auto const hold = [&](std::size_t node, NodeKind kind, double v) {
-        PowerFlowProblem::Node& at = problem.nodes[node];
-        if (at.kind == NodeKind::pq || (at.kind == NodeKind::pv && kind == NodeKind::slack)) {
-            at.kind = kind;
-            at.v = v;
-        }
-    };
-    for (Source const& s : n.sources) {
-        std::size_t node = bus_of(s.bus);
-        if (s.r_ohm != 0 || s.l_mh != 0) {
-            double const omega = 2 * std::numbers::pi * n.frequency_hz;
-            Complex const y = base_impedance(n, n.buses[node]) / Complex{s.r_ohm, omega * s.l_mh * 1e-3};
-            TwoPort impedance;
-            impedance.from = problem.nodes.size();
-            impedance.to = node;
-            impedance.ff = impedance.tt = y;
-            impedance.ft = impedance.tf = -y;
-            problem.branches.push_back(impedance);
-            node = problem.nodes.size();
-            problem.nodes.emplace_back();
-        }
-        hold(node, NodeKind::slack, s.voltage_pu);
-        problem.nodes[node].angle = s.angle_deg * kDegree;
-        problem.source_node.push_back(node);
-    }
-    for (Generator const& g : n.generators) {
-        PowerFlowProblem::Node& node = problem.nodes[bus_of(g.bus)];
-        if (g.role == GeneratorRole::slack) {
-            hold(bus_of(g.bus), NodeKind::slack, g.voltage_setpoint_pu);
-            node.angle = g.angle_deg * kDegree;
-        } else {
-            node.p += g.p_kw / base;
-        }
-        if (g.role == GeneratorRole::pv) {
-            bool const first = node.kind == NodeKind::pq;
-            hold(bus_of(g.bus), NodeKind::pv, g.voltage_setpoint_pu);
-            node.q_min = (first ? 0 : node.q_min) + g.q_min_kvar.value_or(-1e30) / base;
-            node.q_max = (first ? 0 : node.q_max) + g.q_max_kvar.value_or(1e30) / base;
-        } else if (g.role == GeneratorRole::pq) {
-            node.q += g.q_kvar / base;
-        }
-    }
-    for (Machine const& m : n.machines) {
-        problem.nodes[bus_of(m.bus)].p += m.p_kw / base;
-        hold(bus_of(m.bus), NodeKind::pv, m.voltage_setpoint_pu);
-    }
-    problem.shunts.assign(problem.nodes.size(), Complex{});
+    problem.shunts.resize(n.buses.size());
+    problem.branches = branches(n, state);
     Filler filler{n, options, problem};
     for (OnePort const* e : one_ports(n)) {
-        if (e->closed_at_start()) {
-            e->power_flow(filler);
-        }
+        filler.take(*e);
     }
-    hold_angles(n, problem);
+    problem.shunts.resize(problem.nodes.size());
+    hold_angles(problem);
     start_angles(problem);
     given_start(n, problem);
     return problem;

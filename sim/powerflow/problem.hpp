@@ -31,11 +31,21 @@ struct PowerFlowProblem {
         double p{0}, q{0}; ///< at 1 p.u., scaled
     };
     std::vector<Node> nodes;
-    std::vector<TwoPort> branches; ///< with the source impedances at the end
-    std::vector<Complex> shunts;   ///< admittance by node
+    std::vector<Branch> branches; ///< with the source impedances at the end
+    std::vector<Complex> shunts;  ///< admittance by node
     std::vector<BusLoad> loads;
-    std::vector<std::size_t> source_node; ///< by source: its internal node
-    std::optional<PowerFlowStart> given;  ///< a solution that came with the network
+    /// What an element at one bus holds there; by element, in the order of one_ports(network).
+    struct Unit {
+        enum class Holds { nothing, voltage_and_angle, power_and_voltage } holds{Holds::nothing};
+        std::size_t node{0}; ///< its bus, or the ideal source behind its impedance
+        Complex kva{}; ///< into the network: what it gives or is to give; at nominal voltage where it is an admittance
+        bool admittance{false};
+        std::optional<std::size_t> load{}; ///< of `loads`
+        double rating_kva{0};
+        bool keeps_alive{false};
+    };
+    std::vector<Unit> units;
+    std::optional<PowerFlowStart> given; ///< a solution that came with the network
 };
 
 [[nodiscard]] PowerFlowProblem make_problem(Network const& network, SwitchState const& state,

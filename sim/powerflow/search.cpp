@@ -44,9 +44,9 @@ void doubt_voltages(Network const& n, PowerFlowProblem const& problem, NewtonOut
 void doubt_angles(Network const& n, PowerFlowProblem const& problem, NewtonOutcome const& solution,
                   std::vector<std::string>& out) {
     std::size_t wide = 0;
-    TwoPort const* widest = nullptr;
+    Branch const* widest = nullptr;
     double most = 0;
-    for (TwoPort const& b : problem.branches) {
+    for (Branch const& b : problem.branches) {
         if (b.ft == Complex{} || b.from >= n.buses.size() || b.to >= n.buses.size()) {
             continue;
         }
@@ -61,8 +61,7 @@ void doubt_angles(Network const& n, PowerFlowProblem const& problem, NewtonOutco
         }
     }
     if (widest != nullptr) {
-        std::string const& name = widest->kind == TwoPort::Kind::line ? n.lines[widest->element].name.name
-                                                                      : n.transformers[widest->element].name.name;
+        std::string const& name = two_ports(n)[widest->element]->name.name;
         out.push_back(fmt::format("{} of {} branches carry more than 90 degrees, '{}' {:.0f}", wide,
                                   problem.branches.size(), name, most * 180 / std::numbers::pi));
     }
@@ -71,7 +70,7 @@ void doubt_angles(Network const& n, PowerFlowProblem const& problem, NewtonOutco
 void doubt_losses(Network const& n, PowerFlowProblem const& problem, NewtonOutcome const& solution,
                   std::vector<std::string>& out) {
     double losses = 0, taken = 0;
-    for (TwoPort const& b : problem.branches) {
+    for (Branch const& b : problem.branches) {
         Complex const from = std::polar(solution.v[b.from], solution.angle[b.from]);
         Complex const to = std::polar(solution.v[b.to], solution.angle[b.to]);
         losses += (from * std::conj(b.ff * from + b.ft * to) + to * std::conj(b.tf * from + b.tt * to)).real();

@@ -3,21 +3,13 @@
 #include "sim/powerflow/three_phase.hpp"
 
 #include "sim/powerflow/feeder.hpp"
+#include "sim/powerflow/nodal_solver.hpp"
 
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 
 namespace gridspace::sim {
-namespace {
-
-/// What nothing connects to earth still needs a potential: an earth connection of this share of a node's own
-/// admittance.
-constexpr double kAnchorShare = 1e-10;
-
-} // namespace
 
 template <class Shares>
 void Feeder::add_loads(Shares shares) {
@@ -83,75 +75,25 @@ void Feeder::currents(Eigen::VectorXcd const& v, Eigen::VectorXcd& i) const {
     for (auto const& [node, kva] : converters_) {
         convert(node, kva);
     }
-    for (Generator const& g : n_.generators) {
-        if (g.role == GeneratorRole::pq) {
-            convert(node_of(g.bus), {g.p_kw, g.q_kvar});
-        }
-    }
 }
 
 Result<ThreePhaseFlow> Feeder::iterate(ThreePhaseOptions const& options) {
-    std::vector<Eigen::Triplet<Complex>> places;
-    std::vector<double> own(static_cast<std::size_t>(nodes_), 0.0);
-    for (auto const& e : entries_) {
-        if (!held_.contains(e.row())) {
-            places.push_back(e);
-            own[static_cast<std::size_t>(e.row())] += e.row() == e.col() ? std::abs(e.value()) : 0;
-        }
-    }
+    NodalNetwork network{nodes_, entries_, {}, held_, sources_, {}};
     for (auto const& [node, admittance] : linear_) {
-        if (!held_.contains(node)) {
-            places.emplace_back(node, node, admittance);
-        }
+        network.of_loads.emplace_back(node, node, admittance);
     }
-    for (int k = 0; k < nodes_; ++k) {
-        places.emplace_back(k, k, held_.contains(k) ? 1 : kAnchorShare * own[static_cast<std::size_t>(k)]);
+    for (double const v : phase_v_) {
+        network.base_v.insert(network.base_v.end(), 3, v);
     }
-    Eigen::SparseMatrix<Complex> y(nodes_, nodes_);
-    y.setFromTriplets(places.begin(), places.end());
-    Eigen::SparseLU<Eigen::SparseMatrix<Complex>> factors{y};
-    if (factors.info() != Eigen::Success) {
-        return fail(ExitCode::usage, "the three-phase admittance matrix is singular",
-                    "is a part of the network without any element?");
+    auto const solution =
+        solve_nodal(network, [this](Eigen::VectorXcd const& v, Eigen::VectorXcd& i) { currents(v, i); },
+                    {options.tolerance_pu, options.max_iterations});
+    if (!solution) {
+        return std::unexpected{solution.error()};
     }
-    Eigen::VectorXcd driven = Eigen::VectorXcd::Zero(nodes_);
-    for (auto const& [node, current] : sources_) {
-        driven[node] += current;
-    }
-    auto const hold = [&](Eigen::VectorXcd& rhs) {
-        for (auto const& [node, voltage] : held_) {
-            rhs[node] = voltage;
-        }
-    };
-    hold(driven);
-    Eigen::VectorXcd v = factors.solve(driven);
-    ThreePhaseFlow out;
-    for (out.iterations = 1; out.iterations <= options.max_iterations; ++out.iterations) {
-        Eigen::VectorXcd i = driven;
-        currents(v, i);
-        hold(i);
-        Eigen::VectorXcd const next = factors.solve(i);
-        out.change_pu = 0;
-        for (std::size_t b = 0; b < n_.buses.size(); ++b) {
-            for (int k = 0; k < 3; ++k) {
-                auto const node = static_cast<int>(3 * b) + k;
-                out.change_pu = std::max(out.change_pu, std::abs(next[node] - v[node]) / phase_v_[b]);
-            }
-        }
-        v = next;
-        if (!(out.change_pu < 1e3)) {
-            break;
-        }
-        if (out.change_pu < options.tolerance_pu) {
-            results(v, out);
-            return out;
-        }
-    }
-    return fail(
-        ExitCode::usage,
-        fmt::format("the three-phase power flow does not converge: voltages still move by {:.3g} p.u.", out.change_pu),
-        "the loads are more than the network can carry, an impedance is wrong, or loads of constant power lie "
-        "behind windings that nothing connects to earth");
+    ThreePhaseFlow out{solution->iterations, solution->change_pu, {}, {}};
+    results(solution->v, out);
+    return out;
 }
 
 void Feeder::results(Eigen::VectorXcd const& v, ThreePhaseFlow& out) const {
@@ -159,18 +101,16 @@ void Feeder::results(Eigen::VectorXcd const& v, ThreePhaseFlow& out) const {
         auto const node = static_cast<int>(3 * b);
         out.buses.push_back({v[node], v[node + 1], v[node + 2]});
     }
-    for (LineParts const& l : lines_) {
+    for (Series const& l : series_) {
         Eigen::Vector3cd const from = v.segment<3>(l.from), to = v.segment<3>(l.to);
         Eigen::Vector3cd const series = l.y * (from - to), i_from = series + l.shunt * from,
                                i_to = l.shunt * to - series;
-        out.branches.push_back(
-            {TwoPort::Kind::line, l.index, {i_from[0], i_from[1], i_from[2]}, {i_to[0], i_to[1], i_to[2]}});
+        out.branches.push_back({l.element, {i_from[0], i_from[1], i_from[2]}, {i_to[0], i_to[1], i_to[2]}});
     }
     for (std::size_t t = 0; t < limbs_.size();) {
-        ThreePhaseFlow::Branch branch{TwoPort::Kind::transformer, limbs_[t].index, {}, {}};
-        int const from = node_of(n_.transformers[branch.element].from),
-                  to = node_of(n_.transformers[branch.element].to);
-        for (; t < limbs_.size() && limbs_[t].index == branch.element; ++t) {
+        ThreePhaseFlow::Branch branch{limbs_[t].element, {}, {}};
+        int const from = node(two_ports_[branch.element]->from), to = node(two_ports_[branch.element]->to);
+        for (; t < limbs_.size() && limbs_[t].element == branch.element; ++t) {
             Limb const& l = limbs_[t];
             Complex i{};
             for (std::size_t e = 0; e < 4; ++e) {
@@ -190,10 +130,11 @@ void Feeder::results(Eigen::VectorXcd const& v, ThreePhaseFlow& out) const {
 }
 
 bool is_unbalanced(Network const& n) {
-    std::vector<OnePort const*> const elements = one_ports(n);
-    return std::any_of(elements.begin(), elements.end(), [](OnePort const* e) { return e->unbalanced(); }) ||
-           std::any_of(n.line_types.begin(), n.line_types.end(),
-                       [](LineType const& t) { return !t.phase_r_ohm_per_km.empty(); });
+    NetworkAround const around{n};
+    auto const at_one_bus = one_ports(n);
+    auto const between_two = two_ports(n);
+    return std::any_of(at_one_bus.begin(), at_one_bus.end(), [](OnePort const* e) { return e->unbalanced(); }) ||
+           std::any_of(between_two.begin(), between_two.end(), [&](TwoPort const* e) { return e->unbalanced(around); });
 }
 
 Result<ThreePhaseFlow> solve_three_phase(Network const& network, SwitchState const& state,

@@ -4,7 +4,7 @@
 
 #include "common/result.hpp"
 #include "sim/network/network.hpp"
-#include "sim/powerflow/two_port.hpp"
+#include "sim/powerflow/branch.hpp"
 
 #include <array>
 #include <vector>
@@ -19,9 +19,8 @@ using Phases = std::array<Complex, 3>;
 
 struct ThreePhaseFlow {
     struct Branch {
-        TwoPort::Kind kind{TwoPort::Kind::line};
-        std::size_t element{0};
-        Phases from{}, to{}; ///< currents into the branch, A
+        std::size_t element{0}; ///< of two_ports(network)
+        Phases from{}, to{};    ///< currents into the branch, A
     };
     int iterations{0};
     double change_pu{0};       ///< of the last iteration

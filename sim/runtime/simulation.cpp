@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/runtime/simulation.hpp"
 
+#include "common/text.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 
 namespace gridspace::sim {
 
 Simulation::Simulation(std::unique_ptr<Engine> engine, Options options, std::vector<TimedAction> const& timeline)
-    : engine_{std::move(engine)}, options_{options}, timeline_{timeline} {
+    : engine_{std::move(engine)}, options_{options}, timeline_{timeline}, last_request_{SimTime{}, Change{}} {
     for (TimedAction const& event : timeline_) {
         changes_.insert({{SimTime{} + options_.base.nearest(event.at_s), 0}, {event.action, &event}});
     }
@@ -110,12 +112,24 @@ Result<void> Simulation::apply_changes() {
             if (on_refusal_) {
                 on_refusal_(now_, change.request, ok.error());
             }
+        } else if (!change.request.empty()) {
+            last_request_ = {now_, change};
         }
         if (change.event != nullptr && on_event_) {
             on_event_(now_, *change.event);
         }
     }
     return {};
+}
+
+std::string Simulation::last_request() const {
+    auto const& [at, change] = last_request_;
+    if (change.request.empty()) {
+        return {};
+    }
+    auto const* set = std::get_if<SetParameter>(&change.action);
+    return fmt::format("{}{} at {} s", change.request, set == nullptr ? "" : fmt::format(" = {}", shortest(set->value)),
+                       shortest(options_.base.seconds(at)));
 }
 
 } // namespace gridspace::sim

@@ -58,6 +58,9 @@ class Simulation {
     /// The scenario's event that the engine refused, when that is what ended start() or run_until().
     [[nodiscard]] TimedAction const* refused_event() const { return refused_event_; }
 
+    /// The last thing that somebody asked for and that took effect, in words; empty when there was none.
+    [[nodiscard]] std::string last_request() const;
+
     [[nodiscard]] Engine& engine() { return *engine_; }
     [[nodiscard]] SimTime now() const { return now_; }
 
@@ -79,6 +82,7 @@ class Simulation {
     std::function<void(SimTime, std::string const&)> on_failure_;
     std::function<void(SimTime, std::string const&, Error const&)> on_refusal_;
     TimedAction const* refused_event_{nullptr};
+    std::pair<SimTime, Change> last_request_; ///< when it took effect
     SimTime now_;
     SimTime next_step_;
 };

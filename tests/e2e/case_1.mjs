@@ -4,7 +4,7 @@
 // Case study 1, live: graph, one-line diagram, waveforms, drawer, address, run control, a killed agent.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { check, check_graph, errors, figure, open, pid_of, shot, start, until, until_drawn } from "./harness.mjs";
+import { check, check_accessible, check_graph, errors, figure, open, pid_of, shot, start, until, until_drawn } from "./harness.mjs";
 
 export async function case_1() {
   const run = await start("configs/scenarios/ev_charging.yaml", "--set", "clock.speed=150", "--allow-control");
@@ -36,11 +36,11 @@ export async function case_1() {
   await dark.waitForSelector(".plot canvas");
   await shot(dark, "case_1_live_dark");
   check("another page at that address shows the same, in the dark", true);
+  await check_accessible(dark, "case 1, live, dark");
   await dark.close();
-  const phone = await open(run.url, "light", { width: 420, height: 900 });
+  const phone = await open(run.url, "light", { width: 390, height: 844 });
   await phone.waitForSelector(".plot canvas");
-  const wide = await phone.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-  check("a narrow window needs no sideways scrolling", wide <= 0, wide);
+  await check_accessible(phone, "case 1, live, on a phone");
   await shot(phone, "case_1_narrow");
   await phone.close();
 

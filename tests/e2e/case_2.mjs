@@ -2,7 +2,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Case study 2, fast and short: the fault, the trip and the breakers on the diagram, live; then the same from the recording.
-import { check, check_graph, look, open, shot, start, until, until_drawn } from "./harness.mjs";
+import { check, check_accessible, check_graph, look, open, shot, start, until, until_drawn } from "./harness.mjs";
+
+/** What one sees who opens the address and does nothing. */
+async function opens_at_its_first_event(url) {
+  for (const [name, theme, viewport] of [["case_2_opened_light", "light"], ["case_2_opened_dark", "dark"], ["case_2_opened_phone", "light", { width: 390, height: 844 }]]) {
+    const page = await open(url, theme, viewport);
+    await until(page, () => /at=0\.5&|at=0\.5$/.test(location.hash) && /t0=/.test(location.hash));
+    await page.waitForSelector(".oneline .fault");
+    await page.waitForSelector("p.verdict >> text=of 14 expectations failed"); // they are about a fault at 5.5 s
+    await page.waitForSelector('.panel.verdict >> text=12.78 .. 13.18');
+    await until_drawn(page, ".plot", 4);
+    await page.waitForSelector(".messages .first");
+    check(`${name}: it opens at the fault, with the verdict, values and bands, and GOOSE by message`, true);
+    await check_accessible(page, name);
+    await shot(page, name);
+    await page.close();
+  }
+}
 
 export async function case_2() {
   // Slow enough that a page sees the breakers open while the run is under way.
@@ -24,6 +41,7 @@ export async function case_2() {
   await live.close();
 
   const recorded = await look(run.folder);
+  await opens_at_its_first_event(recorded.url);
   const again = await open(`${recorded.url}/#at=0.49`, "dark");
   await again.waitForSelector(".transport");
   await until(again, () => document.querySelectorAll(".breaker.closed").length === 6);

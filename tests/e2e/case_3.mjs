@@ -38,6 +38,9 @@ export async function case_3() {
   const recorded = await look(run.folder);
   const page = await open(recorded.url, "dark");
   await page.waitForSelector(".transport");
+  await until(page, () => /at=/.test(location.hash));
+  await page.focus('[aria-label="instant"]');
+  await page.keyboard.press("End");
   await check_verdicts(page, "recorded");
   check("recorded: all 40 fakes are counted", Number(await cell(page, "SMV21", 6)) === 40, await cell(page, "SMV21", 6));
   await page.waitForSelector('.timeline .mark.alarm, .timeline .mark.fault');

@@ -103,6 +103,18 @@ export const until_drawn = (page, selector, least) => until(page, ([s, n]) => {
 
 export const shot = (page, name, fullPage = true) => page.screenshot({ path: join(shots, `${name}.png`), fullPage });
 
+const axe = readFileSync(join(here, "node_modules/axe-core/axe.min.js"), "utf8");
+
+/** No finding of axe-core that it calls serious or critical; and nothing is wider than the window. */
+export async function check_accessible(page, what) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(async () => (await globalThis.axe.run()).violations.filter(v => ["serious", "critical"].includes(v.impact))
+    .map(v => `${v.id} (${v.nodes.length}): ${v.nodes.slice(0, 3).map(n => n.target.join(" ")).join("; ")}`));
+  check(`${what}: axe-core finds nothing serious`, found.length === 0, found.join(" | "));
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  check(`${what}: it needs no sideways scrolling`, wide <= 0, wide);
+}
+
 /** Processes and topics of the scenario that the graph must show. */
 export async function check_graph(page, processes, topics, streams = []) {
   for (const name of processes) {

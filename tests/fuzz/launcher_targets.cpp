@@ -6,13 +6,14 @@
 #include "common/source_tree.hpp"
 #include "ids/data/recording_file.hpp"
 #include "ids/forecaster/model_file.hpp"
+#include "launcher/ids/score/verdicts_file.hpp"
 #include "launcher/judge/results.hpp"
 #include "launcher/report/run_info.hpp"
 #include "launcher/report/summary.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "monitor/graph/graph_text.hpp"
 #include "router/router_config.hpp"
-#include "sim/network/profile_csv.hpp"
+#include "sim/components/profile/profile_csv.hpp"
 #include "targets.hpp"
 
 #include <filesystem>
@@ -110,6 +111,11 @@ void columns(std::uint8_t const* data, std::size_t size) {
             require(currents->to.empty() || currents->to.size() == currents->from.size(), "half a recording");
         }
     }
+    config::Diagnostics diagnostics;
+    score::Extent const extent{{{"SMV21", 4800}}, {{"MU21", "SMV21"}}, 2, "SMV21"};
+    auto const verdicts = score::parse_verdicts(text_of(data, size), "x.csv", extent, 0.5, diagnostics);
+    require(verdicts.has_value() == diagnostics.ok(), "no verdicts and no word about it");
+    (void)diagnostics.render();
 }
 
 void graph(std::uint8_t const* data, std::size_t size) {

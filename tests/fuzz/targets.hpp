@@ -30,11 +30,12 @@
     GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)                                                           \
     X(fmu)         /* an FMU: its table of contents, its files, its description (also as XML alone) */ \
     X(matlab_case) /* a MATPOWER case */                                                            \
+    X(dss)         /* an OpenDSS script (and, after NULs, files it may redirect to), built and solved */ \
     X(network)     /* a network file, checked */                                                    \
     X(scenario)    /* a scenario file, checked as `validate` does */                                \
     X(router)      /* a router's file */                                                            \
     X(model)       /* a model of a detector, written and read again */                              \
-    X(columns)     /* a profile (CSV), currents for a detector (CSV, npy) */                        \
+    X(columns)     /* a profile (CSV), currents for a detector (CSV, npy), its verdicts (CSV) */    \
     X(graph)       /* graph.json of a run: read, drawn, written, read again */                      \
     X(run_folder)  /* manifest.json, summary.json and events.ndjson of a run: shown and judged */   \
     X(http)        /* what a client sends to the monitor */                                         \

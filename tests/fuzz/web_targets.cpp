@@ -6,12 +6,37 @@
 #include "targets.hpp"
 
 #include <arpa/inet.h>
+#include <cerrno>
+#include <cstdio>
 #include <netinet/in.h>
+#include <poll.h>
 #include <string_view>
 #include <sys/socket.h>
 
 namespace gridspace::fuzz {
 namespace {
+
+/// libFuzzer's alarm comes every few seconds and interrupts a connect that has to wait: it then goes on by itself
+/// (connect(2), EINTR).
+bool connected(int fd, sockaddr_in const& address) {
+    if (::connect(fd, reinterpret_cast<sockaddr const*>(&address), sizeof address) == 0) {
+        return true;
+    }
+    int error = errno;
+    pollfd waiting{fd, POLLOUT, 0};
+    while (error == EINTR && ::poll(&waiting, 1, -1) < 0) {
+        error = errno;
+    }
+    socklen_t size = sizeof error;
+    if (error == EINTR) {
+        ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+    }
+    errno = error;
+    if (error != 0) {
+        std::perror("connect");
+    }
+    return error == 0;
+}
 
 /// One server for all inputs, at a free port of this machine.
 class Served {
@@ -55,8 +80,7 @@ class Served {
         from.sin_family = AF_INET;
         from.sin_addr.s_addr = htonl(INADDR_LOOPBACK + connections++ % 200);
         require(::bind(fd.get(), reinterpret_cast<sockaddr const*>(&from), sizeof from) == 0, "no address to ask from");
-        require(::connect(fd.get(), reinterpret_cast<sockaddr const*>(&address), sizeof address) == 0,
-                "the server does not answer any more");
+        require(connected(fd.get(), address), "the server does not answer any more");
         (void)::send(fd.get(), octets.data(), octets.size(), MSG_NOSIGNAL);
         ::shutdown(fd.get(), SHUT_WR);
         char answer[4096];

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps the house in order: who may include what (CONTRIBUTING.md, "The house"), licence headers, shell scripts.
+"""Keeps the house in order: who may include what (CONTRIBUTING.md, "The house"), licence headers, shell scripts, and
+what pages say of files, links and commands (pages.py).
 
   lint.py              checks the tree; exit code 1 and one line per mistake
   lint.py --self-test  checks the checks: each rule must find the mistake that it is for, in a tree made up for it
@@ -17,16 +18,17 @@ import subprocess
 import sys
 import tempfile
 
+from pages import check_pages
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # Layers, lowest first. The first pattern that fits a file's path decides; a file sees its own layer and lower ones.
 LAYERS = [
     ("common", 0, ["common/*"]),
-    ("pure core", 1, ["bus/lockstep/*", "sim/network/*", "sim/components/*", "sim/actions/*", "sim/controls/*", "sim/powerflow/*", "sim/phasor/*", "sim/emt/*", "sim/machines/*",
-                      "sim/events/*", "sim/engine/*", "sim/runtime/*", "fmi/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
+    ("pure core", 1, ["bus/lockstep/*", "sim/network/*", "sim/circuit/*", "sim/components/*", "sim/actions/*", "sim/controls/*", "sim/opendss/*", "sim/powerflow/*", "sim/phasor/*", "sim/emt/*",                       "sim/events/*", "sim/engine/*", "sim/runtime/*", "fmi/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
                       "recorder/mcap/*", "recorder/compare/*", "recorder/export/*", "recorder/signals/*",
                       "recorder/pcapng/*", "common/comtrade/*", "agents/*_logic.?pp", "agents/relay/*element*", "agents/relay/line_relay.?pp",
-                      "agents/relay/relay_events.?pp", "agents/relay/line_sample.hpp", "agents/attacker/*_attack.?pp"]),
+                      "agents/relay/common/*", "agents/relay/functions/*", "agents/attacker/*_attack.?pp"]),
     ("bus and wire", 2, ["bus/*", "gateways/ethernet/*", "idl/*"]),
     ("shell", 3, ["sim/*", "agents/*", "gateways/*", "recorder/*", "router/*", "sdk/*", "timebox/*"]),
     ("monitor and launcher", 4, ["monitor/*", "launcher/*"]),
@@ -38,7 +40,7 @@ ONLY_IN = [
     (r"(ida|nvector|sunmatrix|sunlinsol|sundials|cvode|kinsol)/.*", ["sim/phasor/*"], "SUNDIALS stays in sim/phasor"),
     (r"yaml-cpp/.*", ["common/config/yaml.cpp"], "YAML is read in common/config/yaml.cpp"),
     (r"minizip/.*", ["fmi/*", "tests/*"], "zip files are read in fmi"),
-    (r"boost/math/.*", ["launcher/sweep/distribution.cpp"], "distributions of studies are drawn in one file"),
+    (r"boost/math/.*", ["launcher/sweep/distribution.cpp", "launcher/certify/binomial_interval.cpp"], "distributions of studies and intervals of shares have a file each"),
     (r"boost/(?!math/).*", ["monitor/web/*.cpp", "monitor/web/connections.hpp", "monitor/web/transport.hpp", "launcher/run/monitor_http.cpp"], "Boost stays in monitor/web and its client"),
     (r"linux/if_packet\.h|netpacket/.*", ["gateways/ethernet/*", "bench/wire/*", "timebox/packet_*", "tests/integration/timebox/programs/*"], "packet sockets stay in gateways/ethernet"),
     (r"CLI/.*|nlohmann/json\.hpp", ["*.cpp"], "heavy headers stay in .cpp files"),
@@ -111,6 +113,26 @@ def check_includes(root, path, text):
     if level == 1 and not fits(path, PURE_BUT):
         for match in re.finditer(IMPURE_WORDS, COMMENT.sub(lambda m: re.sub(r"[^\n]", " ", m.group()), text)):
             yield f"{path}:{line_of(text, match.start())}: a pure core uses {match.group()}: results depend on state and input alone"
+
+
+SOLVERS = ("sim/emt/", "sim/phasor/", "sim/powerflow/", "sim/circuit/", "sim/actions/")
+KIND_HEADER = re.compile(r"sim/components/(?!faces/)\w+/.*")
+
+
+def check_kinds(path, text, lists):
+    """Solvers know faces of elements and no kinds: no header of an element, and no list of one kind out of a network."""
+    for match in INCLUDE.finditer(text):
+        if KIND_HEADER.fullmatch(match.group(2)):
+            yield f"{path}:{line_of(text, match.start())}: a solver includes {match.group(2)}: it knows faces of elements (sim/components/faces)"
+    for match in re.finditer(r"\b(?:n|n_|network|network_)\.(\w+)\b", text):
+        if match.group(1) in lists:
+            yield f"{path}:{line_of(text, match.start())}: a solver names {match.group()}: it knows faces of elements and no kinds"
+
+
+def kinds_of(root):
+    """Names of the lists of the network's elements, but for buses."""
+    home = pathlib.Path(root) / "sim/components/elements.hpp"
+    return set(re.findall(r"std::vector<\w+> (\w+);", home.read_text())) - {"buses"} if home.exists() else {"lines"}
 
 
 def folder_of(path):
@@ -194,10 +216,11 @@ def check_named_files(root, path, text):
 
 
 def lint(root):
-    mistakes, scripts, sources = [], [], []
-    for path in project_files(root):
-        if path.endswith(".md"):
-            mistakes += check_named_files(root, path, (pathlib.Path(root) / path).read_text(errors="replace"))
+    mistakes, scripts, sources, kinds = [], [], [], kinds_of(root)
+    pages = {path: (pathlib.Path(root) / path).read_text(errors="replace") for path in project_files(root) if path.endswith(".md")}
+    for path, text in pages.items():
+        mistakes += check_named_files(root, path, text)
+    mistakes += check_pages(root, pages)
     for path in project_files(root):
         is_source = path.endswith(SOURCES)
         is_script = path.endswith((".sh", ".py")) or path in ("gridspace", ".ci/run")
@@ -208,6 +231,7 @@ def lint(root):
         if is_source:
             sources.append(path)
             mistakes += check_includes(root, path, text)
+            mistakes += check_kinds(path, text, kinds) if path.startswith(SOLVERS) else []
         elif not path.endswith(".py"):
             scripts.append(path)
     mistakes += check_circles({s: (pathlib.Path(root) / s).read_text(errors="replace") for s in sources if not s.startswith(("tests/", "bench/"))})
@@ -223,6 +247,10 @@ HEAD = "// SPDX-License-Identifier: Apache-2.0\n"
 SELF_TESTS = [  # (file, text, a word of the expected message; None: nothing is wrong)
     ("common/a.cpp", '#include "sim/network/network.hpp"', "lower layers"),
     ("sim/network/a.cpp", '#include "bus/node.hpp"', "lower layers"),
+    ("sim/emt/a.cpp", '#include "sim/components/line/line.hpp"', "knows faces"),
+    ("sim/emt/a.cpp", '#include "sim/components/faces/two_port.hpp"', None),
+    ("sim/phasor/a.cpp", "auto x = network_.lines.size();", "no kinds"),
+    ("sim/network/a.cpp", "auto x = network_.lines.size();", None),
     ("sim/phasor/a.cpp", '#include "bus/lockstep/barrier.hpp"', None),
     ("bus/a.cpp", '#include "agents/ev/ev_agent.hpp"', "lower layers"),
     ("recorder/app/a.cpp", '#include "launcher/run/run.hpp"', "lower layers"),
@@ -245,6 +273,24 @@ SELF_TESTS = [  # (file, text, a word of the expected message; None: nothing is 
     ("ids/a.cpp", "auto t = std::chrono::steady_clock::now();", "state and input"),
     ("ids/a.cpp", "// not by steady_clock", None),
 
+]
+PAGE_TREE = {  # what the pages below are looked at beside
+    "launcher/cli/verbs.cpp": HEAD + 'app.add_subcommand("run", ""); verb->add_flag("--quiet");\n',
+    "configs/a.yaml": "a: 1\n",
+    "docs/other.md": "# Other\n## A `b`, and (c)\n",
+    "mkdocs.yml": "nav:\n  - page.md\n  - other.md\n",
+}
+PAGE_TESTS = [  # (text of docs/page.md, a word of the expected message; None: nothing is wrong)
+    ("[o](other.md#a-b-and-c), [here](#d)\n# D\n```\n./gridspace run configs/a.yaml --quiet && echo\n```\n", None),
+    ("[o](another.md)\n", "'another.md', which is not there"),
+    ("![o](images/none.svg)\n", "'images/none.svg', which is not there"),
+    ('<img src="images/none.svg" width="420">\n', "'images/none.svg', which is not there"),
+    ("[o](other.md#d)\n", "no heading"),
+    ("see `gridspace\n walk` and [an\nother](none.md)\n", "`gridspace walk`: there is no such verb"),
+    ("see [an\nother](none.md)\n", "page.md:1: links to 'none.md'"),
+    ("    ./gridspace walk\n", "`gridspace walk`: there is no such verb"),
+    ("```\n./gridspace run configs/b.yaml\n```\n", "names 'configs/b.yaml'"),
+    ("```\n./gridspace run \\\n  configs/a.yaml --loud\n```\n", "no verb has this option"),
 ]
 
 
@@ -273,12 +319,29 @@ def self_test():
         if [m for m in lint(folder)] != ["README.md:1: names 'sim/b.hpp', which is not there"]:
             print("self-test: a file that a page names and that is not there is not found")
             wrong += 1
+    for page, expected in PAGE_TESTS:
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in PAGE_TREE.items():
+                (pathlib.Path(folder) / name).parent.mkdir(parents=True, exist_ok=True)
+                (pathlib.Path(folder) / name).write_text(text)
+            (pathlib.Path(folder) / "docs/page.md").write_text(page)
+            found = lint(folder)
+        if (expected is None and found) or (expected is not None and not any(expected in m for m in found)):
+            print(f"self-test: the page {page!r}: expected {expected}, found {found}")
+            wrong += 1
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "docs").mkdir()
+        (pathlib.Path(folder) / "docs/lost.md").write_text("# Lost\n")
+        (pathlib.Path(folder) / "mkdocs.yml").write_text("nav:\n  - gone.md\n")
+        if len([m for m in lint(folder) if "navigation" in m]) != 2:
+            print("self-test: a page that the site does not have, and one that is not there, are not found")
+            wrong += 1
     with tempfile.TemporaryDirectory() as folder:
         (pathlib.Path(folder) / "a.py").write_text("x = 1\n")
         if not any("SPDX" in m for m in lint(folder)):
             print("self-test: a missing licence is not found")
             wrong += 1
-    print(f"{len(SELF_TESTS) + 3} checks of the checks, {wrong} failed")
+    print(f"{len(SELF_TESTS) + len(PAGE_TESTS) + 4} checks of the checks, {wrong} failed")
     return wrong
 
 

@@ -15,6 +15,14 @@ const dark = () => {
 };
 const css = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+/** Of three phases the colours are the same everywhere: a, b, c by their letter, other places of the same quantity by dashes. */
+function look_of(names: string[]): { colour: number; dash: number }[] {
+  const phases = names.map(n => /\.([abc])$/.exec(n)?.[1]), places = [...new Set(names.map(n => n.slice(0, -2)))];
+  if (names.length && phases.every(p => p !== undefined)) return names.map((n, i) => ({ colour: "abc".indexOf(phases[i]!), dash: places.indexOf(n.slice(0, -2)) }));
+  return names.map((_, i) => ({ colour: i % kLight.length, dash: Math.floor(i / kLight.length) }));
+}
+const kDashes = [undefined, [6, 4], [2, 3]];
+
 /** The series on one axis of times: each signal has its own, and a value holds until the next. */
 function join(d: Drawn): uPlot.AlignedData {
   const tables = d.series.map(s => [Array.from(s.t), Array.from(s.v, v => (isNaN(v) ? null : v))] as unknown as uPlot.AlignedData);
@@ -38,6 +46,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
     const parts = name.split("."), fixedParts = pattern.split(".");
     return fixedParts.length === parts.length ? parts.filter((p, i) => fixedParts[i] !== p).join(".") || name : name;
   };
+  const drawing = look_of(d.series.map(s => s.name));
   const volts = pattern.endsWith(".v_pu");
   return new uPlot({
     width: node.clientWidth, height, padding: [null, whole >= 7200 ? 36 : 24, null, null], // half of the last label
@@ -55,8 +64,8 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
     series: [
       { label: "t", value: (_u, t) => (t == null ? "" : `${stamp(t, whole)} ${whole < 7200 ? "s" : "h"}`) },
       ...d.series.map((s, i) => ({
-        label: look().label?.(s.name) ?? short(s.name), stroke: colours[i % colours.length], width: 1.5, spanGaps: true,
-        dash: look().dash?.(s.name) ?? (i >= colours.length ? [6, 4] : undefined), points: { show: false },
+        label: look().label?.(s.name) ?? short(s.name), stroke: colours[drawing[i].colour], width: 1.5, spanGaps: true,
+        dash: look().dash?.(s.name) ?? kDashes[Math.min(drawing[i].dash, kDashes.length - 1)], points: { show: false },
         paths: s.steps ? uPlot.paths.stepped!({ align: 1 }) : undefined, // what is told when it changes holds until then
         value: (u: uPlot, v: number | null) => (v === null || v === undefined ? "" : `${within(v, u.scales.y.max! - u.scales.y.min!)} ${s.unit}`),
       })),

@@ -3,7 +3,8 @@ import { graph, standing, topics } from "./model";
 import { choice, choose, picked } from "./state";
 import { rate } from "./text";
 
-const kRow = 40, kBox = 30, kProcess = 118, kTopic = 148, kGap = 92, kTop = 14;
+const kRow = 40, kBox = 30, kProcess = 118, kTopic = 148, kTop = 14;
+const kGap = () => (innerWidth <= 760 ? 32 : 92); // a phone has no room for long arrows
 const kMany = 60, kMost = 150; // rows: beyond the first a search leaves out what it does not find, beyond the second the rest is told only
 const kObservers = new Set(["gridspace-recorder", "gridspace-monitor"]);
 
@@ -63,7 +64,7 @@ export function GraphView() {
   const left = order(left0, byMiddle), right = order(right0, byMiddle);
 
   const rows = Math.max(left.length, middle.length, right.length, 1);
-  const height = rows * kRow + 2 * kTop, xMiddle = kProcess + kGap, xRight = xMiddle + kTopic + kGap, width = xRight + kProcess;
+  const height = rows * kRow + 2 * kTop, xMiddle = kProcess + kGap(), xRight = xMiddle + kTopic + kGap(), width = xRight + kProcess;
   const places = new Map([left, middle, right].map(list => [list, new Map(list.map((name, i) => [name, i]))]));
   const y = (list: string[], name: string) => kTop + (((places.get(list)!.get(name) ?? 0) + 0.5) * rows * kRow) / Math.max(list.length, 1);
   const near = (a: Arrow) => chosen === undefined || a.process === chosen || a.middle === chosen;
@@ -99,8 +100,8 @@ export function GraphView() {
         {left_out > 0 && <span role="status">{left_out} more: find them by name</span>}
         <a href={"/api/v1/graph.svg" + (framework ? "?framework=1" : "")} download="graph.svg">SVG</a>
       </div>
-      <div class="scroll">
-        <svg viewBox={`-1 0 ${width + 2} ${height}`} style={{ minHeight: `${Math.min(height, 300)}px` }} class="graph" role="group" aria-label="who talks to whom">
+      <div class="scroll" tabindex={0} aria-label="global data space">
+        <svg viewBox={`-1 0 ${width + 2} ${height}`} style={{ minHeight: `${Math.min(height, 300)}px`, maxWidth: `${Math.round(1.15 * width)}px`, margin: "0 auto" }} class="graph" role="group" aria-label="who talks to whom">
           <defs>
             <marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="6" markerHeight="6" orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" /></marker>
             <marker id="badtip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="6" markerHeight="6" orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" /></marker>

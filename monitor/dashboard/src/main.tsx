@@ -6,13 +6,14 @@ import { Control } from "./control";
 import { GraphView } from "./graph";
 import { detectors, Ids } from "./ids";
 import { kindOf } from "./kinds";
-import { connect, connected, dropped, ended, events, graph, network, over, run, signals, standing, topics } from "./model";
+import { connect, connected, dropped, ended, events, graph, network, over, run, signals, standing, topics, verdict } from "./model";
 import { OneLine } from "./oneline";
 import { Plots } from "./plots";
 import { choice, choose, picked } from "./state";
 import { rate, stamp, time } from "./text";
 import { jumpTo, Timeline } from "./timeline";
 import { position, Transport } from "./transport";
+import { useVerdict, VerdictView } from "./verdict";
 import { Wire } from "./wire";
 
 function Header() {
@@ -159,19 +160,23 @@ function Panel({ title, note, area, children }: { title: string; note?: string; 
 function App() {
   const g = graph.value;
   const watched = detectors(new Set(signals.value.map(s => s.name))).length > 0;
+  useVerdict();
+  const expects = (verdict.value?.expectations.length ?? 0) > 0;
   const broken = g?.edges.filter(e => !e.writes && e.problems.length).length ?? 0;
   return (
     <>
       <Header />
-      <main>
-        <Panel area="space" title="Global data space" note={broken ? `${broken} mismatches` : `${g?.topics.filter(t => !t.framework).length ?? 0} topics`}><GraphView /></Panel>
+      <main class={expects ? "judged" : ""}>
+        {expects && <Panel area="verdict" title="Verdict" note={`${verdict.value!.expectations.length} expectations`}><VerdictView /></Panel>}
         <Panel area="line" title="One-line diagram" note={network.value ? "p.u., line to line" : ""}><OneLine /></Panel>
-        <Panel area="side" title="Processes"><div class="scroll"><Processes /></div><div class="head"><h2>Events</h2><span>{events.value.length || ""}</span></div><div class="scroll grow"><Events /></div></Panel>
+        <Panel area="happened" title="Events" note={events.value.length ? String(events.value.length) : ""}><div class="scroll grow" tabindex={0} aria-label="events, the newest first"><Events /></div></Panel>
         {events.value.length > 0 && <Panel area="axis" title="Timeline" note="click: this moment everywhere"><Timeline /></Panel>}
         <Panel area="waves" title="Signals"><Plots /></Panel>
+        <Panel area="side" title="Processes"><div class="scroll" tabindex={0} aria-label="processes"><Processes /></div></Panel>
         {watched && <Panel area="ids" title="Intrusion detection" note="verdicts of the relays"><Ids /></Panel>}
         {(g?.wires.length ?? 0) > 0 && <Panel area="wire" title="Wire timing" note="SMV and GOOSE"><Wire /></Panel>}
-        <Panel area="topics" title="Topics" note="seen by the monitor"><div class="scroll"><Topics /></div></Panel>
+        <Panel area="space" title="Global data space" note={broken ? `${broken} mismatches` : `${g?.topics.filter(t => !t.framework).length ?? 0} topics`}><GraphView /></Panel>
+        <Panel area="topics" title="Topics" note="seen by the monitor"><div class="scroll" tabindex={0} aria-label="topics"><Topics /></div></Panel>
       </main>
       <Drawer />
     </>

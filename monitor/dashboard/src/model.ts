@@ -37,6 +37,8 @@ export interface StreamEnd {
 }
 export interface StreamState { name: string; kind: string; from: string[]; to: string[]; counted: StreamEnd[] }
 export interface RunEvent { number: number; time_s: number; source: string; event: string; text: string }
+export interface Expectation { name: string; rule: string; accepted: string; unit: string; advisory: boolean; value: number | null; pass: boolean | null; detail: string }
+export interface Verdict { judged: boolean; expectations: Expectation[]; exit?: number; cause?: string; simulated_s?: number; wall_s?: number; overruns?: number }
 export interface Series { name: string; unit: string; steps: boolean; t: Float64Array; v: Float64Array }
 export interface Drawn { t0: number; t1: number; series: Series[] }
 
@@ -49,6 +51,7 @@ export const network = signal<Network | null>(null);
 export const signals = signal<SignalInfo[]>([]);
 export const topics = signal<TopicState[]>([]);
 export const streams = signal<StreamState[]>([]);
+export const verdict = signal<Verdict | null>(null);
 export const events = signal<RunEvent[]>([]);
 export const values = signal<Map<string, number>>(new Map());
 export const drawn = signal<Record<string, Drawn>>({});

@@ -51,7 +51,7 @@ export function OneLine() {
   const yOf = (y: number) => kPad + 14 + rowHeight.slice(0, ys.indexOf(y)).reduce((a, b) => a + b, 0);
   const hasSource = net.devices.some(d => d.kind === "source");
   const xOf = (x: number) => kPad + (hasSource ? 50 : 34) + xs.indexOf(x) * kColumn;
-  const longest = Math.max(4, ...net.devices.filter(d => at.get(d.bus)?.[0] === xs[xs.length - 1]).map(d => d.label.length + (d.kind === "ev" ? 16 : 10)));
+  const longest = Math.max(4, ...net.devices.filter(d => at.get(d.bus)?.[0] === xs[xs.length - 1]).map(d => d.label.length + (d.kind === "ev" || d.kind === "battery" ? 17 : 10)));
   const width = xOf(xs[xs.length - 1]) + Math.min(kColumn - 2, 36 + 6.2 * longest), height = yOf(ys[ys.length - 1]) + rowHeight[rowHeight.length - 1] - 20;
   const tapY = (bus: string, b: Branch) => // parallel lines side by side
     yOf(at.get(bus)![1]) + 16 + net.branches.filter(o => (o.from === b.from && o.to === b.to) || (o.from === b.to && o.to === b.from)).indexOf(b) * 9;
@@ -103,26 +103,27 @@ export function OneLine() {
   };
 
   const device = (d: Device, i: number, x: number, y: number) => {
-    const p = now.get(`${d.kind}.${d.name}.p_kw`), soc = now.get(`ev.${d.name}.soc_percent`), amps = now.get(`ev.${d.name}.current_a`);
+    const p = now.get(`${d.kind}.${d.name}.p_kw`), soc = now.get(`${d.kind}.${d.name}.soc_percent`), amps = now.get(`ev.${d.name}.current_a`);
+    const stores = d.kind === "ev" || d.kind === "battery";
     const yd = y + 54 + i * kDevice, xd = x + kStub;
     const source = d.kind === "machine" || d.kind === "generator" || d.kind === "pv";
-    const says = d.kind === "ev" ? `${d.label} ${fixed(soc, 1)} % ${fixed(amps, 1)} A` : `${d.label}${p !== undefined ? ` ${p.toFixed(1)} kW` : ""}`;
+    const says = d.kind === "ev" ? `${d.label} ${fixed(soc, 1)} % ${fixed(amps, 1)} A` : d.kind === "battery" ? `${d.label} ${fixed(soc, 1)} %${p !== undefined ? ` ${p.toFixed(1)} kW` : ""}` : `${d.label}${p !== undefined ? ` ${p.toFixed(1)} kW` : ""}`;
     return (
-      <g key={d.kind + d.name} class={`device ${d.kind}`} onClick={() => plot(d.kind === "ev" ? "ev.*.soc_percent" : `${d.kind}.${d.name}.p_kw`)}>
+      <g key={d.kind + d.name} class={`device ${d.kind}`} onClick={() => plot(stores ? `${d.kind}.*.soc_percent` : `${d.kind}.${d.name}.p_kw`)}>
         <title>{`${d.kind} ${d.label}`}</title>
         <path d={`M${x} ${yd}H${xd}`} />
-        {source ? <circle cx={xd + 8} cy={yd} r={8} /> : d.kind === "ev"
+        {source ? <circle cx={xd + 8} cy={yd} r={8} /> : stores
           ? <><rect x={xd} y={yd - 6} width={30} height={12} rx={2} class="cell" />
             <rect x={xd + 1.5} y={yd - 4.5} width={27 * Math.min(Math.max((soc ?? 0) / 100, 0), 1)} height={9} rx={1} class="charge" /></>
           : <path d={`M${xd} ${yd - 4.5}L${xd + 9} ${yd}L${xd} ${yd + 4.5}z`} class="arrowhead" />}
         {source && <text x={xd + 8} y={yd + 3.5} class="tiny middle">{d.kind === "pv" ? "☀" : "~"}</text>}
-        <text x={xd + (d.kind === "ev" ? 35 : source ? 21 : 14)} y={yd + 4} class="small">{says}</text>
+        <text x={xd + (stores ? 35 : source ? 21 : 14)} y={yd + 4} class="small">{says}</text>
       </g>
     );
   };
   return (
-    <div class="scroll">
-      <svg viewBox={`0 0 ${width} ${height}`} class="oneline" style={{ minHeight: `${Math.min(height, 240)}px` }} role="group" aria-label="one-line diagram">
+    <div class="scroll" tabindex={0} aria-label="one-line diagram">
+      <svg viewBox={`0 0 ${width} ${height}`} class="oneline" style={{ minHeight: `${Math.min(height, 240)}px`, minWidth: `${Math.round(0.66 * width)}px` }} role="group" aria-label="one-line diagram">
         {net.branches.filter(b => at.has(b.from) && at.has(b.to)).map(branch)}
         {net.buses.map(b => {
           const x = xOf(at.get(b.name)![0]), y = yOf(at.get(b.name)![1]);

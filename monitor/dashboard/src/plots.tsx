@@ -1,7 +1,7 @@
 // Waveforms: each plot shows the signals of a pattern; all share the time axis and the cursor.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Lines } from "./canvas";
-import { ask, drawn, forget, network, signals } from "./model";
+import { ask, drawn, forget, network, over, signals } from "./model";
 import { choice, choose } from "./state";
 import { matches } from "./text";
 
@@ -84,12 +84,12 @@ export function Plots() {
           {["all", "14400", "3600", "600", "60", "10", "1", "0.1"].map(w =>
             <option key={w} value={w}>{w === "all" ? "everything" : Number(w) >= 3600 ? `last ${Number(w) / 3600} h` : `last ${w} s`}</option>)}
         </select>
-        {zoomed && <button onClick={() => choose({ t0: null, t1: null })}>follow again</button>}
+        {zoomed && <button onClick={() => choose({ t0: null, t1: null })}>{over() ? "the whole run" : "follow again"}</button>}
         <form onSubmit={e => { e.preventDefault(); if (asked) choose({ plots: [...list, asked].slice(-6) }); setAsked(""); }}>
           <input list="signal-names" placeholder="add: line.*.from.i_a" aria-label="add a plot of these signals" value={asked} onInput={e => setAsked(e.currentTarget.value)} />
           <datalist id="signal-names">{[...new Set(signals.value.map(s => patternOf(s.name)))].map(p => <option key={p} value={p} />)}</datalist>
         </form>
-        <span class="soft wide">drag to zoom, double click to follow again</span>
+        <span class="soft wide">drag to zoom, double click to see all again</span>
         <button onClick={export_csv}>CSV</button>
       </div>
       {list.map((p, i) => <Plot key={`${i} ${p}`} pattern={p} index={i} />)}

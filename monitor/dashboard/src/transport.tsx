@@ -2,10 +2,12 @@
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { events, run, seek } from "./model";
+import { opening } from "./opening";
 import { choice, choose } from "./state";
 import { time } from "./text";
 
 const playing = signal(false);
+let opened = choice.value.at !== null || choice.value.t0 !== null; // the address says where to look
 const pace = signal(0); // simulated seconds per second; 0: the whole run in half a minute
 
 /** The instant that is shown: the chosen one, or the end. */
@@ -16,6 +18,12 @@ export function Transport() {
   const end = r.time_s || r.duration_s, at = position(); // a run may have ended before its time
   const known = r.state === "recorded"; // while it is read, later instants are not there yet
   useEffect(() => { if (known) seek(choice.value.at); }, [known, choice.value.at]);
+  useEffect(() => {
+    if (opened || !known || !events.value.length) return;
+    opened = true;
+    const first = opening(events.value, end);
+    if (first) choose(first);
+  }, [known, events.value]);
   useEffect(() => {
     if (!playing.value) return;
     const timer = setInterval(() => {

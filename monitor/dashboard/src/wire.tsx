@@ -1,6 +1,7 @@
 // The wire: what is known of every stream, and how its delays and intervals are spread.
 import { useEffect } from "preact/hooks";
 import { ask, drawn, forget, graph, run, signals, streams, values, type StreamEnd } from "./model";
+import { Messages } from "./goose";
 import { choose, choice } from "./state";
 import { brief } from "./text";
 
@@ -97,7 +98,7 @@ export function Wire() {
   if (!wires.length) return <p class="empty">this scenario has no raw frames</p>;
   const recorded = run.value?.recorded ?? false;
   return (
-    <div class="scroll">
+    <div class="scroll" tabindex={0} aria-label="streams">
       <table class="plain">
         <thead><tr><th>stream</th><th>from</th><th>to</th><th>state</th><th class="number">rate</th>{!recorded && <th class="number">sent</th>}<th class="number">received</th>
           <th class="number" title="missing between those received, and dropped by the kernel">lost</th><th class="number">twice</th><th class="number" title="behind newer ones">late</th></tr></thead>
@@ -126,6 +127,7 @@ export function Wire() {
         return there.length > 0 && (
           <section key={s} class="spreads" aria-label={`delays of ${s}`}>
             <h3>{s}</h3>
+            <Messages stream={s} />
             <div class="quantities">{there.map(([what, label, limit]) => <Quantity key={what} name={`stream.${s}.${what}`} label={label} unit="ms" limit={limit} />)}</div>
           </section>
         );

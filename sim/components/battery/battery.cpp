@@ -57,7 +57,7 @@ class BatteryInjection final : public PowerInjection {
         : PowerInjection{Battery::kKind, battery.name, around.bus(battery.bus), around.base_kva()}, battery_{battery},
           scale_{around.scale(battery.scale)} {}
     [[nodiscard]] std::size_t states() const override { return 1; }
-    void start(double, Complex, std::span<double> x) override {
+    void start(double, Complex, Complex, std::span<double> x) override {
         x[0] = battery_.soc_start_percent;
         limit_ = x[0] <= battery_.soc_min_percent ? -1 : x[0] >= battery_.soc_max_percent ? 1 : 0;
     }
@@ -89,7 +89,7 @@ class BatteryInjection final : public PowerInjection {
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override {
         return signal == 2 ? x[0] : PowerInjection::value(signal, t, x, v);
     }
-    bool set(std::string_view quantity, double value) override { return battery_.set(quantity, value); }
+    bool set(double, std::string_view quantity, double value) override { return battery_.set(quantity, value); }
 
   private:
     [[nodiscard]] Complex power(double t, std::span<double const>, double v) const override {

@@ -17,7 +17,7 @@ struct Battery final : OnePort {
                                 .word = "battery",
                                 .prefix = "battery",
                                 .feeds = true,
-                                .stands_by = true,
+                                .commands = kConverter,
                                 .settable = kSettable};
     double capacity_kwh{0}, rating_kva{0};
     double p_kw{0}, q_kvar{0}; ///< into the network: discharging is positive
@@ -35,7 +35,7 @@ struct Battery final : OnePort {
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;
     void check(ElementCheck& check) const override { check.profile(scale); }
-    [[nodiscard]] bool earthed() const override { return true; } // its filter
+    [[nodiscard]] bool earthed(Surroundings const&) const override { return true; } // its filter
     void power_flow(PowerFlowFace& face) const override {
         face.inject(bus, {asked_kw(face.scale(scale), soc_start_percent), q_kvar});
     }
@@ -45,7 +45,9 @@ struct Battery final : OnePort {
         (quantity == "p_kw" ? p_kw : q_kvar) = value;
         return true;
     }
-    [[nodiscard]] double value(std::string_view quantity) const override { return quantity == "p_kw" ? p_kw : q_kvar; }
+    [[nodiscard]] double value(std::string_view quantity, Surroundings const&) const override {
+        return quantity == "p_kw" ? p_kw : q_kvar;
+    }
 };
 
 } // namespace gridspace::sim

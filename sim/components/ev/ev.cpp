@@ -37,7 +37,7 @@ class EvInjection final : public PhasorInjection {
     EvInjection(Ev const& ev, Surroundings const& around)
         : PhasorInjection{around.bus(ev.bus)}, ev_{ev}, base_kva_{around.base_kva()} {}
     [[nodiscard]] std::size_t states() const override { return 2; }
-    void start(double, Complex, std::span<double> x) override {
+    void start(double, Complex, Complex, std::span<double> x) override {
         x[0] = 0;
         x[1] = ev_.soc_start_percent;
         full_ = ev_.full_at_start();
@@ -70,7 +70,7 @@ class EvInjection final : public PhasorInjection {
                                  within_rating({kw(current), 0}, std::abs(v), kw(ev_.max_current_a)).real()};
         return values[signal];
     }
-    bool set(std::string_view, double current_a) override {
+    bool set(double, std::string_view, double current_a) override {
         reference_a_ = ev_.reference_a(current_a);
         return true;
     }

@@ -17,7 +17,7 @@ struct Ev final : OnePort {
                                 .doc = "electric vehicles",
                                 .word = "EV",
                                 .prefix = "ev",
-                                .stands_by = true,
+                                .commands = kConverter,
                                 .settable = kSettable};
     double capacity_kwh{24}, battery_v{360}, max_current_a{15}, efficiency{0.95};
     double soc_start_percent{0}, soc_stop_percent{100};
@@ -34,8 +34,8 @@ struct Ev final : OnePort {
 
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;
-    [[nodiscard]] bool earthed() const override { return true; } // its filter
-    void power_flow(PowerFlowFace&) const override {}            // charges nothing at the start
+    [[nodiscard]] bool earthed(Surroundings const&) const override { return true; } // its filter
+    void power_flow(PowerFlowFace&) const override {}                               // charges nothing at the start
     [[nodiscard]] std::unique_ptr<PhasorInjection> phasor(Surroundings const& around) const override;
     void circuit(CircuitFace& face) const override;
 };

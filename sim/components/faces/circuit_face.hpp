@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/components/faces/surroundings.hpp"
+#include "sim/circuit/circuit.hpp"
+#include "sim/components/faces/element.hpp"
 #include "sim/engine/engine.hpp"
 
 #include <array>
@@ -17,8 +18,11 @@ struct OnePort;
 class PowerModel {
   public:
     virtual ~PowerModel() = default;
-    /// Back to the start. `kvar`: reactive power that the power flow found, of one that regulates its voltage.
+    /// Back to the start. `kvar`: reactive power that the power flow found.
     virtual void start(double /*kvar*/) {}
+    /// Whether it can begin with this power (kVA, into the network) at this voltage (p.u.); the error names the
+    /// element.
+    [[nodiscard]] virtual Result<void> check_start(double /*v*/, Complex /*kva*/) const { return {}; }
     /// Power into the network (VA) at voltage v (p.u.), after it has been so for a time of h.
     virtual Complex power_va(double t, double v, double h) = 0;
     /// The same of one phase, of what is unlike in the phases.
@@ -45,6 +49,17 @@ class CircuitFace : public Surroundings {
     virtual void converter(OnePort const& element, double rating_kva, std::unique_ptr<PowerModel> model) = 0;
     /// What the element draws beyond the star that it has already; phase by phase in an unbalanced network.
     virtual void beyond_star(OnePort const& element, std::unique_ptr<PowerModel> model) = 0;
+    /// An ideal voltage, p.u. of the nominal one of its bus, behind a resistance and inductance (none: 0).
+    struct SourceData {
+        double voltage_pu{1}, angle_deg{0};
+        emt::PhaseMatrix r_ohm{}, l_h{};
+        std::vector<emt::VoltageSource::Harmonic> harmonics{};
+    };
+    virtual void source(OnePort const& element, SourceData const& data) = 0;
+    /// An element with states of its own.
+    virtual void norton(OnePort const& element, std::shared_ptr<emt::NortonElement> model) = 0;
+    /// Peak of the nominal voltage of a bus, phase to earth.
+    [[nodiscard]] virtual double peak_v(Ref const& bus) const = 0;
 };
 
 } // namespace gridspace::sim

@@ -39,4 +39,12 @@ constexpr NumberSpec percent(std::string_view doc, bool required = false) {
     return spec;
 }
 
+/// A frequency that a network of a nominal one can have in a run.
+constexpr NumberSpec near_nominal(NumberSpec spec, double nominal_hz) {
+    spec.min = nominal_hz / 2;
+    spec.max = nominal_hz * 3 / 2;
+    spec.above = NumberSpec{}.above;
+    return spec;
+}
+
 } // namespace gridspace::sim::elements

@@ -7,64 +7,43 @@
 #include "sim/components/faces/power_flow_face.hpp"
 
 #include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
 
 namespace gridspace::sim {
 
-/// How an element finds mistakes that its own keys do not show.
-class ElementCheck {
-  public:
-    virtual ~ElementCheck() = default;
-    /// `profile`, if it is given, must exist.
-    virtual void profile(Ref const& profile) = 0;
-    virtual void wrong(std::string_view what, std::string hint) = 0;
-};
-
-/// Why a quantity of this element cannot be set, and what to do instead.
-struct Refusal {
-    std::string_view why, hint;
-};
+enum class Sequence { negative, zero };
 
 /// An element at one bus: its data as in the network file, and a face for everybody who must know what it is. Solvers
 /// know these faces and no kinds (docs/design/elements.md).
 struct OnePort : Element {
     Ref bus;
 
-    OnePort() = default;
-    OnePort(OnePort const&) = default;
-    OnePort(OnePort&&) = default;
-    OnePort& operator=(OnePort const&) = default;
-    OnePort& operator=(OnePort&&) = default;
-    virtual ~OnePort() = default;
-
-    [[nodiscard]] virtual Kind const& kind() const = 0;
-    /// The keys of the network file, beside `bus`.
-    virtual void fields(config::Fields& f) = 0;
-    virtual void check(ElementCheck& /*check*/) const {}
     /// Its phases have loads of their own.
     [[nodiscard]] virtual bool unbalanced() const { return false; }
 
-    /// Conductance and susceptance (a capacitor is positive) of the earthed star that it is in the sequence networks of
-    /// a fault, kVA at the nominal voltage `voltage_v` of its bus.
+    /// Conductance and susceptance (a capacitor is positive) of the earthed star that it is, kVA at the nominal voltage
+    /// `voltage_v` of its bus.
     [[nodiscard]] virtual Complex admittance_kva(double /*voltage_v*/) const { return {}; }
+    /// What it is to earth in the sequence networks of a fault, p.u. on the network's base: that star, if nothing else.
+    [[nodiscard]] virtual Complex sequence_pu(Sequence /*sequence*/, Surroundings const& around) const {
+        return admittance_kva(around.voltage_v(bus)) / around.base_kva();
+    }
     /// Whether it connects its bus to earth.
-    [[nodiscard]] virtual bool earthed() const { return admittance_kva(1) != Complex{}; }
+    [[nodiscard]] virtual bool earthed(Surroundings const& /*around*/) const { return admittance_kva(1) != Complex{}; }
     /// Whether its poles are closed at the start.
     [[nodiscard]] virtual bool closed_at_start() const { return true; }
 
     virtual void power_flow(PowerFlowFace& face) const = 0;
-    /// Nothing where the power flow's admittance says all.
+    /// Nothing where the power flow says all: an admittance, or a voltage that is held.
     [[nodiscard]] virtual std::unique_ptr<PhasorInjection> phasor(Surroundings const& /*around*/) const { return {}; }
     virtual void circuit(CircuitFace& face) const = 0;
-
-    /// Changes a quantity of kind().settable in a run, as far as it is in the element's data; false when it cannot have
-    /// this value.
-    virtual bool set(std::string_view /*quantity*/, double /*value*/) { return true; }
-    [[nodiscard]] virtual std::optional<Refusal> refuses(std::string_view /*quantity*/) const { return {}; }
-    /// What such a quantity is now.
-    [[nodiscard]] virtual double value(std::string_view /*quantity*/) const { return 0; }
 };
+
+/// What an element is to the voltage of its bus, of what it says to a power flow.
+struct Holding {
+    bool ideal{false};       ///< holds voltage and angle, and nothing limits its current
+    bool regulates{false};   ///< holds its power and the magnitude of the voltage
+    bool keeps_alive{false}; ///< its bus has a voltage as long as it is in service
+};
+[[nodiscard]] Holding holding_of(OnePort const& element);
 
 } // namespace gridspace::sim

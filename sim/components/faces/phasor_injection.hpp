@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/result.hpp"
+#include "sim/circuit/norton.hpp"
 #include "sim/components/faces/element.hpp"
 #include "sim/engine/engine.hpp"
 
@@ -20,8 +22,10 @@ class PhasorInjection {
 
     [[nodiscard]] std::size_t bus() const { return bus_; }
     [[nodiscard]] virtual std::size_t states() const { return 0; }
-    /// Initial states in the steady state with bus voltage `v`.
-    virtual void start(double /*t*/, Complex /*v*/, std::span<double> /*x*/) {}
+    /// Initial states in the steady state with bus voltage `v`, where the power flow found that it gives `s`.
+    virtual void start(double /*t*/, Complex /*v*/, Complex /*s*/, std::span<double> /*x*/) {}
+    /// Whether it can start so; the error names the element.
+    [[nodiscard]] virtual Result<void> check_start(std::span<double const> /*x*/) const { return {}; }
     /// Writes x' to `dx` and returns the injected current.
     virtual Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const = 0;
 
@@ -34,8 +38,11 @@ class PhasorInjection {
     [[nodiscard]] virtual std::vector<SignalDef> signals() const { return {}; }
     [[nodiscard]] virtual double value(std::size_t signal, double t, std::span<double const> x, Complex v) const = 0;
 
-    /// Changes a quantity in a run; false when it cannot have this value.
-    virtual bool set(std::string_view /*quantity*/, double /*value*/) { return false; }
+    [[nodiscard]] virtual std::optional<Rotor> rotor(std::span<double const> /*x*/) const { return {}; }
+    /// Changes a quantity from t on; false when it cannot have this value.
+    virtual bool set(double /*t*/, std::string_view /*quantity*/, double /*value*/) { return false; }
+    /// One of the modes of its kind, from now on.
+    virtual void set_mode(std::string_view /*mode*/) {}
     void connect(bool connected) { connected_ = connected; }
     void stand_by(bool on) { stands_by_ = on; }
     /// In service, and not standing by.

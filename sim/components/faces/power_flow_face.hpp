@@ -32,10 +32,26 @@ class VoltageDependent {
     [[nodiscard]] virtual std::pair<double, double> impedance_shares() const = 0;
 };
 
-/// What an element can be in a power flow, balanced or by phase.
+/// Powers and impedances at one bus, for a PowerFlowFace.
+struct IdealSource {
+    double voltage_pu{1}, angle_deg{0};
+    Complex z1_ohm{}, z0_ohm{}; ///< positive and zero sequence; 0: it holds its bus
+};
+struct Regulation {
+    double p_kw{0}, voltage_pu{1};
+    double q_min_kvar{-1e30}, q_max_kvar{1e30};
+    double rating_kva{0};    ///< of what has states behind it and can
+    bool keeps_alive{false}; ///< hold the angle of an island where nothing else does; the largest one
+};
+
+/// What an element can be in a power flow, balanced or by phase. At most one of source() and regulate() of an element.
 class PowerFlowFace {
   public:
     virtual ~PowerFlowFace() = default;
+    /// Holds voltage and angle.
+    virtual void source(Ref const& bus, IdealSource const& source) = 0;
+    /// Holds its power and the magnitude of the voltage, as far as its reactive limits let it.
+    virtual void regulate(Ref const& bus, Regulation const& regulation) = 0;
     /// Constant power into the network, kVA; by phase: balanced currents that carry it.
     virtual void inject(Ref const& bus, Complex kva) = 0;
     /// Admittance to earth, kVA at nominal voltage: conductance, and susceptance (a capacitor is positive).
@@ -44,6 +60,8 @@ class PowerFlowFace {
     virtual void draw(Ref const& bus, VoltageDependent const& load, double scale) = 0;
     /// Nominal voltage of a bus, line to line, r.m.s.
     [[nodiscard]] virtual double voltage_v(Ref const& bus) const = 0;
+    /// Nominal angular frequency, rad/s.
+    [[nodiscard]] virtual double omega() const = 0;
     /// The value of a profile at the time of this power flow; 1 without one.
     [[nodiscard]] virtual double scale(Ref const& profile) const = 0;
 };

@@ -111,7 +111,7 @@ bool Load::set(std::string_view quantity, double value) {
     return true;
 }
 
-double Load::value(std::string_view quantity) const {
+double Load::value(std::string_view quantity, Surroundings const&) const {
     return quantity == "p_kw"     ? p_kw
            : quantity == "q_kvar" ? nominal_q_kvar()
            : quantity == "demand_pu"
@@ -119,7 +119,7 @@ double Load::value(std::string_view quantity) const {
                : (q_kvar && p_kw != 0 ? std::abs(p_kw) / std::hypot(p_kw, *q_kvar) : power_factor);
 }
 
-std::optional<Refusal> Load::refuses(std::string_view quantity) const {
+std::optional<Refusal> Load::refuses(std::string_view quantity, Surroundings const&, bool) const {
     if (!phase_p_kw.empty()) {
         return Refusal{"this load has powers by phase",
                        "take it out of service with `disconnect`, or describe it with p_kw"};

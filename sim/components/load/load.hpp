@@ -31,8 +31,12 @@ struct Load final : OnePort, VoltageDependent {
         {"q_kvar", elements::any("reactive power at 1 p.u., instead of a power factor; not of a DC load")},
         {"power_factor", elements::at_most_one("lagging; not of a DC load")},
         {"demand_pu", elements::not_negative("times what it draws otherwise, its profile included")}};
-    static constexpr Kind kKind{
-        .section = "loads", .doc = "loads", .word = "load", .prefix = "load", .settable = kSettable};
+    static constexpr Kind kKind{.section = "loads",
+                                .doc = "loads",
+                                .word = "load",
+                                .prefix = "load",
+                                .commands = kInService,
+                                .settable = kSettable};
     double p_kw{0};
     double power_factor{1};       ///< lagging, > 0
     std::optional<double> q_kvar; ///< instead of a power factor
@@ -59,14 +63,18 @@ struct Load final : OnePort, VoltageDependent {
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;
     void check(ElementCheck& check) const override;
+    [[nodiscard]] std::string_view unseen_by_phasors() const override {
+        return unbalanced() ? "powers by phase: they take a third of the sum for each of load" : "";
+    }
     [[nodiscard]] bool unbalanced() const override { return !phase_p_kw.empty(); }
     [[nodiscard]] Complex admittance_kva(double) const override { return std::conj(nominal_kva()); }
     void power_flow(PowerFlowFace& face) const override { face.draw(bus, *this, face.scale(scale)); }
     [[nodiscard]] std::unique_ptr<PhasorInjection> phasor(Surroundings const& around) const override;
     void circuit(CircuitFace& face) const override;
     bool set(std::string_view quantity, double value) override;
-    [[nodiscard]] std::optional<Refusal> refuses(std::string_view quantity) const override;
-    [[nodiscard]] double value(std::string_view quantity) const override;
+    [[nodiscard]] std::optional<Refusal> refuses(std::string_view quantity, Surroundings const& around,
+                                                 bool waveform) const override;
+    [[nodiscard]] double value(std::string_view quantity, Surroundings const& around) const override;
 };
 
 } // namespace gridspace::sim

@@ -15,14 +15,14 @@ class LoadInjection final : public PowerInjection {
         : PowerInjection{Load::kKind, load.name, around.bus(load.bus), around.base_kva()}, load_{load},
           scale_{around.scale(load.scale)} {}
     [[nodiscard]] std::size_t states() const override { return load_.lag_s > 0 ? 2 : 0; }
-    void start(double t, Complex v, std::span<double> x) override {
+    void start(double t, Complex v, Complex, std::span<double> x) override {
         if (!x.empty()) {
             Complex const s = demand(t, std::abs(v));
             x[0] = s.real();
             x[1] = s.imag();
         }
     }
-    bool set(std::string_view quantity, double value) override { return load_.set(quantity, value); }
+    bool set(double, std::string_view quantity, double value) override { return load_.set(quantity, value); }
 
   private:
     [[nodiscard]] Complex demand(double t, double v) const {

@@ -44,7 +44,7 @@ bool Pv::set(std::string_view quantity, double value) {
     return true;
 }
 
-double Pv::value(std::string_view quantity) const {
+double Pv::value(std::string_view quantity, Surroundings const&) const {
     return quantity == "power_factor" ? power_factor
            : quantity == "q_kvar"     ? power_kva(1).imag()
            : quantity == "p_limit_kw" ? p_limit_kw.value_or(p_kw)
@@ -58,7 +58,7 @@ class PvInjection final : public PowerInjection {
     PvInjection(Pv const& pv, Surroundings const& around)
         : PowerInjection{Pv::kKind, pv.name, around.bus(pv.bus), around.base_kva()}, pv_{pv},
           sun_{around.scale(pv.scale)} {}
-    bool set(std::string_view quantity, double value) override { return pv_.set(quantity, value); }
+    bool set(double, std::string_view quantity, double value) override { return pv_.set(quantity, value); }
 
   private:
     [[nodiscard]] Complex power(double t, std::span<double const>, double v) const override {

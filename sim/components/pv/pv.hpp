@@ -19,7 +19,7 @@ struct Pv final : OnePort {
                                 .word = "PV",
                                 .prefix = "pv",
                                 .feeds = true,
-                                .stands_by = true,
+                                .commands = kConverter,
                                 .settable = kSettable};
     double p_kw{0}, rating_kva{0};                           ///< at full sun; 0: no limit
     double power_factor{1};                                  ///< takes reactive power
@@ -34,12 +34,12 @@ struct Pv final : OnePort {
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;
     void check(ElementCheck& check) const override { check.profile(scale); }
-    [[nodiscard]] bool earthed() const override { return true; } // its filter
+    [[nodiscard]] bool earthed(Surroundings const&) const override { return true; } // its filter
     void power_flow(PowerFlowFace& face) const override { face.inject(bus, power_kva(face.scale(scale))); }
     [[nodiscard]] std::unique_ptr<PhasorInjection> phasor(Surroundings const& around) const override;
     void circuit(CircuitFace& face) const override;
     bool set(std::string_view quantity, double value) override;
-    [[nodiscard]] double value(std::string_view quantity) const override;
+    [[nodiscard]] double value(std::string_view quantity, Surroundings const&) const override;
 };
 
 } // namespace gridspace::sim

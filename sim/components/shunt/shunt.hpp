@@ -8,8 +8,12 @@ namespace gridspace::sim {
 
 /// Fixed admittance to earth.
 struct Shunt final : OnePort {
-    static constexpr Kind kKind{
-        .section = "shunts", .doc = "shunts", .word = "shunt", .prefix = "shunt", .has_signals = false};
+    static constexpr Kind kKind{.section = "shunts",
+                                .doc = "shunts",
+                                .word = "shunt",
+                                .prefix = "shunt",
+                                .has_signals = false,
+                                .commands = kInService};
     double p_kw{0};   ///< consumed at 1 p.u.
     double q_kvar{0}; ///< produced at 1 p.u. (a capacitor is positive)
 

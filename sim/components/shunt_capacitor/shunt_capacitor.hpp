@@ -14,7 +14,7 @@ struct ShuntCapacitor final : OnePort {
                                 .word = "shunt capacitor",
                                 .prefix = "shunt_capacitor",
                                 .feeds = true,
-                                .switched = true};
+                                .commands = kSwitched};
     double q_kvar{0};   ///< given at its rated voltage and nominal frequency
     double rated_kv{0}; ///< line to line, r.m.s.
     bool closed{true};  ///< at the start

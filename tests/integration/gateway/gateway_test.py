@@ -162,15 +162,14 @@ class Gateway(unittest.TestCase):
         again = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(out)))
         self.start(self.wire("sv-pub", "in0", "--amplitude", "10", *keys_of(SV_IN)))
         first = self.first_line(again, lambda m: True)
-        sent = {first["smp_cnt"]: first["values"]}
+        wanted = {first["smp_cnt"]: first["values"]}
         for _ in range(60):
             sample = self.first_line(again, lambda m: True)
-            sent[sample["smp_cnt"]] = sample["values"]
-        self.assertEqual(len(sent), 61, "each once")
-        wanted = dict(sent)
-        while wanted:
-            sample = self.first_line(original, lambda m: m["smp_cnt"] in wanted)
-            self.assertEqual(sample["values"], wanted.pop(sample["smp_cnt"]))
+            wanted[sample["smp_cnt"]] = sample["values"]
+        self.assertEqual(len(wanted), 61, "each once")
+        while wanted:  # the same count of another second differs in the rounding of a zero crossing
+            sample = self.first_line(original, lambda m: wanted.get(m["smp_cnt"]) == m["values"])
+            del wanted[sample["smp_cnt"]]
 
     def test_a_frame_of_two_samples_holds_consecutive_ones_whatever_is_missing(self):
         self.gateway("inward", "in1", {"IN": SV_IN}, {"m": {

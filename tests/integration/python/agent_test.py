@@ -5,11 +5,12 @@
 import json
 import pathlib
 import sys
+import tempfile
 import textwrap
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenario"))
-from harness import BASE, BIN, CHILD_DIED, OK, SOURCE, USAGE, ScenarioTest, gridspace  # noqa: E402
+from harness import BASE, BIN, CHILD_DIED, ENVIRONMENT, INTERRUPTED, OK, SOURCE, USAGE, ScenarioTest, gridspace  # noqa: E402
 
 EXAMPLE = SOURCE / "examples/agents/python_ev_agent"
 NO_EXPECTATIONS = [*BASE, "--set", "expect=~"]
@@ -39,6 +40,7 @@ class Agents(ScenarioTest):
         agent = {"program": {"path": str(self.script("wrong.py", body))}, "host": "controller", **settings}
         run = self.run_to_end("wrong", [*NO_EXPECTATIONS, "--until", "20min"], self.scenario(wrong=agent), expected_code)
         self.log = (run.folder / "logs/wrong.log").read_text()
+        self.others = {p["exit"] for p in run.summary()["processes"] if p["name"] != "wrong"}
         return run.summary().get("cause")
 
     def test_its_run_is_the_same_as_ours_octet_for_octet(self):
@@ -51,6 +53,22 @@ class Agents(ScenarioTest):
     def test_it_survives_its_own_restart_and_that_of_its_reader(self):
         arguments = [*SHORT, "--set", "events={x: {at_s: 1800, restart: ev4}, y: {at_s: 3000, restart: mcca}, z: {at_s: 4000, kill: ev2}}"]
         self.assert_identical(self.run_to_end("ours", arguments), self.run_to_end("python", arguments, EXAMPLE / "ev_charging_python.yaml"))
+
+    def test_a_sample_of_the_simulator_that_triggers_is_answered_in_its_tick(self):
+        agent = {"program": {"path": str(self.script("watch.py", '''
+            class Watch(gridspace.Agent):
+                measured = Reads("bus_measurements", "BusMeasurement", triggers=True)
+                seen_s = Signal("agent.{process}.seen_s", "s", rate_hz=1)
+                def on_measured(self, sample):
+                    self.seen_s = sample.time_ns / 1e9
+        '''))}, "host": "controller"}
+        run = self.run_to_end("watch", [*NO_EXPECTATIONS, "--until", "20s"], self.scenario(watch=agent))
+        code, out, err = gridspace("export", run.folder, "--csv", "--out", run.folder / "csv")
+        self.assertEqual(code, OK, err)
+        header, *rows = next(p.read_text() for p in map(pathlib.Path, out.split()) if "agent.watch.seen_s" in p.read_text()).splitlines()
+        column = header.split(",").index("agent.watch.seen_s")
+        told = [(float(row.split(",")[0]), float(row.split(",")[column])) for row in rows if row.split(",")[column]]
+        self.assertEqual(sorted(set(told)), [(float(s), float(s)) for s in range(21)])
 
     def test_it_takes_part_in_real_time(self):
         run = self.run_to_end("run", [*NO_EXPECTATIONS, "--set", "clock.mode=realtime", "--speed", "900", "--until", "1h"],
@@ -73,6 +91,24 @@ class Agents(ScenarioTest):
         self.assertEqual(said, "wrong: LookupError: no price for 00:10 (wrong.py:10 in work)")
         self.assertIn("Traceback (most recent call last)", self.log)
         self.assertIn('raise LookupError("no price for 00:10")', self.log)
+        self.assertLessEqual(self.others, {OK, INTERRUPTED}, "all ended of themselves, none had to be killed")
+
+    def test_an_exception_at_the_end_is_the_end_of_the_run_too(self):
+        said = self.message_of("""
+            class Wrong(gridspace.Agent):
+                def end(self):
+                    raise OSError("the results cannot be written")
+        """)
+        self.assertEqual(said, "wrong: OSError: the results cannot be written (wrong.py:7 in end)")
+
+    def test_a_name_that_means_something_of_every_agent_is_refused(self):
+        agent = self.script("wrong.py", """
+            class Wrong(gridspace.Agent):
+                settings = Setting("text", "a")
+        """)
+        code, out, err = gridspace("validate", self.scenario(wrong={"program": {"path": str(agent)}, "host": "controller"}))
+        self.assertEqual(code, USAGE)
+        self.assertIn("TypeError: Wrong.settings: an agent has that attribute already; give it another name", out + err)
 
     def test_what_a_sample_cannot_hold_is_said_by_its_member(self):
         mistakes = {
@@ -82,6 +118,8 @@ class Agents(ScenarioTest):
             "self.extra(ev='E', curent_a=1)": "AttributeError: ChargingRequest has no member 'curent_a'; did you mean 'current_a'?",
             "self.extra(ev=7)": "TypeError: ChargingRequest.ev is a text, and not an int, 7",
             "self.extra.write(gridspace.sample_type('BusMeasurement')())": "TypeError: a BusMeasurement was written, and the topic has ChargingRequest",
+            "__import__('concurrent.futures').futures.ThreadPoolExecutor(1).submit(self.extra, ev='E').result()":
+                "ValueError: called on another thread than the one that calls the agent; hand it over, and call it in a callback, of a timer for example",
             "self.level = float('inf')": "ValueError: the signal 'agent.{process}.level' is inf, which is not finite",
             "self.every(0, self.begin)": "ValueError: a timer every '0' s: expected a number of seconds, at least the 1 s that time is counted in; "
                                          '"60", "0.25" or "1/4800"',
@@ -156,6 +194,45 @@ class Agents(ScenarioTest):
         self.assertNotIn("Traceback", (run.folder / "logs/reader.log").read_text())
         self.assertEqual({t["name"]: t["samples"] for t in run.summary()["topics"]}["weather"], 4)
 
+    def test_two_processes_of_one_class_have_their_own_settings_and_signals(self):
+        program = {"path": str(self.script("twin.py", """
+            class Twin(gridspace.Agent):
+                period_s = Setting("fraction", above=0, doc="period")
+                measured = Reads("bus_measurements", "BusMeasurement")
+                seen = Signal("agent.{process}.seen")
+                def begin(self):
+                    self.count = 0
+                    self.every(self.period_s, self.show)
+                def on_measured(self, sample):
+                    self.count += 1
+                def show(self):
+                    self.seen = self.count
+                def end(self):
+                    print(f"{self.process} every {self.period_s} s: {self.count}")
+        """))}
+        run = self.run_to_end("run", [*NO_EXPECTATIONS, "--until", "3min"], self.scenario(
+            first={"program": program, "host": "controller", "period_s": 60}, second={"program": program, "host": "board1", "period_s": 45}))
+        self.assertEqual([(run.folder / f"logs/{name}.log").read_text().strip() for name in ("first", "second")],
+                         ["first every 60 s: 724", "second every 45 s: 724"], "four buses, each second, the first and the last as well")
+
+    def test_a_sample_of_another_idl_than_was_said_ends_the_run(self):
+        self.write("weather.idl", WEATHER)
+        self.write("other.idl", "module station { @final struct Weather { @key string<8> place; long long time_ns; octet sky; }; };")
+        source = self.script("station.py", """
+            import sys
+            class Station(gridspace.Agent):
+                weather = Writes("weather", "station::Weather", idl="weather.idl" if "--describe" in sys.argv else "other.idl")
+                def begin(self):
+                    self.at(60, lambda: self.weather(place="N"))
+        """)
+        reader = self.script("reader.py", """
+            class Reader(gridspace.Agent):
+                weather = Reads("weather", "station::Weather", idl="weather.idl", triggers=True)
+        """)
+        run = self.run_to_end("run", [*NO_EXPECTATIONS, "--until", "3min"], self.scenario(
+            station={"program": {"path": str(source)}, "host": "controller"}, reader={"program": {"path": str(reader)}, "host": "controller"}), ENVIRONMENT)
+        self.assertEqual(run.summary()["cause"], "reader: a sample of 'weather' from station cannot be decoded")
+
     def test_a_file_is_found_from_the_file_that_names_it(self):
         self.script("reader.py", """
             class Reader(gridspace.Agent):
@@ -189,6 +266,26 @@ class WithoutARun(unittest.TestCase):
         self.assertEqual(sut.v_pu, 0.97)
         with self.assertRaisesRegex(TypeError, "EvAgent has no setting 'colour'"):
             self.agent_type(colour="red")
+
+    def test_a_list_of_the_wrong_length_or_shape_is_said_by_its_member(self):
+        import gridspace
+        with tempfile.TemporaryDirectory() as folder:
+            idl = pathlib.Path(folder) / "weather.idl"
+            idl.write_text(WEATHER)
+            weather = gridspace.sample_type("station::Weather", idl)
+
+        class Table:  # as numpy's arrays of two dimensions are: their items have __float__
+            ndim = 1
+
+            def __float__(self):
+                return 1.0
+
+        for given, expected in (({"pair": (1, 2, 3)}, "Weather.pair holds 2 items, and not 3"), ({"pair": []}, "Weather.pair holds 2 items, and not 0"),
+                                ({"pair": 5}, "Weather.pair is a list, and not an int, 5"), ({"layers": [{}] * 9}, "Weather.layers holds at most 8 items, and not 9"),
+                                ({"layers": [5]}, "Weather.layers.* is a Layer, and not an int, 5"), ({"curve": [Table()]}, "Weather.curve.* is a number"),
+                                ({"curve": [1, "a"]}, "Weather.curve.* is a number .*, and not a str, 'a'")):
+            with self.subTest(given), self.assertRaisesRegex((TypeError, ValueError), expected):
+                weather(**given)
 
     def test_an_unknown_type_is_named(self):
         import gridspace

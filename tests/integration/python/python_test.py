@@ -4,6 +4,7 @@
 """The Python package runs a scenario and reads what it recorded; the launcher's own judgement is what it is compared with."""
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -21,8 +22,9 @@ class Package(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory(prefix="gridspace-python-")
-        cls.run_ = gridspace.run(SCENARIO, out=pathlib.Path(cls.folder.name) / "run", until="1h", set=[("expect", "~"), (
-            "expect", "{lowest: {min_of: bus.*.v_pu, above: 0.9}, charged: {last_of: ev.EV1.soc_percent, above: 1}, impossible: {always: bus.B1.v_pu > 2}}")])
+        cls.run_ = gridspace.run(SCENARIO, out=pathlib.Path(cls.folder.name) / "run", until="1h", set=[("expect", None), ("processes.monitor", None), (
+            "expect", {"lowest": {"min_of": "bus.*.v_pu", "above": 0.9}, "charged": {"last_of": "ev.EV1.soc_percent", "above": 1},
+                       "impossible": {"always": "bus.B1.v_pu > 2"}})])
 
     @classmethod
     def tearDownClass(cls):
@@ -62,6 +64,16 @@ class Package(unittest.TestCase):
             gridspace.open(self.folder.name)
         self.assertEqual(caught.exception.code, 2)
 
+    def test_a_run_that_has_not_ended_is_called_that(self):
+        under_way = pathlib.Path(self.folder.name) / "under_way"
+        shutil.copytree(self.run_.folder, under_way, ignore=shutil.ignore_patterns("report"))
+        run = gridspace.open(under_way)
+        with self.assertRaisesRegex(gridspace.Error, "has not ended: report/summary.json comes with its end"):
+            _ = run.passed
+        with self.assertRaisesRegex(KeyError, "fits 'bus.X.\\*'; the run has not ended, open it again later"):
+            run.signals("bus.X.*")
+        self.assertTrue(run.signals("bus.*.v_pu"), "what there is can be read")
+
     def test_pip_installs_it_without_a_network(self):
         target = pathlib.Path(self.folder.name) / "site"
         pip = [sys.executable, "-m", "pip"]
@@ -76,6 +88,15 @@ class Package(unittest.TestCase):
         code = f"import gridspace; print(gridspace.open({str(self.run_.folder)!r}).passed, gridspace.__file__)"
         done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(target)}, capture_output=True, text=True, check=True)
         self.assertEqual(done.stdout.split(), ["False", str(target / "gridspace/__init__.py")])
+
+    def test_pip_can_lead_to_the_tree_instead_of_copying_it(self):
+        sys.path.insert(0, str(SOURCE / "python"))
+        import wheel_of_tree
+
+        with tempfile.TemporaryDirectory() as folder:
+            wheel = zipfile.ZipFile(pathlib.Path(folder) / wheel_of_tree.build_editable(folder))
+            self.assertEqual(wheel.read("gridspace.pth").decode().strip(), str(SOURCE / "python"))
+            self.assertFalse([name for name in wheel.namelist() if name.endswith(".py")])
 
     def test_the_launchers_errors_are_exceptions_with_its_text(self):
         with self.assertRaisesRegex(gridspace.Error, "unknown key 'clok'") as caught:

@@ -41,6 +41,27 @@ class Asking(gridspace.Agent):
 if __name__ == "__main__":
     Asking.main()
 """
+# Shows what it hears of its bus.
+WATCHER = """#!/usr/bin/env python3
+import gridspace
+from gridspace import Reads, Setting, Signal, Writes
+
+class Watching(gridspace.Agent):
+    latency_us = Setting("fraction", 50_000, min=0, latency=True, doc="in lockstep")
+    measurements = Reads("bus_measurements", "BusMeasurement", triggers=True)
+    set_points = Writes("set_points", "SetPoint")
+    heard_kw, heard_pu = Signal("agent.watching.heard_kw", "kW"), Signal("agent.watching.heard_pu", "p.u.")
+
+    def begin(self):
+        self.at(0.5, lambda: self.set_points(element="battery.BAT1", quantity="p_kw", value=3))
+
+    def on_measurements(self, measured):
+        if measured.bus == "HOUSE":
+            self.heard_kw, self.heard_pu = measured.p_kw, measured.v_pu
+
+if __name__ == "__main__":
+    Watching.main()
+"""
 REFUSED = [
     (2, "set_point_refused", "battery.BAT1.p_kw = 9 of 'asking' for 'market': expected >= -8 and <= 8, ignored"),
     (3, "set_point_refused", "battery.BAT1.p_kw = 2 of 'asking': valid_for_s is -1, ignored"),
@@ -111,8 +132,23 @@ class Controls(ScenarioTest):
         refused = self.run_to_end("refused", [], scenario, EXPECTATION)
         self.assertRegex(self.said(refused)[0][2], r"^battery.BAT1.q_kvar = .* of 'inward' for 'voltage_controller': expected >= -8 and <= 1, ignored$")
 
+    def test_a_bus_is_measured_with_waveforms_as_with_phasors(self):
+        self.write("watching.py", WATCHER).chmod(0o755)
+        expect = {name: None for name in ("little_is_taken", "little_is_given", "balanced", "allowed", "at_rest")}
+        expect |= {"before": {"mean_of": "agent.watching.heard_kw", "from": "0.3 s", "until": "0.5 s", "is": -2.071, "tolerance": 0.1},
+                   "after": {"mean_of": "agent.watching.heard_kw", "from": "0.8 s", "is": -5.071, "tolerance": 0.1},
+                   "voltage": {"last_of": "agent.watching.heard_pu", "above": 0.98, "below": 1.02}}
+        for solver, step_s in (("phasor", 0.05), ("emt", 0.0005)):
+            self.run_to_end(solver, ["--set", "events=~"], self.scenario(
+                simulation={"solver": solver, "step_s": step_s, "duration_s": 1, "controls": {
+                    "battery.BAT1.p_kw": {"from": "watching", "ramp_kw_per_s": None, "hold_s": None, "then": None}}},
+                clock={"tick_s": 0.05}, expect=expect,
+                hosts={"simulator": {"links": ["l"]}, "controller": {"links": ["l"]}},  # a name that `ip` takes for a word of its own
+                links={"net": None, "l": {"kind": "switch", "ipv4": "10.40.0.0/24"}},
+                processes={"ems": None, "watching": {"program": {"path": "./watching.py"}, "host": "controller"}}))
+
     def test_it_steers_in_real_time_too(self):
-        run = self.run_to_end("run", ["--until", "5min", "--speed", "60", "--set", "clock.mode=realtime", "--set", "events=~"], self.scenario(
+        run = self.run_to_end("run", ["--until", "1min", "--speed", "10", "--set", "clock.mode=realtime", "--set", "events=~"], self.scenario(
             expect={name: None for name in ("little_is_taken", "little_is_given", "balanced", "at_rest")} | {"charges": {"min_of": "battery.BAT1.p_kw", "at_most": -1}}))
         self.assertEqual([event for _, event, _ in self.said(run) if event.endswith("refused")], [])
 

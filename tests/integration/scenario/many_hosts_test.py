@@ -4,6 +4,7 @@
 import os
 import pathlib
 import sys
+import time
 import unittest
 
 from harness import ScenarioTest, processes_of_session
@@ -30,13 +31,15 @@ class ManyHosts(ScenarioTest):
         scenario = write_case(self.folder, HOSTS, duration_s=8)
         listen = f"processes.listener={{program: exec, host: h0, command: [{sys.executable}, {LISTENER}]}}"
         run = self.start("run", ["--speed", "4", "--set", listen], scenario)
+        began = time.monotonic()
         run.wait_for(lambda line: "are ready" in line.get("note", ""), "ready")
-        sent = datagrams_sent(run)
+        seconds, sent = time.monotonic() - began, datagrams_sent(run)
         self.assertEqual(run.finish(), 0, run.stderr())
         self.assertEqual(run.left_over(), {})
         self.assertEqual((run.folder / "logs/listener.log").read_text(), "listening\n", "no ARP")
-        # By multicast, each of n answers each discovery to all n: 43 processes send some 200,000 datagrams.
-        self.assertLess(sent, 1000 * (HOSTS + 3))
+        # While a start lasts, things are said again: 41,000 datagrams in 6 s, 107,000 in 15 s, 148,000 in 32 s of a busy machine.
+        # By multicast each of n answers each discovery to all n: 1,600,000 in 70 s.
+        self.assertLess(sent, 1000 * (HOSTS + 3) + 5000 * seconds)
 
 
 if __name__ == "__main__":

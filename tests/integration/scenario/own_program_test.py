@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A program out of tree says what it is (`program: {path: FILE}`), and is then checked and run as strictly as ours."""
 import json
+import os
 import pathlib
 import shutil
 import stat
@@ -48,14 +49,20 @@ class OwnProgram(harness.ScenarioTest):
         self.refused("acts for the EV 'EV1', and 'ev1' does so already", ev2={"program": agent, "ev": "EV1"})
 
     def test_who_does_not_say_what_it_is_is_named(self):
+        os.environ["GRIDSPACE_DESCRIBE_TIMEOUT_S"] = "1"
+        self.addCleanup(os.environ.pop, "GRIDSPACE_DESCRIBE_TIMEOUT_S")
         for name, text, expected in (
             ("silent", "exit 0", "it printed nothing"),
             ("failing", "echo no licence >&2; exit 3", "it ended with code 3: no licence"),
+            ("misspelt", """printf '  File "/x/agent.py", line 3\\n    def f()\\nSyntaxError: no colon\\n' >&2; exit 1""", "SyntaxError: no colon (agent.py:3)"),
             ("talking", "echo hello", "silent"),
             ("other", 'echo \'{"gridspace_program": 2, "name": "x"}\'', "gridspace_program"),
-            ("hanging", "sleep 60", "no answer within 5 s"),
+            ("doubled", 'echo \'{"gridspace_program": 1, "name": "x", "signals": [{"name": "a.b.c"}, {"name": "a.b.c"}]}\'', "`signals` has 'a.b.c' twice"),
+            ("beyond", 'echo \'{"gridspace_program": 1, "name": "x", "settings": [{"key": "k_kw", "kind": "number", "default": "3", "max": 2}]}\'',
+             "the setting 'k_kw' cannot have its own default, 3"),
+            ("hanging", "sleep 60", "no answer within 1 s"),
             ("endless", "yes", "it printed more than 1048576 octets"),
-            ("lingering", "exec >&- 2>&-; sleep 60", "no answer within 5 s"),
+            ("lingering", "exec >&- 2>&-; sleep 60", "no answer within 1 s"),
         ):
             with self.subTest(name):
                 self.refused(expected if name != "talking" else "talking --describe:1:1", ev1={"program": {"path": str(self.script(name, text))}})

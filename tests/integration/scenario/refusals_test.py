@@ -9,6 +9,7 @@ import unittest
 from harness import CASE_1, SOURCE, USAGE, ScenarioTest, gridspace
 
 NETWORK = SOURCE / "configs/networks/ev_microgrid.yaml"
+STUDY = SOURCE / "configs/studies/ev_requested_times.yaml"
 PROTECTION = SOURCE / "configs/scenarios/protection.yaml"
 
 
@@ -34,6 +35,16 @@ class Refusals(ScenarioTest):
         err = self.refused("powerflow", CASE_1)
         self.assertIn("this is a scenario file, and a network is expected", err)
         self.assertIn("1 error.", err)
+        err = self.refused("run", STUDY)
+        self.assertIn("this is a study file, and a scenario is expected", err)
+        self.assertIn("gridspace sweep", err)
+        self.assertIn("1 error.", err)
+
+    def test_a_number_that_cannot_be_is_named_with_what_was_expected(self):
+        for words, expected in ((("compare", "a", "b", "--tolerance", "-1"), "'-1' is not a number from 0 on"),
+                                (("compare", "a", "b", "--tolerance", "nan"), "'nan' is not a number from 0 on"),
+                                (("simulate", NETWORK, "--every", "0"), "'0' is not a number above 0")):
+            self.assertIn(expected, self.refused(*words))
 
     def test_a_run_that_is_not_there_is_called_that(self):
         missing = self.folder / "nolatest"

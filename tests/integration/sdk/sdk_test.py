@@ -115,10 +115,13 @@ class Sdk(harness.ScenarioTest):
         header = (harness.SOURCE / "sdk/gridspace/agent.h").read_text()
         self.assertEqual(shown, {f"{name}@@GRIDSPACE_1" for name in re.findall(r"^GRIDSPACE_API .*?(gridspace_\w+)\(", header, re.M)})
 
+    def test_who_builds_only_the_programs_has_the_headers_of_agents_too(self):
+        self.assertIn("sdk/agent_types", self.do("ninja", "-C", harness.BIN.resolve().parent, "-t", "query", "programs"))
+
     def test_new_scenarios_and_networks_pass_their_tests(self):
         for kind in ("scenario", "network"):
             *_, testing = self.do(harness.BIN / "gridspace", "new", kind, f"my_{kind}").splitlines()
-            self.do("sh", "-c", testing, PATH=f"{harness.BIN}:{os.environ['PATH']}")
+            self.do("sh", "-c", testing)  # as it was printed, though PATH does not lead to gridspace
 
     def test_the_tutorial_does_what_it_says(self):
         tutorial = (harness.SOURCE / "docs/tutorials/first_agent_in_python.md").read_text()
@@ -139,6 +142,7 @@ class Sdk(harness.ScenarioTest):
     def test_a_name_that_cannot_be_is_refused_and_nothing_is_overwritten(self):
         new = [harness.BIN / "gridspace", "new", "agent"]
         for name, expected in (("My-Agent", "'My-Agent' cannot be the name"), ("a" * 33, "at most 32"), ("lambda", "it means something already"),
+                               ("json", "it means something already"), ("install", "it means something already"),
                                ("../up", "cannot be the name"), ("", "cannot be the name")):
             self.assertIn(expected, self.do(*new, name, code=harness.USAGE))
         self.assertIn("--language", self.do(*new, "x", "--language", "fortran", code=harness.USAGE))

@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(, Table, testing::Bool(),
 TEST_P(Table, EveryQuantityIsFollowedByTheSolversThatItNamesAndByNoOther) {
     for (ActionKind const& kind : action_kinds()) {
         for (std::string const& element : kind.names(n)) {
-            for (Quantity const& q : kind.quantities) {
+            for (Quantity const& q : kind.settable) {
                 double const value = start_value(n, kind, element, q);
                 SetParameter const action{fmt::format("{}.{}.{}", kind.section, element, q.name), value};
                 bool const follows =
@@ -83,7 +83,7 @@ TEST_P(Table, EveryQuantityIsFollowedByTheSolversThatItNamesAndByNoOther) {
 
 TEST_P(Table, AValueOutOfRangeOrNotFiniteIsRefused) {
     for (ActionKind const& kind : action_kinds()) {
-        for (Quantity const& q : kind.quantities) {
+        for (Quantity const& q : kind.settable) {
             for (double const bad : {std::nan(""), std::numeric_limits<double>::infinity(), -1.0}) {
                 if (!within(q.range, bad)) {
                     std::string const path = fmt::format("{}.{}.{}", kind.section, kind.names(n).front(), q.name);

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "common/privileges.hpp"
+#include "common/privileges/call_filter.hpp"
+
+#include "common/privileges/capabilities.hpp"
 
 #include <cerrno>
 #include <csignal>
@@ -48,24 +50,38 @@ TEST_F(Privileges, OfTheCapabilitiesOnlyTheGivenOnesAreLeft) {
 TEST_F(Privileges, AForbiddenCallEndsTheProcessAndIsNamed) {
     EXPECT_EXIT(
         {
-            forbid_what_no_process_does();
+            allow_only_known_calls();
             ::unshare(CLONE_NEWNS);
             ::_exit(0);
         },
         testing::KilledBySignal(SIGSYS), "forbidden: this process called unshare");
     EXPECT_EXIT(
         {
-            forbid_what_no_process_does();
+            allow_only_known_calls();
             ::mount("none", "/nowhere", "tmpfs", 0, nullptr);
             ::_exit(0);
         },
-        testing::KilledBySignal(SIGSYS), "called mount,");
+        testing::KilledBySignal(SIGSYS), "called mount .system call [0-9]+.,");
+}
+
+TEST_F(Privileges, WhatIsNotOnTheListEndsTheProcessAndACallOfANewerKernelIsNotThere) {
+    EXPECT_EXIT(
+        {
+            allow_only_known_calls();
+            bool const newer_is_absent = ::syscall(4000) == -1 && errno == ENOSYS;
+            if (!newer_is_absent) {
+                ::_exit(1);
+            }
+            ::syscall(SYS_keyctl, 0, 0, 0, 0, 0); // harmless, and on no list
+            ::_exit(0);
+        },
+        testing::KilledBySignal(SIGSYS), "called keyctl .system call [0-9]+.");
 }
 
 TEST_F(Privileges, NothingIsStartedInANewNamespaceAndThreadsAreStarted) {
     EXPECT_EXIT(
         {
-            forbid_what_no_process_does();
+            allow_only_known_calls();
             std::thread{[] {}}.join();
             bool const gone = ::syscall(SYS_clone3, nullptr, 0) == -1 && errno == ENOSYS;
             if (!gone) {
@@ -74,14 +90,14 @@ TEST_F(Privileges, NothingIsStartedInANewNamespaceAndThreadsAreStarted) {
             ::syscall(SYS_clone, CLONE_NEWUSER | SIGCHLD, nullptr, nullptr, nullptr, nullptr);
             ::_exit(0);
         },
-        testing::KilledBySignal(SIGSYS), "called clone .into a new namespace.");
+        testing::KilledBySignal(SIGSYS), "called clone .into a new namespace. ");
 }
 
 TEST_F(Privileges, AThreadThatRunsAlreadyIsBoundToo) {
     EXPECT_EXIT(
         {
             std::thread{[] {
-                std::thread{[] { forbid_what_no_process_does(); }}.join();
+                std::thread{[] { allow_only_known_calls(); }}.join();
                 ::unshare(CLONE_NEWNS);
             }}.join();
             ::_exit(0);

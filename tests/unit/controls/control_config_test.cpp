@@ -57,10 +57,13 @@ TEST(ControlConfig, EachMistakeIsNamedWithWhatWasExpected) {
              {"load.X*.p_kw: {from: a}", "no load can be steered so"},
              {"load.L*.p_kw: {from: a}\nload.*1.p_kw: {from: b}", "is about load 'L1' as well"},
              {"breaker.CB: {from: a, commands: [opne]}", "did you mean 'open'?"},
+             {"source.S.frequency_hz: {from: a, high_hz: 1e9}", "expected >= 25 and <= 75"},
+             {"machine.*.frequency_setpoint_hz: {from: a, hold_s: 1, then: 10}", "expected >= 25 and <= 75"},
              {"generator.G.p_kw: {from: a}", "a generator of role slack gives what the network needs"},
          }) {
         EXPECT_THAT(said(text), HasSubstr(expected)) << text;
     }
+    EXPECT_EQ(said("source.S.frequency_hz: {from: a, high_hz: 400}", true), "") << "waveforms follow any";
     EXPECT_THAT(said("transformer.T.tap_ratio: {from: a}", true), HasSubstr("there is no transformer 'T'"));
 }
 

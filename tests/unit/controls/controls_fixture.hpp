@@ -27,6 +27,9 @@ lines: {L: {from: A, to: B, r_ohm: 0.05, l_mh: 0.1}}
 breaker_types: {quick: {mechanism_ms: 0}}
 breakers: {CB: {line: L, end: from, type: quick}}
 generators: {G: {bus: A, role: slack}}
+sources: {S: {bus: B, r_ohm: 0.01, l_mh: 0.1}}
+machine_types: {unit: {model: classical, constants_pu: {xd1: 0.3, x0: 0.15}, inertia_h_s: 3.5, governor: {droop_percent: 5}}}
+machines: {M: {bus: B, type: unit, rating_kva: 50, p_kw: 5}}
 loads: {L1: {bus: B, p_kw: 10}, L2: {bus: B, p_kw: 5}, DC: {bus: B, p_kw: 1, model: dc_resistive}}
 batteries: {BAT1: {bus: B, capacity_kwh: 20, rating_kva: 20, p_kw: 2}, BAT2: {bus: B, capacity_kwh: 20, rating_kva: 20}}
 )"),

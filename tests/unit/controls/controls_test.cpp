@@ -31,6 +31,8 @@ class RecordingEngine final : public Engine {
         } else if (auto const* breaker = std::get_if<SwitchBreaker>(&action)) {
             told_.push_back(
                 fmt::format("{} s {} {}", now_.quanta, breaker->close ? "close" : "open", breaker->breaker));
+        } else if (auto const* mode = std::get_if<SetMode>(&action)) {
+            told_.push_back(fmt::format("{} s mode of {}: {}", now_.quanta, mode->element, mode->mode));
         } else {
             return fail(ExitCode::usage, "the engine cannot");
         }
@@ -164,6 +166,17 @@ TEST_F(Steering, WhatIsRefusedDoesNothingAndSaysWhoWhatAndWhy) {
     EXPECT_THAT(told, IsEmpty());
 }
 
+TEST_F(Steering, AFrequencyThatPhasorsDoNotDescribeIsRefusedWithoutLimitsToo) {
+    controls("source.S.frequency_hz: {from: ems}");
+    ask(1e9, 0, "ems", "source.S", "frequency_hz");
+    ask(51, 0, "ems", "source.S", "frequency_hz");
+    run_until(1);
+    EXPECT_THAT(events, ElementsAre("0 s set_point_refused: source.S.frequency_hz = 1000000000 of 'ems': expected >= "
+                                    "25 and <= 75, ignored"));
+    EXPECT_THAT(told, ElementsAre("0 s sources.S.frequency_hz = 51"));
+    EXPECT_EQ(simulation.last_request(), "source.S.frequency_hz = 51 at 0 s");
+}
+
 TEST_F(Steering, OneWhoComesTooLateIsRefused) {
     controls("battery.BAT1.p_kw: {from: ems}");
     run_until(9);
@@ -212,6 +225,20 @@ TEST_F(Steering, ARefusalIsSaidOnceUntilOneIsObeyed) {
     }
     EXPECT_LE(events.size(), 1002U);
     EXPECT_EQ(sut->refused(), 5004U);
+}
+
+TEST_F(Steering, AModeIsAWordOfItsKind) {
+    controls("machine.M: {from: ems}");
+    auto const order = [&](std::string_view mode) {
+        sut->command(simulation, {simulation.now(), simulation.now(), "ems", "", "machine.M", 0},
+                     static_cast<std::size_t>(Command::mode), mode);
+    };
+    order("fixed");
+    order("droop");
+    run_until(1);
+    EXPECT_THAT(told, ElementsAre("0 s mode of M: droop"));
+    EXPECT_THAT(events, ElementsAre("0 s command_refused: mode fixed machine.M of 'ems': expected isochronous, droop, "
+                                    "fixed_power, ignored"));
 }
 
 TEST_F(Steering, CommandsAreDoneOnceByWhomMayGiveThem) {

@@ -40,8 +40,8 @@ struct Grid {
 double difference(Grid const& grid, SwitchBits const& to, bool& updated) {
     StepCoefficients coefficients;
     fill_coefficients(grid.c, kStep, coefficients);
-    auto const base = make_system(grid.c, grid.bits, coefficients, {});
-    auto const fresh = make_system(grid.c, to, coefficients, {});
+    auto const base = make_system(grid.c, grid.bits, coefficients);
+    auto const fresh = make_system(grid.c, to, coefficients);
     EXPECT_TRUE(base && fresh);
     auto const changed = update_system(grid.c, *base, to);
     updated = changed != nullptr;
@@ -120,7 +120,7 @@ TEST(NodalUpdate, RefusesToCutAPartOffFromEarth) {
     off.faulted = {{false, false, false}};
     StepCoefficients coefficients;
     fill_coefficients(c, kStep, coefficients);
-    auto const base = make_system(c, on, coefficients, {});
+    auto const base = make_system(c, on, coefficients);
     ASSERT_TRUE(base.has_value());
     EXPECT_EQ(update_system(c, *base, off), nullptr);
 }

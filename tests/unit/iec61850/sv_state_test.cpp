@@ -364,6 +364,30 @@ TEST(SvSubscriber, FollowsSlowStreamsOfAnUnknownRate) {
     }
 }
 
+TEST(SvSubscriber, WhoListensFromJustBeforeTheSecondTakesTheFirstWrapForNoRestart) {
+    for (int const rate : {10, 50, 80, 200}) {
+        for (int before = 1; before <= 20; ++before) {
+            std::int64_t const heap = before % 2 == 0 ? 3 : 1; // who listens got no processor meanwhile
+            SvSubscriber sut{subscription(0)};
+            std::int64_t const period = 1'000'000'000 / rate;
+            for (int n = rate - before; n < 3 * rate; ++n) {
+                std::int64_t const arrives =
+                    (n + rate + heap - 1) / heap * heap * period + (n + rate + 2) % 3 * period / 20;
+                (void)sut.receive(static_cast<std::uint16_t>((n + rate) % rate), arrives);
+            }
+            EXPECT_EQ(sut.counters().of(SvEvent::restart), 0U) << rate << ' ' << before;
+            EXPECT_EQ(sut.counters().lost, 0U) << rate << ' ' << before;
+            EXPECT_EQ(sut.wrap(), static_cast<std::uint32_t>(rate)) << before;
+        }
+    }
+    SvSubscriber sut{subscription(0)}; // a second of 76 samples at 80 Hz: its publisher began anew
+    std::int64_t now = 0;
+    for (int const n : {73, 74, 75, 0, 1, 2}) {
+        (void)sut.receive(static_cast<std::uint16_t>(n), now += 12'500'000);
+    }
+    EXPECT_EQ(sut.counters().of(SvEvent::restart), 1U);
+}
+
 TEST(SvSubscriber, CountsWhatIsLostInAnOutageOfAnUnknownStream) {
     for (int const rate : {80, 4000, 4800, 12800, 14400, 15360}) {
         for (int const before : {rate / 3, 3 * rate}) { // the wrap is not yet known; it is

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/monitor_settings.hpp"
 
+#include "common/config/yaml.hpp"
 #include "gateways/iec61850/frame.hpp"
 #include "launcher/scenario/scenario.hpp"
 
@@ -43,6 +44,21 @@ TEST(MonitoredRun, HasTheEndsOfStreamsAndNotWhoCapturesALink) {
         ends.push_back(wire.find("process")->text + " " + wire.find("stream")->text);
     }
     EXPECT_THAT(ends, testing::ElementsAre("mu SMV", "relay SMV"));
+}
+
+TEST(MonitoredRun, HasWhatIsExpectedAsAReaderWouldSayIt) {
+    Scenario s;
+    std::string const text =
+        "cb3_ms: {time_of: breaker.CB3.position == open, since: fault, unit: ms, between: [9, 21]}";
+    config::Diagnostics diagnostics;
+    s.expect = *config::parse_yaml(text, config::make_source("e.yaml", text), diagnostics);
+
+    config::Node const run = monitored_run(s, "..");
+
+    config::Node const& expectation = run.find("expectations")->items.at(0);
+    EXPECT_EQ(expectation.find("rule")->text, "time of breaker.CB3.position == open, since fault");
+    EXPECT_EQ(expectation.find("accepted")->text, "9 .. 21");
+    EXPECT_EQ(expectation.find("unit")->text, "ms");
 }
 
 } // namespace

@@ -385,12 +385,14 @@ TEST(WireTiming, ADelayBelowZeroIsNotMeasurableAndGetsNoVerdict) {
 
 TEST(WireTiming, AStepBeforeTheOneBeforeItGetsNoVerdict) {
     Results r = run();
-    r.signals["relay.relay2.sample_to_decision_ms"] = {"ms", {ns(1.000), ns(1.001)}, {2.75, -199}};
+    r.signals["stream.TRIP2.heard_after_ms"].values.back() = 904;
 
     WireTiming const timing = measure_wire_timing(r, scenario());
     auto const sut = cells(wire_timing_tables(timing, {}), "From fault");
 
-    EXPECT_NE(sut.find("relay decides to trip|-98.000|-199.000|not measurable|"), std::string::npos) << sut;
+    EXPECT_NE(sut.find("trip GOOSE received|4.000|-100.000|not measurable|"), std::string::npos) << sut;
+    EXPECT_EQ(timing.relays[0].chain[1].what, "relay decides to trip");
+    EXPECT_FALSE(timing.relays[0].chain[1].communication) << "a transfer class is about a message";
     EXPECT_NE(wire_timing_json(timing).find(R"("within_class":null)"), std::string::npos);
 }
 

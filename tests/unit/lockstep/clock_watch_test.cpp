@@ -38,10 +38,18 @@ TEST(ClockWatch, TakesItsOwnPreemptionBetweenTwoReadingsForNoStep) {
 TEST(ClockWatch, NoticesAnotherClockThanTheSimulators) {
     ClockWatch sut;
     for (int i = 0; i < ClockWatch::kSamples; ++i) {
-        EXPECT_FALSE(sut.offset(kNow + i * 10 * kMs, kNow + i * 10 * kMs - 300 * kMs)) << "not after sample " << i;
+        EXPECT_FALSE(sut.offset(kNow + i * 160 * kMs, kNow + i * 160 * kMs - 300 * kMs)) << "not after sample " << i;
     }
-    EXPECT_EQ(sut.offset(kNow + 200 * kMs, kNow - 100 * kMs), -300 * kMs);
-    EXPECT_FALSE(sut.offset(kNow + 210 * kMs, kNow - 90 * kMs)) << "it is said once";
+    EXPECT_EQ(sut.offset(kNow + 3200 * kMs, kNow + 2900 * kMs), -300 * kMs);
+    EXPECT_FALSE(sut.offset(kNow + 3360 * kMs, kNow + 3060 * kMs)) << "it is said once";
+}
+
+TEST(ClockWatch, TakesItsOwnLackOfAProcessorForNoOffsetHoweverManySamplesComeMeanwhile) {
+    ClockWatch sut;
+    for (int i = 0; i < 5000; ++i) { // at 900 times the pace of the wall clock
+        std::int64_t const sent = kNow + i * kMs;
+        EXPECT_FALSE(sut.offset(sent, sent + (i < 2500 ? 240 : 3) * kMs)) << i;
+    }
 }
 
 TEST(ClockWatch, TakesALateSampleForNoOffset) {

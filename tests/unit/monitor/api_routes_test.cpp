@@ -62,6 +62,38 @@ TEST_F(ApiAnswers, RefuseAStretchThatEndsBeforeItBegins) {
     EXPECT_EQ(ask("GET", "/api/v1/signals/query", {{"names", "x"}, {"t0", "5"}, {"t1", "5"}}).status, 404); // no signal
 }
 
+TEST_F(ApiAnswers, TellWhatIsExpectedAndOfARecordedRunWhatCameOfIt) {
+    std::filesystem::path const folder = std::filesystem::path{testing::TempDir()} / "verdict_of_a_run";
+    std::filesystem::create_directories(folder / "report");
+    std::ofstream{folder / "report" / "summary.json"}
+        << R"({"exit": 1, "overruns": 3, "expectations": [{"name": "late", "value": 7.5, "unit": "ms", "pass": false, "detail": "at 1 s"}]})";
+    RunPlan plan;
+    plan.events = folder / "events.ndjson";
+    plan.expectations = {{"late", "max of x", "< 3", "ms"}, {"new", "never y", "", ""}};
+    LiveRun run{plan};
+    Api const sut{run, [] { return web::ServerCounters{}; }};
+    json const live = json::parse(sut.verdict());
+    EXPECT_EQ(live["judged"], false);
+    EXPECT_TRUE(live["expectations"][0]["pass"].is_null());
+
+    run.recorded = true;
+    json const recorded = json::parse(sut.verdict());
+
+    EXPECT_EQ(recorded["judged"], true);
+    EXPECT_EQ(recorded["overruns"], 3);
+    EXPECT_EQ(recorded["expectations"][0], json({{"name", "late"},
+                                                 {"rule", "max of x"},
+                                                 {"accepted", "< 3"},
+                                                 {"unit", "ms"},
+                                                 {"advisory", false},
+                                                 {"value", 7.5},
+                                                 {"pass", false},
+                                                 {"detail", "at 1 s"}}));
+    EXPECT_TRUE(recorded["expectations"][1]["pass"].is_null()) << "nobody has judged it";
+    std::ofstream{folder / "report" / "summary.json"} << "{";
+    EXPECT_EQ(json::parse(sut.verdict())["judged"], false);
+}
+
 TEST_F(ApiAnswers, MetricsNameATopicOfWhichNothingWasHeard) {
     run_.graph.participant_found("data", {"p1", {"ev1", 0, "gridspace-ev"}, {}});
     bus::DiscoveredEndpoint writer;

@@ -13,20 +13,20 @@ TEST(Profile, IsLinearBetweenPointsAndConstantOutside) {
     Profile sut;
     sut.hours = {1, 2, 4};
     sut.values = {10, 20, 0};
-    EXPECT_DOUBLE_EQ(profile_value(sut, 0, 9), 10);
-    EXPECT_DOUBLE_EQ(profile_value(sut, 1.5, 9), 15);
-    EXPECT_DOUBLE_EQ(profile_value(sut, 3, 9), 10);
-    EXPECT_DOUBLE_EQ(profile_value(sut, 9, 9), 0);
+    EXPECT_DOUBLE_EQ(sut.value_at(0, 9), 10);
+    EXPECT_DOUBLE_EQ(sut.value_at(1.5, 9), 15);
+    EXPECT_DOUBLE_EQ(sut.value_at(3, 9), 10);
+    EXPECT_DOUBLE_EQ(sut.value_at(9, 9), 0);
 }
 
 TEST(Profile, TheSunFollowsTheHourOfTheDay) {
     Profile sut;
     sut.time = Profile::Time::hour_of_day;
     sut.half_sine = Profile::HalfSine{6, 20, 1.2};
-    EXPECT_DOUBLE_EQ(profile_value(sut, 4, 9), 1); // 13:00, the middle of the day
-    EXPECT_NEAR(profile_value(sut, 0, 9), std::pow(std::sin(std::numbers::pi * 3 / 14), 1.2), 1e-12);
-    EXPECT_DOUBLE_EQ(profile_value(sut, 12, 9), 0);   // 21:00
-    EXPECT_NEAR(profile_value(sut, 28, 9), 1, 1e-12); // 13:00 of the next day
+    EXPECT_DOUBLE_EQ(sut.value_at(4, 9), 1); // 13:00, the middle of the day
+    EXPECT_NEAR(sut.value_at(0, 9), std::pow(std::sin(std::numbers::pi * 3 / 14), 1.2), 1e-12);
+    EXPECT_DOUBLE_EQ(sut.value_at(12, 9), 0);   // 21:00
+    EXPECT_NEAR(sut.value_at(28, 9), 1, 1e-12); // 13:00 of the next day
 }
 
 TEST(Profile, CloudsMultiply) {
@@ -34,8 +34,8 @@ TEST(Profile, CloudsMultiply) {
     sut.hours = {0};
     sut.values = {2};
     sut.clouds = {{3, 50, 0.2}};
-    EXPECT_DOUBLE_EQ(profile_value(sut, 3, 0), 1);
-    EXPECT_NEAR(profile_value(sut, 3.2, 0), 2 * (1 - 0.5 * std::exp(-1.0)), 1e-12);
+    EXPECT_DOUBLE_EQ(sut.value_at(3, 0), 1);
+    EXPECT_NEAR(sut.value_at(3.2, 0), 2 * (1 - 0.5 * std::exp(-1.0)), 1e-12);
 }
 
 TEST(LineTotals, ComeFromATypeAndALengthOrFromTotals) {
@@ -53,10 +53,11 @@ TEST(LineTotals, ComeFromATypeAndALengthOrFromTotals) {
     by_totals.r_ohm = 0.16;
     by_totals.l_mh = 0.055 / (2 * std::numbers::pi * 60) * 1e3;
     by_totals.r0_ohm = 0.3;
-    EXPECT_DOUBLE_EQ(line_totals(network, by_type).r_ohm, 0.16);
-    EXPECT_DOUBLE_EQ(line_totals(network, by_type).l_h, line_totals(network, by_totals).l_h);
-    EXPECT_DOUBLE_EQ(line_totals(network, by_type).r0_ohm, 0.16); // zero sequence as positive when not given
-    EXPECT_DOUBLE_EQ(line_totals(network, by_totals).r0_ohm, 0.3);
+    NetworkAround const around{network};
+    EXPECT_DOUBLE_EQ(by_type.totals(around).r_ohm, 0.16);
+    EXPECT_DOUBLE_EQ(by_type.totals(around).l_h, by_totals.totals(around).l_h);
+    EXPECT_DOUBLE_EQ(by_type.totals(around).r0_ohm, 0.16); // zero sequence as positive when not given
+    EXPECT_DOUBLE_EQ(by_totals.totals(around).r0_ohm, 0.3);
 }
 
 TEST(Load, ReactivePowerComesFromThePowerFactor) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/network/profile_csv.hpp"
+#include "sim/components/profile/profile_csv.hpp"
 
 #include <fstream>
 #include <gmock/gmock.h>

@@ -9,6 +9,7 @@ namespace gridspace::relay {
 namespace {
 
 constexpr std::int64_t kPeriod = 208'333;
+CurrentInputs::Members const kPhases{std::array<std::string, 3>{"Ia", "Ib", "Ic"}, {}};
 
 streams::Stream stream(std::string sv_id, std::uint8_t synch = iec61850::kGlobalClock) {
     streams::Stream out;
@@ -33,7 +34,7 @@ class Bench {
           bool accept_test = false)
         : streams_{std::move(streams)},
           sut{*CurrentInputs::create(streams_[0], streams_[1],
-                                     {{"Ia", "Ib", "Ic"}, 20'000'000, 3, {.on_finding = on_finding}, accept_test})} {
+                                     {{kPhases, kPhases}, 20'000'000, 3, {.on_finding = on_finding}, accept_test})} {
         sut.on_silence([this](std::size_t end) { silent.push_back(end); });
         sut.on_finding([this](std::size_t end, std::uint32_t found, iec61850::Mac const&) { findings[end] |= found; });
     }

@@ -29,6 +29,7 @@ TEST(Schema, TheCommittedSchemaOfRoutersIsCurrent) {
 }
 TEST(Schema, TheCommittedSchemaOfStudiesIsCurrent) {
     EXPECT_TRUE(committed("configs/schema/study.schema.json") == study_schema()) << kHowTo;
+    EXPECT_TRUE(committed("configs/schema/certify.schema.json") == certify_schema()) << kHowTo;
 }
 TEST(Schema, TheCommittedReferencePageIsCurrent) {
     EXPECT_TRUE(committed("docs/reference/config.md") == config_page()) << kHowTo;

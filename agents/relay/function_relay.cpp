@@ -1,0 +1,158 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "agents/relay/functions/function_config.hpp"
+#include "agents/relay/relay_member.hpp"
+
+#include <fmt/format.h>
+
+namespace gridspace::relay {
+namespace {
+
+/// The relay of a bay: its functions, their states as signals, events and members of the trip stream.
+class FunctionRelay final : public RelayMember {
+  public:
+    using RelayMember::RelayMember;
+
+  private:
+    /// A member of the trip stream beside the trip, and what it says.
+    struct Output {
+        FunctionOutput of;
+        bool state{false};
+    };
+
+    Result<void> prepare_relay() override {
+        std::string const prefix = "relay." + node_.config().process + ".";
+        std::vector<bus::SignalColumn> columns;
+        for (NamedFunction const& f : bay().functions().functions()) {
+            columns.push_back({prefix + f.name + ".str", ""});
+            columns.push_back({prefix + f.name + ".op", ""});
+        }
+        row_.resize(columns.size());
+        auto states = bus::SignalPublisher::create(node_, "functions", 0, std::move(columns));
+        if (!states) {
+            return std::unexpected{states.error()};
+        }
+        states_ = std::move(*states);
+        for (auto const& [member, what] : settings_.relay.bay.outputs) {
+            auto const of = find_output(bay().functions(), what.name);
+            if (!of) {
+                return fail(ExitCode::usage, fmt::format("'{}' is no output of a function", what.name),
+                            "NAME.op or NAME.str");
+            }
+            outputs_.push_back({*of});
+        }
+        params_.required_synch = settings_.relay.logic.required_synch;
+        params_.accept_questionable = settings_.relay.logic.accept_questionable;
+        params_.test_mode = settings_.relay.logic.test_mode;
+        if (parts_.signals->streams() == 1) {
+            params_.required_synch = Synch::none; // nothing to compare it with
+        }
+        return {};
+    }
+
+    [[nodiscard]] BayRelay& bay() { return *parts_.bay; }
+
+    void announce(SimTime now) override { states_->announce(now); }
+
+    void pair(LineSample const& sample) override {
+        BaySample out{sample.index, {}, {}, {}};
+        std::array<bool, 2> const is_usable{usable(sample.from, params_), usable(sample.to, params_)};
+        auto const put = [&](std::optional<BaySource> const& source, bool voltages, std::optional<Abc>& value) {
+            if (source && is_usable[source->end]) {
+                EndSample const& end = source->end == 0 ? sample.from : sample.to;
+                value = voltages ? end.v_v : end.i_a;
+            }
+        };
+        put(parts_.sources.currents, false, out.i_a);
+        put(parts_.sources.voltages, true, out.v_v);
+        put(parts_.sources.bus_voltages, true, out.bus_v);
+        bay().step(out);
+        if (sample.from.present && sample.to.present) {
+            parts_.signals->decided(sample.index, clock_.utc_ns(0), *time_);
+        }
+        act();
+    }
+
+    void silent(std::size_t end) override {
+        unsigned lost = 0;
+        for (auto const& [source, quantity] : {std::pair{&parts_.sources.currents, kCurrents},
+                                               {&parts_.sources.voltages, kVoltages},
+                                               {&parts_.sources.bus_voltages, kBusVoltages}}) {
+            lost |= *source && (*source)->end == end ? unsigned{quantity} : 0U;
+        }
+        if (lost != 0) {
+            bay().lost(static_cast<std::uint8_t>(lost));
+            act();
+        }
+    }
+
+    void act() {
+        if (bay().changes() == seen_) {
+            return;
+        }
+        seen_ = bay().changes();
+        if (bay().trip() != tripped_) {
+            tripped_ = bay().trip();
+            send(tripped_ && settings_.relay.logic.in_service);
+        }
+        for (std::size_t i = 0; i < outputs_.size(); ++i) {
+            FunctionState const& f = bay().functions().states()[outputs_[i].of.function];
+            bool const state = outputs_[i].of.op ? f.op : f.str;
+            if (state != outputs_[i].state) {
+                outputs_[i].state = state;
+                send(state && settings_.relay.logic.in_service, i + 1);
+            }
+        }
+        publish_state();
+        publish_events();
+    }
+
+    void publish_state() override {
+        if (!time_->is_known()) {
+            return;
+        }
+        parts_.signals->state(now(), bay().pickup(), bay().trip(), bay().blocked(), time_->instant_s(bay().index()));
+        for (std::size_t i = 0; i < row_.size() / 2; ++i) {
+            row_[2 * i] = bay().functions().states()[i].str ? 1 : 0;
+            row_[2 * i + 1] = bay().functions().states()[i].op ? 1 : 0;
+        }
+        states_->row(now(), row_);
+    }
+
+    void publish_events() {
+        bay().events().drain([&](FunctionEvent const& event) { tell(name_of(event.kind), text_of(event)); });
+    }
+
+    std::string text_of(FunctionEvent const& event) {
+        using Kind = FunctionEvent::Kind;
+        std::string text = fmt::format("sample {}", event.index);
+        if (event.kind <= Kind::unblock) {
+            text = bay().functions().functions()[event.function].name + ", " + text;
+        }
+        text += event.phases != 0 ? ", phases " + phase_names(event.phases) : "";
+        if (event.kind == Kind::start || event.kind == Kind::operate || event.kind == Kind::trip) {
+            text += parts_.sources.currents
+                        ? fmt::format(", {:.1f} {:.1f} {:.1f} A", event.i_a[0], event.i_a[1], event.i_a[2])
+                        : "";
+            text += parts_.sources.voltages
+                        ? fmt::format(", {:.1f} {:.1f} {:.1f} V", event.v_v[0], event.v_v[1], event.v_v[2])
+                        : "";
+        }
+        return text;
+    }
+
+    RelayParams params_; ///< which samples are trusted
+    std::unique_ptr<bus::SignalPublisher> states_;
+    std::vector<double> row_;
+    std::vector<Output> outputs_;
+    std::uint64_t seen_{0};
+    bool tripped_{false};
+};
+
+} // namespace
+
+std::unique_ptr<RelayMember> make_function_relay(RelaySettings const& settings, DaemonRun& run, bus::Node& node) {
+    return std::make_unique<FunctionRelay>(settings, run, node);
+}
+
+} // namespace gridspace::relay

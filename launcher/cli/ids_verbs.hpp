@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "launcher/cli/verbs.hpp"
+
+/// The verbs of `gridspace ids` that judge what others bring: their captures, their detectors.
+namespace gridspace::cli {
+
+void add_ids_scan(CLI::App& ids, Action& action);
+void add_ids_score(CLI::App& ids, Action& action);
+
+} // namespace gridspace::cli

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/ids/score/verdict_score.hpp"
+
+#include "common/config/yaml.hpp"
+#include "gateways/streams/stream.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <set>
+
+namespace gridspace::score {
+namespace {
+
+constexpr double kBlockS = 0.1;
+
+std::map<SampleKey, std::string> altered_samples(Truth const& truth, bool by_phase) {
+    std::map<SampleKey, std::string> out; ///< and by which attack
+    for (auto const& label : truth.labels) {
+        out.emplace(SampleKey{label.target, label.index, by_phase ? label.channel : std::uint8_t{0}}, label.attack);
+    }
+    return out;
+}
+
+} // namespace
+
+Result<Truth> read_truth(std::filesystem::path const& run, double simulated_s) {
+    auto recording = launcher::read_intrusion_recording(run / "data.mcap");
+    if (!recording) {
+        return std::unexpected{recording.error()};
+    }
+    Truth out;
+    config::Diagnostics diagnostics;
+    if (auto scenario = config::load_yaml(run / "scenario.resolved.yaml", diagnostics)) {
+        if (config::Node* const all = scenario->find("streams")) {
+            for (streams::Stream const& stream : streams::read_streams(*all, diagnostics)) {
+                if (stream.kind == streams::Kind::smv && !stream.broken) {
+                    out.extent.rates_hz[stream.name.name] = stream.rate_hz.to_double();
+                    out.extent.names[stream.sv_id] = stream.name.name;
+                }
+            }
+        }
+    }
+    if (!diagnostics.ok()) {
+        return fail(ExitCode::usage, diagnostics.render());
+    }
+    out.extent.end_s = simulated_s;
+    std::set<std::string> attacked;
+    for (auto& label : recording->labels) {
+        if (out.extent.rates_hz.contains(label.target)) {
+            attacked.insert(label.target);
+            out.labels.push_back(std::move(label));
+        } else {
+            ++out.messages_not_judged[label.attack];
+        }
+    }
+    out.extent.only_stream = attacked.size() == 1 ? *attacked.begin() : "";
+    if (out.labels.empty()) {
+        return fail(ExitCode::usage,
+                    fmt::format("'{}' holds no label of a stream of sampled values: there is no truth to judge by",
+                                run.string()),
+                    "a run with `attacks:` on one, whose attacker has `labels:`, and with `record: {samples: all}`");
+    }
+    return out;
+}
+
+VerdictScore score_verdicts(Truth const& truth, Verdicts verdicts, bool others_are_genuine, std::uint64_t seed) {
+    VerdictScore out;
+    out.by_phase = verdicts.by_phase;
+    out.has_scores = verdicts.has_scores;
+    out.judged = verdicts.all.size();
+    out.messages_not_judged = truth.messages_not_judged;
+    auto const altered = altered_samples(truth, verdicts.by_phase);
+    out.altered = altered.size();
+    double lowest = 0;
+    for (auto const& [key, verdict] : verdicts.all) {
+        lowest = std::min(lowest, verdict.score);
+    }
+    for (auto const& [key, attack] : altered) {
+        out.altered_unjudged += verdicts.all.try_emplace(key, Verdict{false, lowest}).second ? 1U : 0U;
+    }
+    std::set<std::string> judged;
+    for (auto const& [key, verdict] : verdicts.all) {
+        judged.insert(key.stream);
+    }
+    for (std::string const& stream : others_are_genuine ? judged : std::set<std::string>{}) {
+        for (std::int64_t i = 0; i < truth.extent.samples(stream); ++i) {
+            for (std::uint8_t phase = 0; phase < (verdicts.by_phase ? 3 : 1); ++phase) {
+                verdicts.all.try_emplace({stream, i, phase}, Verdict{false, lowest});
+            }
+        }
+    }
+    ids::Scorer scorer;
+    std::map<std::pair<std::string, std::int64_t>, std::uint32_t> blocks;
+    std::vector<ids::Judgement> judgements;
+    for (auto const& [key, verdict] : verdicts.all) {
+        auto const number =
+            static_cast<std::int64_t>(static_cast<double>(key.index) / truth.extent.rates_hz.at(key.stream) / kBlockS);
+        auto const block =
+            blocks.try_emplace({key.stream, number}, static_cast<std::uint32_t>(blocks.size())).first->second;
+        judgements.push_back({block, altered.contains(key), verdict.flagged, verdict.score});
+        scorer.add(ids::ScoredVerdict{key.stream, key.index, key.phase, 0, 0, 0, 0, verdict.flagged, verdict.flagged});
+    }
+    std::map<std::string, launcher::IntrusionRecording::Label const*> first;
+    for (auto const& label : truth.labels) {
+        scorer.add(ids::ScoredLabel{label.attack, label.target, label.index,
+                                    verdicts.by_phase ? label.channel : std::uint8_t{0}, label.true_value,
+                                    label.sent_value});
+        first.try_emplace(label.attack, &label);
+    }
+    out.quality = ids::verdict_quality(std::move(judgements), verdicts.has_scores, seed);
+    for (ids::AttackScore& attack : scorer.score().attacks) {
+        auto const& label = *first.at(attack.attack);
+        std::optional<double> delay;
+        if (attack.seen) {
+            delay = 1e3 * static_cast<double>(attack.delay_samples) / truth.extent.rates_hz.at(label.target);
+        }
+        out.attacks.push_back({label.kind, label.target, delay, std::move(attack)});
+    }
+    return out;
+}
+
+} // namespace gridspace::score

@@ -1,0 +1,298 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "agents/relay/functions/function_config.hpp"
+#include "agents/relay/relay_program.hpp"
+#include "common/text.hpp"
+#include "ids/forecaster/model_file.hpp"
+#include "launcher/scenario/healthy_current.hpp"
+#include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/wire_programs.hpp"
+#include "launcher/scenario/wire_use.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Diagnostics;
+using config::Fields;
+using config::Node;
+using streams::Kind;
+using streams::Stream;
+
+class RelaySettings final : public ProcessSettings {
+  public:
+    explicit RelaySettings(Fields& f) { describe(f, config_); }
+    void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        check_raw_link(s, process, diagnostics);
+        if (s.network && process.node.find("frequency_hz") == nullptr) {
+            config_.frequency_hz = s.network->frequency_hz;
+        }
+        if (config_.is_of_bay()) {
+            check_bay(s, process, diagnostics);
+            return;
+        }
+        Stream const* from = must_be_stream(s, config_.from_stream, Kind::smv, diagnostics);
+        Stream const* to = must_be_stream(s, config_.to_stream, Kind::smv, diagnostics);
+        for (std::string const& member : config_.channels) {
+            must_have_member(from, member, config_.from_stream, false, diagnostics);
+            must_have_member(to, member, config_.to_stream, false, diagnostics);
+        }
+        must_have_member(must_be_stream(s, config_.trip, Kind::goose, diagnostics), config_.trip_field, config_.trip,
+                         true, diagnostics);
+        if (from != nullptr && to != nullptr && from->rate_hz != to->rate_hz) {
+            diagnostics.error(config_.to_stream.where,
+                              fmt::format("streams '{}' and '{}' have different rates", from->name.name, to->name.name),
+                              "a differential relay compares samples of one instant");
+        }
+        for (auto const& [stream, ref] : {std::pair{from, &config_.from_stream}, std::pair{to, &config_.to_stream}}) {
+            warn_of_long_frames(stream, *ref, diagnostics);
+        }
+        std::optional<relay::ElementParams> element;
+        // A network that cannot be read has been complained about; its frequency is not known.
+        bool const frequency_known =
+            s.network || s.simulation.network.empty() || process.node.find("frequency_hz") != nullptr;
+        if (from != nullptr && frequency_known) {
+            if (auto const params = relay::make_params(config_.logic, from->rate_hz, frequency())) {
+                element = params->element;
+            } else {
+                diagnostics.error(process.name.where, params.error().message, params.error().remedy,
+                                  static_cast<int>(process.name.name.size()));
+            }
+        }
+        check_detector(process, from, diagnostics);
+        sim::Ct const *const from_ct = transformer_behind(s, config_.from_stream), *const to_ct = transformer_behind(
+                                                                                       s, config_.to_stream);
+        if (process.node.find("positive") == nullptr) {
+            config_.from_positive = from_ct == nullptr ? config_.from_positive : polarity(*from_ct);
+            config_.to_positive = to_ct == nullptr ? config_.to_positive : polarity(*to_ct);
+        }
+        if (element && config_.logic.in_service && from_ct != nullptr && to_ct != nullptr) {
+            check_healthy_current(s, process, config_, *from_ct, *to_ct, *element, diagnostics);
+        }
+    }
+    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
+        std::vector<TopicUse> out;
+        add_signals(out);
+        if (config_.ids && !config_.ids->verdicts.empty()) {
+            out.push_back({config_.ids->verdicts, "IdsVerdict"});
+        }
+        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
+        return out;
+    }
+    [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
+        return {use_of(s, process, config_.trip)};
+    }
+    [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
+        std::vector<WireUse> out;
+        for (Ref const& stream : config_.inputs()) {
+            out.push_back(use_of(s, process, stream));
+        }
+        return out;
+    }
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
+        std::string const prefix = "relay." + process.name.name + ".";
+        std::vector<SignalUse> out;
+        for (char const* name : {"pickup", "trip", "blocked"}) {
+            out.push_back({prefix + name, "", 0});
+        }
+        out.push_back({prefix + "sample_s", "s", 0});
+        std::vector<std::pair<std::string, bool>> inputs;
+        for (Ref const& stream : config_.inputs()) {
+            inputs.emplace_back(stream.name, true);
+            for (char const* name : {"received", "lost", "duplicate", "late", "invalid", "silences"}) {
+                out.push_back({"stream." + stream.name + "." + name, "", 1});
+            }
+            out.push_back({"stream." + stream.name + ".rate_hz", "Hz", 1});
+            out.push_back({"stream." + stream.name + ".arrival_age_ms", "ms", 0});
+        }
+        for (Node::Entry const& function : config_.bay.functions.entries) {
+            out.push_back({prefix + function.key + ".str", "", 0});
+            out.push_back({prefix + function.key + ".op", "", 0});
+        }
+        out.push_back({prefix + "sample_to_decision_ms", "ms", 0});
+        for (char const* name : {"st_num", "sq_num"}) {
+            out.push_back({"stream." + config_.trip.name + "." + name, "", 0});
+        }
+        out.push_back({"stream." + config_.trip.name + ".interval_ms", "ms", 0});
+        out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0});
+        add_first_line_signals(s, process, config_.first_line, inputs, out);
+        if (config_.ids) {
+            add_detector_signals("ids." + process.name.name + ".", out);
+        }
+        return out;
+    }
+    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
+    [[nodiscard]] Rational promises_s(Process const& process) const override { return latency_s(process); }
+    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
+        std::vector<std::string> used;
+        for (Ref const& stream : config_.inputs()) {
+            used.push_back(stream.name);
+        }
+        used.push_back(config_.trip.name);
+        Node node = wire_process_settings(s, process, used);
+        node.set("frequency_hz", Node::scalar(shortest(config_.frequency_hz)));
+        if (config_.is_of_bay()) {
+            if (Node* inputs = node.find("inputs")) {
+                inputs->set("reversed", Node::scalar(config_.bay.reversed ? "true" : "false"));
+            }
+            return node;
+        }
+        Node positive = Node::map();
+        auto const word = [](relay::Positive p) { return p == relay::Positive::from_to ? "from_to" : "into_line"; };
+        positive.set("from", Node::scalar(word(config_.from_positive)));
+        positive.set("to", Node::scalar(word(config_.to_positive)));
+        node.set("positive", std::move(positive));
+        if (Node* detector = node.find("ids"); detector != nullptr && config_.ids) {
+            detector->set("model",
+                          Node::quoted_text(std::filesystem::absolute(config_.ids->model).lexically_normal().string()));
+        }
+        return node;
+    }
+
+  private:
+    [[nodiscard]] Rational frequency() const {
+        return Rational::parse(shortest(config_.frequency_hz)).value_or(Rational{60});
+    }
+
+    /// A bay: its streams, its functions, and what they say in the trip stream.
+    void check_bay(Scenario const& s, Process const& process, Diagnostics& diagnostics) {
+        relay::BayConfig& bay = config_.bay;
+        Stream const* first = nullptr;
+        auto const must_have = [&](Ref const& ref, std::array<std::string, 3> const& members) {
+            Stream const* const stream = ref.empty() ? nullptr : must_be_stream(s, ref, Kind::smv, diagnostics);
+            for (std::string const& member : members) {
+                must_have_member(stream, member, ref, false, diagnostics);
+            }
+            if (first != nullptr && stream != nullptr && first->rate_hz != stream->rate_hz) {
+                diagnostics.error(ref.where,
+                                  fmt::format("streams '{}' and '{}' have different rates", first->name.name, ref.name),
+                                  "a relay compares samples of one instant");
+            }
+            first = first == nullptr ? stream : first;
+        };
+        must_have(bay.currents, bay.current_members);
+        must_have(bay.voltages, bay.voltage_members);
+        must_have(bay.bus_voltages, bay.voltage_members);
+        if (config_.inputs().size() > 2 || (!bay.bus_voltages.empty() && bay.bus_voltages == bay.voltages)) {
+            diagnostics.error(bay.bus_voltages.where,
+                              "a relay hears at most two streams, each with at most one set of voltages",
+                              "currents and voltages of a bay come in one stream (9-2LE), those of the bus in another",
+                              static_cast<int>(bay.bus_voltages.name.size()));
+        }
+        Stream const* const trip = must_be_stream(s, config_.trip, Kind::goose, diagnostics);
+        must_have_member(trip, config_.trip_field, config_.trip, true, diagnostics);
+        if (Node const* inputs = process.node.find("inputs");
+            inputs == nullptr || inputs->find("reversed") == nullptr) {
+            sim::Ct const* const ct = transformer_behind(s, bay.currents);
+            bay.reversed = ct != nullptr && ct->end == sim::LineEnd::to && ct->positive == sim::CtPolarity::from_to;
+        }
+        if (first != nullptr) {
+            check_functions(process, *first, trip, diagnostics);
+        }
+    }
+
+    void check_functions(Process const& process, Stream const& stream, Stream const* trip, Diagnostics& diagnostics) {
+        auto const params = relay::make_bay_params(config_, stream.rate_hz);
+        if (!params) {
+            diagnostics.error(process.name.where, params.error().message, params.error().remedy,
+                              static_cast<int>(process.name.name.size()));
+            return;
+        }
+        auto const set = relay::make_functions(
+            config_.bay.functions, {params->rate_hz, params->frequency_hz, params->samples_per_cycle, params->inputs},
+            diagnostics);
+        for (auto const& [member, what] : config_.bay.outputs) {
+            must_have_member(trip, member, Ref{member, what.where}, true, diagnostics);
+            if (set && !relay::find_output(*set, what.name)) {
+                diagnostics.error(what.where, fmt::format("'{}' is no output of a function", what.name),
+                                  "NAME.op or NAME.str of one of `functions`", static_cast<int>(what.name.size()));
+            }
+        }
+    }
+
+    void warn_of_long_frames(Stream const* stream, Ref const& ref, Diagnostics& diagnostics) const {
+        std::int64_t const bridged = config_.logic.max_interpolated;
+        if (stream != nullptr && stream->samples_per_frame > bridged) {
+            diagnostics.warning(
+                ref.where,
+                fmt::format("one lost frame of stream '{}' blocks the relay for a whole window: {} samples, and "
+                            "`max_interpolated` is {}",
+                            ref.name, stream->samples_per_frame, bridged),
+                stream->samples_per_frame <= 8
+                    ? fmt::format("`blocking: {{max_interpolated: {}}}` bridges it", stream->samples_per_frame)
+                    : "send fewer samples in a frame (`samples_per_frame`)",
+                static_cast<int>(ref.name.size()));
+        }
+    }
+
+    /// The model must be there, undamaged, and made for the streams.
+    void check_detector(Process const& process, Stream const* stream, Diagnostics& diagnostics) const {
+        if (!config_.ids || config_.ids->model.empty()) {
+            return;
+        }
+        using Of = ids::ThresholdParams::Of;
+        Node const* section = process.node.find("ids");
+        Node const* written = section == nullptr ? nullptr : section->find("model");
+        auto const where = written == nullptr ? process.name.where : written->where;
+        auto const complain = [&](Error const& error) {
+            diagnostics.error(where, error.message, error.remedy,
+                              written == nullptr ? 1 : static_cast<int>(written->text.size()));
+        };
+        auto const model = ids::load_model(config_.ids->model);
+        if (!model) {
+            complain(model.error());
+        } else if (stream != nullptr && (config_.ids->nominal_peak_a > 0 || config_.ids->of == Of::instantaneous ||
+                                         config_.ids->of == Of::running_peak)) {
+            if (auto const params =
+                    ids::make_detector_params(*config_.ids, *model, stream->rate_hz.to_double(), config_.frequency_hz);
+                !params) {
+                complain(params.error());
+            }
+        }
+    }
+
+    void add_detector_signals(std::string const& prefix, std::vector<SignalUse>& out) const {
+        for (char const* name : {"alarm", "alarm_reasons", "granted"}) {
+            out.push_back({prefix + name, "", 0});
+        }
+        out.push_back({prefix + "alarms", "", 1});
+        for (Ref const* stream : {&config_.from_stream, &config_.to_stream}) {
+            std::string const own = prefix + stream->name + ".";
+            out.push_back({own + "locked_out", "", 0});
+            for (char const* name : relay::kIdsCounters) {
+                out.push_back({own + name, "", 1});
+            }
+            out.push_back({own + "sigma_percent", "%", 1});
+            if (!config_.ids->verdicts.empty()) { // of the report's score
+                out.push_back({own + "false_positive_percent", "%", 0});
+                out.push_back({own + "open_loop_false_positive_percent", "%", 0});
+            }
+        }
+        if (!config_.ids->verdicts.empty()) {
+            for (char const* name :
+                 {"false_trips", "false_trips_without", "real_faults", "real_faults_tripped", "false_alarms"}) {
+                out.push_back({prefix + name, "", 0});
+            }
+            out.push_back({prefix + "real_fault_trip_added_ms", "ms", 0});
+        }
+        for (char const* name : {"time_us_p50", "time_us_p99", "time_us_max"}) {
+            out.push_back({prefix + name, "us", 0});
+        }
+    }
+
+    static relay::Positive polarity(sim::Ct const& ct) {
+        return ct.positive == sim::CtPolarity::from_to ? relay::Positive::from_to : relay::Positive::into_line;
+    }
+
+    relay::RelayConfig config_;
+};
+
+} // namespace
+
+std::unique_ptr<ProcessSettings> read_relay(Fields& f) {
+    return std::make_unique<RelaySettings>(f);
+}
+
+} // namespace gridspace::launcher

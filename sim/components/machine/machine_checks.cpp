@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/components/machine/machine_checks.hpp"
+
+#include "common/text.hpp"
+
+#include <fmt/format.h>
+
+namespace gridspace::sim::machines {
+
+Result<void> check_field(std::string const& name, MachineData const& data, double efd) {
+    if (!data.avr || (efd <= data.avr->efd_max_pu && efd >= data.avr->efd_min_pu)) {
+        return {};
+    }
+    return fail(
+        ExitCode::usage,
+        fmt::format("machine '{}' needs a field voltage of {:.3f} p.u. at the start, outside its limits {} to {}", name,
+                    efd, shortest(data.avr->efd_min_pu), shortest(data.avr->efd_max_pu)),
+        "ask it for less reactive power (voltage_setpoint_pu), or widen efd_min_pu and efd_max_pu");
+}
+
+} // namespace gridspace::sim::machines

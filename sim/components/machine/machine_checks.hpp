@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/result.hpp"
+#include "sim/components/machine/machine_data.hpp"
+
+#include <string>
+
+namespace gridspace::sim::machines {
+
+/// Fails when the field voltage of the start is outside the limits of the regulator.
+[[nodiscard]] Result<void> check_field(std::string const& name, MachineData const& data, double efd);
+
+} // namespace gridspace::sim::machines

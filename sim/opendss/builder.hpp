@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sim/opendss/circuit.hpp"
+#include "sim/opendss/dss_value.hpp"
+#include "sim/opendss/line_constants.hpp"
+
+#include <string>
+
+namespace gridspace::opendss {
+
+inline constexpr int kMaxPhases = 30;
+inline constexpr double kSqrt3 = 1.7320508075688772935;
+
+/// Builds a circuit of the objects of a script: one function for each class, each in a file of its own.
+class Builder {
+  public:
+    Builder(Script const& script, config::Diagnostics& diagnostics, std::optional<double> hour);
+    std::optional<Circuit> build();
+
+  private:
+    void options();
+    void source(Object const& object);
+    void line(Object const& object);
+    std::optional<LineConstants> geometry(Value const& name, std::optional<double> rho);
+    std::optional<LineConstants> spaced_wires(Value const& spacing, Value const& wires, std::optional<double> rho);
+    std::optional<LineConstants> constants(std::vector<Conductor> const& conductors, int phases,
+                                           std::optional<double> rho, config::SourceMark const& where);
+    void transformer(Object const& object);
+    void capacitor(Object const& object);
+    void reactor(Object const& object);
+    void load(Object const& object);
+    void generator(Object const& object);
+    void photovoltaic(Object const& object);
+    void regulator(Object const& object);
+    void capacitor_control(Object const& object);
+    void check_connected();
+
+    /// The nodes of a terminal: of "bus.1.2.0" those that are written, then 1, 2, … of the phases, then earth.
+    std::vector<int> connect(Value const& bus, int phases, int conductors);
+    std::vector<int> connect(std::string const& bus, config::SourceMark const& where, int phases, int conductors);
+    void add(Object const& object, std::vector<int> nodes, int conductors, Eigen::MatrixXcd y,
+             Eigen::VectorXcd injected = {});
+    /// Series and shunt parts of an element of two terminals in one matrix.
+    static Eigen::MatrixXcd two_terminals(Eigen::MatrixXcd const& series, Eigen::MatrixXcd const& shunt);
+    void consume(Object const& object, std::vector<int> const& nodes, int phases, bool delta, LoadLaw const& law);
+    /// Multiplier of active and reactive power at the hour, of a load shape.
+    std::pair<double, double> shape(std::string const& name, config::SourceMark const& where);
+    void error(config::SourceMark const& where, std::string message, std::string hint = {});
+
+    Script const& script_;
+    config::Diagnostics& diagnostics_;
+    std::optional<double> hour_;
+    Circuit circuit_;
+    double omega_{0}, load_multiplier_{1};
+    std::size_t admittances_{0}; ///< entries of all matrices
+};
+
+/// Admittance of an earthed star or a ring of equal branches: phases x phases.
+[[nodiscard]] Eigen::MatrixXcd star(int phases, Complex y);
+/// The matrix of a value of the positive and one of the zero sequence.
+[[nodiscard]] Eigen::MatrixXcd from_sequences(int phases, Complex one, Complex zero);
+
+} // namespace gridspace::opendss

@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/ids/score/verdict_score.hpp"
+
+#include "common/random.hpp"
+
+#include <array>
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+namespace gridspace::score {
+namespace {
+
+using testing::HasSubstr;
+
+Extent const kExtent{{{"A", 4800}, {"B", 4800}}, {{"MU_A", "A"}}, 1, ""};
+
+std::optional<Verdicts> parse(std::string const& text, std::string* said = nullptr,
+                              std::optional<double> threshold = {}) {
+    config::Diagnostics diagnostics;
+    auto out = parse_verdicts(text, "v.csv", kExtent, threshold, diagnostics);
+    if (said != nullptr) {
+        *said = diagnostics.render();
+    }
+    return out;
+}
+
+TEST(VerdictsFile, NamesASampleByItsNumberOrItsTimeAndAStreamByItsNameOrSvId) {
+    auto const by_number = parse("stream, sample ,verdict,note\nMU_A,480,1,mine\n\n# later\nB,0,0,\n");
+    ASSERT_TRUE(by_number);
+    EXPECT_TRUE(by_number->all.at({"A", 480, 0}).flagged);
+    EXPECT_FALSE(by_number->all.at({"B", 0, 0}).flagged);
+    auto const by_time = parse("time_s,stream,phase,score\n0.1,A,b,0.7\n", nullptr, 0.7);
+    ASSERT_TRUE(by_time);
+    EXPECT_TRUE(by_time->all.at({"A", 480, 1}).flagged);
+}
+
+TEST(VerdictsFile, EachMistakeHasItsPlaceWhatWasFoundAndWhatIsExpected) {
+    for (auto const& [text, place, what] : std::vector<std::array<std::string, 3>>{
+             {"stream,sample\nA,1\n", "v.csv:1:1:", "no column 'verdict'"},
+             {"sample,verdict\n1,1\n", "v.csv:1:1:", "no column 'stream'"},
+             {"stream,verdict\nA,1\n", "v.csv:1:1:", "no column 'sample'"},
+             {"stream,sample,score\nA,1,0.5\n", "v.csv:1:1:", "--threshold"},
+             {"stream,sample,verdict,verdict\nA,1,1,1\n", "v.csv:1:23:", "twice"},
+             {"stream,sample,verdict\nA,one,1\n", "v.csv:2:3:", "'one' is no number of a sample"},
+             {"stream,sample,verdict\nA,4800,1\n", "v.csv:2:3:", "'4800' is outside the run"},
+             {"stream,sample,verdict\nA,-1,1\n", "v.csv:2:3:", "'-1' is outside the run"},
+             {"stream,time_s,verdict\nA,inf,1\n", "v.csv:2:3:", "'inf' is no time"},
+             {"stream,sample,verdict\nA,1, 2\n", "v.csv:2:6:", "'2' is no verdict"},
+             {"stream,sample,verdict\nA,1,1\nMU_A,1,0\n", "v.csv:3:6:", "has a verdict already"},
+             {"stream,sample,verdict\nC,1,1\n", "v.csv:2:1:", "no stream of sampled values 'C'"},
+             {"stream,sample,verdict\nA,1\n", "v.csv:2:3:", "2 cells"},
+             {"stream,sample,phase,verdict\nA,1,d,1\n", "v.csv:2:5:", "'d' is no phase"},
+             {"stream,sample,score\nA,1,nan\n", "v.csv:2:5:", "'nan' is no score"},
+             {"", "v.csv", "empty"},
+             {"stream,sample,verdict\n", "v.csv", "no row"}}) {
+        std::string said;
+        bool const needs_threshold = what == "--threshold" || what.find("no score") == std::string::npos;
+        EXPECT_FALSE(parse(text, &said, needs_threshold ? std::nullopt : std::optional{0.5})) << text;
+        EXPECT_THAT(said, HasSubstr(place));
+        EXPECT_THAT(said, HasSubstr(what));
+    }
+}
+
+Truth attacked(std::int64_t from, std::int64_t until) {
+    Truth out;
+    out.extent = kExtent;
+    for (std::int64_t i = from; i < until; ++i) {
+        out.labels.push_back({"attack", "bias", "A", i, 0, 1, 2});
+    }
+    return out;
+}
+
+TEST(VerdictScore, CountsWhatHasNoVerdictAsMissedAndFindsTheDelay) {
+    auto verdicts = parse("stream,sample,verdict\nA,99,1\nA,100,0\nA,102,1\nA,103,1\nA,200,0\n");
+    auto const s = score_verdicts(attacked(100, 105), *verdicts, false, 1);
+    EXPECT_EQ(s.quality.true_positives, 2U);
+    EXPECT_EQ(s.quality.false_positives, 1U);
+    EXPECT_EQ(s.quality.true_negatives, 1U);
+    EXPECT_EQ(s.quality.false_negatives, 3U);
+    EXPECT_EQ(s.altered_unjudged, 2U);
+    EXPECT_DOUBLE_EQ(*s.quality.precision.value, 2.0 / 3);
+    EXPECT_DOUBLE_EQ(*s.quality.recall.value, 2.0 / 5);
+    EXPECT_DOUBLE_EQ(*s.quality.f1.value, 0.5);
+    EXPECT_NEAR(*s.attacks.at(0).delay_ms, 2 / 4.8, 1e-9);
+    auto const whole = score_verdicts(attacked(100, 105), *verdicts, true, 1);
+    EXPECT_EQ(whole.quality.true_negatives, 4800U - 5 - 1);
+}
+
+/// Random scores with ties: altered ones are higher on the whole.
+std::vector<ids::Judgement> random_judgements() {
+    Random random{3};
+    std::vector<ids::Judgement> out;
+    for (std::uint32_t i = 0; i < 600; ++i) {
+        bool const altered = random.chance(0.2);
+        double const score = std::round(10 * (random.uniform() + (altered ? 0.3 : 0))) / 10;
+        out.push_back({i / 20, altered, score > 0.8, score});
+    }
+    return out;
+}
+
+TEST(VerdictQuality, TheAreaBelowTheRocIsTheShareOfPairsInTheRightOrder) {
+    auto const judgements = random_judgements();
+    double right = 0, pairs = 0;
+    for (auto const& a : judgements) {
+        for (auto const& b : judgements) {
+            if (a.altered && !b.altered) {
+                right += a.score > b.score ? 1 : a.score == b.score ? 0.5 : 0;
+                pairs += 1;
+            }
+        }
+    }
+    auto const q = ids::verdict_quality(judgements, true, 1);
+    EXPECT_NEAR(*q.auc.value, right / pairs, 1e-12);
+    EXPECT_LT(*q.auc.low, *q.auc.value);
+    EXPECT_GT(*q.auc.high, *q.auc.value);
+    double area = 0, x = 0, y = 0; // the trapezoids below its points
+    for (auto const& p : q.roc) {
+        area += (p.false_positive_rate - x) * (p.recall + y) / 2;
+        x = p.false_positive_rate;
+        y = p.recall;
+    }
+    EXPECT_NEAR(area, *q.auc.value, 1e-12);
+    EXPECT_EQ(x, 1);
+    EXPECT_EQ(y, 1);
+}
+
+TEST(VerdictQuality, TheSameSeedGivesTheSameIntervalsAndAnotherOneOthers) {
+    auto const judgements = random_judgements();
+    auto const once = ids::verdict_quality(judgements, true, 1), again = ids::verdict_quality(judgements, true, 1),
+               other = ids::verdict_quality(judgements, true, 2);
+    EXPECT_EQ(once.auc.low, again.auc.low);
+    EXPECT_EQ(once.f1.high, again.f1.high);
+    EXPECT_NE(once.auc.low, other.auc.low);
+}
+
+TEST(VerdictQuality, WhatCannotBeCountedHasNoFigure) {
+    auto const q = ids::verdict_quality({{0, false, false, 0}}, true, 1);
+    EXPECT_FALSE(q.precision.value);
+    EXPECT_FALSE(q.recall.value);
+    EXPECT_FALSE(q.auc.value);
+    EXPECT_EQ(q.false_positive_rate.value, 0);
+}
+
+} // namespace
+} // namespace gridspace::score
