@@ -6,9 +6,11 @@
 #include "common/text.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <fmt/format.h>
 
 namespace gridspace::bus {
@@ -307,7 +309,9 @@ Result<void> Node::Core::join_board() {
     }
     std::vector<std::string> processes = config.clock.members;
     processes.push_back(config.clock.simulator);
-    auto joined = Board::join(UniqueFd{std::atoi(descriptor)}, std::move(processes), config.process);
+    int number = -1; // no number: Board::join says that it is none of ours
+    std::from_chars(descriptor, descriptor + std::strlen(descriptor), number);
+    auto joined = Board::join(UniqueFd{number}, std::move(processes), config.process);
     if (!joined) {
         return std::unexpected{joined.error()};
     }

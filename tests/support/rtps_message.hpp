@@ -74,7 +74,7 @@ inline Bytes data(std::uint32_t reader, std::uint32_t writer, Bytes const& paylo
 }
 inline constexpr std::uint32_t kParticipantWriter = 0x000100c2, kParticipantReader = 0x000100c7;
 /// "Here is the participant `who`", with more parameters.
-inline Bytes announcement(std::uint8_t who, Bytes const& more = {}) {
+inline Bytes announcement(std::uint8_t who, Bytes const& more = {}, std::string_view name = "stranger") {
     Bytes const guid = joined({guid_prefix(who), entity(0x000001c1)});
     Bytes const at = joined({little(1, 4), little(9, 4), Bytes(12), {127, 0, 0, 1}}); // UDPv4, where nobody listens
     return data(kParticipantReader, kParticipantWriter,
@@ -84,7 +84,7 @@ inline Bytes announcement(std::uint8_t who, Bytes const& more = {}) {
                         parameter(0x0050, guid),
                         parameter(0x0032, at),
                         parameter(0x0002, little(100, 8)),
-                        parameter(0x0062, text("stranger")),
+                        parameter(0x0062, text(name)),
                         more,
                         kSentinel}));
 }
