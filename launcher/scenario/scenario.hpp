@@ -65,7 +65,7 @@ struct ClockSettings {
     std::optional<Rational> tick_s;
     std::optional<std::int64_t> tick_samples; ///< of `auto` what it came to
     bool tick_samples_auto{false};
-    bool shared_memory{false}; ///< lockstep: for clock and acknowledgements, where all members are on this machine
+    bool shared_memory{true}; ///< lockstep: for clock and acknowledgements, where all members are on this machine
     double member_timeout_s{10}, start_timeout_s{30};
     bool start_at_utc_second{false};
     bool fifo{true}; ///< real time: SCHED_FIFO where it is permitted
