@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/ids/export/csv_file.hpp"
 #include "launcher/ids/export/data_set.hpp"
+#include "launcher/ids/export/frame_labels.hpp"
 #include "launcher/ids/export/splits.hpp"
 
 #include <gmock/gmock.h>

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Reads a data set of `gridspace ids export` for detectors, and writes verdicts for `gridspace ids score`."""
+import csv
+import pathlib
+import sys
+
+import numpy
+
+LAGS = 4  # samples that a row looks back
+NAMES = [f"{name}_{lag}" for lag in range(LAGS) for name in ("kink_a", "kink_b", "kink_c", "sum")] + ["growth", "step", "gap"]
+
+
+def table(file):
+    with open(file, newline="") as stream:
+        yield from csv.DictReader(stream)
+
+
+def runs_of(data, split, part):
+    """The runs of a part ("train", "validation", "test"), by split_by_grid or split_by_attack."""
+    return [row["run"] for row in table(pathlib.Path(data) / "runs.csv") if row[f"split_by_{split}"] == part]
+
+
+def tables_of(data, run, kind):
+    """The tables of what receivers hear: vantage points inside of a cable are left out."""
+    data = pathlib.Path(data)
+    found = [row["file"] for row in table(data / "captures.csv") if row["run"] == run and ":" not in row["vantage"]]
+    if not found:
+        sys.exit(f"'{data}' has no run '{run}'")
+    return [data / f"{file}.{kind}.csv" for file in found]
+
+
+def number(text):
+    return float(text) if text else 0.0
+
+
+def samples(data, run):
+    """(stream, sample numbers, features, labels) of each stream of a run: every size as a share of the peak of the last cycle."""
+    for file in tables_of(data, run, "samples"):
+        streams = {}
+        for row in table(file):
+            if row["ia_a"]:
+                streams.setdefault(row["stream"], []).append(row)
+        for stream, rows in sorted(streams.items()):
+            peak = numpy.maximum([number(r["peak_a"]) for r in rows], 1e-6)
+            now = numpy.column_stack([numpy.abs([number(r[c]) for r in rows]) / peak for c in ("kink_a_a", "kink_b_a", "kink_c_a", "sum_a")])
+            lagged = [numpy.vstack([numpy.zeros((lag, 4)), now[:len(now) - lag]]) if lag else now for lag in range(LAGS)]
+            largest = numpy.max(numpy.abs([[number(r[c]) for c in ("ia_a", "ib_a", "ic_a")] for r in rows]), axis=1)
+            gaps = numpy.array([number(r["gap_us"]) for r in rows])
+            usual = numpy.median(gaps[1:]) if len(gaps) > 1 else 1.0
+            others = numpy.column_stack([largest / peak, numpy.abs([number(r["count_step"] or 1) - 1 for r in rows]), numpy.abs(gaps / max(usual, 1e-6) - 1)])
+            first = slice(int(round(len(rows) > 80) * 80), None)  # a cycle until the peak is one
+            yield (stream, numpy.array([int(r["sample"]) for r in rows])[first], numpy.clip(numpy.hstack(lagged + [others]), 0, 100)[first],
+                   numpy.array([int(r["altered"]) for r in rows])[first])
+
+
+def training_rows(data, runs, most, seed):
+    """Features and labels of runs; at most so many genuine and so many altered rows, drawn by the seed."""
+    parts = [(x, y) for run in runs for _, _, x, y in samples(data, run)]
+    if not parts:
+        sys.exit("there is no run to train on: another --split, or more runs")
+    x, y = (numpy.concatenate(part) for part in zip(*parts))
+    random = numpy.random.default_rng(seed)
+    kept = numpy.concatenate([random.permutation(numpy.flatnonzero(y == kind))[:most] for kind in (0, 1)])
+    return x[kept], y[kept]
+
+
+def write_verdicts(scored, threshold, out=sys.stdout):
+    """scored: (stream, sample numbers, scores) of each stream. Of two frames with one number the more suspicious counts."""
+    print("stream,sample,score,verdict", file=out)
+    for stream, numbers, scores in scored:
+        worst = {}
+        for number_, score in zip(numbers.tolist(), scores.tolist()):
+            worst[number_] = max(score, worst.get(number_, score))
+        for number_, score in sorted(worst.items()):
+            if number_ >= 0:
+                print(f"{stream},{number_},{score:.6g},{int(score >= threshold)}", file=out)
