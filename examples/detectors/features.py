@@ -16,9 +16,47 @@ def table(file):
         yield from csv.DictReader(stream)
 
 
-def runs_of(data, split, part):
-    """The runs of a part ("train", "validation", "test"), by split_by_grid or split_by_attack."""
-    return [row["run"] for row in table(pathlib.Path(data) / "runs.csv") if row[f"split_by_{split}"] == part]
+def add_arguments(parser):
+    """What both forests are told."""
+    parser.add_argument("data", help="data set of gridspace ids export")
+    parser.add_argument("run", nargs="+", help="the run that is judged; of several each gets OUT/RUN.csv")
+    parser.add_argument("--out", type=pathlib.Path, help="folder of the verdicts, instead of standard output")
+    parser.add_argument("--train", choices=("attack", "grid", "other-kinds"), default="attack",
+                        help="on the part train of split_by_attack or split_by_grid, or on all runs without the kinds of attack of the judged one")
+    parser.add_argument("--rows", type=int, default=20000, help="genuine and altered rows that are trained on, each at most")
+    parser.add_argument("--seed", type=int, default=1)
+
+
+def runs_to_train_on(data, judged, how):
+    """Never the judged run itself."""
+    rows = list(table(pathlib.Path(data) / "runs.csv"))
+    kinds = {row["run"]: set(filter(None, row["attack_kinds"].split("+"))) for row in rows}
+    if judged not in kinds:
+        sys.exit(f"'{data}' has no run '{judged}'")
+    if how == "other-kinds":
+        found = [row["run"] for row in rows if not kinds[row["run"]] & kinds[judged]]
+    else:
+        found = [row["run"] for row in rows if row[f"split_by_{how}"] == "train"]
+    return tuple(run for run in found if run != judged)
+
+
+def judge(arguments, train):
+    """train(x, y) gives (what scores rows, the limit); runs with the same training share it."""
+    trained = {}
+    if len(arguments.run) > 1 and arguments.out is None:
+        sys.exit("several runs: --out FOLDER")
+    for run in arguments.run:
+        runs = runs_to_train_on(arguments.data, run, arguments.train)
+        if runs not in trained:
+            trained[runs] = train(*training_rows(arguments.data, runs, arguments.rows, arguments.seed))
+        score, limit = trained[runs]
+        scored = [(stream, numbers, score(x)) for stream, numbers, x, _ in samples(arguments.data, run)]
+        if arguments.out is None:
+            write_verdicts(scored, limit)
+        else:
+            arguments.out.mkdir(parents=True, exist_ok=True)
+            with open(arguments.out / f"{run}.csv", "w", newline="") as out:
+                write_verdicts(scored, limit, out)
 
 
 def tables_of(data, run, kind):
@@ -58,7 +96,7 @@ def training_rows(data, runs, most, seed):
     """Features and labels of runs; at most so many genuine and so many altered rows, drawn by the seed."""
     parts = [(x, y) for run in runs for _, _, x, y in samples(data, run)]
     if not parts:
-        sys.exit("there is no run to train on: another --split, or more runs")
+        sys.exit("there is no run to train on: another --train, or more runs")
     x, y = (numpy.concatenate(part) for part in zip(*parts))
     random = numpy.random.default_rng(seed)
     kept = numpy.concatenate([random.permutation(numpy.flatnonzero(y == kind))[:most] for kind in (0, 1)])

@@ -17,21 +17,18 @@ import features
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("data", help="data set of gridspace ids export")
-    parser.add_argument("run", help="the run that is judged")
-    parser.add_argument("--split", choices=("attack", "grid"), default="attack", help="which part of the data trains")
+    features.add_arguments(parser)
     parser.add_argument("--trees", type=int, default=100)
-    parser.add_argument("--rows", type=int, default=20000, help="genuine rows that are trained on, at most")
     parser.add_argument("--false-positives", type=float, default=0.004, help="share of genuine training rows that may be flagged")
-    parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
-    train = [run for run in features.runs_of(arguments.data, arguments.split, "train") if run != arguments.run]
-    x, y = features.training_rows(arguments.data, train, arguments.rows, arguments.seed)
-    genuine = x[y == 0]
-    forest = IsolationForest(n_estimators=arguments.trees, random_state=arguments.seed, n_jobs=1).fit(genuine)
-    limit = numpy.quantile(-forest.score_samples(genuine), 1 - arguments.false_positives)
-    scored = [(stream, numbers, -forest.score_samples(x)) for stream, numbers, x, _ in features.samples(arguments.data, arguments.run)]
-    features.write_verdicts(scored, limit)
+
+    def train(x, y):
+        genuine = x[y == 0]
+        forest = IsolationForest(n_estimators=arguments.trees, random_state=arguments.seed, n_jobs=1).fit(genuine)
+        limit = numpy.quantile(-forest.score_samples(genuine), 1 - arguments.false_positives)
+        return lambda rows: -forest.score_samples(rows), limit
+
+    features.judge(arguments, train)
 
 
 if __name__ == "__main__":

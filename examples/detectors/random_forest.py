@@ -16,21 +16,18 @@ import features
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("data", help="data set of gridspace ids export")
-    parser.add_argument("run", help="the run that is judged")
-    parser.add_argument("--split", choices=("attack", "grid"), default="attack", help="which part of the data trains")
+    features.add_arguments(parser)
     parser.add_argument("--trees", type=int, default=60)
-    parser.add_argument("--rows", type=int, default=20000, help="genuine and altered rows that are trained on, each at most")
     parser.add_argument("--limit", type=float, default=0.5, help="flagged from this share of trees on")
-    parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
-    train = [run for run in features.runs_of(arguments.data, arguments.split, "train") if run != arguments.run]
-    x, y = features.training_rows(arguments.data, train, arguments.rows, arguments.seed)
-    if not 0 < y.sum() < len(y):
-        parser.error("the runs to train on have no altered samples, or no genuine ones")
-    forest = RandomForestClassifier(arguments.trees, min_samples_leaf=3, class_weight="balanced", random_state=arguments.seed, n_jobs=1).fit(x, y)
-    scored = [(stream, numbers, forest.predict_proba(x)[:, 1]) for stream, numbers, x, _ in features.samples(arguments.data, arguments.run)]
-    features.write_verdicts(scored, arguments.limit)
+
+    def train(x, y):
+        if not 0 < y.sum() < len(y):
+            parser.error("the runs to train on have no altered samples, or no genuine ones")
+        forest = RandomForestClassifier(arguments.trees, min_samples_leaf=3, class_weight="balanced", random_state=arguments.seed, n_jobs=1).fit(x, y)
+        return lambda rows: forest.predict_proba(rows)[:, 1], arguments.limit
+
+    features.judge(arguments, train)
 
 
 if __name__ == "__main__":

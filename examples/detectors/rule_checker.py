@@ -8,6 +8,7 @@
     rule_checker.py data RUN --messages > messages.csv  # GOOSE: frame,stream,altered,verdict,rules; the count on standard error
 """
 import argparse
+import pathlib
 import sys
 
 import features
@@ -38,8 +39,8 @@ def message_rules(row, first, newest):
     yield "flood", bool(row["gap_ms"]) and features.number(row["gap_ms"]) < 0.5
 
 
-def judge_samples(data, run):
-    print("stream,sample,verdict,rules")
+def judge_samples(data, run, out):
+    print("stream,sample,verdict,rules", file=out)
     for file in features.tables_of(data, run, "samples"):
         first, period_us, found = {}, {}, {}
         for row in features.table(file):
@@ -50,11 +51,11 @@ def judge_samples(data, run):
             found.setdefault((row["stream"], int(row["sample"])), set()).update(broken)
         for (stream, sample), rules in sorted(found.items()):
             if sample >= 0:
-                print(f"{stream},{sample},{int(bool(rules))},{' '.join(sorted(rules))}")
+                print(f"{stream},{sample},{int(bool(rules))},{' '.join(sorted(rules))}", file=out)
 
 
-def judge_messages(data, run):
-    print("frame,stream,altered,verdict,rules")
+def judge_messages(data, run, out):
+    print("frame,stream,altered,verdict,rules", file=out)
     count = {}
     for file in features.tables_of(data, run, "messages"):
         first, newest = {}, {}
@@ -66,18 +67,28 @@ def judge_messages(data, run):
                 newest[stream] = max(newest.get(stream, (0, -1)), (int(row["st_num"]), int(row["sq_num"])))
             key = (row["altered"] == "1", bool(broken))
             count[key] = count.get(key, 0) + 1
-            print(f"{row['frame']},{stream},{row['altered']},{int(bool(broken))},{' '.join(broken)}")
-    print(f"messages: forged {count.get((True, True), 0)} found, {count.get((True, False), 0)} missed; "
+            print(f"{row['frame']},{stream},{row['altered']},{int(bool(broken))},{' '.join(broken)}", file=out)
+    print(f"{run}: messages: forged {count.get((True, True), 0)} found, {count.get((True, False), 0)} missed; "
           f"genuine {count.get((False, True), 0)} flagged, {count.get((False, False), 0)} not", file=sys.stderr)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("data", help="data set of gridspace ids export")
-    parser.add_argument("run", help="the run that is judged")
+    parser.add_argument("run", nargs="+", help="the run that is judged; of several each gets OUT/RUN.csv")
+    parser.add_argument("--out", type=pathlib.Path, help="folder of the verdicts, instead of standard output")
     parser.add_argument("--messages", action="store_true", help="GOOSE instead of sampled values")
     arguments = parser.parse_args()
-    (judge_messages if arguments.messages else judge_samples)(arguments.data, arguments.run)
+    if len(arguments.run) > 1 and arguments.out is None:
+        parser.error("several runs: --out FOLDER")
+    judge = judge_messages if arguments.messages else judge_samples
+    for run in arguments.run:
+        if arguments.out is None:
+            judge(arguments.data, run, sys.stdout)
+        else:
+            arguments.out.mkdir(parents=True, exist_ok=True)
+            with open(arguments.out / f"{run}.csv", "w", newline="") as out:
+                judge(arguments.data, run, out)
 
 
 if __name__ == "__main__":

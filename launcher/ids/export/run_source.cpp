@@ -67,7 +67,8 @@ Result<void> add_named(fs::path const& named, std::vector<RunSource>& runs) {
     std::size_t const before = runs.size();
     if (is_run(named)) {
         fs::path const whole = fs::canonical(named, ignored);
-        add(runs, whole.filename().string(), named);
+        bool const of_study = whole.filename() == "run" && fs::exists(whole.parent_path() / "record.json", ignored);
+        add(runs, (of_study ? whole.parent_path() : whole).filename().string(), named);
     } else if (fs::exists(named / "study.lock", ignored)) {
         if (auto ok = add_study(named, runs); !ok) {
             return ok;
