@@ -1,19 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads a data set of `gridspace ids export` for detectors, and writes verdicts for `gridspace ids score`."""
-import csv
+"""Features of a data set for detectors that learn, and verdicts for `gridspace ids score`."""
 import pathlib
 import sys
 
 import numpy
 
+from data_set import number, table, tables_of
+
 LAGS = 4  # samples that a row looks back
 NAMES = [f"{name}_{lag}" for lag in range(LAGS) for name in ("kink_a", "kink_b", "kink_c", "sum")] + ["growth", "step", "gap"]
-
-
-def table(file):
-    with open(file, newline="") as stream:
-        yield from csv.DictReader(stream)
 
 
 def add_arguments(parser):
@@ -57,19 +53,6 @@ def judge(arguments, train):
             arguments.out.mkdir(parents=True, exist_ok=True)
             with open(arguments.out / f"{run}.csv", "w", newline="") as out:
                 write_verdicts(scored, limit, out)
-
-
-def tables_of(data, run, kind):
-    """The tables of what receivers hear: vantage points inside of a cable are left out."""
-    data = pathlib.Path(data)
-    found = [row["file"] for row in table(data / "captures.csv") if row["run"] == run and ":" not in row["vantage"]]
-    if not found:
-        sys.exit(f"'{data}' has no run '{run}'")
-    return [data / f"{file}.{kind}.csv" for file in found]
-
-
-def number(text):
-    return float(text) if text else 0.0
 
 
 def samples(data, run):

@@ -11,12 +11,12 @@ import argparse
 import pathlib
 import sys
 
-import features
+from data_set import number, table, tables_of
 
 
 def sample_rules(row, first, period_us):
     """The rules that a sample breaks; first: what the stream's first row said, period_us: from there to the second."""
-    step, gap = features.number(row["count_step"] or 1), features.number(row["gap_us"])
+    step, gap = number(row["count_step"] or 1), number(row["gap_us"])
     yield "wrong_source", row["source"] != first["source"]
     yield "duplicate_count", step == 0
     yield "count_jump", step not in (0, 1)
@@ -27,26 +27,26 @@ def sample_rules(row, first, period_us):
 
 def message_rules(row, first, newest):
     """The rules that a message breaks; newest: the largest (stNum, sqNum) of the stream's first source."""
-    number = (int(row["st_num"]), int(row["sq_num"]))
+    state = (int(row["st_num"]), int(row["sq_num"]))
     yield "wrong_source", row["source"] != first["source"]
-    yield "old_number", number <= newest
-    yield "state_jump", number[0] > newest[0] + 1
-    yield "old_time", features.number(row["age_ms"]) > 60_000
-    yield "time_ahead", features.number(row["age_ms"]) < -10
+    yield "old_number", state <= newest
+    yield "state_jump", state[0] > newest[0] + 1
+    yield "old_time", number(row["age_ms"]) > 60_000
+    yield "time_ahead", number(row["age_ms"]) < -10
     yield "simulated", row["simulated"] == "1"
-    yield "long_time_to_live", features.number(row["live_ms"]) > 10_000
+    yield "long_time_to_live", number(row["live_ms"]) > 10_000
     yield "change_without_state", row["data_changed"] == "1" and row["st_step"] == "0"
-    yield "flood", bool(row["gap_ms"]) and features.number(row["gap_ms"]) < 0.5
+    yield "flood", bool(row["gap_ms"]) and number(row["gap_ms"]) < 0.5
 
 
 def judge_samples(data, run, out):
     print("stream,sample,verdict,rules", file=out)
-    for file in features.tables_of(data, run, "samples"):
+    for file in tables_of(data, run, "samples"):
         first, period_us, found = {}, {}, {}
-        for row in features.table(file):
+        for row in table(file):
             known = first.setdefault(row["stream"], row)
             if row is not known:
-                period_us.setdefault(row["stream"], features.number(row["gap_us"]))
+                period_us.setdefault(row["stream"], number(row["gap_us"]))
             broken = [name for name, is_broken in sample_rules(row, known, period_us.get(row["stream"], 1e9)) if is_broken]
             found.setdefault((row["stream"], int(row["sample"])), set()).update(broken)
         for (stream, sample), rules in sorted(found.items()):
@@ -57,9 +57,9 @@ def judge_samples(data, run, out):
 def judge_messages(data, run, out):
     print("frame,stream,altered,verdict,rules", file=out)
     count = {}
-    for file in features.tables_of(data, run, "messages"):
+    for file in tables_of(data, run, "messages"):
         first, newest = {}, {}
-        for row in features.table(file):
+        for row in table(file):
             stream = row["stream"]
             known = first.setdefault(stream, row)
             broken = [name for name, is_broken in message_rules(row, known, newest.get(stream, (0, -1))) if is_broken]

@@ -75,6 +75,7 @@ class Export(ScenarioTest):
             self.assertEqual({(r["altered"], r["attack"]) for r in table}, {("0", "")})
         if shutil.which("tshark"):
             self.assert_as_tshark_sees_it(out / "runs/attacked")
+        self.assert_foreign_detectors_read_it(runs / "attacked", out)
         again, _ = self.export(runs / "healthy", runs / "attacked", to="again")
         for file in sorted(p.relative_to(out) for p in out.rglob("*") if p.is_file()):
             if file.name not in ("README.md", "manifest.json"):  # which name what was asked for
@@ -149,6 +150,33 @@ class Export(ScenarioTest):
             for protocol, what in (("smv", "sv"), ("goose", "goose")):
                 self.assertEqual(count(file, what), sum(r["protocol"] == protocol for r in table))
             self.assertEqual(count(file, 'frame.comment contains "attack "'), sum(r["altered"] == "1" for r in table))
+
+    def assert_foreign_detectors_read_it(self, run, data):
+        def verdicts(python, *arguments):
+            done = subprocess.run([python, *map(str, arguments)], capture_output=True, text=True, timeout=HANG_S)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return done
+
+        def scored(text):
+            file = self.folder / "verdicts.csv"
+            file.write_text(text)
+            code, found, said = gridspace("ids", "score", run, file, "--json")
+            self.assertEqual(code, OK, said)
+            return json.loads(found)
+
+        rules = SOURCE / "examples/detectors/rule_checker.py"
+        said = verdicts(sys.executable, rules, data, "attacked", "--messages").stderr
+        self.assertRegex(said, r"forged 25 found, 0 missed; genuine 0 flagged, \d+ not")
+        # The man in the middle keeps all headers as they are: no rule sees him.
+        by_rules = scored(verdicts(sys.executable, rules, data, "attacked").stdout)
+        self.assertEqual((by_rules["true_positives"], by_rules["false_positives"]), (0, 0))
+        python = next((p for p in (sys.executable, "/usr/bin/python3")
+                       if subprocess.run([p, "-c", "import sklearn"], capture_output=True).returncode == 0), None)
+        if python:
+            forest = SOURCE / "examples/detectors/isolation_forest.py"
+            by_forest = scored(verdicts(python, forest, data, "attacked", "--train", "other-kinds", "--trees", "20").stdout)
+            self.assertGreater(by_forest["judged"], 3000)
+            self.assertTrue(by_forest["attacks"][0]["seen"])
 
     def assert_refusals(self, runs, there):
         self.assertIn("is there already", self.export(runs, to="data", code=USAGE)[1])
