@@ -48,7 +48,7 @@ In all tables with a row for each frame, sample or message:
 |---|---|
 | `sample` | number of the sample since the start of the run: its second times the rate, plus smpCnt |
 | `smp_cnt`, `smp_synch`, `simulated` | as the frame says |
-| `gap_us` | microseconds since the sample before of this stream, whoever sent it |
+| `gap_us` | microseconds since the sample before of this stream, whoever sent it, by the stamps of the capture |
 | `count_step` | difference of `sample` to the one before: 1 in order, 0 a second one of the same number |
 | `ia_a`, `ib_a`, `ic_a` | instantaneous currents, primary amperes |
 | `sum_a` | their sum, A |
@@ -62,7 +62,7 @@ In `messages.csv`:
 |---|---|
 | `st_num`, `sq_num`, `live_ms`, `conf_rev`, `simulated`, `entries` | as the message says; entries: members of the data set |
 | `st_step`, `sq_step` | difference to the message before |
-| `gap_ms` | milliseconds since the message before |
+| `gap_ms` | milliseconds since the message before, by the stamps of the capture |
 | `age_ms` | milliseconds from the time of the state, as the message says it, to when it was seen |
 | `data_changed` | 1: the data are not those of the message before |
 

@@ -10,7 +10,8 @@
 namespace gridspace::dataset {
 namespace {
 
-constexpr double kLateS = 0.1; ///< a forged message may be captured so long behind the attack's end
+/// A forged message may be stamped so long before the attack's start (real time: a tick) and behind its end.
+constexpr double kEarlyS = 0.01, kLateS = 0.1;
 
 std::size_t hash_of(iec61850::Octets frame) {
     return std::hash<std::string_view>{}({reinterpret_cast<char const*>(frame.data()), frame.size()});
@@ -28,7 +29,7 @@ FrameLabels::FrameLabels(RunSource const& run) : run_{run} {
         if (!attack.goose || attack.stream.empty()) {
             continue; // samples are told by their labels, and topics have no frames
         }
-        Place place{attack.name.name, attack.stream.name, "", attack.from_s.to_double(),
+        Place place{attack.name.name, attack.stream.name, "", attack.from_s.to_double() - kEarlyS,
                     attack.until_s.to_double() + kLateS};
         if (attack.place == attacker::AttackConfig::Place::second_publisher) {
             auto const host = run.host_of.find(attack.by.name);

@@ -14,14 +14,13 @@ class MessageFeatures {
                                             "ms,live_ms,conf_rev,simulated,entries,"
                                             "data_changed,altered,attack";
 
-    MessageFeatures(std::string name, std::int64_t epoch_ns) : name_{std::move(name)}, epoch_ns_{epoch_ns} {}
+    explicit MessageFeatures(std::string name) : name_{std::move(name)} {}
 
     /// A message; writes its row.
     void take(Captured const& at, iec61850::GooseFrame const& message, FrameLabels::Label const& label, CsvFile& out);
 
   private:
     std::string name_;
-    std::int64_t epoch_ns_;
     bool has_last_{false};
     std::int64_t last_ns_{0}, st_num_{0}, sq_num_{0};
     std::vector<std::uint8_t> data_;

@@ -151,7 +151,8 @@ class Exporter {
         std::uint64_t const number = ++vantage.done.frames;
         std::int64_t const time_ns = simulated_ns(frame);
         std::string const port = cell(wire::visible(interface));
-        Captured const at{number, time_ns, interface, fmt::format("{},{},{}", number, seconds_text(time_ns), port)};
+        Captured const at{number, time_ns, frame.time_ns, interface,
+                          fmt::format("{},{},{}", number, seconds_text(time_ns), port)};
         std::string protocol = "other", stream;
         FrameLabels::Label label;
         std::uint16_t const ethertype = iec61850::ethertype_of(frame.octets);
@@ -200,8 +201,7 @@ class Exporter {
         FrameLabels::Label const label =
             labels_.of_message(stream, at.interface, 1e-9 * static_cast<double>(at.time_ns), octets);
         if (vantage.goose.size() < kMostStreams || vantage.goose.contains(id)) {
-            vantage.goose.try_emplace(id, stream, run_.epoch_ns)
-                .first->second.take(at, goose_, label, vantage.messages);
+            vantage.goose.try_emplace(id, stream).first->second.take(at, goose_, label, vantage.messages);
         }
         return label;
     }

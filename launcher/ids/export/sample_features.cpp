@@ -72,13 +72,13 @@ FrameLabels::Label SampleFeatures::take(Captured const& at, iec61850::FrameHeade
     }
     out.row("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", at.prefix, header.source.to_string(), name_,
             index, asdu.smp_cnt, asdu.smp_synch, header.simulated() ? 1 : 0,
-            number_text(last_ns_ >= 0, 1e-3 * static_cast<double>(at.time_ns - last_ns_)),
+            number_text(last_ns_ >= 0, 1e-3 * static_cast<double>(at.unix_ns - last_ns_)),
             last_index_ >= 0 ? fmt::format("{}", index - last_index_) : std::string{}, number_text(has_currents, i[0]),
             number_text(has_currents, i[1]), number_text(has_currents, i[2]),
             number_text(has_currents, i[0] + i[1] + i[2]), number_text(has_kink, kink[0]),
             number_text(has_kink, kink[1]), number_text(has_kink, kink[2]), number_text(has_currents, peak),
             label.altered() ? 1 : 0, phases_text(label.phases), label.attack);
-    last_ns_ = at.time_ns;
+    last_ns_ = at.unix_ns;
     last_index_ = index;
     if (has_currents && index > newest_) {
         newest_ = index;

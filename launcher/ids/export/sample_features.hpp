@@ -14,6 +14,7 @@ namespace gridspace::dataset {
 struct Captured {
     std::uint64_t number{0}; ///< in the capture of its vantage point, from 1
     std::int64_t time_ns{0}; ///< since the start of the run
+    std::int64_t unix_ns{0}; ///< by the capture's clock, which is finer in real time: for distances
     std::string const& interface;
     std::string prefix; ///< "12,0.000416667,process_bus/mu21"
 };
