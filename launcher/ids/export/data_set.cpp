@@ -45,10 +45,11 @@ Result<void> copy_settings(RunSource const& run, fs::path const& to) {
 Result<void> write_labels(RunSource const& run, fs::path const& file) {
     CsvFile out{file, "target,index,phase,attack,kind,true_value,sent_value"};
     for (auto const& [target, labels] : run.labels.by_target()) {
-        streams::Stream const* const stream = streams::find_stream(run.streams, target);
-        bool const has_phases = stream == nullptr || stream->kind == streams::Kind::smv;
         for (LabelTable::Label const& label : labels) {
             auto const& attack = run.labels.attacks()[label.attack];
+            auto const config = std::find_if(run.attacks.begin(), run.attacks.end(),
+                                             [&](auto const& a) { return a.name.name == attack.name; });
+            bool const has_phases = config == run.attacks.end() || !config->goose;
             out.row("{},{},{},{},{},{},{}", target, label.index,
                     has_phases && label.channel < 3 ? std::string(1, "abc"[label.channel]) : "", attack.name,
                     attack.kind, shortest(label.true_value), shortest(label.sent_value));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/ids/export/frame_labels.hpp"
 
+#include "gateways/iec61850/frame.hpp"
 #include "recorder/pcapng/pcapng_reader.hpp"
 
 #include <cmath>
@@ -57,7 +58,7 @@ FrameLabels::Label FrameLabels::of_sample(std::string const& stream, std::int64_
 
 void FrameLabels::learn(std::string const& interface, iec61850::Octets frame) {
     for (Place const& place : altered_on_the_way_) {
-        if (is_inside(interface, place.port)) {
+        if (is_inside(interface, place.port) && iec61850::ethertype_of(frame) == iec61850::kGooseEthertype) {
             came_in_.insert(hash_of(frame));
             return;
         }

@@ -192,6 +192,18 @@ class Export(ScenarioTest):
             (damaged / file).write_bytes(octets[:len(octets) // 2])
             self.assertIn(what, self.export(damaged, to=f"of_damaged_{file}", code=USAGE)[1])
             self.assertFalse((self.folder / f"of_damaged_{file}/manifest.json").exists(), "looks like a whole data set")
+        (damaged / "bus.pcapng").unlink()
+        self.assertIn("it has no capture bus.pcapng", self.export(damaged, to="x", code=USAGE)[1])
+        manifest = json.loads((damaged / "manifest.json").read_text())
+        (damaged / "manifest.json").write_text(json.dumps({**manifest, "exit": 4}))
+        self.assertIn("it ended early, with code 4", self.export(damaged, to="x", code=USAGE)[1])
+        study = self.folder / "study"
+        (study / "runs/0123").mkdir(parents=True)
+        for file in ("study.lock", "runs/0123/record.json"):
+            (study / file).touch()
+        self.assertIn("has not kept its run 0123", self.export(study, to="x", code=USAGE)[1])
+        shutil.copytree(runs / "healthy", study / "runs/0123/run")
+        self.assertEqual([r["run"] for r in self.export(study, to="of_study")[1]["runs"]], ["0123"])
         unlabelled = self.start("unlabelled", scenario=self.write("unlabelled.yaml", ATTACKED.replace("host: evil2, labels: attack_labels", "host: evil2")))
         self.assertEqual(unlabelled.finish(), OK, unlabelled.stderr())
         out, said = self.export(unlabelled.folder, to="of_unlabelled", code=USAGE)

@@ -119,7 +119,11 @@ TEST(FrameLabels, AMessageThatLeavesTheCableOfAManInTheMiddleAsNoneHadComeIntoIt
     run.attacks.push_back(attack);
     FrameLabels sut{run};
     ASSERT_TRUE(sut.has_to_learn());
-    std::vector<std::uint8_t> const genuine{1, 2, 3}, altered{1, 2, 4};
+    std::vector<std::uint8_t> genuine(60);
+    genuine[12] = 0x88; // GOOSE
+    genuine[13] = 0xB8;
+    std::vector<std::uint8_t> altered = genuine;
+    altered.back() = 1;
     sut.learn("bus/ied:evil", genuine);
     sut.learn("bus/ied", altered); // that is where it leaves
     EXPECT_FALSE(sut.of_message("TRIP", "bus/ied", 0.5, genuine).altered());
