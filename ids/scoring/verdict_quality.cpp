@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 
 namespace gridspace::ids {
 namespace {
@@ -28,21 +29,71 @@ std::optional<double> ratio(double of, double all) {
     return all > 0 ? std::optional{of / all} : std::nullopt;
 }
 
-/// `sorted`: by score. `times`: how often each block was drawn.
-std::optional<double> auc(std::vector<Judgement> const& sorted, std::vector<double> const& times) {
+/// How many altered and genuine judgements of a block stand at one place in the order of the scores.
+struct Share {
+    std::uint32_t place{0}, block{0};
+    double altered{0}, genuine{0};
+};
+
+/// The area of judgements whose blocks were drawn so often; `shares` by place.
+std::optional<double> auc(std::vector<Share> const& shares, std::vector<double> const& times) {
     double below = 0, pairs = 0, altered_all = 0;
-    for (std::size_t i = 0; i < sorted.size();) {
+    for (std::size_t i = 0; i < shares.size();) {
         double genuine = 0, altered = 0;
-        std::size_t j = i;
-        for (; j < sorted.size() && sorted[j].score == sorted[i].score; ++j) {
-            (sorted[j].altered ? altered : genuine) += times[sorted[j].block];
+        std::uint32_t const place = shares[i].place;
+        for (; i < shares.size() && shares[i].place == place; ++i) {
+            genuine += times[shares[i].block] * shares[i].genuine;
+            altered += times[shares[i].block] * shares[i].altered;
         }
         pairs += altered * (below + genuine / 2);
         below += genuine;
         altered_all += altered;
-        i = j;
     }
     return ratio(pairs, below * altered_all);
+}
+
+/// Judgements in the order of their scores, as shares. Where altered and genuine ones do not take turns, the order
+/// among them says nothing about the area, so they stand at one place; equal scores do too. With `mass` > 0 a place
+/// goes on until it holds so much of all altered and of all genuine ones together (of 2): the area is not exact then.
+std::vector<Share> shares_of(std::vector<Judgement> const& sorted, std::uint32_t blocks, double mass) {
+    auto const altered_all = static_cast<double>(std::max<std::ptrdiff_t>(
+        1, std::count_if(sorted.begin(), sorted.end(), [](auto const& j) { return j.altered; })));
+    double const genuine_all = std::max(1.0, static_cast<double>(sorted.size()) - altered_all);
+    std::vector<Share> out;
+    std::vector<std::size_t> at(blocks, SIZE_MAX); ///< of a block in `out`, at the current place
+    std::size_t begin = 0;
+    std::uint32_t place = 0;
+    bool has_altered = false, has_genuine = false;
+    double held = 0;
+    for (std::size_t i = 0; i < sorted.size();) {
+        std::size_t j = i;
+        bool altered = false, genuine = false;
+        for (; j < sorted.size() && sorted[j].score == sorted[i].score; ++j) {
+            (sorted[j].altered ? altered : genuine) = true;
+        }
+        bool const one_kind = !((has_altered || altered) && (has_genuine || genuine));
+        if (i > 0 && !one_kind && held >= mass) {
+            for (std::size_t k = begin; k < out.size(); ++k) {
+                at[out[k].block] = SIZE_MAX;
+            }
+            begin = out.size();
+            ++place;
+            has_altered = has_genuine = false;
+            held = 0;
+        }
+        has_altered = has_altered || altered;
+        has_genuine = has_genuine || genuine;
+        for (; i < j; ++i) {
+            std::size_t& index = at[sorted[i].block];
+            if (index == SIZE_MAX) {
+                index = out.size();
+                out.push_back({place, sorted[i].block, 0, 0});
+            }
+            (sorted[i].altered ? out[index].altered : out[index].genuine) += 1;
+            held += sorted[i].altered ? 1 / altered_all : 1 / genuine_all;
+        }
+    }
+    return out;
 }
 
 Figures figures_of(Counts const& c) {
@@ -76,7 +127,8 @@ std::vector<RocPointOfScores> roc(std::vector<Judgement> const& sorted) {
 
 } // namespace
 
-VerdictQuality verdict_quality(std::vector<Judgement> judgements, bool has_scores, std::uint64_t seed, int resamples) {
+VerdictQuality verdict_quality(std::vector<Judgement> judgements, bool has_scores, std::uint64_t seed, int resamples,
+                               std::size_t most_shares) {
     std::uint32_t blocks = 0;
     for (Judgement const& j : judgements) {
         blocks = std::max(blocks, j.block + 1);
@@ -95,8 +147,16 @@ VerdictQuality verdict_quality(std::vector<Judgement> judgements, bool has_score
                          [](Judgement const& a, Judgement const& b) { return a.score < b.score; });
     }
     Figures value = figures_of(all);
+    std::vector<Share> shares;
+    double correction = 0;
     if (has_scores) {
-        value[kAuc] = auc(judgements, std::vector<double>(blocks, 1));
+        std::vector<double> const once(blocks, 1);
+        shares = shares_of(judgements, blocks, 0);
+        value[kAuc] = auc(shares, once);
+        if (shares.size() > most_shares && value[kAuc]) {
+            shares = shares_of(judgements, blocks, 2.0 * blocks / static_cast<double>(most_shares));
+            correction = *value[kAuc] - auc(shares, once).value_or(*value[kAuc]);
+        }
     }
     std::array<std::vector<double>, 5> drawn;
     Random random{seed, "bootstrap"};
@@ -111,7 +171,10 @@ VerdictQuality verdict_quality(std::vector<Judgement> judgements, bool has_score
         }
         Figures figures = figures_of(sum);
         if (has_scores) {
-            figures[kAuc] = auc(judgements, times);
+            figures[kAuc] = auc(shares, times);
+            if (figures[kAuc]) {
+                *figures[kAuc] = std::clamp(*figures[kAuc] + correction, 0.0, 1.0);
+            }
         }
         for (std::size_t f = 0; f < figures.size(); ++f) {
             if (figures[f]) {

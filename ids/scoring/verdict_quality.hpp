@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -33,8 +34,11 @@ struct VerdictQuality {
 
 /// Precision, recall, F1 and false positive rate, and with scores the area below the ROC curve: the probability that an
 /// altered sample has a higher score than a genuine one, ties counting half (Mann-Whitney). Intervals: percentiles of a
-/// bootstrap that draws blocks with replacement (Efron; blocks after Kuensch), `resamples` times.
+/// bootstrap that draws blocks with replacement (Efron; blocks after Kuensch), `resamples` times. A draw costs the
+/// number of blocks, and for the area a term for each block between two changes from altered to genuine in the order of
+/// the scores. Where these are more than `most_shares`, neighbours in that order are put together for the interval (not
+/// for the figure), and it is moved by what that changes of the figure.
 [[nodiscard]] VerdictQuality verdict_quality(std::vector<Judgement> judgements, bool has_scores, std::uint64_t seed,
-                                             int resamples = 1000);
+                                             int resamples = 1000, std::size_t most_shares = 2'000'000);
 
 } // namespace gridspace::ids

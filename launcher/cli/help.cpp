@@ -57,6 +57,8 @@ gridspace ids scan
     gridspace ids scan runs/latest/bus.pcapng --streams configs/scenarios/protection.yaml --line SMV21,SMV22 --out scan
 gridspace ids score
     gridspace ids score latest verdicts.csv
+gridspace ids export
+    gridspace ids export runs/study-attacks --out dataset
 gridspace monitor
     gridspace monitor latest
     gridspace monitor --domain 7 --address 192.168.1.20

@@ -4,9 +4,10 @@
 
 #include "launcher/cli/verbs.hpp"
 
-/// The verbs of `gridspace ids` that judge what others bring: their captures, their detectors.
+/// The verbs of `gridspace ids` for others: their captures, their detectors, data for them.
 namespace gridspace::cli {
 
+void add_ids_export(CLI::App& ids, Action& action);
 void add_ids_scan(CLI::App& ids, Action& action);
 void add_ids_score(CLI::App& ids, Action& action);
 

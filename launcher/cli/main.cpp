@@ -24,9 +24,10 @@ namespace {
 
 void add_ids(CLI::App& app, Action& action) {
     CLI::App* ids = app.add_subcommand(
-        "ids", "the intrusion detector: train and judge forecasters, scan captures, score detectors");
+        "ids", "the intrusion detector: train and judge forecasters, scan captures, score detectors, make data sets");
     ids->require_subcommand(1);
-    for (auto* const add : {add_ids_train, add_ids_evaluate, add_ids_study, add_ids_scan, add_ids_score}) {
+    for (auto* const add :
+         {add_ids_train, add_ids_evaluate, add_ids_study, add_ids_scan, add_ids_score, add_ids_export}) {
         add(*ids, action);
     }
 }

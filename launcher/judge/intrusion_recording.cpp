@@ -55,7 +55,8 @@ void read_verdicts(std::span<std::byte const> data, Tracks& tracks) {
     }
 }
 
-void read_labels(std::span<std::byte const> data, std::vector<IntrusionRecording::Label>& labels) {
+template <class OnLabel>
+void read_labels(std::span<std::byte const> data, OnLabel const& on_label) {
     CdrCursor cdr{data};
     IntrusionRecording::Label label;
     label.attack = cdr.text();
@@ -71,7 +72,7 @@ void read_labels(std::span<std::byte const> data, std::vector<IntrusionRecording
         if (!cdr.ok()) {
             return;
         }
-        labels.push_back(label);
+        on_label(label);
     }
 }
 
@@ -91,7 +92,7 @@ Result<IntrusionRecording> read_intrusion_recording(std::filesystem::path const&
         if (message.schema.name == "IdsVerdict") {
             read_verdicts(message.data, tracks);
         } else if (message.schema.name == "AttackLabel") {
-            read_labels(message.data, out.labels);
+            read_labels(message.data, [&](IntrusionRecording::Label const& label) { out.labels.push_back(label); });
         }
         return true;
     });
@@ -106,6 +107,20 @@ Result<IntrusionRecording> read_intrusion_recording(std::filesystem::path const&
         out.tracks.push_back(std::move(track));
     }
     return out;
+}
+
+Result<std::string> read_attack_labels(std::filesystem::path const& mcap,
+                                       std::function<void(IntrusionRecording::Label const&)> const& on_label) {
+    auto const read = mcap::read_messages(mcap, [&](mcap::Message const& message) {
+        if (message.schema.name == "AttackLabel") {
+            read_labels(message.data, on_label);
+        }
+        return true;
+    });
+    if (!read) {
+        return std::unexpected{read.error()};
+    }
+    return read->complete ? std::string{} : read->note.empty() ? "it was cut" : read->note;
 }
 
 } // namespace gridspace::launcher

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -42,5 +43,11 @@ struct IntrusionRecording {
 };
 
 [[nodiscard]] Result<IntrusionRecording> read_intrusion_recording(std::filesystem::path const& mcap);
+
+/// The labels alone, one after the other: memory does not grow with the recording. Gives what is wrong with a recording
+/// that was cut, whose prefix was read; empty when it is whole.
+[[nodiscard]] Result<std::string>
+read_attack_labels(std::filesystem::path const& mcap,
+                   std::function<void(IntrusionRecording::Label const&)> const& on_label);
 
 } // namespace gridspace::launcher

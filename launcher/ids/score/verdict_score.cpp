@@ -2,12 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/ids/score/verdict_score.hpp"
 
-#include "common/config/yaml.hpp"
-#include "gateways/streams/stream.hpp"
-
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <set>
 
 namespace gridspace::score {
@@ -24,46 +20,6 @@ std::map<SampleKey, std::string> altered_samples(Truth const& truth, bool by_pha
 }
 
 } // namespace
-
-Result<Truth> read_truth(std::filesystem::path const& run, double simulated_s) {
-    auto recording = launcher::read_intrusion_recording(run / "data.mcap");
-    if (!recording) {
-        return std::unexpected{recording.error()};
-    }
-    Truth out;
-    config::Diagnostics diagnostics;
-    if (auto scenario = config::load_yaml(run / "scenario.resolved.yaml", diagnostics)) {
-        if (config::Node* const all = scenario->find("streams")) {
-            for (streams::Stream const& stream : streams::read_streams(*all, diagnostics)) {
-                if (stream.kind == streams::Kind::smv && !stream.broken) {
-                    out.extent.rates_hz[stream.name.name] = stream.rate_hz.to_double();
-                    out.extent.names[stream.sv_id] = stream.name.name;
-                }
-            }
-        }
-    }
-    if (!diagnostics.ok()) {
-        return fail(ExitCode::usage, diagnostics.render());
-    }
-    out.extent.end_s = simulated_s;
-    std::set<std::string> attacked;
-    for (auto& label : recording->labels) {
-        if (out.extent.rates_hz.contains(label.target)) {
-            attacked.insert(label.target);
-            out.labels.push_back(std::move(label));
-        } else {
-            ++out.messages_not_judged[label.attack];
-        }
-    }
-    out.extent.only_stream = attacked.size() == 1 ? *attacked.begin() : "";
-    if (out.labels.empty()) {
-        return fail(ExitCode::usage,
-                    fmt::format("'{}' holds no label of a stream of sampled values: there is no truth to judge by",
-                                run.string()),
-                    "a run with `attacks:` on one, whose attacker has `labels:`, and with `record: {samples: all}`");
-    }
-    return out;
-}
 
 VerdictScore score_verdicts(Truth const& truth, Verdicts verdicts, bool others_are_genuine, std::uint64_t seed) {
     VerdictScore out;

@@ -4,21 +4,9 @@
 
 #include "ids/scoring/scorer.hpp"
 #include "ids/scoring/verdict_quality.hpp"
-#include "launcher/ids/score/verdicts_file.hpp"
-#include "launcher/judge/intrusion_recording.hpp"
-
-#include <filesystem>
+#include "launcher/ids/score/truth.hpp"
 
 namespace gridspace::score {
-
-/// What really happened in a run.
-struct Truth {
-    Extent extent;
-    std::vector<launcher::IntrusionRecording::Label> labels;  ///< on streams of sampled values
-    std::map<std::string, std::uint64_t> messages_not_judged; ///< labels of GOOSE and of topics, by attack
-};
-/// Of a run folder that came so far. Fails when nobody has labelled anything that can be judged.
-[[nodiscard]] Result<Truth> read_truth(std::filesystem::path const& run, double simulated_s);
 
 struct VerdictScore {
     ids::VerdictQuality quality;

@@ -135,6 +135,50 @@ TEST(VerdictQuality, TheSameSeedGivesTheSameIntervalsAndAnotherOneOthers) {
     EXPECT_NE(once.auc.low, other.auc.low);
 }
 
+/// The same bootstrap by the definition: the judgements of the blocks that were drawn, one by one.
+std::pair<double, double> interval_by_definition(std::vector<ids::Judgement> const& judgements, std::uint32_t blocks) {
+    Random random{1, "bootstrap"};
+    std::vector<double> areas;
+    for (int k = 0; k < 1000; ++k) {
+        std::vector<double> times(blocks);
+        for (std::uint32_t b = 0; b < blocks; ++b) {
+            times[random.below(blocks)] += 1;
+        }
+        double right = 0, pairs = 0;
+        for (auto const& a : judgements) {
+            for (auto const& b : judgements) {
+                if (a.altered && !b.altered) {
+                    double const weight = times[a.block] * times[b.block];
+                    right += weight * (a.score > b.score ? 1 : a.score == b.score ? 0.5 : 0);
+                    pairs += weight;
+                }
+            }
+        }
+        areas.push_back(right / pairs);
+    }
+    std::sort(areas.begin(), areas.end());
+    return {areas[24], areas[974]};
+}
+
+TEST(VerdictQuality, TheIntervalOfTheAreaIsThatOfTheDefinitionAndHardlyAnotherWhenItsCostIsBounded) {
+    Random random{5};
+    std::vector<ids::Judgement> judgements;
+    for (std::uint32_t i = 0; i < 300; ++i) {
+        bool const altered = random.chance(0.2);
+        double const score = random.normal() + (altered ? 1.0 : 0.0) + (i % 3 == 0 ? 0.0 : std::round(random.normal()));
+        judgements.push_back({i / 20, altered, false, score});
+    }
+    auto const [low, high] = interval_by_definition(judgements, 15);
+    auto const q = ids::verdict_quality(judgements, true, 1);
+    EXPECT_NEAR(*q.auc.low, low, 1e-12);
+    EXPECT_NEAR(*q.auc.high, high, 1e-12);
+    auto const bounded = ids::verdict_quality(judgements, true, 1, 1000, 200);
+    EXPECT_EQ(bounded.auc.value, q.auc.value);
+    EXPECT_NEAR(*bounded.auc.low, low, 0.01);
+    EXPECT_NEAR(*bounded.auc.high, high, 0.01);
+    EXPECT_NE(bounded.auc.low, q.auc.low) << "control: nothing was put together";
+}
+
 TEST(VerdictQuality, WhatCannotBeCountedHasNoFigure) {
     auto const q = ids::verdict_quality({{0, false, false, 0}}, true, 1);
     EXPECT_FALSE(q.precision.value);

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gateways/iec61850/octets.hpp"
+#include "launcher/ids/export/run_source.hpp"
+
+#include <array>
+#include <string_view>
+#include <unordered_set>
+
+namespace gridspace::dataset {
+
+/// Which of the frames of a capture somebody forged or altered, by the ground truth of the run.
+class FrameLabels {
+  public:
+    /// `run` has to outlive it.
+    explicit FrameLabels(RunSource const& run);
+
+    struct Label {
+        std::string_view attack; ///< empty: genuine
+        std::uint8_t phases{0};  ///< bit 0: a; of samples
+        [[nodiscard]] bool altered() const { return !attack.empty(); }
+    };
+    /// A sample that was captured with these currents: a phase is altered when it is labelled and what was captured is
+    /// nearer to what was sent than to what is true. A forged sample and the genuine one beside it are told apart so.
+    [[nodiscard]] Label of_sample(std::string const& stream, std::int64_t index,
+                                  std::array<double, 3> const& currents_a) const;
+
+    /// Messages that a man in the middle alters are found by comparison: all frames of a capture have to be shown once
+    /// before the first question, where this says so.
+    [[nodiscard]] bool has_to_learn() const { return !altered_on_the_way_.empty(); }
+    void learn(std::string const& interface, iec61850::Octets frame);
+    /// A message: forged when it came from the port of an attacker whose target it is within the attack's time; altered
+    /// when it left a cable with an attacker in it as no message had come into it.
+    [[nodiscard]] Label of_message(std::string const& stream, std::string const& interface, double time_s,
+                                   iec61850::Octets frame) const;
+
+  private:
+    struct Place {
+        std::string attack, stream;
+        std::string port; ///< "process_bus/evil"
+        double from_s{0}, until_s{0};
+    };
+    RunSource const& run_;
+    std::vector<Place> beside_, altered_on_the_way_;
+    std::unordered_set<std::size_t> came_in_; ///< hashes of messages on the publisher's side of such an attacker
+};
+
+} // namespace gridspace::dataset
