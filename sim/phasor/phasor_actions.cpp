@@ -103,7 +103,11 @@ Result<void> PhasorEngine::act(StandBy const& a) {
     if (unit == nullptr || !unit->injection || !unit->element->kind().follows(Command::stop)) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be started or stopped: it is no converter", a.element));
     }
-    injections_[*unit->injection]->stand_by(a.on);
+    PhasorInjection& injection = *injections_[*unit->injection];
+    if (bool const stood_by = !injection.connected(); stood_by && !a.on) {
+        injection.resume(t_, dae_->voltage(injection.bus(), y_), dae_->states_of(*unit->injection, std::span{y_}));
+    }
+    injection.stand_by(a.on);
     return set_topology();
 }
 
