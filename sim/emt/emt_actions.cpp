@@ -274,9 +274,8 @@ void EmtEngine::stand_by(NetworkCircuit::OnePortParts const& parts, bool on) {
     }
     Space const s = bus_voltage(parts.bus);
     double const turned = 2 * std::numbers::pi * network_.frequency_hz * solver_.t();
-    solver_.circuit()
-        .norton[static_cast<std::size_t>(parts.norton)]
-        .element->resume(solver_.t(), std::complex<double>{s.alpha, s.beta} * std::polar(1.0, -turned));
+    solver_.circuit().norton[static_cast<std::size_t>(parts.norton)].element->resume(
+        solver_.t(), std::complex<double>{s.alpha, s.beta} * std::polar(1.0, -turned));
     solver_.close_switch(breaker);
 }
 

@@ -35,7 +35,8 @@ void Battery::fields(Fields& f) {
         f.error("grid_forming", fmt::format("'{}' is grid-following", name.name), "add `control: grid_forming`");
     }
     if (forms() && q_kvar != 0) {
-        f.error("q_kvar", fmt::format("'{}' is grid-forming: it gives the reactive power that its voltage needs", name.name),
+        f.error("q_kvar",
+                fmt::format("'{}' is grid-forming: it gives the reactive power that its voltage needs", name.name),
                 "leave it out, and give a voltage_setpoint_pu");
     }
     if (forms() && !scale.name.empty()) {
@@ -65,10 +66,9 @@ double Battery::asked_kw(double times, double soc_percent) const {
 
 void Battery::power_flow(PowerFlowFace& face) const {
     if (forms()) {
-        face.regulate(bus, {.p_kw = p_kw,
-                            .voltage_pu = forming.voltage_setpoint_pu,
-                            .rating_kva = rating_kva,
-                            .keeps_alive = true});
+        face.regulate(
+            bus,
+            {.p_kw = p_kw, .voltage_pu = forming.voltage_setpoint_pu, .rating_kva = rating_kva, .keeps_alive = true});
     } else {
         face.inject(bus, {asked_kw(face.scale(scale), soc_start_percent), q_kvar});
     }

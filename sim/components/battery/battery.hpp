@@ -20,7 +20,10 @@ struct Battery final : OnePort {
         {"droop_percent", elements::positive("grid-forming: frequency drop at rated active power")},
         {"frequency_setpoint_hz",
          elements::positive("grid-forming: frequency at its p_kw, from half to 1.5 times the nominal one")}};
-    static constexpr CommandUse kCommands[] = {kConverter[0], kConverter[1], kConverter[2], kConverter[3],
+    static constexpr CommandUse kCommands[] = {kConverter[0],
+                                               kConverter[1],
+                                               kConverter[2],
+                                               kConverter[3],
                                                {Command::mode, "how a grid-forming one holds the frequency"}};
     static constexpr Mode kModes[] = {
         {"isochronous", "droop and integral: the frequency comes back; needs an `integral_ki`"},

@@ -90,9 +90,7 @@ class FormingElement final : public emt::NortonElement, private Dynamics {
         return Rotor{control_.data.inertia_h_s * control_.rating_kva, hz() * (1 + x_[kSpeed])};
     }
     [[nodiscard]] std::vector<SignalDef> signals() const override { return forming::signals(); }
-    [[nodiscard]] double value(std::size_t index) const override {
-        return forming::signal(index, x_, hz(), share_);
-    }
+    [[nodiscard]] double value(std::size_t index) const override { return forming::signal(index, x_, hz(), share_); }
     bool set(std::string_view quantity, double value) override { return control_.change(quantity, value); }
     void set_mode(std::string_view mode) override { control_.mode(mode); }
     void resume(double t, Complex v) override;
