@@ -76,11 +76,12 @@ double Control::share(Complex drive) const {
 }
 
 void Control::resume(double t, Complex v, State& x) {
-    constexpr double kDead = 0.05; // p.u.: no angle to begin with
+    constexpr double kDead = 0.05;  // p.u.: no angle to begin with
+    constexpr double kFirst = 0.01; // p.u.: on a dead bus
     double const size = std::abs(v);
     x[kSpeed] = x[kIntegral] = x[kReactive] = 0;
     x[kAngle] = size > kDead ? std::arg(v) : 0;
-    x[kEmf] = size > kDead ? size : 0;
+    x[kEmf] = size > kDead ? size : kFirst;
     set.q_ref = 0;
     set.ramp_from = x[kEmf];
     set.ramp_start_s = t;
