@@ -190,6 +190,107 @@ TEST_P(GridFormingIn, EnergisesADeadNetworkWithARampOfItsVoltage) {
     EXPECT_NEAR(read(*sut, "battery.G.p_kw"), 60, 2);
 }
 
+/// With a control that does not move it is an ideal source behind a resistance and an inductance, which is checked
+/// against ngspice: the same currents through a fault, and after it.
+TEST(GridFormingWaveform, IsASourceBehindItsFilterWhileItsControlRests) {
+    std::string const rests =
+        "p_kw: 0, grid_forming: {inertia_h_s: 1.0e12, voltage_ki: 1.0e-9, current_limit_pu: 1.0e6}";
+    auto const start = [](std::string const& elements) {
+        auto engine = emt::make_emt_engine(network(elements), {kBase, SimSpan{1}, 0});
+        EXPECT_TRUE(engine.has_value());
+        must((*engine)->initialise());
+        return std::move(*engine);
+    };
+    auto const sut = start(kLoad + "batteries:\n" + battery("G", "A", kRatedKva, rests));
+    double const base_ohm = 480.0 * 480 / (kRatedKva * 1e3);
+    double const l_mh = 0.15 * base_ohm / (2 * std::numbers::pi * 60) * 1e3, r_ohm = 0.01 * base_ohm;
+    auto const twin =
+        start(kLoad + fmt::format("sources: {{S: {{bus: A, voltage_pu: {}, angle_deg: {}, r_ohm: {}, l_mh: {}, "
+                                  "r0_ohm: {}, l0_mh: {}}}}}\n",
+                                  read(*sut, "battery.G.emf_pu"), read(*sut, "battery.G.angle_deg"), r_ohm, l_mh, r_ohm,
+                                  l_mh));
+    ApplyFault const fault{"", "B", 50, FaultType::phase_phase_ground, 0.001, "f"};
+    double most = 0, largest = 0;
+    for (int step = 0; step < 4800; step += 12) {
+        if (step == 1200) {
+            must(sut->apply(fault));
+            must(twin->apply(fault));
+        }
+        if (step == 2400) {
+            must(sut->apply(ClearFault{"f"}));
+            must(twin->apply(ClearFault{"f"}));
+        }
+        must(sut->advance(SimTime{} + SimSpan{step}));
+        must(twin->advance(SimTime{} + SimSpan{step}));
+        for (char const* phase : {"a", "b", "c"}) {
+            double const i = read(*twin, fmt::format("line.L.from.i.{}", phase));
+            largest = std::max(largest, std::abs(i));
+            most = std::max(most, std::abs(read(*sut, fmt::format("line.L.from.i.{}", phase)) - i));
+        }
+    }
+    EXPECT_GT(largest, 1000);
+    EXPECT_LT(most, 0.02); // 1e-5 of it: the two steady states are solved in other ways
+}
+
+/// A step of load and a fault on an island: what the stators and filters of waveforms add is small.
+TEST(GridFormingEngines, GiveTheSameAnswerWithinTheStatedBand) {
+    std::string const island = "loads: {D: {bus: B, p_kw: 60, model: constant_impedance}}\nbatteries:\n" +
+                               battery("G", "A", kRatedKva, "p_kw: 0, grid_forming: {inertia_h_s: 2}");
+    auto waveforms = emt::make_emt_engine(network(island), {kBase, SimSpan{1}, 0});
+    auto phasors = phasor::make_phasor_engine(network(island), {.time_base = kBase});
+    ASSERT_TRUE(waveforms.has_value() && phasors.has_value());
+    for (auto* engine : {&*waveforms, &*phasors}) {
+        must((*engine)->initialise());
+    }
+    double step = 0, fault = 0, voltage = 0, moved = 0;
+    for (int ms = 1; ms < 2000; ++ms) {
+        for (auto* engine : {&*waveforms, &*phasors}) {
+            if (ms == 100) {
+                must((*engine)->apply(SetParameter{"loads.D.p_kw", 110}));
+            } else if (ms == 1000) {
+                must((*engine)->apply(ApplyFault{"", "B", 50, FaultType::three_phase_ground, 0.2, "f"}));
+            } else if (ms == 1150) {
+                must((*engine)->apply(ClearFault{"f"}));
+            }
+            must((*engine)->advance(SimTime{} + SimSpan{24 * ms}));
+        }
+        double const hz = read(**phasors, "battery.G.frequency_hz");
+        double& most = ms < 1000 ? step : fault;
+        most = std::max(most, std::abs(read(**waveforms, "battery.G.frequency_hz") - hz));
+        moved = std::max(moved, std::abs(hz - 60));
+        if (ms % 1000 > 200 || ms < 100) { // not in the half cycles after a discontinuity
+            voltage = std::max(voltage, std::abs(read(**waveforms, "bus.B.v_pu") - read(**phasors, "bus.B.v_pu")));
+        }
+    }
+    EXPECT_GT(moved, 0.39);
+    EXPECT_LT(step, 0.005);
+    EXPECT_LT(fault, 0.06); // phasors do not know the direct current of a fault, which brakes
+    EXPECT_LT(voltage, 0.01);
+}
+
+/// Photovoltaics in an island that stays dark for so long come back when the battery energises it again.
+class Outage : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Seconds, Outage, testing::Values(0.1, 1.0, 10.0));
+TEST_P(Outage, LeavesNoConverterLost) {
+    auto engine = emt::make_emt_engine(network(kLoad + "pv: {P: {bus: B, p_kw: 20, rating_kva: 25}}\nbatteries:\n" +
+                                               battery("G", "A", kRatedKva, "p_kw: 40")),
+                                       {kBase, SimSpan{1}, 0});
+    ASSERT_TRUE(engine.has_value());
+    Engine& sut = **engine;
+    must(sut.initialise());
+    auto const after = [&](double t) { must(sut.advance(SimTime{} + SimSpan{std::llround(t * 24000)})); };
+    after(0.1);
+    must(sut.apply(StandBy{"G", true}));
+    after(0.1 + GetParam());
+    if (GetParam() > 0.5) {
+        EXPECT_NEAR(read(sut, "pv.P.p_kw"), 0, 0.2); // it does not feed the dead bus
+    }
+    must(sut.apply(StandBy{"G", false}));
+    after(3.1 + GetParam());
+    EXPECT_NEAR(read(sut, "pv.P.p_kw"), 20, 0.5);
+    EXPECT_NEAR(read(sut, "bus.B.v_pu"), 1, 0.05);
+}
+
 TEST(GridForming, IsAskedForWhatOnlyItCan) {
     Network n = network(kLoad + "sources: {S: {bus: A}}\nbatteries: {G: {bus: A, capacity_kwh: 9, rating_kva: 9}}\n");
     auto engine = emt::make_emt_engine(std::move(n), {kBase, SimSpan{1}, 0});
