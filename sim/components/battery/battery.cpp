@@ -79,6 +79,10 @@ Complex Battery::sequence_pu(Sequence, Surroundings const& around) const {
 }
 
 bool Battery::set(std::string_view quantity, double value) {
+    bool const of_follower = quantity == "q_kvar", of_both = quantity == "p_kw";
+    if (!of_both && of_follower == forms()) {
+        return false; // refuses() says why
+    }
     (quantity == "p_kw"                  ? p_kw
      : quantity == "q_kvar"              ? q_kvar
      : quantity == "voltage_setpoint_pu" ? forming.voltage_setpoint_pu
