@@ -168,6 +168,23 @@ TEST_P(GridFormingIn, LimitsItsCurrentInAFaultAndHoldsTheIslandAfterIt) {
     EXPECT_NEAR(read(*sut, "battery.G.frequency_hz"), 60, 0.1);
 }
 
+/// Beside a converter of constant power, whose current is limited too, phasors have to search for the voltages after
+/// it.
+TEST_P(GridFormingIn, ComesBackAfterFaultsOfEveryKindBesidePhotovoltaics) {
+    for (FaultType const type : {FaultType::three_phase_ground, FaultType::phase_ground, FaultType::phase_phase}) {
+        for (double const ohm : {0.0, 0.02, 0.05, 0.1, 0.2, 0.5}) {
+            auto const sut = started(kAlone + "pv: {P: {bus: B, p_kw: 20, rating_kva: 25}}\n");
+            until(*sut, 0.1);
+            must(sut->apply(ApplyFault{"", "B", 50, type, ohm, "f"}));
+            until(*sut, 0.2);
+            must(sut->apply(ClearFault{"f"}));
+            until(*sut, 1.5);
+            EXPECT_NEAR(read(*sut, "bus.B.v_pu"), 1, 0.03) << ohm;
+            EXPECT_NEAR(read(*sut, "battery.G.frequency_hz"), 60, 0.02) << ohm;
+        }
+    }
+}
+
 /// The control: what the limit withholds.
 TEST_P(GridFormingIn, GivesManyTimesItsCurrentInAFaultWithoutALimit) {
     auto const sut = started(kLoad + "batteries:\n" +
@@ -230,6 +247,23 @@ TEST(GridFormingWaveform, IsASourceBehindItsFilterWhileItsControlRests) {
     }
     EXPECT_GT(largest, 1000);
     EXPECT_LT(most, 0.02); // 1e-5 of it: the two steady states are solved in other ways
+}
+
+/// 0.3 s and 30 ms are 0.33 s but for rounding.
+TEST(GridFormingEngines, PartFromTheGridWhenAMechanismEndsAtTheEndOfAStep) {
+    auto engine = phasor::make_phasor_engine(
+        network(kAlone + "sources: {S: {bus: B, r_ohm: 0.01, l_mh: 0.1, r0_ohm: 0.01, l0_mh: 0.1}}\n"
+                         "breaker_types: {t: {mechanism_ms: 30}}\nbreakers: {Q: {line: L, end: from, type: t}}\n"),
+        {.time_base = TimeBase{Rational{1, 1000}}});
+    ASSERT_TRUE(engine.has_value());
+    must((*engine)->initialise());
+    for (int ms = 1; ms <= 400; ++ms) {
+        must((*engine)->advance(SimTime{} + SimSpan{ms}));
+        if (ms == 300) {
+            must((*engine)->apply(SwitchBreaker{"Q", false}));
+        }
+    }
+    EXPECT_EQ(read(**engine, "breaker.Q.position"), 1);
 }
 
 /// A step of load and a fault on an island: what the stators and filters of waveforms add is small.
