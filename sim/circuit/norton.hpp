@@ -72,6 +72,8 @@ class NortonElement {
     virtual bool set(std::string_view /*quantity*/, double /*value*/) { return false; }
     /// One of the modes of its kind, from now on.
     virtual void set_mode(std::string_view /*mode*/) {}
+    /// Back from standing by, with open poles so far, at time t and a bus voltage v (phasor as in start(); 0: dead).
+    virtual void resume(double /*t*/, std::complex<double> /*v*/) {}
 };
 
 } // namespace gridspace::sim::emt

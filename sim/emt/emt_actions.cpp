@@ -265,10 +265,27 @@ Result<void> EmtEngine::act(Connect const& a) {
     return {};
 }
 
+/// A voltage source stands by behind open poles.
+void EmtEngine::stand_by(NetworkCircuit::OnePortParts const& parts, bool on) {
+    auto const breaker = static_cast<std::size_t>(parts.breaker);
+    if (on) {
+        solver_.open_switch(breaker);
+        return;
+    }
+    Space const s = bus_voltage(parts.bus);
+    double const turned = 2 * std::numbers::pi * network_.frequency_hz * solver_.t();
+    solver_.circuit().norton[static_cast<std::size_t>(parts.norton)].element->resume(
+        solver_.t(), std::complex<double>{s.alpha, s.beta} * std::polar(1.0, -turned));
+    solver_.close_switch(breaker);
+}
+
 Result<void> EmtEngine::act(StandBy const& a) {
     for (std::size_t k = 0; k < one_ports_.size(); ++k) {
         if (one_ports_[k]->name.name != a.element || !one_ports_[k]->kind().follows(Command::stop)) {
             continue;
+        }
+        if (parts_.one_ports[k].norton >= 0) {
+            stand_by(parts_.one_ports[k], a.on);
         }
         for (std::size_t i = 0; i < converters_.size(); ++i) {
             if (parts_.injections[i].breaker == parts_.one_ports[k].breaker) {

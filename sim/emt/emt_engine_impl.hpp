@@ -63,6 +63,7 @@ class EmtEngine final : public Engine {
     }
     /// By its name; the number of them when there is none.
     [[nodiscard]] std::size_t one_port_named(std::string_view name) const;
+    void stand_by(NetworkCircuit::OnePortParts const& parts, bool on);
     /// Those behind these switches, which are about to close.
     void resume_converters(std::vector<int> const& switches);
     /// Gives the star of an element at one bus the admittance that the element has now.

@@ -103,8 +103,21 @@ Result<void> PhasorEngine::act(StandBy const& a) {
     if (unit == nullptr || !unit->injection || !unit->element->kind().follows(Command::stop)) {
         return fail(ExitCode::usage, fmt::format("'{}' cannot be started or stopped: it is no converter", a.element));
     }
-    injections_[*unit->injection]->stand_by(a.on);
-    return set_topology();
+    PhasorInjection& injection = *injections_[*unit->injection];
+    bool const resumes = !injection.connected() && !a.on;
+    std::vector<double> const before = y_;
+    if (resumes) {
+        injection.resume(t_, dae_->voltage(injection.bus(), y_), dae_->states_of(*unit->injection, std::span{y_}));
+    }
+    injection.stand_by(a.on);
+    auto ok = set_topology();
+    constexpr double kDead = 1e-3, kLow = 1e-2; // p.u.: the search for voltages begins there
+    for (std::size_t i = 0; resumes && unit->holding.keeps_alive && i < network_.buses.size(); ++i) {
+        if (std::abs(dae_->voltage(i, before)) < kDead) {
+            dae_->set_voltage(i, kLow, y_); // its voltage comes along a ramp
+        }
+    }
+    return ok;
 }
 
 Result<void> PhasorEngine::act(SetMode const& a) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <utility>
 
 namespace gridspace::sim::phasor {
@@ -16,6 +17,11 @@ namespace {
 
 /// Time constant of the frequency of a bus.
 constexpr double kFrequencyLagS = 0.02;
+
+/// Instants that differ by rounding only: 0.3 s + 30 ms and 0.33 s. The integrator cannot go from one to the other.
+bool same_instant(double a, double b) {
+    return std::abs(a - b) < 2 * std::numeric_limits<double>::epsilon() * (std::abs(a) + std::abs(b));
+}
 
 } // namespace
 
@@ -83,7 +89,8 @@ Result<void> PhasorEngine::advance(SimTime until) {
     }
     while (t_ < target) {
         double const next = pending_.empty() ? target : std::min(target, pending_.begin()->first);
-        if (next <= t_) {
+        if (next <= t_ || same_instant(next, t_)) {
+            t_ = std::max(t_, next);
             if (auto ok = open_breakers(); !ok) {
                 return ok;
             }
@@ -164,7 +171,7 @@ Result<void> PhasorEngine::restart() {
     // Each round moves some generator to or from its limit; more than a few are a network that has no state.
     for (std::size_t round = 0;; ++round) {
         input_changed_ = false;
-        if (auto ok = solver_->restart(t_, y_, yp_); !ok) {
+        if (auto ok = find_state(); !ok) {
             return ok;
         }
         if (round > 2 * units_.size() || !cross_q_limits()) {
@@ -174,6 +181,28 @@ Result<void> PhasorEngine::restart() {
             return ok;
         }
     }
+}
+
+/// Consistent voltages, searched from those of before. After a fault those may be too far away: then from full voltages
+/// that are turned against them.
+Result<void> PhasorEngine::find_state() {
+    std::vector<double> const before = y_;
+    auto ok = solver_->restart(t_, y_, yp_);
+    for (double const turn : {0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -1.5}) {
+        if (ok) {
+            break;
+        }
+        y_ = before;
+        for (std::size_t i = 0; i < network_.buses.size(); ++i) {
+            if (dae_->rule(i).kind != BusRule::Kind::dead) {
+                dae_->set_voltage(i, std::polar(1.0, std::arg(dae_->voltage(i, before)) + turn), y_);
+            }
+        }
+        if (solver_->restart(t_, y_, yp_)) {
+            return {};
+        }
+    }
+    return ok;
 }
 
 /// The solver knows the slopes of states. Those of voltages, which it takes for its first step, are found by a look at

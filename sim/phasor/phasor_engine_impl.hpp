@@ -74,6 +74,7 @@ class PhasorEngine final : public Engine {
 
     /// Frequencies of the buses: slopes of their angles behind a lag.
     void follow_angles(double h);
+    [[nodiscard]] Result<void> find_state();
     Result<void> restart();
     Result<void> find_slopes();
     [[nodiscard]] Result<void> check_voltages() const;

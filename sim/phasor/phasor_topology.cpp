@@ -63,7 +63,8 @@ std::vector<BusRule> PhasorEngine::bus_rules(std::vector<bool>& fed) const {
     std::vector<BusRule> rules(network_.buses.size());
     RuleMaker maker{network_, rules, fed};
     for (Unit const& unit : units_) {
-        maker.take(*unit.element, unit.injection.has_value(), !out_.contains(unit.element->name.name));
+        bool const gives = !unit.injection || injections_[*unit.injection]->connected();
+        maker.take(*unit.element, unit.injection.has_value(), gives && !out_.contains(unit.element->name.name));
     }
     for (std::size_t i = 0; i < rules.size(); ++i) {
         if (rules[i].kind == BusRule::Kind::regulated && at_q_limit_[i] != 0) {

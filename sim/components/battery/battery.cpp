@@ -22,6 +22,27 @@ void Battery::fields(Fields& f) {
     f.number("soc_min_percent", soc_min_percent, percent("discharging stops exactly here"));
     f.number("soc_max_percent", soc_max_percent, percent("charging stops exactly here"));
     f.reference("scale", scale, {.doc = "profile that multiplies p_kw"});
+    f.choice<BatteryControl>(
+        "control", control,
+        {{"grid_following", BatteryControl::grid_following}, {"grid_forming", BatteryControl::grid_forming}},
+        {.doc = "gives its powers to the voltage that is there, or is a voltage and holds an island"});
+    bool given = false;
+    f.object("grid_forming", {.doc = "of a virtual synchronous machine, p.u. on rating_kva"}, [&](Fields& g) {
+        given = true;
+        forming.fields(g);
+    });
+    if (given && !forms()) {
+        f.error("grid_forming", fmt::format("'{}' is grid-following", name.name), "add `control: grid_forming`");
+    }
+    if (forms() && q_kvar != 0) {
+        f.error("q_kvar",
+                fmt::format("'{}' is grid-forming: it gives the reactive power that its voltage needs", name.name),
+                "leave it out, and give a voltage_setpoint_pu");
+    }
+    if (forms() && !scale.name.empty()) {
+        f.error("scale", fmt::format("'{}' is grid-forming: it gives the power that the grid needs", name.name),
+                "leave it out, and set its p_kw by events");
+    }
     if (!(soc_min_percent <= soc_start_percent && soc_start_percent <= soc_max_percent)) {
         f.error("soc_start_percent", fmt::format("'{}' starts at {} %, which is not between {} % and {} %", name.name,
                                                  soc_start_percent, soc_min_percent, soc_max_percent));
@@ -41,6 +62,67 @@ double Battery::asked_kw(double times, double soc_percent) const {
     double const p = asked_kw(times);
     bool const spent = p > 0 ? soc_percent <= soc_min_percent : soc_percent >= soc_max_percent;
     return spent ? 0 : p;
+}
+
+void Battery::power_flow(PowerFlowFace& face) const {
+    if (forms()) {
+        face.regulate(
+            bus,
+            {.p_kw = p_kw, .voltage_pu = forming.voltage_setpoint_pu, .rating_kva = rating_kva, .keeps_alive = true});
+    } else {
+        face.inject(bus, {asked_kw(face.scale(scale), soc_start_percent), q_kvar});
+    }
+}
+
+Complex Battery::sequence_pu(Sequence, Surroundings const& around) const {
+    return forms() ? rating_kva / around.base_kva() / Complex{forming.r_pu, forming.x_pu} : Complex{};
+}
+
+bool Battery::set(std::string_view quantity, double value) {
+    bool const of_follower = quantity == "q_kvar", of_both = quantity == "p_kw";
+    if (!of_both && of_follower == forms()) {
+        return false; // refuses() says why
+    }
+    (quantity == "p_kw"                  ? p_kw
+     : quantity == "q_kvar"              ? q_kvar
+     : quantity == "voltage_setpoint_pu" ? forming.voltage_setpoint_pu
+     : quantity == "droop_percent"       ? forming.droop_percent
+                                         : frequency_setpoint_hz) = value;
+    return true;
+}
+
+double Battery::value(std::string_view quantity, Surroundings const& around) const {
+    return quantity == "p_kw"                  ? p_kw
+           : quantity == "q_kvar"              ? q_kvar
+           : quantity == "voltage_setpoint_pu" ? forming.voltage_setpoint_pu
+           : quantity == "droop_percent"       ? forming.droop_percent
+           : frequency_setpoint_hz > 0         ? frequency_setpoint_hz
+                                               : around.frequency_hz();
+}
+
+namespace {
+constexpr Refusal kFollows{"this battery is grid-following", "give it `control: grid_forming`"};
+} // namespace
+
+std::optional<Refusal> Battery::refuses(std::string_view quantity, Surroundings const&, bool) const {
+    if (quantity == "p_kw") {
+        return {};
+    }
+    if (quantity == "q_kvar") {
+        return forms() ? std::optional{Refusal{"a grid-forming battery gives the reactive power that its voltage needs",
+                                               "set its voltage_setpoint_pu"}}
+                       : std::nullopt;
+    }
+    return forms() ? std::nullopt : std::optional{kFollows};
+}
+
+std::optional<Refusal> Battery::refuses_mode(std::string_view mode, Surroundings const&) const {
+    if (!forms()) {
+        return kFollows;
+    }
+    return mode == "isochronous" && forming.integral_ki == 0
+               ? std::optional{Refusal{"its control has no integral", "give its `grid_forming` an `integral_ki`"}}
+               : std::nullopt;
 }
 
 double Battery::soc_slope(double given_kw) const {
@@ -128,10 +210,17 @@ class BatteryPower final : public PowerModel {
 } // namespace
 
 std::unique_ptr<PhasorInjection> Battery::phasor(Surroundings const& around) const {
+    if (forms()) {
+        return forming::phasor(*this, around);
+    }
     return std::make_unique<BatteryInjection>(*this, around);
 }
 
 void Battery::circuit(CircuitFace& face) const {
+    if (forms()) {
+        face.norton(*this, forming::waveform(*this, face));
+        return;
+    }
     face.converter(*this, rating_kva, std::make_unique<BatteryPower>(*this, face.scale(scale)));
 }
 

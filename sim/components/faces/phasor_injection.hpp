@@ -43,6 +43,8 @@ class PhasorInjection {
     virtual bool set(double /*t*/, std::string_view /*quantity*/, double /*value*/) { return false; }
     /// One of the modes of its kind, from now on.
     virtual void set_mode(std::string_view /*mode*/) {}
+    /// Back from standing by at a bus voltage v (0: dead).
+    virtual void resume(double /*t*/, Complex /*v*/, std::span<double> /*x*/) {}
     void connect(bool connected) { connected_ = connected; }
     void stand_by(bool on) { stands_by_ = on; }
     /// In service, and not standing by.

@@ -26,7 +26,7 @@ ELSEWHERE = {
 BUS = {"voltage_v": 400}
 NETWORK = {
     "gridspace_network": 1, "name": "n", "base": {"frequency_hz": 50, "power_kva": 100},
-    "buses": {"A": BUS, "B": BUS, "C": BUS, "D": BUS, "E": BUS, "F": BUS, "H": {"voltage_v": 230}},
+    "buses": {"A": BUS, "B": BUS, "C": BUS, "D": BUS, "E": BUS, "F": BUS, "J": BUS, "H": {"voltage_v": 230}},
     "sources": {"S": {"bus": "A", "voltage_pu": 1.01, "angle_deg": 3, "r_ohm": 0.01, "l_mh": 0.1, "r0_ohm": 0.02, "l0_mh": 0.2,
                       "harmonics": [{"order": 5, "percent": 1, "angle_deg": 10}]}},
     "line_types": {"t": {"r_ohm_per_km": 0.2, "x_ohm_per_km": 0.1, "c_nf_per_km": 300, "r0_ohm_per_km": 0.4, "x0_ohm_per_km": 0.3,
@@ -36,7 +36,8 @@ NETWORK = {
               "M": {"from": "B", "to": "C", "r_ohm": 0.05, "x_ohm": 0.06, "x0_ohm": 0.2},
               "N": {"from": "C", "to": "D", "type": "t", "length_km": 0.3},
               "O": {"from": "D", "to": "E", "type": "u", "length_km": 0.3},
-              "P": {"from": "E", "to": "F", "r_ohm": 0.05, "l_mh": 9.0, "c_nf": 800, "model": "pi"}},
+              "P": {"from": "E", "to": "F", "r_ohm": 0.05, "l_mh": 9.0, "c_nf": 800, "model": "pi"},
+              "R": {"from": "A", "to": "J", "r_ohm": 0.05, "l_mh": 0.2}},
     "breaker_types": {"b": {"mechanism_ms": 1, "opens": "each_pole_at_current_zero"}},
     "breakers": {"K": {"line": "M", "end": "from", "type": "b"}},
     "ct_types": {"c": {"ratio": "100:5", "error_percent": 0.2, "filter": "butterworth2", "cutoff_hz": 2000, "quantum_ma": 1,
@@ -74,7 +75,11 @@ NETWORK = {
     "batteries": {"B1": {"bus": "C", "capacity_kwh": 0.0002, "rating_kva": 7, "p_kw": 6, "q_kvar": 1, "efficiency": 0.9,
                          "soc_start_percent": 60, "soc_min_percent": 55, "scale": "p", "soc_max_percent": 90},
                   "B2": {"bus": "B", "capacity_kwh": 0.0002, "rating_kva": 7, "p_kw": -6, "soc_start_percent": 60,
-                         "soc_max_percent": 65}},
+                         "soc_max_percent": 65},
+                  "B3": {"bus": "J", "capacity_kwh": 1, "rating_kva": 9, "p_kw": 2, "control": "grid_forming",
+                         "grid_forming": {"voltage_setpoint_pu": 1.003, "droop_percent": 2, "voltage_droop_percent": 5, "inertia_h_s": 0.5,
+                                          "integral_ki": 5, "voltage_ki": 30, "power_filter_s": 0.02, "r_pu": 0.01, "x_pu": 0.15,
+                                          "current_limit_pu": 1.3, "ramp_s": 0.5}}},
     "profiles": {"p": {"hours": [0, 1e-5], "values": [0.9, 1.1], "clouds": [{"at_h": 1e-6, "depth_percent": 5, "width_h": 1e-5}]},
                  "s": {"half_sine": {"rise_h": -5, "set_h": 9, "exponent": 1.2}}},
 }
@@ -91,6 +96,8 @@ EVENTS = """events:
   v: {at_s: 0.019, set: {machines.G.voltage_setpoint_pu: 0.9}}
   f: {at_s: 0.003, apply_fault: {line: M, position_percent: 60, type: 2ph_g, resistance_ohm: 0.005}, clear_after_ms: 8}
   o: {at_s: 0.006, open: [K]}
+  h: {at_s: 0.0205, stop: [B3]}
+  i: {at_s: 0.0225, start: [B3]}
   g: {at_s: 0.015, apply_fault: {bus: I, type: 1ph_g, resistance_ohm: 0.05}, clear_after_ms: 4}
 """
 # What each key becomes: path (section.element.key...), new value.
@@ -142,6 +149,10 @@ CHANGES = {
     "batteries.B1.bus": "D", "batteries.B1.capacity_kwh": 0.0003, "batteries.B1.rating_kva": 6.1, "batteries.B1.p_kw": 5,
     "batteries.B1.q_kvar": 2, "batteries.B1.efficiency": 0.8, "batteries.B1.soc_start_percent": 70, "batteries.B1.soc_min_percent": 59,
     "batteries.B1.scale": "s", "batteries.B2.soc_max_percent": 62,
+    "batteries.B3.control": "grid_following",
+    **{f"batteries.B3.grid_forming.{k}": v for k, v in
+       {"voltage_setpoint_pu": 1.005, "droop_percent": 3, "voltage_droop_percent": 6, "inertia_h_s": 0.6, "integral_ki": 9, "voltage_ki": 20,
+        "power_filter_s": 0.03, "r_pu": 0.02, "x_pu": 0.16, "current_limit_pu": 1.0, "ramp_s": 0.2}.items()},
     "profiles.p.hours": [0, 2e-5], "profiles.p.values": [0.8, 1.1], "profiles.p.clouds": [],
     "profiles.p.clouds.0.at_h": 2e-6, "profiles.p.clouds.0.depth_percent": 9, "profiles.p.clouds.0.width_h": 2e-5,
     "profiles.s.half_sine.rise_h": -6, "profiles.s.half_sine.set_h": 8, "profiles.s.half_sine.exponent": 1,
