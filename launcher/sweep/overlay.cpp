@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fmt/format.h>
+#include <system_error>
+#include <utility>
 
 namespace gridspace::launcher {
 namespace {
@@ -35,6 +38,26 @@ Node with_verdict(Node result) {
     return result;
 }
 
+/// Names of files are relative to the study in which they are written, and the overlay lies elsewhere. Which keys are
+/// files is known to the scenario's reader alone; so a word counts as one if it has a dot or a slash and there is such
+/// a file.
+Node with_whole_paths(Node node) {
+    for (Node& item : node.items) {
+        item = with_whole_paths(std::move(item));
+    }
+    for (Node::Entry& entry : node.entries) {
+        entry.value = with_whole_paths(std::move(entry.value));
+    }
+    if (node.is_scalar() && node.where.source != nullptr && node.text.find_first_of("./") != std::string::npos) {
+        auto const path = std::filesystem::absolute(std::filesystem::path{node.where.source->directory} / node.text);
+        std::error_code ignored;
+        if (std::filesystem::is_regular_file(path, ignored)) {
+            return Node::quoted_text(path.lexically_normal().string());
+        }
+    }
+    return node;
+}
+
 } // namespace
 
 Node overlay_of(Study const& study, Point const& point, std::string const& seed,
@@ -61,7 +84,7 @@ Node overlay_of(Study const& study, Point const& point, std::string const& seed,
 }
 
 std::string overlay_file(Study const& study, Node const& overlay) {
-    Node file = overlay;
+    Node file = with_whole_paths(overlay);
     file.set("extends", Node::quoted_text(study.scenario.string()));
     return fmt::format("# A run of the study '{}', made by `gridspace sweep`.\n---\n{}", study.name, to_yaml(file));
 }

@@ -4,9 +4,14 @@
 
 #include "common/config/yaml.hpp"
 #include "launcher/sweep/overlay.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <memory>
 #include <set>
 
 namespace gridspace::launcher {
@@ -230,6 +235,29 @@ TEST(Overlay, PutsEveryValueAtItsPathsAndReadsBackAsItWas) {
     EXPECT_EQ(read->find("expect")->find("v")->find("show_only")->text, "true");
     EXPECT_EQ(read->find("seed")->text, "7");
     EXPECT_EQ(read->find("extends")->text, "/a b/c.yaml");
+}
+
+TEST(Overlay, NamesAFileWhereTheStudyNamesItAndLeavesOtherWordsAlone) {
+    TemporaryFolder const temporary;
+    std::filesystem::path const& folder = temporary.path();
+    std::ofstream{folder / "grid.yaml"} << "---\n";
+    std::ofstream{folder / "word"} << "\n";
+    auto const source =
+        std::make_shared<config::SourceText const>(config::SourceText{"study.yaml", folder.string(), {}});
+    Study study;
+    study.name = "s";
+    study.scenario = "/c.yaml";
+    study.set = Node::map();
+    study.results = Node::map();
+    study.parameters = {listed("x", {"1"})};
+    study.parameters.front().paths = {{"simulation.network", {}}};
+    auto const written = [&](char const* text) {
+        return overlay_file(study, overlay_of(study, {Node::scalar(text, {source, 1, 1})}, "", {}));
+    };
+    EXPECT_THAT(written("grid.yaml"), testing::HasSubstr((folder / "grid.yaml").string()));
+    EXPECT_THAT(written("./grid.yaml"), testing::HasSubstr(" \"" + (folder / "grid.yaml").string()));
+    EXPECT_THAT(written("other.yaml"), testing::HasSubstr("network: other.yaml"));
+    EXPECT_THAT(written("word"), testing::HasSubstr("network: word"));
 }
 
 } // namespace
