@@ -13,7 +13,7 @@ namespace gridspace::mcap {
 
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 
-// What is believed of a file. The recorder's own chunks have 256 KiB and a sample more.
+// What is believed of a file. The recorder's own chunks have 1 MiB and a sample more.
 inline constexpr std::uint64_t kLargestRecord = 256ULL << 20U; ///< octets in the file
 inline constexpr std::uint64_t kLargestChunk = 64ULL << 20U;   ///< octets of one, decompressed
 inline constexpr std::uint64_t kDecompressed = 256ULL << 20U;  ///< octets of all chunks together, and

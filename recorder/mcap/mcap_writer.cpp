@@ -17,6 +17,9 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
+/// Of zstd. Chunks of 1 MiB at 2 cost what 256 KiB at 1 did; higher levels save 2 % and take twice the time.
+constexpr int kLevel = 2;
+
 /// Appends little-endian numbers and length-prefixed texts.
 class Encoder {
   public:
@@ -164,7 +167,8 @@ Result<void> Writer::flush() {
     Bytes compressed;
     if (options_.compress) {
         compressed.resize(ZSTD_compressBound(chunk_.size()));
-        std::size_t const size = ZSTD_compress(compressed.data(), compressed.size(), chunk_.data(), chunk_.size(), 1);
+        std::size_t const size =
+            ZSTD_compress(compressed.data(), compressed.size(), chunk_.data(), chunk_.size(), kLevel);
         compressed.resize(ZSTD_isError(size) != 0 ? 0 : size);
     }
     bool const zstd = !compressed.empty();

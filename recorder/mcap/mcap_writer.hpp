@@ -22,7 +22,7 @@ class Writer {
   public:
     struct Options {
         bool compress{true};                  ///< zstd
-        std::size_t chunk_octets{256 * 1024}; ///< of uncompressed records
+        std::size_t chunk_octets{1024 * 1024}; ///< of uncompressed records
     };
     [[nodiscard]] static Result<Writer> create(std::filesystem::path const& file, Options options);
     [[nodiscard]] static Result<Writer> create(std::filesystem::path const& file) { return create(file, Options{}); }

@@ -63,7 +63,7 @@ class Recording(ScenarioTest):
 
     def test_the_judge_finds_damage(self):
         """The negative control: what is cut or changed does not pass."""
-        run = self.run_to_end("run", [*BASE, "--until", "600s", "--set", "expect=~"])
+        run = self.run_to_end("run", [*BASE, "--until", "1h", "--set", "expect=~"])
         whole = (run.folder / "data.mcap").read_bytes()
         for name, damaged in {"cut": whole[: len(whole) // 2], "changed": whole[: len(whole) // 2] + b"\xff" * 64 + whole[len(whole) // 2 + 64:]}.items():
             file = self.folder / f"{name}.mcap"
