@@ -32,10 +32,10 @@ struct LineImpedance {
         if (!by_sequence) {
             return;
         }
-        by_sequence = false;
         r = series().real();
         x = series().imag();
-        c_nf = from_sequences(phases, {c1_nf, 0}, {phases == 1 ? c1_nf : c0_nf, 0}).real();
+        c_nf = capacitance();
+        by_sequence = false; // the last, for until then it is what they are made of
     }
     [[nodiscard]] Eigen::MatrixXcd series() const {
         if (!by_sequence) {

@@ -76,6 +76,12 @@ TEST(DssCircuit, LinesByMatrixByComponentsAndInOtherUnitsAreTheSame) {
                                 "New Line.l " + ends +
                                     "rmatrix=[0.5 | 0.2 0.5 | 0.2 0.2 0.5] xmatrix=[1 0.4 0.4 | 0.4 1 0.4 | 0.4 0.4 1] "
                                     "cmatrix=(8 | -2 8 | -2 -2 8) length=2\n",
+                                "New Line.l " + ends +
+                                    "r1=0.1 x1=0.6 r0=0.1 x0=1.8 c1=10 c0=4 "
+                                    "rmatrix=[0.5 | 0.2 0.5 | 0.2 0.2 0.5] length=2\n",
+                                "New Line.l " + ends +
+                                    "r1=0.3 r0=0.9 cmatrix=(8 | -2 8 | -2 -2 8) "
+                                    "xmatrix=[1 0.4 0.4 | 0.4 1 0.4 | 0.4 0.4 1] length=2\n",
                                 "New Linecode.k basefreq=50 r1=0.3 x1=0.5 r0=0.9 x0=1.5 c1=10 c0=4\nNew Line.l " +
                                     ends + "linecode=k length=2\n"};
     Complex const expected = solved(kStiff + same[0] + load).v("end", 1);
