@@ -21,7 +21,7 @@ namespace gridspace::mcap {
 class Writer {
   public:
     struct Options {
-        bool compress{true};                  ///< zstd
+        bool compress{true};                   ///< zstd
         std::size_t chunk_octets{1024 * 1024}; ///< of uncompressed records
     };
     [[nodiscard]] static Result<Writer> create(std::filesystem::path const& file, Options options);

@@ -67,7 +67,7 @@ class Disk(ScenarioTest):
         return folder
 
     def test_a_full_disk_ends_the_run_and_what_was_recorded_is_readable(self):
-        small = self.mount("small", "size=1m")
+        small = self.mount("small", "size=4m")
         run = self.start("run", [*BASE, "--set", "expect=~", "--set", "processes.recorder.compress=false"], folder=small / "run")
         self.assertEqual(run.finish(), ENVIRONMENT, run.stderr())
         self.assertIn("disk is full", run.stderr())
