@@ -38,8 +38,8 @@ class Agents(ScenarioTest):
     def message_of(self, body, expected_code=CHILD_DIED, **settings):
         """Runs an agent that makes a mistake beside case 1; what the run says."""
         agent = {"program": {"path": str(self.script("wrong.py", body))}, "host": "controller", **settings}
-        self.runs = getattr(self, "runs", 0) + 1
-        run = self.run_to_end(f"wrong_{self.runs}", [*NO_EXPECTATIONS, "--until", "20min"], self.scenario(wrong=agent), expected_code)
+        self.tried = getattr(self, "tried", 0) + 1
+        run = self.run_to_end(f"wrong_{self.tried}", [*NO_EXPECTATIONS, "--until", "20min"], self.scenario(wrong=agent), expected_code)
         self.log = (run.folder / "logs/wrong.log").read_text()
         self.others = {p["exit"] for p in run.summary()["processes"] if p["name"] != "wrong"}
         return run.summary().get("cause")
