@@ -381,6 +381,8 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     }
     if (!final) {
         cork(); // until the next clock
+    } else {
+        core.leave_at_once_unless_watched();
     }
     return {};
 }

@@ -117,6 +117,8 @@ struct Node::Core {
     std::vector<std::byte> posted; ///< reused
     /// Whether DDS gets it too: somebody who looks on wants to see how far the run is.
     [[nodiscard]] bool show_to_others(bool always);
+    /// Lockstep, after the last tick, which everybody has acknowledged: nobody needs anything again but who looks on.
+    void leave_at_once_unless_watched() const;
     /// Until something may have changed: `samples_only`, when nothing but what comes over the network is missing.
     void wait_for_more(Receiving::Turn& turn, std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds longest,
                        bool samples_only);

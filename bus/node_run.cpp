@@ -494,6 +494,9 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
         std::unique_lock lock{core.mutex};
         (void)patience.wait(core.changed, lock,
                             [&] { return core.simulator_left || core.error || core.stop_requested; });
+        if (core.simulator_left && !core.error) {
+            core.leave_at_once_unless_watched();
+        }
     }
     return {};
 }
