@@ -321,6 +321,10 @@ Result<void> Node::Core::join_board() {
         board_heard.push_back(board->place_of(name));
     }
     for (std::string const& name : config.clock.downstream) {
+        auto const& late = config.clock.late_downstream;
+        if (std::find(late.begin(), late.end(), name) != late.end()) {
+            continue; // the next clock wakes it
+        }
         board_rung.push_back(board->place_of(name));
     }
     std::size_t const simulator = board->place_of(config.clock.simulator);

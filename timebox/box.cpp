@@ -88,6 +88,9 @@ std::optional<std::int64_t> Box::next_ns() const {
 
 void Box::arrives(std::int64_t at_ns, std::span<std::byte const> frame) {
     auto const* const octets = reinterpret_cast<std::uint8_t const*>(frame.data());
+    if (IpSockets* const ip = impl_->table.ip()) {
+        ip->arrives(at_ns, {octets, frame.size()});
+    }
     if (PacketSockets* const packets = impl_->table.packets()) {
         packets->arrives(packet_frame(at_ns, {octets, octets + frame.size()}, packets->link().mac, false));
     }

@@ -25,6 +25,9 @@ std::optional<std::int64_t> Box::Impl::next_ns() {
     if (table.packets() != nullptr) {
         out = earlier(out, table.packets()->next_ns());
     }
+    if (table.ip() != nullptr) {
+        out = earlier(out, table.ip()->next_ns());
+    }
     for (Thread const& t : threads) {
         out = earlier(out, t.state != State::held ? table.clock().now_ns() : t.deadline_ns);
     }
@@ -68,6 +71,9 @@ Thread* Box::Impl::choose() {
         }
         if (table.packets() != nullptr) { // at one instant, what arrives comes before what is due
             table.packets()->deliver(clock.now_ns());
+        }
+        if (table.ip() != nullptr) {
+            table.ip()->bring_up_to(clock.now_ns());
         }
         table.timers().ring(clock.now_ns(), [&](pid_t process) {
             ::kill(process, SIGALRM);
@@ -160,6 +166,9 @@ void Box::Impl::let_go(Thread& t) {
                             static_cast<double>(table.clock().now_ns() - t.since_ns) / 1e9);
         }
         how = table.release(t);
+        if (how == Next::hold) { // a part of what it waits for
+            return;
+        }
     }
     resume(t, how);
     while (running != 0 && !error && !stop) {

@@ -208,8 +208,10 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
     std::string core = "link set lo up\n";
     std::map<std::string, std::string> inside;
     for (std::size_t l = 0; l < links.size(); ++l) {
-        core += fmt::format("link add name {0} type bridge mcast_snooping 0 stp_state 0\nlink set dev {0} up\n",
-                            bridge_name(l));
+        // A frame in simulated time is waited for at every port that takes its kind: such a switch remembers nobody's
+        // place, and gives each frame to all.
+        core += fmt::format("link add name {0} type bridge mcast_snooping 0 stp_state 0{1}\nlink set dev {0} up\n",
+                            bridge_name(l), plan.boxed_ip_links.contains(links[l]) ? " ageing_time 0" : "");
     }
     for (std::size_t p = 0; p < plan.ports.size(); ++p) {
         Port const& port = plan.ports[p];

@@ -85,8 +85,11 @@ std::string find_circle(std::vector<bus::MemberPlan> const& members) {
             return;
         }
         path.push_back(name);
+        auto const& late = by_name.at(name)->late;
         for (std::string const& up : by_name.at(name)->upstream) {
-            walk(up);
+            if (std::find(late.begin(), late.end(), up) == late.end()) {
+                walk(up);
+            }
         }
         path.pop_back();
         done.insert(name);
@@ -162,6 +165,13 @@ Dataflow dataflow(Scenario const& scenario) {
         if (process.program.name ==
             "gridspace-recorder") { // it keeps the acknowledgements of those too who only listen
             plan.upstream = other_members(scenario, process);
+        } else {
+            for (std::string const& up : plan.upstream) {
+                if (scenario.find_process(up)->settings->sends_late(scenario)) {
+                    plan.late.push_back(up);
+                    std::erase(plan.triggered_by, up);
+                }
+            }
         }
         if (simulator != nullptr) {
             for (TopicUse const& use : simulator->settings->reads(scenario, *simulator)) {
@@ -309,6 +319,7 @@ config::Node simulator_settings(Scenario const& scenario) {
         Node member = Node::map();
         member.set("upstream", name_list(plan.upstream));
         member.set("triggered_by", name_list(plan.triggered_by));
+        member.set("late", name_list(plan.late));
         member.set("feeds_simulator", Node::scalar(plan.feeds_simulator ? "true" : "false"));
         members.set(plan.name, std::move(member));
     }
