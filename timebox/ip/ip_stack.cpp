@@ -128,8 +128,7 @@ err_t IpStack::Impl::output(pbuf* packet, std::uint32_t to) {
     if (!mac) {
         return ERR_RTE;
     }
-    constexpr std::size_t kShortest = 60; // as a network card pads
-    frame.assign(std::max<std::size_t>(kHeader + packet->tot_len, kShortest), 0);
+    frame.assign(kHeader + packet->tot_len, 0); // not padded: a switch may take that off
     std::copy(mac->begin(), mac->end(), frame.begin());
     std::copy(link.mac.begin(), link.mac.end(), frame.begin() + 6);
     frame[12] = 0x08;
