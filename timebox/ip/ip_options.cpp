@@ -38,6 +38,9 @@ std::optional<std::int64_t> IpCalls::option(Thread const& t, IpSocket& socket) {
     if (level == IPPROTO_IP) {
         return ip_option(t, socket, name);
     }
+    if (level == IPPROTO_IPV6) {
+        return -ENOPROTOOPT; // as of every socket of IPv4
+    }
     if (level != SOL_SOCKET) {
         return refuse(fmt::format("option {} of level {} of an IP socket", name, level), ENOPROTOOPT);
     }
