@@ -99,11 +99,14 @@ class Mirror : public ::testing::Test {
         std::vector<std::uint8_t> out;
         std::size_t taken = 0;
         for (std::int64_t const end_ns = now_ns + patience_ns; out.size() < octets.size();) {
-            taken += from.send(std::span{octets}.subspan(taken));
-            out.insert(out.end(), to.received().begin(), to.received().end());
-            to.take(to.received().size());
+            std::size_t const sent_now = from.send(std::span{octets}.subspan(taken));
+            taken += sent_now;
             sut->settle();
-            if (!step(end_ns)) {
+            std::size_t const came = to.received().size();
+            out.insert(out.end(), to.received().begin(), to.received().end());
+            to.take(came);
+            sut->settle();
+            if (sent_now + came == 0 && !step(end_ns)) {
                 break;
             }
         }
@@ -152,10 +155,9 @@ TEST_F(Mirror, ALongDatagramComesInPiecesAndIsWhole) {
 
 TEST_F(Mirror, WhoIsConnectedHearsThatNobodyListens) {
     auto const client = udp.make();
-    ASSERT_EQ(client->connect({kOther, 9}), 0);
+    ASSERT_EQ(client->connect({kLoop, 9}), 0);
     ASSERT_EQ(client->send(pattern(4), std::nullopt), 0);
-    while (step(10 * kMs)) {
-    }
+    sut->settle();
     EXPECT_EQ(client->take_error(), ECONNREFUSED);
     EXPECT_EQ(client->take_error(), 0);
 }
@@ -248,14 +250,12 @@ TEST_F(Mirror, WhoReadsNothingClosesTheWindowAndLosesNothing) {
     }
     EXPECT_LT(taken, 300'000U);
     EXPECT_EQ(ends.client->room(), 0U);
-    std::vector<std::uint8_t> out = ends.server->received();
-    ends.server->take(out.size());
-    auto const rest = carry(*ends.client, *ends.server,
-                            {octets.begin() + static_cast<std::ptrdiff_t>(taken), octets.end()}, 600'000 * kMs);
-    out.insert(out.end(), rest.begin(), rest.end());
-    while (out.size() < octets.size() && step(now_ns + 1000 * kMs)) {
+    std::vector<std::uint8_t> out;
+    for (int i = 0; i < 5000 && out.size() < octets.size(); ++i) {
         out.insert(out.end(), ends.server->received().begin(), ends.server->received().end());
         ends.server->take(ends.server->received().size());
+        taken += ends.client->send(std::span{octets}.subspan(taken));
+        (void)step(now_ns + 1000 * kMs);
     }
     EXPECT_EQ(out, octets);
 }
