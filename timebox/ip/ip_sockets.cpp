@@ -73,6 +73,11 @@ void IpSockets::bring_up_to(std::int64_t now_ns) {
     pump();
 }
 
+void IpSockets::end_instant() {
+    stack_.acknowledge();
+    pump();
+}
+
 std::int64_t IpSockets::next_ns() const {
     std::int64_t const timer_ns = stack_.next_ns();
     return coming_.empty() ? timer_ns : std::min(timer_ns, coming_.front().at_ns);
@@ -312,6 +317,9 @@ int IpSockets::send(IpSocket& socket, std::span<std::uint8_t const> octets, std:
     }
     if (to && !stack_.reaches(to->address)) {
         return EHOSTUNREACH;
+    }
+    if (to && stack_.is_broadcast(to->address) && !socket.broadcast) {
+        return EACCES;
     }
     if (int const error = socket.udp->take_error(); error != 0) {
         return error;

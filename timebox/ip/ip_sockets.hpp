@@ -25,6 +25,8 @@ class IpSockets {
     /// Brings everything up to now: frames, timers, and what programs have written, read and closed.
     void bring_up_to(std::int64_t now_ns);
     [[nodiscard]] std::int64_t next_ns() const;
+    /// Time will go on: nobody does anything more at this instant.
+    void end_instant();
 
     // Each 0, or an error number of the call of that name.
     [[nodiscard]] int bind(IpSocket& socket, IpEndpoint const& to);

@@ -18,6 +18,7 @@ extern "C" { // its functions are of C, and it does not say so
 #include <lwip/ip.h>
 #include <lwip/netif.h>
 #include <lwip/pbuf.h>
+#include <lwip/priv/tcp_priv.h>
 #include <lwip/tcpip.h>
 #include <lwip/timeouts.h>
 
@@ -106,6 +107,10 @@ ip4_addr_t of(std::uint32_t address) {
 }
 
 } // namespace
+
+bool IpStack::is_broadcast(std::uint32_t address) const {
+    return address == ~std::uint32_t{0} || address == (impl_->link.address | ~mask_of(impl_->link.prefix));
+}
 
 std::optional<MacOctets> IpStack::Impl::mac_of(std::uint32_t to) const {
     if (to == ~std::uint32_t{0} || to == (link.address | ~mask_of(link.prefix))) {
@@ -209,6 +214,19 @@ void IpStack::elapse_to(std::int64_t now_ns) {
     impl_->now_ns = std::max(impl_->now_ns, now_ns);
     surroundings.now_ms = static_cast<std::uint32_t>(impl_->now_ns / kNsPerMs);
     sys_check_timeouts();
+    settle();
+}
+
+void IpStack::acknowledge() {
+    AtWork const at_work{impl_->random};
+    for (tcp_pcb* pcb = tcp_active_pcbs; pcb != nullptr;) {
+        tcp_pcb* const next = pcb->next;
+        if ((pcb->flags & TF_ACK_DELAY) != 0) {
+            pcb->flags |= TF_ACK_NOW;
+            tcp_output(pcb);
+        }
+        pcb = next;
+    }
     settle();
 }
 

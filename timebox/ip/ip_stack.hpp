@@ -28,6 +28,9 @@ class IpStack {
 
     /// Simulated time has got so far: what is due by then (retransmissions, keepalives) is done.
     void elapse_to(std::int64_t now_ns);
+    /// Nothing more happens at this instant: what has come and is not answered is acknowledged. lwIP would wait up to
+    /// 250 ms for an answer that takes the acknowledgement along.
+    void acknowledge();
     /// When something is due by itself.
     [[nodiscard]] std::int64_t next_ns() const;
     /// A frame has come. What is not IPv4 for this box is passed over.
@@ -37,6 +40,7 @@ class IpStack {
 
     [[nodiscard]] IpLink const& link() const;
     [[nodiscard]] bool reaches(std::uint32_t address) const; ///< there is somebody, or it is the box itself
+    [[nodiscard]] bool is_broadcast(std::uint32_t address) const;
     void join(std::uint32_t group);
     void leave(std::uint32_t group);
     [[nodiscard]] std::vector<std::string> take_refused();

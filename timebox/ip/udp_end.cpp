@@ -123,17 +123,27 @@ int UdpEnd::bind(IpEndpoint const& to, bool reuse) {
 }
 
 int UdpEnd::connect(IpEndpoint const& to) {
+    disconnect();
     ip_addr_t const address = lwip_address(to.address);
     if (udp_connect(pcb_, &address, to.port) != ERR_OK) {
         return EAGAIN;
     }
     remote_ = to;
+    if (ip_addr_isany_val(pcb_->local_ip)) { // connect(2) settles from where, too
+        if (netif const* const way = ip4_route(ip_2_ip4(&address)); way != nullptr) {
+            pcb_->local_ip = way->ip_addr;
+            settled_ = true;
+        }
+    }
     return 0;
 }
 
 void UdpEnd::disconnect() {
     udp_disconnect(pcb_);
     remote_.reset();
+    if (std::exchange(settled_, false)) {
+        pcb_->local_ip = lwip_address(0);
+    }
 }
 
 int UdpEnd::send(std::span<std::uint8_t const> octets, std::optional<IpEndpoint> to) {

@@ -64,6 +64,7 @@ class UdpEnd {
     std::size_t used_{0};
     std::optional<IpEndpoint> remote_;
     int error_{0};
+    bool settled_{false}; ///< its own address, by connect()
 };
 
 class UdpEnds {
