@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/call_table.hpp"
 
-#include "timebox/ip/ip_address.hpp"
+#include "timebox/ip_address.hpp"
 
 #include <algorithm>
 #include <arpa/inet.h>

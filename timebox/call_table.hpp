@@ -5,7 +5,7 @@
 #include "common/random.hpp"
 #include "timebox/box.hpp"
 #include "timebox/futexes.hpp"
-#include "timebox/ip/ip_calls.hpp"
+#include "timebox/ip_calls.hpp"
 #include "timebox/packet_calls.hpp"
 #include "timebox/simulated_clock.hpp"
 #include "timebox/thread.hpp"

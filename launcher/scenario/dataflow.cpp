@@ -35,9 +35,9 @@ std::string cable_of(Scenario const& scenario, Process const& process, WireUse c
 /// What comes from a cable does not go back into it: who sits in it, and takes what the switch gives, hears nothing of
 /// what goes into the switch there.
 bool is_not_heard(Scenario const& scenario, Process const& sender, WireUse const& sent, Process const& receiver,
-                WireUse const& received) {
-    bool const through_switch = std::ranges::any_of(
-        scenario.links, [&](Link const& link) { return link.name.name == received.link; });
+                  WireUse const& received) {
+    bool const through_switch =
+        std::ranges::any_of(scenario.links, [&](Link const& link) { return link.name.name == received.link; });
     return !received.at_switch && through_switch &&
            cable_of(scenario, sender, sent, true) == cable_of(scenario, receiver, received, false) &&
            sender.host != receiver.host;

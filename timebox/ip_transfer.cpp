@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What programs send and receive by IP sockets.
-#include "timebox/ip/ip_address.hpp"
-#include "timebox/ip/ip_calls.hpp"
+#include "timebox/ip_address.hpp"
+#include "timebox/ip_calls.hpp"
 
 #include <array>
 #include <cerrno>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // setsockopt(2) and getsockopt(2) of IP sockets.
-#include "timebox/ip/ip_address.hpp"
-#include "timebox/ip/ip_calls.hpp"
+#include "timebox/ip_address.hpp"
+#include "timebox/ip_calls.hpp"
 
 #include <fmt/format.h>
 #include <netinet/tcp.h>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Addresses and connections of IP sockets.
-#include "timebox/ip/ip_calls.hpp"
+#include "timebox/ip_calls.hpp"
 
-#include "timebox/ip/ip_address.hpp"
+#include "timebox/ip_address.hpp"
 
 #include <array>
 #include <cerrno>
