@@ -40,6 +40,9 @@ Result<Box::Pause> Box::Impl::run_until(std::optional<std::int64_t> limit) {
         let_go(*next);
     }
     leave_processor();
+    if (!main_alive) {
+        run_network();
+    }
     if (error) {
         return std::unexpected{*error};
     }
@@ -109,7 +112,7 @@ bool Box::can_look_inside() const {
 
 BoxReport Box::report() const {
     BoxReport out = impl_->report;
-    out.simulated_ns = impl_->table.clock().now_ns();
+    out.simulated_ns = impl_->ended_ns.value_or(impl_->table.clock().now_ns());
     out.threads = impl_->threads_made;
     for (auto const& [call, times] : impl_->table.calls()) {
         out.calls[call->name] = times;

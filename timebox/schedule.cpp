@@ -21,6 +21,9 @@ std::optional<std::int64_t> earlier(std::optional<std::int64_t> a, std::optional
 } // namespace
 
 std::optional<std::int64_t> Box::Impl::next_ns() {
+    if (!main_alive) {
+        return table.ip() != nullptr ? std::optional{table.ip()->next_ns()} : std::nullopt;
+    }
     std::optional<std::int64_t> out = table.timers().next_ns();
     if (table.packets() != nullptr) {
         out = earlier(out, table.packets()->next_ns());
@@ -106,6 +109,22 @@ Thread* Box::Impl::choose() {
         }
     }
     return nullptr;
+}
+
+void Box::Impl::run_network() {
+    SimulatedClock& clock = table.clock();
+    IpSockets* const ip = table.ip();
+    if (ip == nullptr || !limit_ns) {
+        return;
+    }
+    ip->bring_up_to(clock.now_ns());
+    ip->end_instant();
+    for (std::int64_t next = ip->next_ns(); next <= *limit_ns; next = ip->next_ns()) {
+        clock.elapse_to(next);
+        ip->bring_up_to(clock.now_ns());
+        ip->end_instant();
+    }
+    clock.elapse_to(*limit_ns);
 }
 
 void Box::Impl::look_for_signals() {

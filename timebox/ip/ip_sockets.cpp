@@ -64,6 +64,7 @@ void IpSockets::bring_up_to(std::int64_t now_ns) {
     pump(); // what was written before comes before what is due
     now_ns_ = std::max(now_ns_, now_ns);
     while (!coming_.empty() && coming_.front().at_ns <= now_ns_) {
+        forget_closed();
         stack_.elapse_to(coming_.front().at_ns);
         stack_.receive(coming_.front().frame);
         coming_.pop_front();
@@ -294,6 +295,7 @@ int IpSockets::connect(IpSocket& socket, UniqueFd const& file, std::optional<IpE
     if (!stack_.reaches(to->address)) {
         return EHOSTUNREACH;
     }
+    forget_closed();
     if (!connect_to(file, meeting_address_)) {
         return errno;
     }

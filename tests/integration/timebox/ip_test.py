@@ -77,6 +77,9 @@ class Ip(ScenarioTest):
                 self.assertEqual(self.logged(runs[0], name), self.logged(other, name), name)
         return runs[0]
 
+    def said(self, run, event):
+        return {e["source"]: e["text"] for e in run.events() if e["event"] == event}
+
     def tshark(self, run, *arguments):
         return subprocess.run(["tshark", "-r", run.folder / "bus.pcapng", *arguments], capture_output=True, text=True, check=True).stdout.splitlines()
 
@@ -113,9 +116,18 @@ class Ip(ScenarioTest):
         begun, ended = map(int, connected.split()[1:])
         self.assertEqual(ended, ns_of(quantum_at_or_after(begun + LOOK_NS + 250_000) + 12))
         self.assertRegex(whole, r"^whole 100000 wrong 0 end 0 ")
-        self.assertIn("closed after 100000", self.logged(run, "server"))
+        self.assertRegex("\n".join(self.logged(run, "server")), "(?m)^closed after 100000 at ")
         self.assert_sound_frames(run, 100000 // 1460 * 2)
         self.assertEqual(self.tshark(run, "-Y", "tcp.analysis.retransmission"), [])
+
+    def test_who_ends_without_a_word_is_taken_leave_of_by_his_host(self):
+        self.compile("ip_ends")
+        file = self.write("leave.yaml", scenario(process("server", "h1", "[./ip_ends, tcp_echo]"), process("client", "h2", "[./ip_ends, tcp_leave, 10.30.0.1]")))
+        run = self.run_to_end("leave", scenario=file)
+        left = int(next(line for line in self.logged(run, "client") if line.startswith("left")).split()[-1])
+        closed = next(line for line in self.logged(run, "server") if line.startswith("closed after 3")).split()[-1]
+        self.assertEqual(int(closed), ns_of(quantum_at_or_after(left + LOOK_NS + 250_000)))
+        self.assertRegex(self.said(run, "ended")["client"], rf"at {(left + LOOK_NS) / 1e9:.6f} s")
 
     def test_what_a_cable_loses_is_sent_again(self):
         self.compile("ip_ends")

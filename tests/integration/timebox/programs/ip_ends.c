@@ -84,7 +84,7 @@ static void tcp_echo(void) {
         for (ssize_t n; (n = read(c, data, sizeof data)) > 0; total += n) {
             must(write(c, data, (size_t)n) == n, "write");
         }
-        printf("closed after %ld\n", total);
+        printf("closed after %ld at %lld\n", total, (long long)now_ns());
         fflush(stdout);
         close(c);
     }
@@ -127,6 +127,21 @@ static void tcp_ask(char const* server, int port, long octets) {
     close(s);
 }
 
+/// Connects, says three octets, and is gone without a word.
+static void tcp_leave(char const* server) {
+    sleep_ms(10);
+    int s = socket(AF_INET, SOCK_STREAM, 0);
+    struct sockaddr_in to = address(server, 7);
+    must(connect(s, (struct sockaddr*)&to, sizeof to) == 0, "connect");
+    must(send(s, "bye", 3, 0) == 3, "send");
+    sleep_ms(20);
+    char data[3];
+    must(recv(s, data, 3, MSG_WAITALL) == 3, "recv");
+    printf("left at %lld\n", (long long)now_ns());
+    fflush(stdout);
+    _exit(0);
+}
+
 int main(int argc, char** argv) {
     if (argc == 2 && strcmp(argv[1], "udp_echo") == 0) {
         udp_echo();
@@ -134,6 +149,8 @@ int main(int argc, char** argv) {
         udp_ask(argv[2], atoi(argv[3]));
     } else if (argc == 2 && strcmp(argv[1], "tcp_echo") == 0) {
         tcp_echo();
+    } else if (argc == 3 && strcmp(argv[1], "tcp_leave") == 0) {
+        tcp_leave(argv[2]);
     } else if (argc == 5 && strcmp(argv[1], "tcp_ask") == 0) {
         tcp_ask(argv[2], atoi(argv[3]), atol(argv[4]));
     }
