@@ -190,8 +190,8 @@ Result<void> Node::start() {
         core.wire_book = std::make_unique<lockstep::WireBook>(processes.size(), channels);
     }
     core.gate = std::make_unique<lockstep::TickGate>(
-        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream}, *core.book,
-        core.wire_book.get());
+        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream, clock.late_upstream},
+        *core.book, core.wire_book.get());
     core.ack.member(config.process.c_str());
     core.ack.incarnation(static_cast<std::uint32_t>(config.incarnation));
 
