@@ -43,7 +43,7 @@ std::vector<VerbGroup> verb_groups() {
             {"Look at a run", {add_monitor, add_report, add_info, add_compare, add_export, add_play}},
             {"While it runs", {add_graph, add_topic, add_control}},
             {"A network alone", {add_powerflow, add_simulate}},
-            {"Devices and other tools", {add_wire, add_scl, add_fmu, add_bundle, add_router, add_ids}},
+            {"Devices and other tools", {add_wire, add_scl, add_fmu, add_bundle, add_router, add_keys, add_ids}},
             {"Write your own", {add_new, add_types}},
             {"This machine", {add_doctor, add_completion, add_schema, add_sweep_task}}};
 }
