@@ -4,6 +4,7 @@
 
 #include "bus/directory_impl.hpp"
 #include "bus/unauthenticated.hpp"
+#include "common/text.hpp"
 
 #include <fmt/format.h>
 #include <map>
@@ -12,6 +13,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace gridspace::bus {
 
@@ -19,25 +21,29 @@ namespace gridspace::bus {
 /// rest of a process. The library tells the two in any order, from several threads.
 class Authentication {
   public:
+    struct Waiting {
+        Peer peer;
+        std::vector<std::string> addresses;
+    };
     static constexpr std::size_t kMostTold = 64; ///< somebody may invent participants without end
 
     /// He announces himself: true when he is to be known now.
-    bool announced(rtps::GuidPrefix_t const& prefix, Peer const& peer, std::string const& addresses) {
+    bool announced(rtps::GuidPrefix_t const& prefix, Peer const& peer, std::vector<std::string> addresses) {
         std::lock_guard const lock{mutex_};
         if (genuine_.contains(prefix)) {
             return true;
         }
         if (waiting_.size() < kMostWaiting) {
-            waiting_[prefix] = {peer, addresses};
+            waiting_[prefix] = {peer, std::move(addresses)};
         }
         return false;
     }
     /// He has shown who he is: as whom he is to be known now, when he has announced himself.
-    std::optional<Peer> authorized(rtps::GuidPrefix_t const& prefix) {
+    std::optional<Waiting> authorized(rtps::GuidPrefix_t const& prefix) {
         std::lock_guard const lock{mutex_};
         genuine_.insert(prefix);
         auto const found = waiting_.extract(prefix);
-        return found.empty() ? std::nullopt : std::optional{found.mapped().peer};
+        return found.empty() ? std::nullopt : std::optional{found.mapped()};
     }
     /// He could not: what to tell about it, once.
     std::optional<std::string> refused(rtps::GuidPrefix_t const& prefix) {
@@ -49,7 +55,8 @@ class Authentication {
         bool const known = found != waiting_.end();
         return fmt::format("a participant that calls itself '{}'{} could not show who it is: it hears and says nothing",
                            known ? found->second.peer.process : "",
-                           known && !found->second.addresses.empty() ? " at " + found->second.addresses : "");
+                           known && !found->second.addresses.empty() ? " at " + join(found->second.addresses, ", ")
+                                                                     : "");
     }
     /// He is gone: true when he was known.
     bool gone(rtps::GuidPrefix_t const& prefix) {
@@ -59,10 +66,6 @@ class Authentication {
     }
 
   private:
-    struct Waiting {
-        Peer peer;
-        std::string addresses;
-    };
     static constexpr std::size_t kMostWaiting = 4096;
     std::mutex mutex_;
     std::map<rtps::GuidPrefix_t, Waiting> waiting_;

@@ -40,7 +40,10 @@ bool PayloadType::serialize(void* data, rtps::SerializedPayload_t* payload) {
 
 bool PayloadType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
     auto const* octets = reinterpret_cast<std::byte const*>(payload->data);
-    static_cast<Incoming*>(data)->cdr.assign(octets, octets + payload->length);
+    auto& cdr = static_cast<Incoming*>(data)->cdr;
+    cdr.assign(octets, octets + payload->length);
+    // In plain submessages it comes filled up to four octets, in encrypted ones not: recordings must not differ.
+    cdr.resize((cdr.size() + 3) / 4 * 4);
     return true;
 }
 

@@ -65,9 +65,8 @@ class ParticipantListener final : public dds::DomainParticipantListener {
         using Info = rtps::ParticipantDiscoveryInfo;
         rtps::GuidPrefix_t const& prefix = found.info.m_guid.guidPrefix;
         bool const leaves = found.status == Info::REMOVED_PARTICIPANT || found.status == Info::DROPPED_PARTICIPANT;
-        if (secured_ &&
-            (leaves ? !authentication_.gone(prefix)
-                    : !authentication_.announced(prefix, peer_of(found.info), join(addresses_of(found.info), ", ")))) {
+        if (secured_ && (leaves ? !authentication_.gone(prefix)
+                                : !authentication_.announced(prefix, peer_of(found.info), addresses_of(found.info)))) {
             return;
         }
         if (observer_ != nullptr) {
@@ -94,8 +93,11 @@ class ParticipantListener final : public dds::DomainParticipantListener {
     void onParticipantAuthentication(dds::DomainParticipant*, rtps::ParticipantAuthenticationInfo&& info) override {
         rtps::GuidPrefix_t const& prefix = info.guid.guidPrefix;
         if (info.status == rtps::ParticipantAuthenticationInfo::AUTHORIZED_PARTICIPANT) {
-            if (auto const peer = authentication_.authorized(prefix)) {
-                directory_.announce(prefix, *peer);
+            if (auto const who = authentication_.authorized(prefix)) {
+                if (observer_ != nullptr) {
+                    observer_->participant_found({id_of(prefix), who->peer, who->addresses});
+                }
+                directory_.announce(prefix, who->peer);
             }
         } else if (auto const text = authentication_.refused(prefix)) {
             tell_unauthenticated(*text);

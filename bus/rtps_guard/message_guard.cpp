@@ -122,13 +122,24 @@ class Walk {
         case kInfoReply:
         case kInfoReplyIp4:
             return Refusal::none;
+        case kHeartbeat:
+        case kAckNack:
+        case kGap: { // of plain discovery, which is there where messages are not signed as a whole, and carries nothing
+            Octets body = s.body;
+            EntityId const writer = Ends{body}.writer;
+            bool const empty =
+                writer == kPublicationsWriter || writer == kSubscriptionsWriter || writer == kLivelinessWriter;
+            return empty ? Refusal::none : Refusal::unprotected;
+        }
         case kData: {
             Octets body = s.body;
             body.skip(4);
             Ends const ends{body};
-            bool const is_word = (s.flags & 4U) != 0; // no farewell: anybody could say that
+            bool const is_word = (s.flags & 4U) != 0;
             bool const before = ends.writer == kParticipantWriter || ends.writer == kHandshakeWriter;
-            return before && is_word ? Refusal::none : Refusal::unprotected;
+            return !before   ? Refusal::unprotected
+                   : is_word ? Refusal::none
+                             : Refusal::farewell; // anybody could say that
         }
         default:
             return Refusal::unprotected;
@@ -333,6 +344,8 @@ std::string_view to_string(Refusal refusal) {
         return "one participant too many";
     case Refusal::unprotected:
         return "without the protection of this bus";
+    case Refusal::farewell:
+        return "a farewell that anybody can say";
     case Refusal::none:
     case Refusal::count_:
         break;

@@ -22,6 +22,7 @@ enum class Refusal : std::uint8_t {
     stranger,    ///< not a word of it is an announcement, and nobody has announced who sends it
     crowd,       ///< one participant more than there is room for
     unprotected, ///< on a secured bus: neither protected, nor what comes before protection
+    farewell,    ///< on a secured bus: of a participant, which is never protected
     count_
 };
 [[nodiscard]] std::string_view to_string(Refusal refusal);

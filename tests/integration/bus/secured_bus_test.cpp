@@ -68,6 +68,13 @@ class Found final : public DiscoveryObserver {
     std::vector<std::string> ids_;
 };
 
+struct Joining {
+    KeyFolder const* keys{nullptr};
+    Protection messages{Protection::sign};
+    bool knows_revoked{true};
+    launcher::Rights rights{{"x"}, {"x"}};
+};
+
 class SecuredBus : public ethernet::Veth {
   protected:
     void SetUp() override {
@@ -106,12 +113,6 @@ class SecuredBus : public ethernet::Veth {
         return out;
     }
 
-    struct Joining {
-        KeyFolder const* keys{nullptr};
-        Protection messages{Protection::sign};
-        bool knows_revoked{true};
-        launcher::Rights rights{{"x"}, {"x"}};
-    };
     Result<std::unique_ptr<Participant>> join(std::string const& name, Joining how = {},
                                               DiscoveryObserver* observer = nullptr) {
         KeyFolder const& keys = how.keys != nullptr ? *how.keys : *keys_;
@@ -287,9 +288,12 @@ TEST_F(SecuredBus, AFarewellInSomebodysNameWithoutKeysEndsNothing) {
         to.sin_family = AF_INET;
         to.sin_port = htons(static_cast<std::uint16_t>(port));
         to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        ASSERT_EQ(
-            ::sendto(socket.get(), farewell.data(), farewell.size(), 0, reinterpret_cast<sockaddr*>(&to), sizeof to),
-            static_cast<ssize_t>(farewell.size()));
+        Bytes const word = joined({{'R', 'T', 'P', 'S', 2, 2, 1, 15}, victim, data(0, 0x102, {0, 1, 0, 0})});
+        for (Bytes const& datagram : {farewell, word}) { // the second one is counted, and then the first one was seen
+            ASSERT_EQ(::sendto(socket.get(), datagram.data(), datagram.size(), 0, reinterpret_cast<sockaddr*>(&to),
+                               sizeof to),
+                      static_cast<ssize_t>(datagram.size()));
+        }
         if (secured) {
             EXPECT_TRUE(wait_until([&] { return !(*b)->refused_datagrams().empty(); }));
             EXPECT_THAT((*b)->refused_datagrams(), HasSubstr("without the protection of this bus"));

@@ -68,7 +68,7 @@ TEST(SecuredBus, AnnouncementsAndHandshakesPassAndNothingElseThatIsPlain) {
 TEST(SecuredBus, AFarewellThatAnybodyCouldSayIsRefused) {
     Bytes const key = joined({{0, 3, 0, 0}, parameter(0x0050, joined({guid_prefix(1), entity(0x1c1)})), kSentinel});
     Bytes const farewell = message({data(kParticipantReader, kParticipantWriter, key, 1, 9)});
-    EXPECT_EQ(refusal_of(farewell), Refusal::unprotected);
+    EXPECT_EQ(refusal_of(farewell), Refusal::farewell);
     EXPECT_EQ(refusal_of(farewell, {}), Refusal::none);
 }
 
