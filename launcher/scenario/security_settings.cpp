@@ -23,6 +23,13 @@ void protection(Fields& f, std::string_view key, Protection& value, std::string_
                          {.doc = doc});
 }
 
+void describe_topic(Fields& f, SecuritySettings::Topic& topic) {
+    protection(f, "submessages", topic.submessages,
+               "samples with their numbers and acknowledgements, with a key of writer and readers: none, sign or "
+               "encrypt");
+    protection(f, "data", topic.data, "samples alone, once more: none, sign or encrypt");
+}
+
 } // namespace
 
 std::string_view to_string(Protection protection) {
@@ -32,14 +39,23 @@ std::string_view to_string(Protection protection) {
 void describe(Fields& f, SecuritySettings& security) {
     f.file("keys", security.keys,
            {.doc = "folder of `gridspace keys init`; when left out, keys are made for this run alone"});
-    protection(f, "messages", security.messages, "every message of the bus, its headers too: none, sign or encrypt");
-    protection(f, "data", security.data, "samples of topics that `topics` does not name: none, sign or encrypt");
-    f.map("topics", {.doc = "samples of single topics"}, [&](config::Ref const& topic, Fields& t) {
-        Protection data = security.data;
-        protection(t, "data", data, "none, sign or encrypt");
-        security.topics[topic.name] = data;
-        security.named.push_back(topic);
-    });
+    protection(f, "messages", security.messages,
+               "each message of the bus as a whole, with a key of its sender: none, sign or encrypt");
+    describe_topic(f, security.all);
+    f.map("topics", {.doc = "single topics, in the place of `submessages` and `data`"},
+          [&](config::Ref const& topic, Fields& t) {
+              SecuritySettings::Topic own = security.all;
+              describe_topic(t, own);
+              if (own.submessages == Protection::none && security.messages == Protection::none) {
+                  t.error("submessages", fmt::format("nothing would protect the topic '{}'", topic.name),
+                          "anybody could say it; protect its submessages, or `messages` as a whole");
+              }
+              security.topics[topic.name] = own;
+              security.named.push_back(topic);
+          });
+    if (security.all.submessages == Protection::none && security.messages == Protection::none) {
+        f.error("submessages", "nothing would be protected", "protect submessages, or `messages` as a whole");
+    }
 }
 
 void expand_security_word(Node& root, Diagnostics& diagnostics) {

@@ -20,11 +20,16 @@ enum class Protection { none, sign, encrypt };
 
 /// `security:` of a scenario: DDS Security for the run (docs/design/security.md).
 struct SecuritySettings {
-    std::filesystem::path keys;               ///< made by `gridspace keys init`; empty: keys for this run alone
-    Protection messages{Protection::sign};    ///< all of RTPS: rtps_protection_kind
-    Protection data{Protection::encrypt};     ///< of samples, where `topics` says nothing
-    std::map<std::string, Protection> topics; ///< of samples, by topic
-    std::vector<config::Ref> named;           ///< the keys of `topics`, for messages
+    /// Of a topic. Submessages are samples with what belongs to them (numbers, acknowledgements), under a key that the
+    /// topic's writer and readers have; data is a sample alone, once more.
+    struct Topic {
+        Protection submessages{Protection::encrypt}, data{Protection::none};
+    };
+    std::filesystem::path keys;            ///< made by `gridspace keys init`; empty: keys for this run alone
+    Protection messages{Protection::none}; ///< each RTPS message as a whole, under a key that all participants have
+    Topic all;                             ///< where `topics` says nothing
+    std::map<std::string, Topic> topics;
+    std::vector<config::Ref> named; ///< the keys of `topics`, for messages
 };
 
 void describe(config::Fields& f, SecuritySettings& security);

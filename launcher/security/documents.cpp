@@ -45,9 +45,7 @@ std::string domain_set(std::vector<int> const& domains) {
     return out + "      </domains>\n";
 }
 
-/// Submessages are what acknowledgements and sequence numbers stand in. They are signed one by one only where messages
-/// are not signed as a whole.
-std::string topic_rule(std::string_view topic, Protection data, Protection messages) {
+std::string topic_rule(std::string_view topic, SecuritySettings::Topic const& protection) {
     return fmt::format("        <topic_rule>\n"
                        "          <topic_expression>{}</topic_expression>\n"
                        "          <enable_discovery_protection>true</enable_discovery_protection>\n"
@@ -57,7 +55,7 @@ std::string topic_rule(std::string_view topic, Protection data, Protection messa
                        "          <metadata_protection_kind>{}</metadata_protection_kind>\n"
                        "          <data_protection_kind>{}</data_protection_kind>\n"
                        "        </topic_rule>\n",
-                       escaped(topic), messages == Protection::none ? "SIGN" : "NONE", kind(data));
+                       escaped(topic), kind(protection.submessages), kind(protection.data));
 }
 
 std::string utc(std::int64_t unix_s) {
@@ -99,10 +97,10 @@ std::string governance(SecuritySettings const& security, std::vector<int> const&
                        "      <rtps_protection_kind>{}</rtps_protection_kind>\n"
                        "      <topic_access_rules>\n",
                        kind(security.messages));
-    for (auto const& [topic, data] : security.topics) { // the first rule that fits counts
-        out += topic_rule(topic, data, security.messages);
+    for (auto const& [topic, protection] : security.topics) { // the first rule that fits counts
+        out += topic_rule(topic, protection);
     }
-    out += topic_rule("*", security.data, security.messages);
+    out += topic_rule("*", security.all);
     return out + "      </topic_access_rules>\n    </domain_rule>\n  </domain_access_rules>\n</dds>\n";
 }
 
@@ -117,7 +115,7 @@ std::string permissions(std::string const& subject, Rights const& rights, std::v
     return out + "      </allow_rule>\n      <default>DENY</default>\n    </grant>\n  </permissions>\n</dds>\n";
 }
 
-Result<std::string> secured_profiles(std::string const& profiles, SecurityFiles const& files, Protection messages) {
+Result<std::string> secured_profiles(std::string const& profiles, SecurityFiles const& files) {
     std::string const auth = "dds.sec.auth.builtin.PKI-DH.", access = "dds.sec.access.builtin.Access-Permissions.";
     std::string const block = "\n        <propertiesPolicy>\n          <properties>\n" +
                               property("dds.sec.auth.plugin", "builtin.PKI-DH") +
@@ -130,7 +128,6 @@ Result<std::string> secured_profiles(std::string const& profiles, SecurityFiles 
                               file_property(access + "governance", files.governance) +
                               file_property(access + "permissions", files.permissions) +
                               property("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC") +
-                              property("gridspace.security.messages", to_string(messages)) +
                               "          </properties>\n        </propertiesPolicy>";
     std::string out = profiles;
     std::size_t done = 0;

@@ -33,7 +33,6 @@ struct SecurityFiles {
 
 /// The QoS profiles of a role (qos/ROLE.xml) with the properties by which each of its participants takes part in a
 /// secured bus. Fails when the text has no participant profile.
-[[nodiscard]] Result<std::string> secured_profiles(std::string const& profiles, SecurityFiles const& files,
-                                                   Protection messages);
+[[nodiscard]] Result<std::string> secured_profiles(std::string const& profiles, SecurityFiles const& files);
 
 } // namespace gridspace::launcher

@@ -94,7 +94,7 @@ Result<void> secure(Scenario const& scenario, RunPlan& plan, std::vector<int> co
                                   identity->key,
                                   folder / "governance.p7s",
                                   own / "permissions.p7s"};
-        auto const secured = secured_profiles(*profiles, files, scenario.security->messages);
+        auto const secured = secured_profiles(*profiles, files);
         if (!secured) {
             return std::unexpected{secured.error()};
         }

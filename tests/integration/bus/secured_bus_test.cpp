@@ -70,7 +70,7 @@ class Found final : public DiscoveryObserver {
 
 struct Joining {
     KeyFolder const* keys{nullptr};
-    Protection messages{Protection::sign};
+    Protection messages{Protection::none};
     bool knows_revoked{true};
     launcher::Rights rights{{"x"}, {"x"}};
 };
@@ -135,7 +135,7 @@ class SecuredBus : public ethernet::Veth {
                                             own / "governance.p7s",
                                             own / "permissions.p7s"};
         std::ofstream{own / "qos.xml"}
-            << launcher::secured_profiles(text_of(source_tree("qos/member.xml")), files, how.messages).value();
+            << launcher::secured_profiles(text_of(source_tree("qos/member.xml")), files).value();
         ++joined_;
         return Participant::create({name, 0, "test", 0, own / "qos.xml", "management", {"127.0.0.1"}}, observer);
     }

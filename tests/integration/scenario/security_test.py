@@ -53,7 +53,7 @@ class Security(ScenarioTest):
     def test_case_2_with_keys_of_a_folder_and_messages_encrypted_is_the_same_too(self):
         keys = self.keys()
         plain_file, secured_file = self.write("plain.yaml", SHORT_CASE_2), self.write(
-            "secured.yaml", SHORT_CASE_2 + f"security: {{keys: {keys}, messages: encrypt, topics: {{signals: {{data: none}}}}}}\n")
+            "secured.yaml", SHORT_CASE_2 + f"security: {{keys: {keys}, messages: encrypt, data: sign, topics: {{signals: {{submessages: none, data: none}}}}}}\n")
         plain, secured = self.run_to_end("plain", scenario=plain_file), self.run_to_end("secured", scenario=secured_file)
         self.assert_identical(plain, secured)
 
@@ -83,7 +83,7 @@ class Security(ScenarioTest):
         self.assert_identical(plain, run)
 
     def test_a_process_that_writes_what_it_does_not_declare_is_refused(self):
-        thief = self.write("thief.py", THIEF.format(python=str(SOURCE / "python"), topics='requests = Writes("requests", "EvRequest")'))
+        thief = self.write("thief.py", THIEF.format(python=str(SOURCE / "python"), topics='requests = Writes("requests", "ChargingRequest")'))
         thief.chmod(0o755)
         process = json.dumps({"program": {"path": str(thief)}, "host": "board1"})
         run = self.start("thief", [*SHORT_CASE_1, "--set", "security=on", "--set", f"processes.thief={process}"])

@@ -27,27 +27,21 @@ TEST(SecurityDocuments, NobodyWithoutACertificateAndNoTopicWithoutARightByDefaul
     std::string const sut = governance({}, {4, 5});
     EXPECT_EQ(behind(sut, "<allow_unauthenticated_participants>"), "false");
     EXPECT_EQ(behind(sut, "<enable_join_access_control>"), "true");
-    EXPECT_EQ(behind(sut, "<rtps_protection_kind>"), "SIGN");
-    EXPECT_EQ(behind(sut, "<data_protection_kind>"), "ENCRYPT");
+    EXPECT_EQ(behind(sut, "<rtps_protection_kind>"), "NONE");
+    EXPECT_EQ(behind(sut, "<metadata_protection_kind>"), "ENCRYPT");
+    EXPECT_EQ(behind(sut, "<discovery_protection_kind>"), "ENCRYPT");
     EXPECT_THAT(sut, HasSubstr("<id>4</id>\n        <id>5</id>"));
 }
 
 TEST(SecurityDocuments, ATopicOfItsOwnStandsBeforeTheRestOfThem) {
     SecuritySettings settings;
-    settings.topics = {{"bus_measurements", Protection::none}};
+    settings.topics = {{"bus_measurements", {Protection::sign, Protection::none}}};
     std::string const sut = governance(settings, {0});
     std::size_t const own = sut.find("<topic_expression>bus_measurements<"), rest = sut.find("<topic_expression>*<");
     ASSERT_NE(own, std::string::npos);
     EXPECT_LT(own, rest);
-    EXPECT_EQ(behind(sut.substr(own), "<data_protection_kind>"), "NONE");
-    EXPECT_EQ(behind(sut.substr(rest), "<data_protection_kind>"), "ENCRYPT");
-}
-
-TEST(SecurityDocuments, WhereMessagesAreNotSignedAsAWholeSubmessagesAre) {
-    SecuritySettings settings;
-    EXPECT_EQ(behind(governance(settings, {0}), "<metadata_protection_kind>"), "NONE");
-    settings.messages = Protection::none;
-    EXPECT_EQ(behind(governance(settings, {0}), "<metadata_protection_kind>"), "SIGN");
+    EXPECT_EQ(behind(sut.substr(own), "<metadata_protection_kind>"), "SIGN");
+    EXPECT_EQ(behind(sut.substr(rest), "<metadata_protection_kind>"), "ENCRYPT");
 }
 
 TEST(SecurityDocuments, PermissionsNameWhatIsAllowedAndDenyTheRest) {
@@ -69,8 +63,8 @@ TEST(SecurityDocuments, WhoMayPublishNothingHasNoSuchRule) {
 TEST(SecurityDocuments, EachParticipantProfileOfARoleGetsTheKeys) {
     std::ifstream file{source_tree("qos/member.xml")};
     std::string const profiles{std::istreambuf_iterator<char>{file}, {}};
-    auto const sut = secured_profiles(
-        profiles, {"/k/ca.pem", "/k/pca.pem", "/k/r.crl", "/k/c.pem", "/k/c.key", "/g", "/p"}, Protection::sign);
+    auto const sut =
+        secured_profiles(profiles, {"/k/ca.pem", "/k/pca.pem", "/k/r.crl", "/k/c.pem", "/k/c.key", "/g", "/p"});
     ASSERT_TRUE(sut) << describe(sut.error());
     std::size_t participants = 0, keys = 0;
     for (std::size_t at = 0; (at = sut->find("<participant ", at)) != std::string::npos; ++at) {
@@ -84,7 +78,7 @@ TEST(SecurityDocuments, EachParticipantProfileOfARoleGetsTheKeys) {
 }
 
 TEST(SecurityDocuments, ATextWithoutParticipantsIsRefused) {
-    EXPECT_FALSE(secured_profiles("<dds></dds>", {}, Protection::sign));
+    EXPECT_FALSE(secured_profiles("<dds></dds>", {}));
 }
 
 } // namespace
