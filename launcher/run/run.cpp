@@ -10,9 +10,9 @@
 #include "launcher/run/listening.hpp"
 #include "launcher/run/monitor_client.hpp"
 #include "launcher/run/namespaces.hpp"
+#include "launcher/run/secured_run.hpp"
 #include "launcher/run/supervisor.hpp"
 #include "launcher/scenario/wire_use.hpp"
-#include "launcher/security/secured_run.hpp"
 
 #include <algorithm>
 #include <cerrno>

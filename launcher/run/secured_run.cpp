@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/security/secured_run.hpp"
+#include "launcher/run/secured_run.hpp"
 
 #include "launcher/folder/write_file.hpp"
 #include "launcher/scenario/installation.hpp"
