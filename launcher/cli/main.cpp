@@ -27,7 +27,7 @@ void add_ids(CLI::App& app, Action& action) {
         "ids", "the intrusion detector: train and judge forecasters, scan captures, score detectors, make data sets");
     ids->require_subcommand(1);
     for (auto* const add :
-         {add_ids_train, add_ids_evaluate, add_ids_study, add_ids_scan, add_ids_score, add_ids_export}) {
+         {add_ids_train, add_ids_evaluate, add_ids_study, add_ids_scan, add_ids_score, add_ids_export, add_ids_sweep}) {
         add(*ids, action);
     }
 }

@@ -87,6 +87,16 @@ void check_security(Scenario const& scenario, Diagnostics& diagnostics) {
                               static_cast<int>(process.name.name.size()));
         }
     }
+    for (attacker::AttackConfig const& attack : scenario.attacks) {
+        if (!attack.topic.empty()) {
+            diagnostics.warning(
+                attack.name.where,
+                fmt::format("attack '{}' is on the topic '{}': its process is given the right to it", attack.name.name,
+                            attack.topic.name),
+                "an insider's attack, which `security:` does not stop; a stranger's does not come so far",
+                static_cast<int>(attack.name.name.size()));
+        }
+    }
     Dataflow const flow = dataflow(scenario);
     std::vector<std::string> known;
     for (auto const& [topic, writers] : flow.writers) {
