@@ -205,7 +205,7 @@ Result<std::string> revocation_list(Identity const& authority, std::span<std::st
         BIGNUM* read = nullptr;
         int const digits = BN_hex2bn(&read, serial.c_str());
         Owned<BIGNUM> const number{read};
-        Owned<ASN1_INTEGER> const value{BN_to_ASN1_INTEGER(number.get(), nullptr)};
+        Owned<ASN1_INTEGER> const value{number == nullptr ? nullptr : BN_to_ASN1_INTEGER(number.get(), nullptr)};
         Owned<X509_REVOKED> entry{X509_REVOKED_new()};
         made = made && digits > 0 && static_cast<std::size_t>(digits) == serial.size() && value != nullptr &&
                X509_REVOKED_set_serialNumber(entry.get(), value.get()) == 1 &&
