@@ -61,8 +61,9 @@ struct Shape {
 
 /// Walks the submessages. Only kinds whose meaning does not depend on being alone in a message are merged.
 Shape shape_of(std::uint8_t const* message, std::size_t size) {
-    constexpr std::array<std::uint8_t, 6> kPlain{0x06 /*ACKNACK*/, 0x07 /*HEARTBEAT*/, 0x08 /*GAP*/,
-                                                 0x09 /*INFO_TS*/, 0x0e /*INFO_DST*/,  0x15 /*DATA*/};
+    constexpr std::array<std::uint8_t, 9> kPlain{
+        0x06 /*ACKNACK*/,  0x07 /*HEARTBEAT*/,  0x08 /*GAP*/, 0x09 /*INFO_TS*/, 0x0e /*INFO_DST*/, 0x15 /*DATA*/,
+        0x30 /*SEC_BODY*/, 0x31 /*SEC_PREFIX*/, 0x32 /*SEC_POSTFIX*/}; // these three stay together
     Shape shape;
     std::size_t at = kHeaderSize;
     while (at + 4 <= size) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/daemon.hpp"
 
+#include "bus/unauthenticated.hpp"
 #include "common/config/merge.hpp"
 #include "common/log.hpp"
 #include "common/privileges/call_filter.hpp"
@@ -416,10 +417,22 @@ int live(Daemon const& daemon, int argc, char** argv) {
 } // namespace
 
 Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> const& body) {
+    std::atomic<bus::Node*> there{nullptr};
+    struct NobodyIsTold {
+        ~NobodyIsTold() { bus::on_unauthenticated({}); }
+    };
+    bus::on_unauthenticated([&](std::string const& text) {
+        bus::Node const* const now = there;
+        run.status.event(now != nullptr && now->lockstep() ? now->time_base().seconds(now->latest_time()) : 0,
+                         run.bus.process, "unauthenticated_participant", text);
+    });
+    NobodyIsTold const nobody_after_this;
     auto node = bus::Node::create(run.bus);
     if (!node) {
         return std::unexpected{node.error()};
     }
+    NobodyIsTold const nobody_without_node; // ends before the node does
+    there = node->get();
     run.on_stop([&node] { (*node)->request_stop(); });
     auto result = body(**node);
     run.on_stop({});

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/participant.hpp"
 
+#include "bus/authentication_impl.hpp"
 #include "bus/cork.hpp"
 #include "bus/corked_transport.hpp"
 #include "bus/discovery_impl.hpp"
@@ -63,8 +64,13 @@ class ParticipantListener final : public dds::DomainParticipantListener {
     void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& found) override {
         using Info = rtps::ParticipantDiscoveryInfo;
         rtps::GuidPrefix_t const& prefix = found.info.m_guid.guidPrefix;
+        bool const leaves = found.status == Info::REMOVED_PARTICIPANT || found.status == Info::DROPPED_PARTICIPANT;
+        if (secured_ && (leaves ? !authentication_.gone(prefix)
+                                : !authentication_.announced(prefix, peer_of(found.info), addresses_of(found.info)))) {
+            return;
+        }
         if (observer_ != nullptr) {
-            if (found.status == Info::REMOVED_PARTICIPANT || found.status == Info::DROPPED_PARTICIPANT) {
+            if (leaves) {
                 observer_->participant_gone(id_of(prefix), found.status == Info::REMOVED_PARTICIPANT);
             } else {
                 observer_->participant_found({id_of(prefix), peer_of(found.info), addresses_of(found.info)});
@@ -83,6 +89,23 @@ class ParticipantListener final : public dds::DomainParticipantListener {
             break;
         }
     }
+
+    void onParticipantAuthentication(dds::DomainParticipant*, rtps::ParticipantAuthenticationInfo&& info) override {
+        rtps::GuidPrefix_t const& prefix = info.guid.guidPrefix;
+        if (info.status == rtps::ParticipantAuthenticationInfo::AUTHORIZED_PARTICIPANT) {
+            if (auto const who = authentication_.authorized(prefix)) {
+                if (observer_ != nullptr) {
+                    observer_->participant_found({id_of(prefix), who->peer, who->addresses});
+                }
+                directory_.announce(prefix, who->peer);
+            }
+        } else if (auto const text = authentication_.refused(prefix)) {
+            tell_unauthenticated(*text);
+        }
+    }
+
+    /// DDS Security is on: nobody is here who has not shown who he is. Before the participant is made.
+    void secure() { secured_ = true; }
 
     void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& found) override {
         if (observer_ != nullptr) {
@@ -106,6 +129,8 @@ class ParticipantListener final : public dds::DomainParticipantListener {
   private:
     Directory& directory_;
     DiscoveryObserver* observer_;
+    bool secured_{false};
+    Authentication authentication_;
 };
 
 class FastDdsParticipant final : public Participant {
@@ -143,6 +168,10 @@ class FastDdsParticipant final : public Participant {
         qos.name(options_.process.c_str());
         std::string const user_data = user_data_of(options_);
         qos.user_data().setValue(std::vector<rtps::octet>{user_data.begin(), user_data.end()});
+        secured_ = rtps::PropertyPolicyHelper::find_property(qos.properties(), "dds.sec.auth.plugin") != nullptr;
+        if (secured_) {
+            listener_.secure();
+        }
         prepare_transports(qos);
         bound_the_others(qos);
         if (auto ok = look_for_peers(qos); !ok) {
@@ -155,6 +184,12 @@ class FastDdsParticipant final : public Participant {
         }
         participant_ = factory->create_participant(static_cast<std::uint32_t>(options_.domain), qos, &listener_,
                                                    dds::StatusMask::none());
+        if (participant_ == nullptr && secured_) {
+            return fail(ExitCode::environment,
+                        fmt::format("DDS Security lets '{}' not join domain {}", options_.process, options_.domain),
+                        "its log says why: a certificate that has expired or is revoked, a key of somebody else, or "
+                        "documents of another authority");
+        }
         if (participant_ == nullptr) {
             return fail(ExitCode::environment,
                         fmt::format("cannot join DDS domain {} on {}", options_.domain,
@@ -272,7 +307,8 @@ class FastDdsParticipant final : public Participant {
         auto writer = std::make_unique<Writer>(directory_, publisher_, codec);
         if (!writer->open(*topic, qos)) {
             return fail(ExitCode::usage, fmt::format("DDS refused the writer of topic '{}'", topic_name),
-                        "its QoS profile is not consistent (depth against resource limits?)");
+                        secured_ ? "'" + options_.process + "' has no right to publish it: it does not declare that"
+                                 : "its QoS profile is not consistent (depth against resource limits?)");
         }
         return writer;
     }
@@ -292,7 +328,9 @@ class FastDdsParticipant final : public Participant {
         }
         if (!reader->open(*topic, qos)) {
             return fail(ExitCode::usage, fmt::format("DDS refused the reader of topic '{}'", topic_name),
-                        "its QoS profile is not consistent (depth against resource limits?)");
+                        secured_
+                            ? "'" + options_.process + "' has no right to subscribe to it: it does not declare that"
+                            : "its QoS profile is not consistent (depth against resource limits?)");
         }
         return reader;
     }
@@ -325,7 +363,8 @@ class FastDdsParticipant final : public Participant {
     void prepare_transports(dds::DomainParticipantQos& qos) {
         using eprosima::fastrtps::rtps::DiscoveryProtocol_t;
         auto const protocol = qos.wire_protocol().builtin.discovery_config.discoveryProtocol;
-        gate_ = std::make_shared<rtps_guard::Gate>(rtps_guard::Rules{protocol == DiscoveryProtocol_t::SIMPLE});
+        gate_ =
+            std::make_shared<rtps_guard::Gate>(rtps_guard::Rules{protocol == DiscoveryProtocol_t::SIMPLE, secured_});
         for (auto& transport : qos.transport().user_transports) {
             using eprosima::fastdds::rtps::UDPv4TransportDescriptor;
             if (auto const udp = std::dynamic_pointer_cast<UDPv4TransportDescriptor>(transport); udp != nullptr) {
@@ -381,6 +420,7 @@ class FastDdsParticipant final : public Participant {
     }
 
     ParticipantOptions options_;
+    bool secured_{false};
     std::shared_ptr<rtps_guard::Gate> gate_{std::make_shared<rtps_guard::Gate>()};
     Directory directory_;
     ParticipantListener listener_;

@@ -30,7 +30,9 @@ class DifferentialRelay final : public RelayMember {
     void silent(std::size_t end) override { act_on(parts_.relay->relay().lost(end == 0 ? kFromLost : kToLost)); }
 
     void pair(LineSample const& sample) override {
-        RelayOutput const& out = parts_.intrusion == nullptr ? parts_.relay->step(sample) : guarded(sample);
+        RelayOutput const& out = parts_.foreign != nullptr     ? permitted(sample)
+                                 : parts_.intrusion == nullptr ? parts_.relay->step(sample)
+                                                               : guarded(sample);
         if (parts_.event_report != nullptr) {
             parts_.event_report->sample(sample, out, time_->utc_ns(sample.index));
         }
@@ -50,6 +52,21 @@ class DifferentialRelay final : public RelayMember {
         parts_.intrusion->sample(*parts_.relay->detector(), std::llround(instant_s * parts_.rate_hz),
                                  std::llround(instant_s * 1e9), now(), took_ns);
         return out;
+    }
+
+    /// The relay, with the permission of somebody else's detector.
+    RelayOutput const& permitted(LineSample const& sample) {
+        LineRelay& relay = parts_.relay->relay();
+        std::int64_t const index = std::llround(time_->instant_s(sample.index) * parts_.rate_hz);
+        bool const granted = parts_.foreign->step(index, relay.output().pickup, now());
+        auto const reason = parts_.foreign->permission().reason();
+        if (reason != reason_ && reason != ForeignPermission::Reason::none) {
+            tell(granted ? "trip_permitted" : "trip_withheld",
+                 fmt::format("{}{}{}", parts_.foreign->detector(), parts_.foreign->detector().empty() ? "" : ": ",
+                             to_string(reason)));
+        }
+        reason_ = reason;
+        return relay.step(sample, {granted});
     }
 
     void act_on(RelayOutput const& out) {
@@ -102,6 +119,7 @@ class DifferentialRelay final : public RelayMember {
     }
 
     bool pickup_{false}, tripped_{false}, blocked_{false};
+    ForeignPermission::Reason reason_{ForeignPermission::Reason::none};
 };
 
 std::unique_ptr<RelayMember> make_relay(RelaySettings const& settings, DaemonRun& run, bus::Node& node) {

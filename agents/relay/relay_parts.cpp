@@ -74,6 +74,13 @@ Result<void> make_relay(RelaySettings const& settings, Rational rate_hz, DaemonR
     params->to_positive = config.to_positive;
     if (!config.ids) {
         out.relay = std::make_unique<GuardedRelay>(*params);
+        if (config.foreign_detector) {
+            auto foreign = ForeignDetector::create(node, config, rate_hz.to_double());
+            if (!foreign) {
+                return std::unexpected{foreign.error()};
+            }
+            out.foreign = std::move(*foreign);
+        }
         return {};
     }
     auto const model = ids::load_model(config.ids->model);

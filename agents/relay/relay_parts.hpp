@@ -3,6 +3,7 @@
 #pragma once
 
 #include "agents/relay/event_report.hpp"
+#include "agents/relay/foreign_detector.hpp"
 #include "agents/relay/functions/bay_relay.hpp"
 #include "agents/relay/guarded_relay.hpp"
 #include "agents/relay/intrusion_output.hpp"
@@ -36,6 +37,7 @@ struct RelayParts {
     std::unique_ptr<BayRelay> bay;       ///< or of a bay
     BaySources sources;
     std::unique_ptr<IntrusionOutput> intrusion; ///< with a detector
+    std::unique_ptr<ForeignDetector> foreign;   ///< with somebody else's
     std::unique_ptr<CurrentInputs> inputs;
     std::unique_ptr<EventReport> event_report; ///< when it is wanted
     std::unique_ptr<gateways::WirePort> port;

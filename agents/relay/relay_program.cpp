@@ -57,12 +57,26 @@ void describe(config::Fields& f, BayConfig& bay, double& partner_timeout_ms) {
     if (is_bay && bay.currents.empty() && bay.voltages.empty()) {
         f.error("functions", "functions of what?", "inputs: {currents: STREAM, voltages: STREAM}");
     }
-    for (char const* key : {"currents", "element", "ids", "event_report", "positive"}) {
+    for (char const* key : {"currents", "element", "ids", "foreign_detector", "event_report", "positive"}) {
         if (is_bay && f.has(key)) {
             f.error(key, "it belongs to the differential of a line, and this relay has `functions`",
                     "a relay has one or the other; both are two processes");
         }
     }
+}
+
+void describe(config::Fields& f, ForeignDetectorConfig& c) {
+    using OnFlagged = ForeignDetectorConfig::OnFlagged;
+    using Unheard = ForeignDetectorConfig::Unheard;
+    f.text("verdicts", c.verdicts, {.doc = "DDS topic of its verdicts (IdsVerdict) on both streams", .required = true});
+    f.number("wait_ms", c.wait_ms, {.doc = "how long a pickup waits for the verdict on it", .min = 0, .max = 1000});
+    f.number("hold_ms", c.hold_ms,
+             {.doc = "how long before the pickup a flagged sample counts", .max = 10000, .above = 0});
+    f.choice<OnFlagged>("on_flagged", c.on_flagged, {{"delay", OnFlagged::delay}, {"block", OnFlagged::block}},
+                        {.doc = "a pickup while a sample is flagged trips after delay_ms, or never"});
+    f.number("delay_ms", c.delay_ms, {.doc = "how long such a pickup has to last", .min = 0, .max = 1000});
+    f.choice<Unheard>("unheard", c.unheard, {{"trip", Unheard::trip}, {"block", Unheard::block}},
+                      {.doc = "a pickup on which no verdict has come after wait_ms"});
 }
 
 } // namespace
@@ -105,6 +119,14 @@ void describe(config::Fields& f, RelayConfig& config) {
     describe(f, config.event_report);
     f.object("ids", {.doc = "intrusion detector in front of the relay"},
              [&](config::Fields& d) { describe(d, config.ids.emplace()); });
+    f.object("foreign_detector",
+             {.doc = "somebody else's detector, a process of its own: its verdicts permit the trip"},
+             [&](config::Fields& d) {
+                 describe(d, config.foreign_detector.emplace());
+                 if (config.ids) {
+                     d.error("", "the relay has `ids` and `foreign_detector`", "one detector permits its trip");
+                 }
+             });
     f.fraction("latency_us", config.latency_us,
                {.doc = "from a frame to the message; in real time the message is held back until then", .min = 0});
     f.number("frequency_hz", config.frequency_hz,

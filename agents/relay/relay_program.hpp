@@ -34,6 +34,14 @@ struct BayConfig {
     bool reversed{false}; ///< the CT counts out of what is protected; the launcher takes it from the network
 };
 
+/// `foreign_detector:`: a detector of somebody else's, as a process of its own, whose verdicts permit the trip.
+struct ForeignDetectorConfig {
+    std::string verdicts; ///< topic of IdsVerdict
+    double wait_ms{2}, hold_ms{33}, delay_ms{20};
+    enum class OnFlagged { delay, block } on_flagged{OnFlagged::delay};
+    enum class Unheard { trip, block } unheard{Unheard::trip};
+};
+
 /// gridspace-relay: sampled values in, a trip by GOOSE out.
 struct RelayConfig {
     BayConfig bay;
@@ -48,10 +56,11 @@ struct RelayConfig {
     RelayLogicConfig logic;
     gateways::FirstLineConfig first_line; ///< of both streams of currents
     EventReportConfig event_report;
-    std::optional<ids::DetectorConfig> ids; ///< the intrusion detector in front of it
-    double partner_timeout_ms{20};          ///< how long the sample of one end waits for the other
-    Rational latency_us{900};               ///< from a frame to the message; in real time a hold-back
-    double frequency_hz{60};                ///< of the network; the launcher takes it from there
+    std::optional<ids::DetectorConfig> ids;                ///< the intrusion detector in front of it
+    std::optional<ForeignDetectorConfig> foreign_detector; ///< or somebody else's
+    double partner_timeout_ms{20};                         ///< how long the sample of one end waits for the other
+    Rational latency_us{900};                              ///< from a frame to the message; in real time a hold-back
+    double frequency_hz{60};                               ///< of the network; the launcher takes it from there
     Positive from_positive{Positive::from_to},
         to_positive{Positive::from_to}; ///< of the CTs; the launcher takes them from the network
 };

@@ -88,6 +88,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/bin/gridspace")
     parser.add_argument("--python", default=sys.executable, help="one that has scikit-learn")
+    parser.add_argument("--foreign", nargs="*", choices=list(FOREIGN), default=list(FOREIGN), help="which foreign detectors; all when left out")
     arguments = parser.parse_args()
     rows = []
     for study in arguments.study:
@@ -113,7 +114,7 @@ def main():
             if not file.exists():
                 file.write_text(text_of([sys.executable, EXAMPLES / "recorded_verdicts.py", row["folder"]]))
             scores.setdefault(name, []).append((row, score(arguments.program, row["folder"], file)))
-    for name, command in FOREIGN.items():
+    for name, command in ((name, FOREIGN[name]) for name in arguments.foreign):
         print(name, file=sys.stderr)
         folder = arguments.out / "verdicts" / name.replace(" ", "_")
         words = command.split()

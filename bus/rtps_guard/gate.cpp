@@ -5,6 +5,14 @@
 #include <fmt/format.h>
 
 namespace gridspace::rtps_guard {
+namespace {
+
+/// Comes in runs where nobody means harm.
+bool is_usual(Refusal refusal) {
+    return refusal == Refusal::stranger || refusal == Refusal::farewell;
+}
+
+} // namespace
 
 Refusal Gate::judge(Examined const& examined, std::int64_t now_ns) {
     if (examined.refusal != Refusal::none || !rules_.speaks_for_itself) {
@@ -47,7 +55,7 @@ void Gate::admit(std::span<std::uint8_t> datagram, std::int64_t now_ns, Deliver 
 std::uint64_t Gate::refused() const {
     std::uint64_t out = 0;
     for (std::size_t i = 0; i < refused_.size(); ++i) {
-        out += i == static_cast<std::size_t>(Refusal::stranger) ? 0 : refused_[i].load(std::memory_order_relaxed);
+        out += is_usual(static_cast<Refusal>(i)) ? 0 : refused_[i].load(std::memory_order_relaxed);
     }
     return out;
 }
@@ -56,7 +64,7 @@ std::string Gate::text() const {
     std::string out;
     for (std::size_t i = 0; i < refused_.size(); ++i) {
         std::uint64_t const count = refused_[i].load(std::memory_order_relaxed);
-        if (count > 0 && i != static_cast<std::size_t>(Refusal::stranger)) {
+        if (count > 0 && !is_usual(static_cast<Refusal>(i))) {
             out += fmt::format("{}{} ({})", out.empty() ? "" : ", ", count, to_string(static_cast<Refusal>(i)));
         }
     }

@@ -4,6 +4,7 @@
 
 #include "bus/rtps_guard/parameter_guard.hpp"
 #include "bus/rtps_guard/submessages.hpp"
+#include "bus/rtps_guard/token_guard.hpp"
 
 #include <algorithm>
 
@@ -13,7 +14,8 @@ namespace {
 constexpr std::size_t kStatisticsOctets = 56;
 constexpr EntityId kUnknownEntity = 0;
 constexpr EntityId kParticipantWriter = 0x000100c2, kPublicationsWriter = 0x000003c2, kSubscriptionsWriter = 0x000004c2,
-                   kLivelinessWriter = 0x000200c2;
+                   kLivelinessWriter = 0x000200c2, kHandshakeWriter = 0x000201c3;
+constexpr std::size_t kCryptoHeader = 20, kCryptoFooter = 20; ///< DDS Security 1.1, 9.5.2.3 and 9.5.2.5
 /// Sequence numbers count from 1, and the library walks through what a writer says to be past, one at a time (some 100
 /// ns each, the reader locked). A writer of discovery says little; 28,800 samples a second reach the other bound in 20
 /// h.
@@ -51,6 +53,100 @@ class Walk {
     Walk(Examined& out, Rules rules) : out_{out}, rules_{rules}, speaker_{out.source} {}
 
     Refusal of(Submessage s) {
+        if (rules_.secured) {
+            bool const framing = s.kind >= kSecureBody && s.kind <= kSecureMessagePostfix;
+            if (Refusal const refusal = framing ? frame(s) : frame_of(s); framing || refusal != Refusal::none) {
+                begun_ = true;
+                return refusal;
+            }
+            begun_ = true;
+        }
+        return content(s);
+    }
+
+    /// Whether all that was opened is closed.
+    [[nodiscard]] bool complete() const { return message_ != Frame::open && submessage_ != Frame::open; }
+
+  private:
+    enum class Frame : std::uint8_t { none, open, closed };
+
+    /// What protection looks like from outside. The library believes the length in a body.
+    Refusal frame(Submessage s) {
+        switch (s.kind) {
+        case kSecureMessagePrefix:
+            if (begun_ || !enough(s.body, kCryptoHeader)) {
+                return Refusal::content;
+            }
+            message_ = Frame::open;
+            return Refusal::none;
+        case kSecurePrefix:
+            if (submessage_ == Frame::open || message_ == Frame::closed || !enough(s.body, kCryptoHeader)) {
+                return Refusal::content;
+            }
+            submessage_ = Frame::open;
+            return Refusal::none;
+        case kSecureBody: {
+            s.body.little(false);
+            std::uint32_t const octets = s.body.u32();
+            bool const inside = message_ == Frame::open || submessage_ == Frame::open;
+            return content_if(!inside || !s.body.ok() || octets > s.body.left());
+        }
+        case kSecurePostfix:
+            if (submessage_ != Frame::open || !enough(s.body, kCryptoFooter)) {
+                return Refusal::content;
+            }
+            submessage_ = Frame::closed;
+            return Refusal::none;
+        default:
+            if (message_ != Frame::open || submessage_ == Frame::open || !enough(s.body, kCryptoFooter)) {
+                return Refusal::content;
+            }
+            message_ = Frame::closed;
+            return Refusal::none;
+        }
+    }
+
+    /// What stands outside of any protection: the way into it, and nothing else.
+    [[nodiscard]] Refusal frame_of(Submessage const& s) const {
+        if (message_ == Frame::closed) {
+            return Refusal::content;
+        }
+        if (message_ == Frame::open || submessage_ == Frame::open) {
+            return Refusal::none;
+        }
+        switch (s.kind) {
+        case kPad:
+        case kInfoTs:
+        case kInfoSrc:
+        case kInfoDst:
+        case kInfoReply:
+        case kInfoReplyIp4:
+            return Refusal::none;
+        case kHeartbeat:
+        case kAckNack:
+        case kGap: { // of plain discovery, which is there where messages are not signed as a whole, and carries nothing
+            Octets body = s.body;
+            EntityId const writer = Ends{body}.writer;
+            bool const empty =
+                writer == kPublicationsWriter || writer == kSubscriptionsWriter || writer == kLivelinessWriter;
+            return empty ? Refusal::none : Refusal::unprotected;
+        }
+        case kData: {
+            Octets body = s.body;
+            body.skip(4);
+            Ends const ends{body};
+            bool const is_word = (s.flags & 4U) != 0;
+            bool const before = ends.writer == kParticipantWriter || ends.writer == kHandshakeWriter;
+            return !before   ? Refusal::unprotected
+                   : is_word ? Refusal::none
+                             : Refusal::farewell; // anybody could say that
+        }
+        default:
+            return Refusal::unprotected;
+        }
+    }
+
+    Refusal content(Submessage s) {
         switch (s.kind) {
         case kData:
         case kDataFrag:
@@ -74,11 +170,10 @@ class Walk {
             speaker_ = s.body.prefix();
             return content_if(!s.body.ok() || speaker_ == GuidPrefix{});
         default:
-            return s.kind >= kSecurityFirst && s.kind <= kSecurityLast ? Refusal::kind : Refusal::none;
+            return s.kind >= kSecureBody && s.kind <= kSecureMessagePostfix ? Refusal::kind : Refusal::none;
         }
     }
 
-  private:
     static bool enough(Octets const& body, std::size_t octets) { return body.ok() && body.left() >= octets; }
 
     static Refusal content_if(bool wrong) { return wrong ? Refusal::content : Refusal::none; }
@@ -140,7 +235,11 @@ class Walk {
         if (!s.body.ok() || ((has_data || has_key) && s.body.left() == 0) || s.body.left() < in_fragments) {
             return Refusal::content;
         }
-        out_.has_fragments = out_.has_fragments || fragment;
+        // What is signed cannot be put together here: the library's own business, with members only.
+        out_.has_fragments = out_.has_fragments || (fragment && !rules_.secured);
+        if (writer == kHandshakeWriter && has_data && !is_generic_message(s.body)) {
+            return Refusal::content;
+        }
         if (writer == kLivelinessWriter && (has_data || has_key) && s.body.left() < 4 + sizeof(GuidPrefix) + 4) {
             return Refusal::content;
         }
@@ -162,7 +261,7 @@ class Walk {
             return Refusal::parameters; // PL_CDR_BE or PL_CDR_LE
         }
         body.little(encapsulation[1] == 3);
-        auto const facts = examine_parameters(body, true);
+        auto const facts = examine_parameters(body, true, rules_.secured);
         if (!facts) {
             return Refusal::parameters;
         }
@@ -186,6 +285,8 @@ class Walk {
     Examined& out_;
     Rules rules_;
     GuidPrefix speaker_; ///< of the submessages from here on
+    bool begun_{false};  ///< something stands before
+    Frame message_{Frame::none}, submessage_{Frame::none};
 };
 
 Refusal walk(std::span<std::uint8_t> datagram, Rules rules, Examined& out) {
@@ -218,7 +319,7 @@ Refusal walk(std::span<std::uint8_t> datagram, Rules rules, Examined& out) {
             return refusal;
         }
     }
-    return Refusal::none;
+    return walk.complete() ? Refusal::none : Refusal::content;
 }
 
 } // namespace
@@ -241,6 +342,10 @@ std::string_view to_string(Refusal refusal) {
         return "from a participant that has not announced itself";
     case Refusal::crowd:
         return "one participant too many";
+    case Refusal::unprotected:
+        return "without the protection of this bus";
+    case Refusal::farewell:
+        return "a farewell that anybody can say";
     case Refusal::none:
     case Refusal::count_:
         break;

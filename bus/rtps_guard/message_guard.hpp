@@ -13,14 +13,16 @@ namespace gridspace::rtps_guard {
 /// Why a datagram is kept from the library.
 enum class Refusal : std::uint8_t {
     none,
-    not_rtps,   ///< shorter than a header, another magic, another major version, no GUID prefix
-    submessage, ///< its length reaches beyond the datagram, or is not a multiple of four within it
-    kind,       ///< one that nobody sends here: security without security, statistics out of place
-    content,    ///< its numbers contradict each other, or the octets that are there
-    parameters, ///< a damaged parameter list
-    identity,   ///< it announces or removes somebody else than who sends it
-    stranger,   ///< not a word of it is an announcement, and nobody has announced who sends it
-    crowd,      ///< one participant more than there is room for
+    not_rtps,    ///< shorter than a header, another magic, another major version, no GUID prefix
+    submessage,  ///< its length reaches beyond the datagram, or is not a multiple of four within it
+    kind,        ///< one that nobody sends here: security without security, statistics out of place
+    content,     ///< its numbers contradict each other, or the octets that are there
+    parameters,  ///< a damaged parameter list
+    identity,    ///< it announces or removes somebody else than who sends it
+    stranger,    ///< not a word of it is an announcement, and nobody has announced who sends it
+    crowd,       ///< one participant more than there is room for
+    unprotected, ///< on a secured bus: neither protected, nor what comes before protection
+    farewell,    ///< on a secured bus: of a participant, which is never protected
     count_
 };
 [[nodiscard]] std::string_view to_string(Refusal refusal);
@@ -36,6 +38,9 @@ struct Examined {
 
 struct Rules {
     bool speaks_for_itself{true}; ///< false with a discovery server, which announces others
+    /// With DDS Security the library takes words without protection from anybody under a member's name, all but
+    /// samples. Then only announcements and handshakes may come so; what is protected it judges itself.
+    bool secured{false};
 };
 
 inline constexpr std::uint32_t kLongestSample = 16U << 20U; ///< octets, of a sample that comes in fragments

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/rtps_guard/parameter_guard.hpp"
 
+#include "bus/rtps_guard/token_guard.hpp"
+
 #include <algorithm>
 
 namespace gridspace::rtps_guard {
@@ -26,6 +28,9 @@ enum Pid : std::uint16_t {
     kDataRepresentation = 0x0073,
     kTypeInformation = 0x0075,
     kIdentityToken = 0x1001,
+    kPermissionsToken = 0x1002,
+    kEndpointSecurity = 0x1004,
+    kParticipantSecurity = 0x1005,
     kIdentityStatusToken = 0x1006,
     kDataSharing = 0x8006,
 };
@@ -33,9 +38,14 @@ enum Pid : std::uint16_t {
 constexpr std::size_t kGuid = 16;
 constexpr std::uint32_t kLongestName = 256; // with its NUL: what the library's fixed strings hold
 
-bool becomes_padding(std::uint16_t pid) {
+bool is_of_security(std::uint16_t pid) {
+    return pid == kIdentityToken || pid == kPermissionsToken || pid == kEndpointSecurity || pid == kParticipantSecurity;
+}
+
+bool becomes_padding(std::uint16_t pid, bool secured) {
     return pid == kTypeIdV1 || pid == kTypeObjectV1 || pid == kTypeInformation || pid == kContentFilter ||
-           pid == kDataSharing || (pid >= kIdentityToken && pid <= kIdentityStatusToken);
+           pid == kDataSharing ||
+           (pid >= kIdentityToken && pid <= kIdentityStatusToken && !(secured && is_of_security(pid)));
 }
 
 /// A length, so many characters, the last one a NUL, and padding.
@@ -80,6 +90,12 @@ bool is_sound(std::uint16_t pid, Octets value) {
     case kEndpointGuid:
     case kKeyHash:
         return value.left() == kGuid;
+    case kIdentityToken:
+    case kPermissionsToken:
+        return take_data_holder(value);
+    case kEndpointSecurity:
+    case kParticipantSecurity:
+        return value.left() == 8;
     default:
         return true;
     }
@@ -87,7 +103,7 @@ bool is_sound(std::uint16_t pid, Octets value) {
 
 } // namespace
 
-std::optional<ParameterFacts> examine_parameters(Octets list, bool discovery) {
+std::optional<ParameterFacts> examine_parameters(Octets list, bool discovery, bool secured) {
     ParameterFacts out;
     std::size_t const begin = list.at();
     while (true) {
@@ -105,11 +121,11 @@ std::optional<ParameterFacts> examine_parameters(Octets list, bool discovery) {
         if (!list.ok() || size % 4 != 0) {
             return std::nullopt;
         }
-        if (discovery && becomes_padding(pid)) {
+        if (discovery && becomes_padding(pid, secured)) {
             std::ranges::fill(id, std::uint8_t{0});
             continue;
         }
-        if (!is_sound(pid, Octets{octets, list.little()})) {
+        if ((discovery || !is_of_security(pid)) && !is_sound(pid, Octets{octets, list.little()})) {
             return std::nullopt;
         }
         if (pid == kParticipantGuid || pid == kEndpointGuid || pid == kKeyHash) {

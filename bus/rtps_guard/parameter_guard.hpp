@@ -19,7 +19,7 @@ struct ParameterFacts {
 /// Walks a list up to its sentinel. Nothing when a parameter reaches beyond the octets that are there, or when what it
 /// counts (a string's characters, a sequence's elements) does not fit into it. In the list of a participant or endpoint
 /// (`discovery`) parameters that Fast DDS 2.9 cannot read safely, and that nobody here needs, become padding: type
-/// objects (docs/design/bus.md), security tokens without security, content filters, shared memory.
-[[nodiscard]] std::optional<ParameterFacts> examine_parameters(Octets list, bool discovery);
+/// objects (docs/design/bus.md), content filters, shared memory, and security tokens unless the bus is `secured`.
+[[nodiscard]] std::optional<ParameterFacts> examine_parameters(Octets list, bool discovery, bool secured = false);
 
 } // namespace gridspace::rtps_guard

@@ -23,8 +23,11 @@ enum Kind : std::uint8_t {
     kHeartbeatFrag = 0x13,
     kData = 0x15,
     kDataFrag = 0x16,
-    kSecurityFirst = 0x30,
-    kSecurityLast = 0x34,
+    kSecureBody = 0x30, // DDS Security 1.1, 7.3.6
+    kSecurePrefix = 0x31,
+    kSecurePostfix = 0x32,
+    kSecureMessagePrefix = 0x33,
+    kSecureMessagePostfix = 0x34,
     kStatistics = 0x80, // of Fast DDS, at the end of each of its datagrams
 };
 

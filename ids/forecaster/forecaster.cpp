@@ -5,10 +5,52 @@
 #include "common/elementary.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
 namespace gridspace::ids {
+namespace {
+
+constexpr std::size_t kTogether = 4;
+
+/// The largest magnitude, at least `least`; what is no number does not count. Which of them is compared with which
+/// changes nothing, so four chains run side by side.
+template <class Real>
+Real peak_of(Real const* values, std::size_t count, Real least) {
+    std::array<Real, kTogether> peaks;
+    peaks.fill(least);
+    auto const look = [&](std::size_t i, std::size_t k) {
+        Real const magnitude = std::fabs(values[i + k]);
+        peaks[k] = magnitude > peaks[k] ? magnitude : peaks[k];
+    };
+    std::size_t i = 0;
+    for (; i + kTogether <= count; i += kTogether) {
+        for (std::size_t k = 0; k < kTogether; ++k) {
+            look(i, k);
+        }
+    }
+    for (; i < count; ++i) {
+        look(i, 0);
+    }
+    return std::ranges::max(peaks);
+}
+
+/// `n` neurons side by side, each in a register: its bias, and its inputs in their order.
+template <std::size_t n, class Real>
+void add_up(Real const* column, std::size_t stride, Real const* inputs, std::size_t count, Real const* bias,
+            Real* out) {
+    std::array<Real, n> sums;
+    std::copy_n(bias, n, sums.begin());
+    for (std::size_t i = 0; i < count; ++i, column += stride) {
+        for (std::size_t k = 0; k < n; ++k) {
+            sums[k] += inputs[i] * column[k];
+        }
+    }
+    std::copy_n(sums.begin(), n, out);
+}
+
+} // namespace
 
 template <class Real>
 Forecaster<Real>::Forecaster(Model const& model)
@@ -38,30 +80,22 @@ Forecaster<Real>::Forecaster(Model const& model)
 template <class Real>
 void Forecaster<Real>::forecast(Real const* history, Real* next) {
     std::size_t const count = static_cast<std::size_t>(window_) * static_cast<std::size_t>(channels_);
-    Real scale = scale_a_;
-    if (scale_by_peak_) {
-        for (std::size_t i = 0; i < count; ++i) {
-            Real const magnitude = std::fabs(history[i]);
-            scale = magnitude > scale ? magnitude : scale;
-        }
-    }
+    Real const scale = scale_by_peak_ ? peak_of(history, count, scale_a_) : scale_a_;
     Real const inverse = 1 / scale;
     for (std::size_t i = 0; i < count; ++i) {
         a_[i] = history[i] * inverse;
     }
     for (Dense const& layer : layers_) {
-        Real* const out = b_.data();
-        std::copy(layer.bias.begin(), layer.bias.end(), out);
-        for (std::size_t i = 0; i < layer.inputs; ++i) {
-            Real const x = a_[i];
-            Real const* const column = &layer.columns[i * layer.outputs];
-            for (std::size_t o = 0; o < layer.outputs; ++o) {
-                out[o] += x * column[o];
-            }
+        std::size_t o = 0;
+        for (; o + kTogether <= layer.outputs; o += kTogether) {
+            add_up<kTogether>(layer.columns.data() + o, layer.outputs, a_.data(), layer.inputs, &layer.bias[o], &b_[o]);
+        }
+        for (; o < layer.outputs; ++o) {
+            add_up<1>(layer.columns.data() + o, layer.outputs, a_.data(), layer.inputs, &layer.bias[o], &b_[o]);
         }
         if (layer.squash) {
-            for (std::size_t o = 0; o < layer.outputs; ++o) {
-                out[o] = elementary::tanh(out[o]);
+            for (o = 0; o < layer.outputs; ++o) {
+                b_[o] = elementary::tanh(b_[o]);
             }
         }
         std::swap(a_, b_);

@@ -10,5 +10,6 @@ namespace gridspace::cli {
 void add_ids_export(CLI::App& ids, Action& action);
 void add_ids_scan(CLI::App& ids, Action& action);
 void add_ids_score(CLI::App& ids, Action& action);
+void add_ids_sweep(CLI::App& ids, Action& action); ///< in sweep_verb.cpp
 
 } // namespace gridspace::cli

@@ -3,10 +3,11 @@
 //
 // `gridspace sweep`: a scenario many times.
 #include "common/time.hpp"
+#include "launcher/cli/ids_verbs.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/sweep_progress.hpp"
-#include "launcher/cli/verbs.hpp"
 #include "launcher/run/say.hpp"
+#include "launcher/scenario/installation.hpp"
 #include "launcher/sweep/run_pool.hpp"
 #include "launcher/sweep/slurm.hpp"
 #include "launcher/sweep/sweep.hpp"
@@ -163,22 +164,36 @@ int sweep_verb(SweepArguments const& arguments) {
     return finished->exit_code();
 }
 
+void sweep_options(CLI::App& verb, std::shared_ptr<SweepArguments> const& a, Action& action) {
+    verb.add_option("--jobs", a->jobs, "runs at once (default: as many as processors; 1 in real time)")
+        ->check(CLI::Range(1, 1024));
+    verb.add_flag("--slurm", a->slurm, "as job arrays of Slurm; --jobs: tasks at once (default: as many as it likes)");
+    verb.add_option("--out", a->out, "folder of the study (default: runs/study-<name>)");
+    verb.add_flag("--dry-run", a->dry_run, "show the runs; start nothing");
+    verb.add_flag("--resume", a->resume, "go on; an error where nothing was begun");
+    verb.add_flag("--keep", a->keep, "keep the folders of runs that passed, too");
+    verb.add_flag("--json", a->json, "what came of it as JSON");
+    verb.add_flag("--quiet", a->quiet, "print nothing but errors");
+    verb.callback([a, &action] { action = [a] { return sweep_verb(*a); }; });
+}
+
 } // namespace
 
 void add_sweep(CLI::App& app, Action& action) {
     auto const a = std::make_shared<SweepArguments>();
     CLI::App* verb = app.add_subcommand("sweep", "run a scenario many times: a study of what varies, with one table");
     verb->add_option("STUDY", a->study, "study file (YAML)")->required();
-    verb->add_option("--jobs", a->jobs, "runs at once (default: as many as processors; 1 in real time)")
-        ->check(CLI::Range(1, 1024));
-    verb->add_flag("--slurm", a->slurm, "as job arrays of Slurm; --jobs: tasks at once (default: as many as it likes)");
-    verb->add_option("--out", a->out, "folder of the study (default: runs/study-<name>)");
-    verb->add_flag("--dry-run", a->dry_run, "show the runs; start nothing");
-    verb->add_flag("--resume", a->resume, "go on; an error where nothing was begun");
-    verb->add_flag("--keep", a->keep, "keep the folders of runs that passed, too");
-    verb->add_flag("--json", a->json, "what came of it as JSON");
-    verb->add_flag("--quiet", a->quiet, "print nothing but errors");
-    verb->callback([a, &action] { action = [a] { return sweep_verb(*a); }; });
+    sweep_options(*verb, a, action);
+}
+
+/// A detector's thresholds, attacks and grids are what a study varies: the same verb, and a study to begin with.
+void add_ids_sweep(CLI::App& ids, Action& action) {
+    auto const a = std::make_shared<SweepArguments>();
+    CLI::App* verb =
+        ids.add_subcommand("sweep", "thresholds by sizes of an attack by grids: `gridspace sweep` of a study");
+    a->study = launcher::shared_folder("configs") / "studies/ids_thresholds.yaml";
+    verb->add_option("STUDY", a->study, "study file (default: configs/studies/ids_thresholds.yaml)");
+    sweep_options(*verb, a, action);
 }
 
 void add_sweep_task(CLI::App& app, Action& action) {

@@ -50,6 +50,7 @@ void add_ids_evaluate(CLI::App& ids, Action& action);
 void add_ids_study(CLI::App& ids, Action& action);
 void add_ids_train(CLI::App& ids, Action& action);
 void add_info(CLI::App& app, Action& action);
+void add_keys(CLI::App& app, Action& action); ///< init, issue, revoke, list
 void add_monitor(CLI::App& app, Action& action);
 void add_new(CLI::App& app, Action& action); ///< agent, scenario, network
 void add_play(CLI::App& app, Action& action);

@@ -25,7 +25,8 @@ void EventLog::write(double time_s, std::string_view source, std::string_view ev
 }
 
 bool is_of_strangers(LoggedEvent const& event) {
-    return event.event == "foreign_frames" || event.event == "foreign_datagrams" || event.event == "impostor";
+    return event.event == "foreign_frames" || event.event == "foreign_datagrams" || event.event == "impostor" ||
+           event.event == "unauthenticated_participant";
 }
 
 std::vector<LoggedEvent> read_events(std::filesystem::path const& file) {

@@ -10,6 +10,7 @@
 #include "launcher/run/listening.hpp"
 #include "launcher/run/monitor_client.hpp"
 #include "launcher/run/namespaces.hpp"
+#include "launcher/run/secured_run.hpp"
 #include "launcher/run/supervisor.hpp"
 #include "launcher/scenario/wire_use.hpp"
 
@@ -17,6 +18,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
@@ -327,8 +329,12 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         channel.reset();
         return supervise(plan, supervisors_end.get(), listen_fds);
     };
+    auto const write = [&](std::vector<int> const& bus_domains) -> Result<void> {
+        auto ok = secure(scenario, plan, bus_domains, std::time(nullptr));
+        return ok ? write_inputs(scenario, plan, root) : ok;
+    };
     if (options.namespaces) {
-        if (auto ok = write_inputs(scenario, plan, root); !ok) {
+        if (auto ok = write({0, 1}); !ok) {
             return std::unexpected{ok.error()};
         }
         supervisor = start_in_namespaces(body);
@@ -347,7 +353,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         plan_options.domain = domains->first();
         plan = make_plan(scenario, plan_options);
         settle_scheduling(plan);
-        if (auto ok = write_inputs(scenario, plan, root); !ok) {
+        if (auto ok = write({domains->first(), domains->first() + 1}); !ok) {
             return std::unexpected{ok.error()};
         }
         supervisor = start_without_namespaces(body);
@@ -361,6 +367,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     finished.folder = *folder;
     finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel.get(), interrupts);
     channel.reset();
+    forget_run_keys(*folder);
     finished.unread = progress.take_unread();
     finished.outcome.total_wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
     if (auto ok = write_outcome(*folder, finished.outcome);

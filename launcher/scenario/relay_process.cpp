@@ -81,6 +81,10 @@ class RelaySettings final : public ProcessSettings {
         out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
         return out;
     }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
+        return config_.foreign_detector ? std::vector<TopicUse>{{config_.foreign_detector->verdicts, "IdsVerdict"}}
+                                        : std::vector<TopicUse>{};
+    }
     [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
         return {use_of(s, process, config_.trip)};
     }

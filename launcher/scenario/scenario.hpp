@@ -10,6 +10,7 @@
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/report_settings.hpp"
 #include "launcher/scenario/run_on.hpp"
+#include "launcher/scenario/security_settings.hpp"
 #include "sim/app/sim_config.hpp"
 #include "sim/events/event.hpp"
 #include "sim/network/network.hpp"
@@ -90,6 +91,7 @@ struct Scenario {
     std::vector<Process> processes;
     std::vector<sim::Event> events;
     RecordSettings record;
+    std::optional<SecuritySettings> security;
     std::vector<streams::Stream> streams;
     std::vector<attacker::AttackConfig> attacks;
     std::string allow_attacks_on; ///< --allow-attacks-on: an interface that is not a virtual cable

@@ -303,6 +303,7 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
     if (readable && // the rest would only repeat what was said
         s.simulator() != nullptr && s.network && simulates) {
         check_own_topics(s, diagnostics);
+        check_security(s, diagnostics);
         check_dataflow(s, diagnostics);
         KnownSignals const known{s};
         check_expectations(s, known, diagnostics);

@@ -203,6 +203,11 @@ void describe_scenario(Fields& f, Scenario& s, Node const& root, bool start_prog
     f.object("published", {.doc = "what a publication says about the same study: shown beside the results"},
              [&](Fields& p) { describe(p, published); });
     f.object("record", {.doc = "what is recorded"}, [&](Fields& r) { describe_record(r, s.record); });
+    SecuritySettings security;
+    if (f.object("security", {.doc = "DDS Security for the run; `on`: with all defaults"},
+                 [&](Fields& g) { describe(g, security); })) {
+        s.security = std::move(security);
+    }
     std::vector<Ref> notes;
     f.references("notes", notes, {.doc = "assumptions taken, shown in the report"});
     Node streams;
@@ -375,6 +380,7 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     if (Node* streams = root->find("streams")) {
         config::resolve_likes(*streams, diagnostics);
     }
+    expand_security_word(*root, diagnostics);
     expand_impairments(*root, diagnostics);
     apply_defaults(*root, diagnostics);
     spell_out_places(*root);

@@ -289,6 +289,8 @@ std::string scenario_schema() {
     root["properties"]["processes"] = Json{{"type", "object"}, {"additionalProperties", Json{{"anyOf", kinds}}}};
     kinds.push_back(Json{{"type", "null"}});
     root["properties"]["processes"]["additionalProperties"]["anyOf"] = kinds;
+    root["properties"]["security"] = // YAML's `on` is a word or a truth, by its version
+        Json{{"anyOf", Json::array({root["properties"]["security"], Json{{"enum", {"on", "off", true, false}}}})}};
     Keys streams = stream_keys();
     Key like;
     like.key = "like";

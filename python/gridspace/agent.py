@@ -223,11 +223,11 @@ class _Life:
         agent._prepare(handle, json.loads(self._library.gridspace_settings(handle)))
         topics = json.loads(self._library.gridspace_topics(handle))
         for end in topics["reads"]:
-            reads = next(r for r in _declared(cls, Reads) if r.fits(end["topic"]))
+            reads = next(r for r in _declared(cls, Reads) if r.fits(end["topic"], agent.settings))
             self._handlers.append((sample_class(end["layout"]).from_address, getattr(agent, f"on_{reads.name}", None)))
         agent._writers = {}
         for number, end in enumerate(topics["writes"]):
-            writes = next(w for w in _declared(cls, Writes) if w.fits(end["topic"]))
+            writes = next(w for w in _declared(cls, Writes) if w.fits(end["topic"], agent.settings))
             agent._writers[writes.name] = Writer(functools.partial(self._write, handle, number), sample_class(end["layout"]))
         agent._columns = {signal.name: number for number, signal in enumerate(_declared(cls, Signal))}
 

@@ -70,9 +70,12 @@ class Topic(Declared):
     def described(self) -> dict[str, Any]:
         return {"topic": self.topic, "type": self.type, **({"optional": True} if self.optional else {}), **({"idl": self.idl} if self.idl else {})}
 
-    def fits(self, topic: str) -> bool:
-        """Whether the pattern can have become this name."""
-        parts = [".*" if p.startswith("{") else re.escape(p) for p in re.split(r"(\{[^}]*\})", self.topic.replace("[", "").replace("]", ""))]
+    def fits(self, topic: str, settings: dict[str, Any]) -> bool:
+        """Whether the pattern has become this name, with these settings."""
+        def expression(part: str) -> str:
+            given = settings.get(part[1:-1]) if part.startswith("{") else part
+            return re.escape(given) if isinstance(given, str) else ".*"
+        parts = [expression(p) for p in re.split(r"(\{[^}]*\})", self.topic.replace("[", "").replace("]", ""))]
         return re.fullmatch("".join(parts), topic) is not None
 
 

@@ -10,7 +10,7 @@ namespace gridspace::fuzz {
 
 void rtps(std::uint8_t const* data, std::size_t size) {
     using namespace rtps_guard;
-    for (Rules const rules : {Rules{true}, Rules{false}}) {
+    for (Rules const rules : {Rules{true, false}, Rules{false, false}, Rules{true, true}}) {
         std::vector<std::uint8_t> octets{data, data + size};
         Examined const first = examine(octets, rules);
         for (std::size_t i = 0; i < size; ++i) {
