@@ -108,6 +108,14 @@ class Ip(ScenarioTest):
                 self.assertEqual(ended, ns_of(on_wire + (there_us + server_us + back_us) * QUANTA_HZ // 10**6), (begun, ended))
             self.assert_sound_frames(run, 18)
 
+    def test_times_do_not_depend_on_the_length_of_a_tick(self):
+        self.compile("ip_ends")
+        file = self.write("udp.yaml", scenario(process("server", "h1", "[./ip_ends, udp_echo]", 2000), process("client", "h2", "[./ip_ends, udp_ask, 10.30.0.1, '9']", 900)))
+        said = [self.echoes(self.run_to_end(f"ticks{samples}", ["--set", f"clock.tick_samples={samples}"], scenario=file)) for samples in ("1", "4", "auto")]
+        self.assertEqual(len(said[0]), 9)
+        self.assertEqual(said[0], said[1])
+        self.assertEqual(said[0], said[2])
+
     def test_a_connection_takes_its_handshake_and_its_stream_is_whole_three_times_the_same(self):
         self.compile("ip_ends")
         file = self.write("tcp.yaml", scenario(process("server", "h1", "[./ip_ends, tcp_echo]"), process("client", "h2", "[./ip_ends, tcp_ask, 10.30.0.1, '7', '100000']")))
