@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/call_table.hpp"
 
-#include "timebox/ip_address.hpp"
-
 #include <algorithm>
 #include <arpa/inet.h>
 #include <cerrno>
@@ -282,20 +280,8 @@ CallTable::Next CallTable::leave(Thread& t) {
         restore(t.tid, t.call);
         return Next::go;
     }
-    if (done == Thread::OnExit::new_ip_socket) {
-        UniqueFd const file = descriptors(t.process).copy_of(static_cast<int>(result));
-        bool const stream = (static_cast<int>(t.call.arguments[1]) & kSocketKind) == SOCK_STREAM;
-        report_.refused["an IP socket (no room)"] += result < 0 || ip_->add(file, stream) ? 0 : 1;
-        restore(t.tid, t.call);
-        return Next::go;
-    }
-    if (done == Thread::OnExit::ip_accepted) {
-        NamedIp const named = ip_socket_of(t);
-        if (result >= 0 && named.socket != nullptr && !named.socket->unaccepted.empty()) {
-            put_address(t.tid, t.call.arguments[1], t.call.arguments[2], t.room,
-                        named.socket->unaccepted.front().remote);
-            ip_->accepted(*named.socket, descriptors(t.process).copy_of(static_cast<int>(result)));
-        }
+    if (done == Thread::OnExit::new_ip_socket || done == Thread::OnExit::ip_accepted) {
+        ip_leave(t, done, result);
         return Next::go;
     }
     if (done == Thread::OnExit::ring_mapped) {

@@ -81,6 +81,7 @@ class CallTable {
     Next ip_transfer(Thread& t, IpSocket& socket, UniqueFd const& file, short event, bool waits);
     Next ip_release(Thread& t, IpSocket& socket, UniqueFd const& file, bool over);
     Next take_connection(Thread& t);
+    void ip_leave(Thread& t, Thread::OnExit done, std::int64_t result);
     struct NamedIp {
         UniqueFd file;
         IpSocket* socket{nullptr};

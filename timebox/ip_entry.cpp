@@ -3,6 +3,7 @@
 //
 // Where the call table meets IP sockets.
 #include "timebox/call_table.hpp"
+#include "timebox/ip_address.hpp"
 
 #include <cerrno>
 #include <netinet/in.h>
@@ -124,6 +125,22 @@ CallTable::Next CallTable::ip_transfer(Thread& t, IpSocket& socket, UniqueFd con
     }
     answer(t.tid, *result);
     return Next::go;
+}
+
+/// A socket has been made, or a connection accepted.
+void CallTable::ip_leave(Thread& t, Thread::OnExit done, std::int64_t result) {
+    UniqueFd const file = descriptors(t.process).copy_of(static_cast<int>(result));
+    if (done == Thread::OnExit::new_ip_socket) {
+        bool const stream = (t.call.arguments[1] & ~kSocketFlags) == SOCK_STREAM;
+        report_.refused["an IP socket (no room)"] += result < 0 || ip_->add(file, stream) ? 0 : 1;
+        restore(t.tid, t.call);
+        return;
+    }
+    NamedIp const named = ip_socket_of(t);
+    if (result >= 0 && named.socket != nullptr && !named.socket->unaccepted.empty()) {
+        put_address(t.tid, t.call.arguments[1], t.call.arguments[2], t.room, named.socket->unaccepted.front().remote);
+        ip_->accepted(*named.socket, file);
+    }
 }
 
 /// What it waits for is there, or its time is over.

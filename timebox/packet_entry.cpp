@@ -101,7 +101,8 @@ CallTable::Next CallTable::new_socket(Thread& t) {
         return new_ip_socket(t);
     }
     if (of_ip) {
-        ++report_.not_simulated["sockets of IP: what comes to them from other hosts comes in real time"];
+        ++report_.not_simulated["sockets of IP: what comes to them from other hosts comes in real time (in a run, "
+                                "`sends: [ip]` puts them into simulated time)"];
     }
     if (a[0] != AF_PACKET) {
         return Next::go;

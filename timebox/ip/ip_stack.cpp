@@ -186,6 +186,7 @@ IpStack::IpStack(IpLink const& link, std::uint64_t seed, Send send)
 }
 
 IpStack::~IpStack() {
+    settle(); // what is on its way to itself is memory
     impl_->send = [](std::span<std::uint8_t const>) { return std::string{}; };
     netif_remove(&impl_->ethernet);
     netif_remove(&impl_->loopback);

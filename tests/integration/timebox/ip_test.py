@@ -10,9 +10,10 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "scenario"))
-from harness import SOURCE, USAGE, ScenarioTest, gridspace
+from harness import BIN, SOURCE, USAGE, ScenarioTest, gridspace
 
 PROGRAMS = pathlib.Path(__file__).parent / "programs"
+PRELOAD = BIN.parent / "tests/librandom_delays.so"
 QUANTA_HZ = 48000  # the grid of simulated time in case 2
 LOOK_NS = 100  # a look at the clock
 
@@ -108,6 +109,14 @@ class Ip(ScenarioTest):
                 self.assertEqual(ended, ns_of(on_wire + (there_us + server_us + back_us) * QUANTA_HZ // 10**6), (begun, ended))
             self.assert_sound_frames(run, 18)
 
+    def test_times_do_not_depend_on_the_length_of_a_tick(self):
+        self.compile("ip_ends")
+        file = self.write("udp.yaml", scenario(process("server", "h1", "[./ip_ends, udp_echo]", 2000), process("client", "h2", "[./ip_ends, udp_ask, 10.30.0.1, '9']", 900)))
+        said = [self.echoes(self.run_to_end(f"ticks{samples}", ["--set", f"clock.tick_samples={samples}"], scenario=file)) for samples in ("1", "4", "auto")]
+        self.assertEqual(len(said[0]), 9)
+        self.assertEqual(said[0], said[1])
+        self.assertEqual(said[0], said[2])
+
     def test_a_connection_takes_its_handshake_and_its_stream_is_whole_three_times_the_same(self):
         self.compile("ip_ends")
         file = self.write("tcp.yaml", scenario(process("server", "h1", "[./ip_ends, tcp_echo]"), process("client", "h2", "[./ip_ends, tcp_ask, 10.30.0.1, '7', '100000']")))
@@ -119,6 +128,19 @@ class Ip(ScenarioTest):
         self.assertRegex("\n".join(self.logged(run, "server")), "(?m)^closed after 100000 at ")
         self.assert_sound_frames(run, 100000 // 1460 * 2)
         self.assertEqual(self.tshark(run, "-Y", "tcp.analysis.retransmission"), [])
+
+    def test_members_that_dawdle_change_no_bit_by_shared_memory_and_by_dds(self):
+        self.assertTrue(PRELOAD.exists())
+        self.compile("ip_ends")
+        file = self.write("tcp.yaml", scenario(process("server", "h1", "[./ip_ends, tcp_echo]"), process("client", "h2", "[./ip_ends, tcp_ask, 10.30.0.1, '7', '30000']"),
+                                               more="simulation: {duration_s: 0.1}\n" + impairments(100, 100)))
+        dawdling = ["env", f"LD_PRELOAD={PRELOAD}", "GRIDSPACE_TEST_DELAY_US=800"]
+        for memory in ("true", "false"):
+            arguments = ["--set", f"clock.shared_memory={memory}"]
+            prompt = self.run_to_end(f"prompt_{memory}", arguments, scenario=file)
+            late = self.run_to_end(f"late_{memory}", arguments, scenario=file, prefix=dawdling)
+            self.assert_identical(prompt, late)
+            self.assertRegex(self.logged(prompt, "client")[1], r"^whole 30000 wrong 0 end 0 ")
 
     def test_who_ends_without_a_word_is_taken_leave_of_by_his_host(self):
         self.compile("ip_ends")
