@@ -41,7 +41,7 @@ struct ClockServer::State {
     static std::vector<lockstep::Barrier::Member> barrier_members(std::vector<MemberPlan> const& plan) {
         std::vector<lockstep::Barrier::Member> members;
         for (MemberPlan const& member : plan) {
-            members.push_back({member.name, member.triggered_by});
+            members.push_back({member.name, member.triggered_by, member.late});
         }
         return members;
     }
@@ -174,6 +174,9 @@ struct ClockServer::State {
                 ++awaited;
                 things = 1; // the clock itself
                 for (std::string const& up : member.upstream) {
+                    if (std::find(member.late.begin(), member.late.end(), up) != member.late.end()) {
+                        continue;
+                    }
                     things += lockstep::bit_of(clock.awaited(), barrier.member_index(up)) ? 1 : 0;
                 }
             }
@@ -252,8 +255,10 @@ Result<void> ClockServer::start() {
         std::lock_guard const lock{s.core.mutex};
         s.core.on_ack = [&s](ClockAck const& ack) {
             std::size_t const member = s.barrier.member_index(ack.member().c_str());
+            bool const has_sent = std::any_of(ack.wires().begin(), ack.wires().end(),
+                                              [](WireLedgerEntry const& entry) { return !entry.frames().empty(); });
             if (member != lockstep::Barrier::kUnknown &&
-                !s.barrier.on_ack(member, ack.tick(), ack.next_tick_needed())) {
+                !s.barrier.on_ack(member, ack.tick(), ack.next_tick_needed(), has_sent)) {
                 s.core.fail_locked({ExitCode::stall,
                                     fmt::format("{} has acknowledged tick {}, and the newest is {}",
                                                 ack.member().c_str(), ack.tick(), s.barrier.tick()),
@@ -381,6 +386,8 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     }
     if (!final) {
         cork(); // until the next clock
+    } else {
+        core.leave_at_once_unless_watched();
     }
     return {};
 }

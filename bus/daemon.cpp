@@ -206,6 +206,19 @@ bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, c
     return diagnostics.ok();
 }
 
+/// The whole of a daemon's life; its exit code.
+int live(Daemon const& daemon, int argc, char** argv);
+
+/// Fast DDS would sleep for 100 ms at the end of each process (RTPSDomain::stopAll), with nothing left to stop.
+[[noreturn]] void leave(int code) {
+#ifdef GRIDSPACE_CHECKED_AT_EXIT // what a sanitizer has to say, it says then
+    std::exit(code);
+#else
+    std::fflush(nullptr);
+    std::_Exit(code);
+#endif
+}
+
 } // namespace
 
 StatusReporter::~StatusReporter() {
@@ -343,6 +356,16 @@ void StatusReporter::control(std::string_view action) {
 }
 
 int run_daemon(Daemon const& daemon, int argc, char** argv) {
+    int const code = live(daemon, argc, argv);
+    if (daemon.is_ours) {
+        leave(code);
+    }
+    return code; // libgridspace leaves the process to its owner
+}
+
+namespace {
+
+int live(Daemon const& daemon, int argc, char** argv) {
     SignalWatcher signals; // before anything else: an interrupt during start-up is orderly too
     Options options;
     if (auto const code = parse(daemon, argc, argv, options)) {
@@ -390,6 +413,8 @@ int run_daemon(Daemon const& daemon, int argc, char** argv) {
     status.failed(result.error());
     return static_cast<int>(result.error().code);
 }
+
+} // namespace
 
 Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> const& body) {
     std::atomic<bus::Node*> there{nullptr};

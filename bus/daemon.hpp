@@ -79,7 +79,7 @@ struct Daemon {
 
 /// The main function of every daemon: options --config FILE, --check, --describe, --log-level, --status-fd, --version,
 /// --help. Signals are handled before anything else; errors are printed once; the exit code is from
-/// common/exit_code.hpp.
+/// common/exit_code.hpp. One of ours ends in it; who is not gets the exit code back.
 int run_daemon(Daemon const& daemon, int argc, char** argv);
 
 /// Joins the bus, hands the node to `body` and waits for nothing else: the part that most daemons share.

@@ -80,8 +80,9 @@ class Directory {
         std::lock_guard const lock{callbacks_mutex_};
         on_departure_ = std::move(callback);
     }
-    /// A reader that acknowledges nothing delays the leaving of this participant once, not once for each writer.
-    std::atomic<bool> waited_in_vain{false};
+    /// Writers do not wait for acknowledgements: nobody needs any, or a reader acknowledges nothing, which delays the
+    /// leaving of this participant once, not once for each writer.
+    std::atomic<bool> leaves_at_once{false};
 
   private:
     std::uint32_t locked_index(rtps::GuidPrefix_t const& prefix) {

@@ -29,8 +29,8 @@ class Writer final : public RawWriter, private dds::DataWriterListener {
         if (writer_ != nullptr) {
             writer_->set_listener(nullptr);
             constexpr std::chrono::milliseconds kPatience{200}; // two heartbeats
-            if (!directory_.waited_in_vain && !wait_acknowledged(kPatience)) {
-                directory_.waited_in_vain = true;
+            if (!directory_.leaves_at_once && !wait_acknowledged(kPatience)) {
+                directory_.leaves_at_once = true;
             }
             // 2.9.1 gives the samples back one by one while the periodic heartbeat may still walk through them: it
             // meets one without a number, looks for holes up to it and never ends. In an empty history there are no

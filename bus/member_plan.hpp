@@ -12,7 +12,8 @@ struct MemberPlan {
     std::string name;
     std::vector<std::string> upstream;     ///< members whose output it reads: it cannot be quicker than they are
     std::vector<std::string> triggered_by; ///< those of them whose output makes it work in the same tick
-    bool feeds_simulator{false};           ///< the simulator reads something that it writes
+    std::vector<std::string> late; ///< those of `upstream` whose output takes longer than the tick it is made in
+    bool feeds_simulator{false};   ///< the simulator reads something that it writes
 };
 
 } // namespace gridspace::bus

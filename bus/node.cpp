@@ -69,6 +69,19 @@ std::string Node::Core::missing_ledgers() const {
     return out;
 }
 
+void Node::Core::leave_at_once_unless_watched() const {
+    for (Participant* const network : {management.get(), data.get()}) {
+        auto const is_member = [&](std::uint32_t peer) {
+            std::string const name = network->peer(peer).process;
+            return name == config.process || name == config.clock.simulator ||
+                   std::ranges::find(config.clock.members, name) != config.clock.members.end();
+        };
+        if (network != nullptr && std::ranges::all_of(network->here(), is_member)) {
+            network->leave_at_once();
+        }
+    }
+}
+
 Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
     auto core = std::make_unique<Core>();
     core->config = std::move(config);

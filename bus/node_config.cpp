@@ -112,6 +112,8 @@ void describe(Fields& f, ClockConfig& clock) {
     names(f, "members", clock.members, "all lockstep members");
     names(f, "upstream", clock.upstream, "members whose output this process reads");
     names(f, "downstream", clock.downstream, "members that read this process's output");
+    names(f, "late_upstream", clock.late_upstream, "those upstream whose output is due after the tick it is made in");
+    names(f, "late_downstream", clock.late_downstream, "those downstream for whom this process's output is so");
 }
 
 void describe(Fields& f, NodeConfig& node) {
@@ -151,6 +153,12 @@ Node to_node(NodeConfig const& config) {
     clock.set("members", name_list(config.clock.members));
     clock.set("upstream", name_list(config.clock.upstream));
     clock.set("downstream", name_list(config.clock.downstream));
+    if (!config.clock.late_upstream.empty()) {
+        clock.set("late_upstream", name_list(config.clock.late_upstream));
+    }
+    if (!config.clock.late_downstream.empty()) {
+        clock.set("late_downstream", name_list(config.clock.late_downstream));
+    }
 
     Node node = Node::map();
     node.set("incarnation", Node::scalar(std::to_string(config.incarnation)));

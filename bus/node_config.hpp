@@ -35,6 +35,8 @@ struct ClockConfig {
     std::vector<std::string> members;    ///< lockstep members
     std::vector<std::string> upstream;   ///< members whose output this process reads
     std::vector<std::string> downstream; ///< members that read this process's output
+    /// Those of them between whom what is made in a tick is due after it: nobody waits for it within the tick.
+    std::vector<std::string> late_upstream{}, late_downstream{};
 };
 
 /// One network that a process is on.

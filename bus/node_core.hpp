@@ -117,6 +117,8 @@ struct Node::Core {
     std::vector<std::byte> posted; ///< reused
     /// Whether DDS gets it too: somebody who looks on wants to see how far the run is.
     [[nodiscard]] bool show_to_others(bool always);
+    /// Lockstep, after the last tick, which everybody has acknowledged: nobody needs anything again but who looks on.
+    void leave_at_once_unless_watched() const;
     /// Until something may have changed: `samples_only`, when nothing but what comes over the network is missing.
     void wait_for_more(Receiving::Turn& turn, std::unique_lock<std::mutex>& lock, std::chrono::nanoseconds longest,
                        bool samples_only);
@@ -161,9 +163,10 @@ struct Node::Core {
     std::chrono::steady_clock::time_point pending_since; ///< when the clock of the pending tick came
     std::uint64_t matches_generation{0};                 ///< counts discoveries, matches and departures
     std::uint64_t matches_published{0};
-    std::function<void(ClockAck const&)> on_ack; ///< of the clock server; under the mutex
-    std::function<bool()> server_waits_no_more;  ///< of the clock server; under the mutex
-    std::function<std::string()> who_is_missing; ///< of the clock server, at the start; under the mutex
+    std::vector<std::pair<std::size_t, ClockAck>> late_acks; ///< of the newest tick, by members that are late
+    std::function<void(ClockAck const&)> on_ack;             ///< of the clock server; under the mutex
+    std::function<bool()> server_waits_no_more;              ///< of the clock server; under the mutex
+    std::function<std::string()> who_is_missing;             ///< of the clock server, at the start; under the mutex
     std::function<std::size_t()> others_present; ///< of the clock server: how far the others have come; under the mutex
 
     std::atomic<std::uint64_t> foreign_samples{0};
@@ -208,6 +211,7 @@ struct Node::Core {
     /// Takes a ledger (of an acknowledgement or a clock) into the book.
     template <class Ledger>
     void take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger);
+    void count_ack(std::size_t process, ClockAck const& received); ///< under the mutex
     void take_wire_ledger(std::size_t process, ClockAck const& received);
     void release_wires(SimTime until);
     /// Writes the counts of all topics into a ledger sequence, without allocating once it has grown.

@@ -222,6 +222,13 @@ void Node::Core::take_clock(std::span<std::byte const> cdr, SampleHeader const& 
         }
         if (!joining) {
             gate->on_clock(clock.tick(), clock.awaited(), clock.state() == CLOCK_FINAL);
+            std::erase_if(late_acks, [&](auto const& late) {
+                bool const its_time = late.second.tick() < clock.tick();
+                if (its_time) {
+                    count_ack(late.first, late.second);
+                }
+                return its_time;
+            });
             pending_since = std::chrono::steady_clock::now();
         }
         if (!gate->granted()) {
@@ -276,6 +283,17 @@ void Node::Core::take_ack(std::span<std::byte const> cdr, SampleHeader const& he
                        header.writer, header.sequence},
                       base);
     }
+    auto const& late = config.clock.late_upstream;
+    bool const is_late = std::find(late.begin(), late.end(), received.member().c_str()) != late.end();
+    if (is_late && !is_restated && !joining && received.tick() >= gate->latest_tick()) {
+        late_acks.emplace_back(process, received); // of what is due in later ticks, this one must know nothing
+        return;
+    }
+    count_ack(process, received);
+}
+
+void Node::Core::count_ack(std::size_t process, ClockAck const& received) {
+    bool const is_restated = received.next_tick_needed() == 0;
     take_ledger(process, received.incarnation(), received.ledger());
     take_wire_ledger(process, received);
     if (joining && is_late_joiner()) {
@@ -321,6 +339,10 @@ Result<void> Node::Core::join_board() {
         board_heard.push_back(board->place_of(name));
     }
     for (std::string const& name : config.clock.downstream) {
+        auto const& late = config.clock.late_downstream;
+        if (std::find(late.begin(), late.end(), name) != late.end()) {
+            continue; // the next clock wakes it
+        }
         board_rung.push_back(board->place_of(name));
     }
     std::size_t const simulator = board->place_of(config.clock.simulator);

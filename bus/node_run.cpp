@@ -190,8 +190,8 @@ Result<void> Node::start() {
         core.wire_book = std::make_unique<lockstep::WireBook>(processes.size(), channels);
     }
     core.gate = std::make_unique<lockstep::TickGate>(
-        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream}, *core.book,
-        core.wire_book.get());
+        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream, clock.late_upstream},
+        *core.book, core.wire_book.get());
     core.ack.member(config.process.c_str());
     core.ack.incarnation(static_cast<std::uint32_t>(config.incarnation));
 
@@ -494,6 +494,9 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
         std::unique_lock lock{core.mutex};
         (void)patience.wait(core.changed, lock,
                             [&] { return core.simulator_left || core.error || core.stop_requested; });
+        if (core.simulator_left && !core.error) {
+            core.leave_at_once_unless_watched();
+        }
     }
     return {};
 }

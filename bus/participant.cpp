@@ -243,6 +243,7 @@ class FastDdsParticipant final : public Participant {
     void on_departure(std::function<void(std::uint32_t, bool)> callback) override {
         directory_.on_departure(std::move(callback));
     }
+    void leave_at_once() override { directory_.leaves_at_once = true; }
 
   private:
     /// Fast DDS keeps one set of profiles for the whole process, by name: participants with another file take turns.

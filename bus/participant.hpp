@@ -106,6 +106,8 @@ class Participant {
     /// Called, from threads of DDS, when a participant is gone: `clean` when it said goodbye, not when its lease ran
     /// out.
     virtual void on_departure(std::function<void(std::uint32_t peer, bool clean)> callback) = 0;
+    /// Everybody has everything: writers that are deleted from now on do not wait for acknowledgements.
+    virtual void leave_at_once() = 0;
 };
 
 } // namespace gridspace::bus

@@ -93,7 +93,11 @@ Result<void> AgentMember::open_reads(program::Values const& values) {
         if (!type) {
             return std::unexpected{type.error()};
         }
-        auto inbox = std::make_shared<SampleInbox>(*type);
+        auto filter = SampleFilter::create((*type)->layout(), topic.only, values);
+        if (!filter) {
+            return fail(filter.error().code, fmt::format("topic '{}': {}", topic.topic, filter.error().message));
+        }
+        auto inbox = std::make_shared<SampleInbox>(*type, std::move(*filter));
         if (auto ok = node_.reader(topic.topic, (*type)->codec(), inbox); !ok) {
             return ok;
         }

@@ -25,6 +25,9 @@ bool SampleInbox::push(std::span<std::byte const> cdr, bus::Origin origin, TimeB
         return false;
     }
     KeptSample sample{block};
+    if (!filter_.admits(sample.get())) {
+        return true;
+    }
     if (auto const offset = type_->time_offset()) {
         std::int64_t time_ns = 0;
         std::memcpy(&time_ns, static_cast<std::byte const*>(sample.get()) + *offset, sizeof time_ns);

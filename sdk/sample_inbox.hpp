@@ -4,6 +4,7 @@
 
 #include "bus/inbox.hpp"
 #include "sdk/sample_block.hpp"
+#include "sdk/sample_filter.hpp"
 #include "sdk/topic_type.hpp"
 
 namespace gridspace::sdk {
@@ -11,7 +12,8 @@ namespace gridspace::sdk {
 /// The reading end of a topic whose type is known when the program runs.
 class SampleInbox final : public bus::Inbox {
   public:
-    explicit SampleInbox(std::shared_ptr<TopicType const> type) : type_{std::move(type)} {}
+    SampleInbox(std::shared_ptr<TopicType const> type, SampleFilter filter)
+        : type_{std::move(type)}, filter_{std::move(filter)} {}
 
     /// A sample that is due, and which reader it came to.
     struct Arrival {
@@ -27,6 +29,7 @@ class SampleInbox final : public bus::Inbox {
 
   private:
     std::shared_ptr<TopicType const> type_;
+    SampleFilter filter_;
     std::vector<Arrival> waiting_;
 };
 

@@ -40,6 +40,9 @@ Result<Box::Pause> Box::Impl::run_until(std::optional<std::int64_t> limit) {
         let_go(*next);
     }
     leave_processor();
+    if (!main_alive) {
+        run_network();
+    }
     if (error) {
         return std::unexpected{*error};
     }
@@ -88,6 +91,9 @@ std::optional<std::int64_t> Box::next_ns() const {
 
 void Box::arrives(std::int64_t at_ns, std::span<std::byte const> frame) {
     auto const* const octets = reinterpret_cast<std::uint8_t const*>(frame.data());
+    if (IpSockets* const ip = impl_->table.ip()) {
+        ip->arrives(at_ns, {octets, frame.size()});
+    }
     if (PacketSockets* const packets = impl_->table.packets()) {
         packets->arrives(packet_frame(at_ns, {octets, octets + frame.size()}, packets->link().mac, false));
     }
@@ -106,7 +112,7 @@ bool Box::can_look_inside() const {
 
 BoxReport Box::report() const {
     BoxReport out = impl_->report;
-    out.simulated_ns = impl_->table.clock().now_ns();
+    out.simulated_ns = impl_->ended_ns.value_or(impl_->table.clock().now_ns());
     out.threads = impl_->threads_made;
     for (auto const& [call, times] : impl_->table.calls()) {
         out.calls[call->name] = times;

@@ -59,7 +59,8 @@ class Box {
         stopped,
     };
     /// Lets it run until nothing is left to do up to and including `limit_ns`; without a limit, until it ends. Errors:
-    /// it computes without end; all wait for each other, and nothing can come from outside.
+    /// it computes without end; all wait for each other, and nothing can come from outside. When it has ended, what is
+    /// left of its host (its end of connections) goes on up to the limit.
     [[nodiscard]] Result<Pause> run_until(std::optional<std::int64_t> limit_ns);
 
     /// When it wants to go on by itself. Nothing: it waits for frames.

@@ -35,6 +35,9 @@ struct Box::Impl {
     [[nodiscard]] bool others_come_first();
     void let_go(Thread& t);
 
+    /// The program has ended; its host goes on: what it has closed is told to others, and who calls is answered.
+    void run_network();
+
     // events.cpp
     Thread& add(pid_t tid, pid_t process);
     Thread* find(pid_t tid);
@@ -61,6 +64,7 @@ struct Box::Impl {
     int threads_made{0}, last{0};
     pid_t running{0};
     bool main_alive{true}, stop{false};
+    std::optional<std::int64_t> ended_ns;
     std::optional<std::int64_t> limit_ns, others_due_ns;
     std::uint64_t looks_before{0}; ///< at the clock, when the turn began
     WaitedTime ran, since_limit;

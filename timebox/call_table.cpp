@@ -29,6 +29,18 @@ CallTable::CallTable(BoxOptions const& options, BoxReport& report)
     if (options.link) {
         packets_.emplace(*options.link, clock_.reading_ns(CLOCK_REALTIME) - clock_.now_ns());
         packet_calls_.emplace(*packets_, clock_, [this](std::string const& what) { ++report_.refused[what]; });
+        if (options.link->ip) {
+            ip_.emplace(*options.link->ip, options.link->index, options.seed, [this](std::span<std::uint8_t const> f) {
+                std::string why = packets_->link().send(f, clock_.now_ns());
+                if (why.empty()) {
+                    packets_->leaves(f, clock_.now_ns());
+                } else {
+                    ++report_.refused[why];
+                }
+                return why;
+            });
+            ip_calls_.emplace(*ip_, [this](std::string const& what) { ++report_.refused[what]; });
+        }
     }
 }
 
@@ -43,6 +55,10 @@ CallTable::Next CallTable::enter(Thread& t) {
     if (packets_) {
         packets_->deliver(clock_.now_ns()); // who does nothing but look gets them too
     }
+    if (ip_) {
+        ip_->bring_up_to(clock_.now_ns());
+    }
+    t.progress = 0;
     switch (t.what->treatment) {
     case Treatment::clock:
         return answer_clock(t);
@@ -163,6 +179,9 @@ CallTable::Next CallTable::transfer(Thread& t, short event) {
     if (PacketSocket* const socket = packets_ ? packets_->find(file) : nullptr) {
         return packet_transfer(t, *socket, file, event, waits);
     }
+    if (IpSocket* const socket = ip_ ? ip_->find(file) : nullptr) {
+        return ip_transfer(t, *socket, file, event, waits);
+    }
     if (!waits || is_ready(file, event)) {
         return Next::go;
     }
@@ -261,6 +280,10 @@ CallTable::Next CallTable::leave(Thread& t) {
         restore(t.tid, t.call);
         return Next::go;
     }
+    if (done == Thread::OnExit::new_ip_socket || done == Thread::OnExit::ip_accepted) {
+        ip_leave(t, done, result);
+        return Next::go;
+    }
     if (done == Thread::OnExit::ring_mapped) {
         if (Named const named = packet_socket_of(t, 4); result > 0 && named.socket != nullptr) {
             named.socket->ring->process = t.process;
@@ -321,6 +344,10 @@ CallTable::Next CallTable::release(Thread& t) {
         return Next::go;
     case Treatment::receive:
     case Treatment::send:
+    case Treatment::packet:
+        if (NamedIp const ip = ip_socket_of(t); ip.socket != nullptr) {
+            return ip_release(t, *ip.socket, ip.file, over && !descriptors_ready(t));
+        }
         if (over && !descriptors_ready(t)) {
             answer(t.tid, -EAGAIN);
         } else if (Named const named = packet_socket_of(t); named.socket != nullptr) {

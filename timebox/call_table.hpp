@@ -5,6 +5,7 @@
 #include "common/random.hpp"
 #include "timebox/box.hpp"
 #include "timebox/futexes.hpp"
+#include "timebox/ip_calls.hpp"
 #include "timebox/packet_calls.hpp"
 #include "timebox/simulated_clock.hpp"
 #include "timebox/thread.hpp"
@@ -47,6 +48,7 @@ class CallTable {
     [[nodiscard]] Descriptors const& descriptors(pid_t process);
     [[nodiscard]] std::map<HeldCall const*, std::uint64_t> const& calls() const { return calls_; } ///< that stopped
     [[nodiscard]] PacketSockets* packets() { return packets_ ? &*packets_ : nullptr; }
+    [[nodiscard]] IpSockets* ip() { return ip_ ? &*ip_ : nullptr; }
     void forget(pid_t process);       ///< it has ended
     void forget_image(pid_t process); ///< it is another program now: its alarm stays
     [[nodiscard]] std::array<std::uint8_t, 16> random_octets();
@@ -74,6 +76,17 @@ class CallTable {
         PacketSocket* socket{nullptr};
     };
     [[nodiscard]] Named packet_socket_of(Thread const& t, std::size_t argument = 0);
+    Next new_ip_socket(Thread& t);
+    std::optional<Next> ip_call(Thread& t); ///< nothing: it is not about an IP socket
+    Next ip_transfer(Thread& t, IpSocket& socket, UniqueFd const& file, short event, bool waits);
+    Next ip_release(Thread& t, IpSocket& socket, UniqueFd const& file, bool over);
+    Next take_connection(Thread& t);
+    void ip_leave(Thread& t, Thread::OnExit done, std::int64_t result);
+    struct NamedIp {
+        UniqueFd file;
+        IpSocket* socket{nullptr};
+    };
+    [[nodiscard]] NamedIp ip_socket_of(Thread const& t);
     Next refuse(Thread& t, std::string const& what, int error);
     /// The call, but without waiting.
     Next try_it(Thread& t);
@@ -88,6 +101,8 @@ class CallTable {
     std::map<HeldCall const*, std::uint64_t> calls_;
     std::optional<PacketSockets> packets_;
     std::optional<PacketCalls> packet_calls_;
+    std::optional<IpSockets> ip_;
+    std::optional<IpCalls> ip_calls_;
     BoxReport& report_;
 };
 

@@ -130,10 +130,13 @@ std::uint64_t inode_of(UniqueFd const& file) {
 }
 
 std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file) {
+    return timeout_ns(file, SO_RCVTIMEO);
+}
+
+std::optional<std::int64_t> timeout_ns(UniqueFd const& file, int option) {
     timeval t{};
     socklen_t size = sizeof t;
-    if (!file || ::getsockopt(file.get(), SOL_SOCKET, SO_RCVTIMEO, &t, &size) != 0 ||
-        (t.tv_sec == 0 && t.tv_usec == 0)) {
+    if (!file || ::getsockopt(file.get(), SOL_SOCKET, option, &t, &size) != 0 || (t.tv_sec == 0 && t.tv_usec == 0)) {
         return std::nullopt;
     }
     return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_usec * 1000;

@@ -110,6 +110,7 @@ void Box::Impl::gone(pid_t tid, Thread* t, int status) {
     running = running == tid ? 0 : running;
     if (tid == main) {
         main_alive = false;
+        ended_ns = table.clock().now_ns();
         report.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
         report.last_call = t != nullptr && t->what != nullptr ? t->what->name : "none";
     }

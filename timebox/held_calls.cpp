@@ -22,6 +22,9 @@ namespace {
 #define SYS_epoll_pwait2 441
 #endif
 
+/// SIOC* (0x89..) and FIONREAD (0x541b) have one of these; what asks a terminal has not.
+constexpr std::uint32_t kSocketRequests = 0x8008;
+
 constexpr std::array kCalls = std::to_array<HeldCall>({
     {SYS_clock_gettime, "clock_gettime", Treatment::clock},
     {SYS_gettimeofday, "gettimeofday", Treatment::clock},
@@ -69,6 +72,11 @@ constexpr std::array kCalls = std::to_array<HeldCall>({
     {SYS_bind, "bind", Treatment::packet},
     {SYS_getsockname, "getsockname", Treatment::packet},
     {SYS_getsockopt, "getsockopt", Treatment::packet},
+    {SYS_connect, "connect", Treatment::packet},
+    {SYS_listen, "listen", Treatment::packet},
+    {SYS_getpeername, "getpeername", Treatment::packet},
+    {SYS_sendfile, "sendfile", Treatment::packet},
+    {SYS_ioctl, "ioctl", Treatment::packet, 0, 1, kSocketRequests},
     {SYS_mmap, "mmap", Treatment::packet, 0, 3, MAP_SHARED},
     {SYS_timer_create, "timer_create", Treatment::refused, ENOSYS},
     {SYS_io_uring_setup, "io_uring_setup", Treatment::refused, ENOSYS},

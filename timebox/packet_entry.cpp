@@ -37,6 +37,9 @@ CallTable::Next CallTable::option(Thread& t) {
         }
         return Next::go;
     }
+    if (auto const next = ip_call(t)) {
+        return *next;
+    }
     auto const level = static_cast<int>(t.call.arguments[1]), name = static_cast<int>(t.call.arguments[2]);
     bool const stamps =
         level == SOL_SOCKET && (name == SO_TIMESTAMP || name == SO_TIMESTAMPNS || name == SO_TIMESTAMPING);
@@ -76,14 +79,16 @@ CallTable::Next CallTable::packet(Thread& t) {
     }
     Named const named = packet_socket_of(t);
     if (named.socket == nullptr) {
-        return Next::go;
+        return ip_call(t).value_or(Next::go);
     }
     if (t.call.number == SYS_bind) {
         answer(t.tid, packet_calls_->bind(t, *named.socket));
     } else if (t.call.number == SYS_getsockname) {
         answer(t.tid, packet_calls_->name(t, *named.socket));
-    } else if (auto const result = packet_calls_->look_at_option(t, *named.socket)) {
-        answer(t.tid, *result);
+    } else if (t.call.number == SYS_getsockopt) {
+        if (auto const result = packet_calls_->look_at_option(t, *named.socket)) {
+            answer(t.tid, *result);
+        }
     }
     return Next::go;
 }
@@ -91,8 +96,13 @@ CallTable::Next CallTable::packet(Thread& t) {
 /// The kernel makes another one in its place, which can be waited for as for any.
 CallTable::Next CallTable::new_socket(Thread& t) {
     auto const& a = t.call.arguments;
-    if (a[0] == AF_INET || a[0] == AF_INET6) {
-        ++report_.not_simulated["sockets of IP: what comes to them from other hosts comes in real time"];
+    bool const of_ip = a[0] == AF_INET || a[0] == AF_INET6;
+    if (of_ip && ip_) {
+        return new_ip_socket(t);
+    }
+    if (of_ip) {
+        ++report_.not_simulated["sockets of IP: what comes to them from other hosts comes in real time (in a run, "
+                                "`sends: [ip]` puts them into simulated time)"];
     }
     if (a[0] != AF_PACKET) {
         return Next::go;

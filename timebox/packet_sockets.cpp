@@ -127,6 +127,12 @@ void PacketSockets::deliver(std::int64_t now_ns) {
     }
 }
 
+void PacketSockets::leaves(std::span<std::uint8_t const> frame, std::int64_t now_ns) {
+    if (!sockets_.empty()) {
+        hand(packet_frame(now_ns, {frame.begin(), frame.end()}, link_.mac, true), nullptr);
+    }
+}
+
 std::string PacketSockets::send(PacketSocket const& from, std::vector<std::uint8_t> frame, std::int64_t now_ns) {
     std::string refused = link_.send(frame, now_ns);
     if (refused.empty()) {

@@ -29,6 +29,8 @@ class PacketSockets {
     void taken(PacketSocket& socket, UniqueFd const& file);
     /// A frame of its own leaves: what is refused, or nothing. Others in the box that see what leaves, see it.
     [[nodiscard]] std::string send(PacketSocket const& from, std::vector<std::uint8_t> frame, std::int64_t now_ns);
+    /// A frame of the IP of the box leaves: who sees what leaves, sees it.
+    void leaves(std::span<std::uint8_t const> frame, std::int64_t now_ns);
     /// A program gives slots of a ring back without a call: to be looked at before it waits.
     void look_at_rings();
 

@@ -21,9 +21,15 @@ std::optional<std::int64_t> earlier(std::optional<std::int64_t> a, std::optional
 } // namespace
 
 std::optional<std::int64_t> Box::Impl::next_ns() {
+    if (!main_alive) {
+        return table.ip() != nullptr ? std::optional{table.ip()->next_ns()} : std::nullopt;
+    }
     std::optional<std::int64_t> out = table.timers().next_ns();
     if (table.packets() != nullptr) {
         out = earlier(out, table.packets()->next_ns());
+    }
+    if (table.ip() != nullptr) {
+        out = earlier(out, table.ip()->next_ns());
     }
     for (Thread const& t : threads) {
         out = earlier(out, t.state != State::held ? table.clock().now_ns() : t.deadline_ns);
@@ -69,6 +75,9 @@ Thread* Box::Impl::choose() {
         if (table.packets() != nullptr) { // at one instant, what arrives comes before what is due
             table.packets()->deliver(clock.now_ns());
         }
+        if (table.ip() != nullptr) {
+            table.ip()->bring_up_to(clock.now_ns());
+        }
         table.timers().ring(clock.now_ns(), [&](pid_t process) {
             ::kill(process, SIGALRM);
             table.signalled().insert(process);
@@ -80,6 +89,12 @@ Thread* Box::Impl::choose() {
         if (std::any_of(threads.begin(), threads.end(), [](Thread const& t) { return t.state == State::in_fork; })) {
             wait_for_event();
             continue;
+        }
+        if (table.ip() != nullptr) {
+            table.ip()->end_instant();
+            if (Thread* const t = first_ready()) { // on 127.0.0.1 it has an effect at once
+                return t;
+            }
         }
         auto const next = next_ns();
         bool const alone = options.link.has_value();
@@ -94,6 +109,22 @@ Thread* Box::Impl::choose() {
         }
     }
     return nullptr;
+}
+
+void Box::Impl::run_network() {
+    SimulatedClock& clock = table.clock();
+    IpSockets* const ip = table.ip();
+    if (ip == nullptr || !limit_ns) {
+        return;
+    }
+    ip->bring_up_to(clock.now_ns());
+    ip->end_instant();
+    for (std::int64_t next = ip->next_ns(); next <= *limit_ns; next = ip->next_ns()) {
+        clock.elapse_to(next);
+        ip->bring_up_to(clock.now_ns());
+        ip->end_instant();
+    }
+    clock.elapse_to(*limit_ns);
 }
 
 void Box::Impl::look_for_signals() {
@@ -160,6 +191,9 @@ void Box::Impl::let_go(Thread& t) {
                             static_cast<double>(table.clock().now_ns() - t.since_ns) / 1e9);
         }
         how = table.release(t);
+        if (how == Next::hold) { // a part of what it waits for
+            return;
+        }
     }
     resume(t, how);
     while (running != 0 && !error && !stop) {

@@ -6,6 +6,7 @@
 #include "timebox/held_calls.hpp"
 #include "timebox/tracee.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -35,7 +36,17 @@ struct Thread {
     bool made_again{false}; ///< it stands before the call, not in it, and comes back with the same deadline
 
     /// What to do when the call that was let through comes back.
-    enum class OnExit { nothing, wait_or_restore, new_timer, new_packet_socket, ring_mapped } on_exit{OnExit::nothing};
+    enum class OnExit {
+        nothing,
+        wait_or_restore,
+        new_timer,
+        new_packet_socket,
+        ring_mapped,
+        new_ip_socket,
+        ip_accepted,
+    } on_exit{OnExit::nothing};
+    std::size_t progress{0}; ///< octets of a stream that the call has sent or received so far
+    std::uint32_t room{0};   ///< accept: for the address
 };
 
 } // namespace gridspace::timebox

@@ -3,6 +3,7 @@
 #include "bus/lockstep/barrier.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace gridspace::lockstep {
 
@@ -17,9 +18,15 @@ Barrier::Barrier(std::vector<Member> members, std::uint64_t max_lag) : max_lag_{
                 members_[source].triggers.push_back(i);
             }
         }
+        for (std::string const& trigger : members[i].late) {
+            if (std::size_t const source = member_index(trigger); source != kUnknown) {
+                members_[source].triggers_late.push_back(i);
+            }
+        }
     }
     bits_.resize((members_.size() + 7) / 8);
     stack_.reserve(members_.size());
+    late_.reserve(members_.size() * members_.size());
 }
 
 std::size_t Barrier::member_index(std::string_view name) const {
@@ -49,8 +56,15 @@ void Barrier::open(std::uint64_t tick, bool everybody) {
     tick_ = tick;
     awaited_count_ = 0;
     std::fill(bits_.begin(), bits_.end(), std::uint8_t{0});
+    late_.clear();
     for (State& state : members_) {
         state.awaited = false;
+        if (std::exchange(state.has_sent, false)) {
+            late_.insert(late_.end(), state.triggers_late.begin(), state.triggers_late.end());
+        }
+    }
+    for (std::size_t const member : late_) {
+        await(member);
     }
     for (std::size_t i = 0; i < members_.size(); ++i) {
         State const& state = members_[i];
@@ -62,7 +76,7 @@ void Barrier::open(std::uint64_t tick, bool everybody) {
     open_acks_ = awaited_count_;
 }
 
-bool Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed) {
+bool Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed, bool has_sent) {
     State& state = members_[member];
     if (tick > tick_) {
         return false;
@@ -71,6 +85,7 @@ bool Barrier::on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_
         return true;
     }
     state.acked = static_cast<std::int64_t>(tick);
+    state.has_sent = has_sent;
     state.next_needed = std::max(next_tick_needed, tick + 1);
     if (tick == tick_ && state.awaited) {
         --open_acks_;

@@ -13,13 +13,15 @@ namespace gridspace::lockstep {
 /// The simulator's side of the barrier: who is awaited in tick k, and have they all acknowledged it?
 ///
 /// Awaited are the members that asked for the tick (next_tick_needed), those that have not acknowledged for max_lag
-/// ticks (so that nobody's inbox overflows), and everybody who is triggered, directly or not, by one of these. The set
-/// depends on acknowledgements only, never on wall time, so skipping idle members does not change a run. Pure.
+/// ticks (so that nobody's inbox overflows), those for whom a late member has made something in the last
+/// tick, and everybody who is triggered, directly or not, by one of these. The set depends on acknowledgements only,
+/// never on wall time, so skipping idle members does not change a run. Pure.
 class Barrier {
   public:
     struct Member {
         std::string name;
         std::vector<std::string> triggered_by; ///< members whose output makes this one work in the same tick
+        std::vector<std::string> late{};       ///< members whose output makes this one work in the next tick
     };
     Barrier(std::vector<Member> members, std::uint64_t max_lag);
 
@@ -34,8 +36,10 @@ class Barrier {
     [[nodiscard]] std::string const& member_name(std::size_t index) const { return members_[index].name; }
     [[nodiscard]] std::size_t size() const { return members_.size(); }
 
-    /// False, and not taken: a tick that is still to come.
-    [[nodiscard]] bool on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed);
+    /// `has_sent`: frames, which who hears it late will find in the next tick. False, and not taken: a tick that is
+    /// still to come.
+    [[nodiscard]] bool on_ack(std::size_t member, std::uint64_t tick, std::uint64_t next_tick_needed,
+                              bool has_sent = false);
     /// The member is not awaited any more (the scenario lets the run go on without it).
     void drop(std::size_t member);
     /// A new incarnation of the member joined: it is awaited from the next tick on.
@@ -49,16 +53,18 @@ class Barrier {
     struct State {
         std::string name;
         std::vector<std::size_t> triggers; ///< members that this one triggers
+        std::vector<std::size_t> triggers_late{};
         std::int64_t acked{-1};
         std::uint64_t next_needed{0};
         bool awaited{false};
         bool dropped{false};
+        bool has_sent{false}; ///< in the open tick
     };
     void await(std::size_t member);
 
     std::vector<State> members_;
     std::vector<std::uint8_t> bits_;
-    std::vector<std::size_t> stack_;
+    std::vector<std::size_t> stack_, late_;
     std::uint64_t max_lag_;
     std::uint64_t tick_{0};
     std::size_t awaited_count_{0};

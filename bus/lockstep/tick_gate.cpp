@@ -22,7 +22,11 @@ TickGate::TickGate(Config config, LedgerBook& book, WireBook const* wires)
         std::size_t const process = book.process_index(name);
         auto const member = member_index(name);
         if (process != LedgerBook::kUnknown && member) {
-            upstream_.push_back({process, *member});
+            bool const late = std::find(config.late.begin(), config.late.end(), name) != config.late.end();
+            Upstream& upstream = upstream_.emplace_back();
+            upstream.process = process;
+            upstream.member = *member;
+            upstream.late = late;
         }
     }
 }
@@ -30,6 +34,7 @@ TickGate::TickGate(Config config, LedgerBook& book, WireBook const* wires)
 void TickGate::on_clock(std::uint64_t tick, std::span<std::uint8_t const> awaited, bool final) {
     latest_ = tick;
     for (Upstream& upstream : upstream_) {
+        upstream.awaited_before = upstream.awaited;
         if (bit_of(awaited, upstream.member)) {
             upstream.awaited = static_cast<std::int64_t>(tick);
         }
@@ -48,8 +53,7 @@ void TickGate::on_ack(std::size_t process, std::uint64_t tick) {
 }
 
 bool TickGate::holds_acknowledgements() const {
-    return pending_ &&
-           std::ranges::all_of(upstream_, [](Upstream const& upstream) { return upstream.acked >= upstream.awaited; });
+    return pending_ && std::ranges::all_of(upstream_, [](Upstream const& upstream) { return upstream.is_here(); });
 }
 
 bool TickGate::holds_samples() const {
@@ -86,8 +90,9 @@ std::string TickGate::awaiting() const {
         add(book_.missing(simulator_));
     }
     for (Upstream const& upstream : upstream_) {
-        if (upstream.acked < upstream.awaited) {
-            add(fmt::format("the acknowledgement of tick {} by {}", upstream.awaited,
+        if (!upstream.is_here()) {
+            add(fmt::format("the acknowledgement of tick {} by {}",
+                            upstream.late ? upstream.awaited_before : upstream.awaited,
                             book_.process_name(upstream.process)));
         }
         if (!book_.complete(upstream.process)) {

@@ -14,7 +14,8 @@
 namespace gridspace::lockstep {
 
 /// A member's side of the barrier: when may I start on tick k? When I hold clock k, the acknowledgements k of those
-/// upstream members that are awaited in k, and every sample that their ledgers and the simulator's speak of.
+/// upstream members that are awaited in k, and every sample that their ledgers and the simulator's speak of. Of a late
+/// one the acknowledgement of the tick before is enough: what it makes in k is due afterwards.
 /// Pure: fed by the receiving threads under the owner's lock.
 class TickGate {
   public:
@@ -23,6 +24,7 @@ class TickGate {
         std::string simulator;             ///< the process that publishes the clock
         std::vector<std::string> members;  ///< all lockstep members; their sorted order numbers the awaited bits
         std::vector<std::string> upstream; ///< members whose output this one reads
+        std::vector<std::string> late{};   ///< those of them whose output is due after the tick that it is made in
     };
     /// `wires`: the raw frames that this process receives; none: nullptr.
     TickGate(Config config, LedgerBook& book, WireBook const* wires = nullptr);
@@ -51,11 +53,14 @@ class TickGate {
 
   private:
     struct Upstream {
-        std::size_t process; ///< index in the book
-        std::size_t member;  ///< index among the sorted members
+        std::size_t process{0}; ///< index in the book
+        std::size_t member{0};  ///< index among the sorted members
         std::int64_t acked{-1};
         std::int64_t awaited{
             -1}; ///< newest tick in which it was awaited: nothing that it sent until then may be missed
+        bool late{false};
+        std::int64_t awaited_before{-1}; ///< the same, without the newest tick of all
+        [[nodiscard]] bool is_here() const { return acked >= (late ? awaited_before : awaited); }
     };
     struct Pending {
         std::uint64_t tick;

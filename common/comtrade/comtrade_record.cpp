@@ -91,6 +91,16 @@ Result<void> write_file(std::filesystem::path const& file, std::string const& te
                          "does the folder exist, and is there space?");
 }
 
+/// The parts behind each other, each below a line that names it; those without anything are there too.
+std::string single_file(std::string const& cfg, std::string const& data, ComtradeFormat format) {
+    std::string const kind =
+        format == ComtradeFormat::ascii
+            ? "ASCII"
+            : fmt::format("{}: {}", format == ComtradeFormat::binary ? "BINARY" : "FLOAT32", data.size());
+    return "--- file type: CFG ---\r\n" + cfg + "--- file type: INF ---\r\n--- file type: HDR ---\r\n" +
+           fmt::format("--- file type: DAT {} ---\r\n", kind) + data;
+}
+
 } // namespace
 
 std::size_t ComtradeRecord::rows() const {
@@ -98,7 +108,7 @@ std::size_t ComtradeRecord::rows() const {
 }
 
 Result<std::filesystem::path> write_comtrade(std::filesystem::path const& base, ComtradeRecord record,
-                                             ComtradeFormat format) {
+                                             ComtradeFormat format, ComtradeFiles files) {
     std::size_t const rows = record.rows();
     for (std::size_t i = 0; i < record.analog.size(); ++i) {
         scale(record.header.analog[i], record.analog[i], format);
@@ -112,6 +122,11 @@ Result<std::filesystem::path> write_comtrade(std::filesystem::path const& base, 
         data += kEndOfFile;
     }
     std::filesystem::path cfg = base, dat = base;
+    if (files == ComtradeFiles::single) {
+        cfg += ".cff";
+        auto const ok = write_file(cfg, single_file(comtrade_cfg(record.header, format, rows), data, format));
+        return ok ? Result<std::filesystem::path>{cfg} : std::unexpected{ok.error()};
+    }
     cfg += ".cfg";
     dat += ".dat";
     if (auto ok = write_file(dat, data); !ok) {

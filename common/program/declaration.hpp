@@ -21,6 +21,11 @@ struct Topic {
     bool optional{false};  ///< reading side: nobody has to write it; writing side: nobody has to read it
     std::string idl{};     ///< file that defines the type when it is not ours, from the folder of the program
     bool is_stream{false}; ///< sampled values or GOOSE on the process's link; its data set says the type
+    struct Only {
+        std::string member; ///< a text
+        std::string is;     ///< a pattern; with several values each will do, with none everything will
+    };
+    std::vector<Only> only{}; ///< reading side: samples with other members are not handed over
 };
 
 /// A signal that a program publishes. `name` may be a pattern.

@@ -6,6 +6,7 @@
 
 #include "common/config/yaml.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -56,6 +57,9 @@ Json json_of(Topic const& topic) {
     }
     if (!topic.idl.empty()) {
         out["idl"] = topic.idl;
+    }
+    for (Topic::Only const& only : topic.only) {
+        out["only"][only.member] = only.is;
     }
     return out;
 }
@@ -171,6 +175,19 @@ void describe_key(Fields& f, Key& key, int depth) {
     }
 }
 
+void describe_only(Fields& f, std::vector<Topic::Only>& only) {
+    config::Node given;
+    f.raw("only", given);
+    bool fits = given.is_map();
+    for (config::Node::Entry const& entry : given.entries) {
+        fits &= entry.value.is_scalar();
+        only.push_back({entry.key, entry.value.text});
+    }
+    if (!fits) {
+        f.error("only", fmt::format("`only` is {}", describe(given)), R"(texts by their member: {"bus": "{bus}"})");
+    }
+}
+
 void describe(Fields& f, Topic& topic) {
     topic.is_stream = f.has("stream");
     if (topic.is_stream) {
@@ -182,6 +199,9 @@ void describe(Fields& f, Topic& topic) {
     f.flag("triggers", topic.triggers, {.doc = "a sample makes the program work in the same tick"});
     f.flag("optional", topic.optional, {.doc = "it may stay without a writer, or a reader"});
     f.text("idl", topic.idl, {.doc = "IDL file of a type of its own, from the folder of the program"});
+    if (f.has("only")) {
+        describe_only(f, topic.only);
+    }
 }
 
 void describe(Fields& f, Signal& signal) {
@@ -226,6 +246,9 @@ void describe(Fields& f, Declaration& d) {
     check_names(f, "settings", d.settings, [](Key const& key) -> std::string_view { return key.key; });
     for (auto const& [list, topics] : {std::pair{"reads", &d.reads}, {"writes", &d.writes}}) {
         check_names(f, list, *topics, [](Topic const& topic) -> std::string_view { return topic.topic; });
+    }
+    if (std::ranges::any_of(d.writes, [](Topic const& topic) { return !topic.only.empty(); })) {
+        f.error("writes", "`only` belongs to what a program reads");
     }
     check_names(f, "signals", d.signals, [](Signal const& signal) -> std::string_view { return signal.name; });
 }

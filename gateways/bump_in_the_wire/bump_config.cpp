@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/bump_in_the_wire/bump_config.hpp"
 
-#include "gateways/iec61850/frame.hpp"
+#include "gateways/ethernet/boxed_ip.hpp"
 
 namespace gridspace::gateways {
 namespace {
@@ -12,14 +12,18 @@ void describe_way(config::Fields& f, std::string_view key, std::string_view doc,
         way.emplace();
         w.text("in", way->in, {.doc = "name of the piece of cable from which frames come", .required = true});
         w.text("out", way->out, {.doc = "and of the one on which they go on", .required = true});
-        bool smv = false, goose = false;
+        bool smv = false, goose = false, ip = false;
         w.flag("smv", smv, {.doc = "sampled values travel there"});
         w.flag("goose", goose, {.doc = "GOOSE messages travel there"});
+        w.flag("ip", ip, {.doc = "IP of programs in simulated time travels there"});
         if (smv) {
             way->ethertypes.push_back(iec61850::kSvEthertype);
         }
         if (goose) {
             way->ethertypes.push_back(iec61850::kGooseEthertype);
+        }
+        if (ip) {
+            way->ethertypes.push_back(ethernet::kIpEthertype);
         }
     });
 }

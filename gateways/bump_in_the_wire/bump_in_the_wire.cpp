@@ -4,6 +4,7 @@
 
 #include "bus/wire.hpp"
 #include "gateways/bump_in_the_wire/delay_line.hpp"
+#include "gateways/ethernet/boxed_ip.hpp"
 #include "gateways/ethernet/port.hpp"
 #include "gateways/port/wire_clock.hpp"
 
@@ -33,8 +34,11 @@ Result<ethernet::Port> open_port(bus::Node const& node, std::string const& inter
     return ethernet::Port::open(options);
 }
 
-bool is_for_hooks(std::uint16_t ethertype) {
-    return ethertype == iec61850::kSvEthertype || ethertype == iec61850::kGooseEthertype;
+/// IP of the kernels passes untouched.
+bool is_for_hooks(iec61850::Octets frame) {
+    std::uint16_t const ethertype = iec61850::ethertype_of(frame);
+    return ethertype == iec61850::kSvEthertype || ethertype == iec61850::kGooseEthertype ||
+           ethernet::is_boxed_ip(frame);
 }
 
 } // namespace
@@ -184,7 +188,7 @@ struct BumpInTheWire::Impl {
             for (std::size_t i = 0; i < n; ++i) {
                 ethernet::ReceivedFrame const& frame = batch[i];
                 std::uint16_t const ethertype = iec61850::ethertype_of(frame.octets);
-                if (side.way->hook == nullptr || !is_for_hooks(ethertype)) {
+                if (side.way->hook == nullptr || !is_for_hooks(frame.octets)) {
                     (void)side.opposite->send(frame.octets);
                 } else if (node.lockstep()) {
                     // Without a reader nobody of the run sends it: it has no place in simulated time.

@@ -3,6 +3,7 @@
 #include "gateways/port/wire_port.hpp"
 
 #include "common/log.hpp"
+#include "gateways/ethernet/boxed_ip.hpp"
 #include "gateways/ethernet/interface.hpp"
 #include "gateways/port/wire_clock.hpp"
 
@@ -112,6 +113,9 @@ void WirePort::drain() {
         for (std::size_t i = 0; i < n; ++i) {
             ethernet::ReceivedFrame const& frame = batch_[i];
             std::int64_t const arrived_ns = arrivals_.arrival(frame.stamp_ns, now);
+            if (ethernet::is_ip(frame.octets) && !ethernet::is_boxed_ip(frame.octets)) {
+                continue; // the kernels' own
+            }
             if (auto const reader = readers_.find(iec61850::ethertype_of(frame.octets)); reader != readers_.end()) {
                 reader->second->push(std::as_bytes(frame.octets), frame.stamp_ns, 0, arrived_ns);
             }

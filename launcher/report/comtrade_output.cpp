@@ -293,9 +293,9 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
         header.trigger_unix_ns = epoch_ns + instants[n];
         for (auto const& [format, ending] :
              {std::pair{ComtradeFormat::ascii, "ascii"}, {ComtradeFormat::binary, "binary"}}) {
-            auto const file =
-                write_comtrade(folder / fmt::format("{}_{}_{}", file_name(settings.trigger.name), n + 1, ending),
-                               maker.record, format);
+            auto const file = write_comtrade(
+                folder / fmt::format("{}_{}_{}", file_name(settings.trigger.name), n + 1, ending), maker.record, format,
+                settings.single_file ? ComtradeFiles::single : ComtradeFiles::pair);
             if (!file) {
                 return std::unexpected{file.error()};
             }

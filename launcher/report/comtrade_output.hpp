@@ -18,7 +18,7 @@ namespace gridspace::launcher {
 [[nodiscard]] std::optional<ComtradeSettings> comtrade_settings(config::Node const& scenario);
 
 struct ComtradeOutput {
-    std::vector<std::filesystem::path> files; ///< the .cfg of each record
+    std::vector<std::filesystem::path> files; ///< the .cfg, or .cff, of each record
     std::vector<std::string> notes;           ///< what is not in them, or why there are none
 };
 

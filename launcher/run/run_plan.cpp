@@ -12,6 +12,7 @@
 #include "launcher/scenario/installation.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "launcher/scenario/tick_length.hpp"
+#include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -74,9 +75,13 @@ bus::NodeConfig node_config(Scenario const& scenario, Process const& process, Da
         clock.members.push_back(member.name);
         if (member.name == node.process) {
             clock.upstream = member.upstream;
+            clock.late_upstream = member.late;
         }
         if (std::find(member.upstream.begin(), member.upstream.end(), node.process) != member.upstream.end()) {
             clock.downstream.push_back(member.name);
+        }
+        if (std::find(member.late.begin(), member.late.end(), node.process) != member.late.end()) {
+            clock.late_downstream.push_back(member.name);
         }
     }
     for (auto const& [topic, writers] : flow.writers) { // what is said about the studied network does not travel on it
@@ -245,6 +250,11 @@ RunPlan make_plan(Scenario const& scenario, PlanOptions const& options) {
     plan.namespaces = options.namespaces;
     plan.links = scenario.links;
     plan.ports = plan_ports(scenario);
+    for (Process const& process : scenario.processes) {
+        if (process.settings->sends_late(scenario)) {
+            plan.boxed_ip_links.insert(raw_link(scenario, process));
+        }
+    }
     plan.bumps = placed_bumps(scenario);
     plan.duration_s = scenario.simulation.duration().to_double();
     plan.lockstep = scenario.clock.mode == bus::ClockMode::lockstep;

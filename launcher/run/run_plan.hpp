@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,7 @@ struct RunPlan {
     std::vector<Link> links;
     std::vector<Port> ports;
     std::vector<PlacedBump> bumps;
+    std::set<std::string> boxed_ip_links; ///< on which programs in simulated time speak IP
     int outer_network{-1}; ///< the network namespace in which `gridspace run` was called, where real interfaces are
     std::vector<PlannedProcess> processes; ///< the simulator last: everybody else is there when it starts to wait
     std::vector<std::vector<ProcessAction>> holds; ///< by index of the simulator's hold

@@ -34,6 +34,19 @@ void disable_ipv6() {
     }
 }
 
+/// A switch looks at no IP. Where the kernel has br_netfilter it does: takes padding off, drops what has a wrong
+/// checksum.
+void leave_ip_alone() {
+    for (char const* file :
+         {"/proc/sys/net/bridge/bridge-nf-call-iptables", "/proc/sys/net/bridge/bridge-nf-call-ip6tables"}) {
+        int const fd = ::open(file, O_WRONLY | O_CLOEXEC);
+        if (fd >= 0) {
+            [[maybe_unused]] auto const written = ::write(fd, "0", 1);
+            ::close(fd);
+        }
+    }
+}
+
 /// Everybody on a link knows the MAC addresses of the others, so nobody asks: captures hold no ARP. The kernel's table
 /// of neighbours is one for all namespaces of a machine and holds `gc_thresh3` entries (1024), some 23 hosts who found
 /// each other by ARP; permanent entries do not count. A real board (`plugs:`) has an address of its own and is asked
@@ -194,6 +207,7 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
         return fail(ExitCode::environment, fmt::format("cannot open the network namespace: {}", error_text()));
     }
     disable_ipv6();
+    leave_ip_alone();
     for (std::string const& host : plan.hosts) {
         auto fd = make_namespace();
         if (!fd) {
@@ -208,8 +222,10 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
     std::string core = "link set lo up\n";
     std::map<std::string, std::string> inside;
     for (std::size_t l = 0; l < links.size(); ++l) {
-        core += fmt::format("link add name {0} type bridge mcast_snooping 0 stp_state 0\nlink set dev {0} up\n",
-                            bridge_name(l));
+        // A frame in simulated time is waited for at every port that takes its kind: such a switch remembers nobody's
+        // place, and gives each frame to all.
+        core += fmt::format("link add name {0} type bridge mcast_snooping 0 stp_state 0{1}\nlink set dev {0} up\n",
+                            bridge_name(l), plan.boxed_ip_links.contains(links[l]) ? " ageing_time 0" : "");
     }
     for (std::size_t p = 0; p < plan.ports.size(); ++p) {
         Port const& port = plan.ports[p];

@@ -3,7 +3,7 @@
 #include "launcher/scenario/bumps.hpp"
 
 #include "common/text.hpp"
-#include "gateways/iec61850/frame.hpp"
+#include "gateways/ethernet/boxed_ip.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -57,7 +57,10 @@ Node way_settings(Way const& way) {
     node.set("in", Node::quoted_text(way.in));
     node.set("out", Node::quoted_text(way.out));
     for (std::uint16_t const ethertype : way.ethertypes) {
-        node.set(ethertype == iec61850::kSvEthertype ? "smv" : "goose", Node::scalar("true"));
+        node.set(ethertype == iec61850::kSvEthertype   ? "smv"
+                 : ethertype == ethernet::kIpEthertype ? "ip"
+                                                       : "goose",
+                 Node::scalar("true"));
     }
     return node;
 }

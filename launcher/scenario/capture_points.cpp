@@ -49,7 +49,10 @@ bool contains(std::vector<std::string> const& names, std::string const& name) {
 
 std::vector<CapturePoint> capture_points(Scenario const& scenario, Process const& recorder) {
     std::vector<CapturePoint> out;
-    if (scenario.record.frames != "all" || scenario.streams.empty()) {
+    bool const frames = !scenario.streams.empty() ||
+                        std::any_of(scenario.links.begin(), scenario.links.end(),
+                                    [&](Link const& link) { return has_frames(scenario, link.name.name); });
+    if (scenario.record.frames != "all" || !frames) {
         return out;
     }
     std::vector<std::string> const links = captured_links(scenario, recorder);
@@ -92,7 +95,9 @@ void check_capture(Scenario const& scenario, Process const& recorder, config::Di
         if (is_lockstep(scenario) && contains(names, link.name) && !has_frames(scenario, link.name)) {
             diagnostics.warning(
                 link.where,
-                fmt::format("nothing of '{}' will be captured: no process sends SV or GOOSE there", link.name),
+                fmt::format(
+                    "nothing of '{}' will be captured: no process sends SV, GOOSE or IP in simulated time there",
+                    link.name),
                 "in lockstep other frames have no place in simulated time; what DDS carried is in data.mcap",
                 static_cast<int>(link.name.size()));
         }

@@ -19,6 +19,7 @@ void describe(config::Fields& f, ComtradeSettings& settings) {
     f.number("before_ms", settings.before_ms,
              {.doc = "begin of the record before the trigger", .min = 0, .max = 60'000});
     f.number("after_ms", settings.after_ms, {.doc = "end of the record after the trigger", .max = 60'000, .above = 0});
+    f.flag("single_file", settings.single_file, {.doc = "one .cff in place of .cfg and .dat"});
     f.references("signals", settings.signals,
                  {.doc = "patterns of further analog channels; one word means all signals that end so. Always there: "
                          "currents of both ends, bus voltages, pickup, trip and poles"});

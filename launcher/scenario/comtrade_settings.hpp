@@ -15,6 +15,7 @@ struct Scenario;
 struct ComtradeSettings {
     config::Ref trigger; ///< "relay2.trip", a signal that rises from zero, or an event of the timeline
     double before_ms{200}, after_ms{500};
+    bool single_file{false}; ///< .cff in place of .cfg and .dat
     std::vector<config::Ref>
         signals; ///< patterns, beside the currents, voltages and digitals that belong to the trigger
 

@@ -19,6 +19,30 @@ namespace {
 using config::Diagnostics;
 using config::Node;
 
+/// The host whose cable to the switch a process sends into, or receives from.
+std::string cable_of(Scenario const& scenario, Process const& process, WireUse const& use, bool sent) {
+    for (PlacedBump const& bump : placed_bumps(scenario)) {
+        for (auto const* way : {&bump.from_host, &bump.to_host}) {
+            if (bump.process == process.name.name && way->has_value() &&
+                (sent ? (*way)->out : (*way)->in) == use.link) {
+                return bump.host;
+            }
+        }
+    }
+    return process.host.name;
+}
+
+/// What comes from a cable does not go back into it: who sits in it, and takes what the switch gives, hears nothing of
+/// what goes into the switch there.
+bool is_not_heard(Scenario const& scenario, Process const& sender, WireUse const& sent, Process const& receiver,
+                  WireUse const& received) {
+    bool const through_switch =
+        std::ranges::any_of(scenario.links, [&](Link const& link) { return link.name.name == received.link; });
+    return !received.at_switch && through_switch &&
+           cable_of(scenario, sender, sent, true) == cable_of(scenario, receiver, received, false) &&
+           sender.host != receiver.host;
+}
+
 /// Members that write a topic which `member` reads, or that send frames where it listens; the simulator apart.
 std::vector<std::string> sources_of(Dataflow const& flow, Scenario const& scenario, std::string const& member,
                                     bool triggering_only) {
@@ -45,7 +69,8 @@ std::vector<std::string> sources_of(Dataflow const& flow, Scenario const& scenar
         for (Process const& sender : scenario.processes) {
             std::vector<WireUse> const sent = wires_sent(scenario, sender);
             bool const heard = std::any_of(sent.begin(), sent.end(), [&](WireUse const& use) {
-                return use.link == received.link && use.ethertype == received.ethertype;
+                return use.link == received.link && use.ethertype == received.ethertype &&
+                       !is_not_heard(scenario, sender, use, *process, received);
             });
             if (heard && &sender != process && sender.settings->is_member()) {
                 out.insert(sender.name.name);
@@ -85,8 +110,11 @@ std::string find_circle(std::vector<bus::MemberPlan> const& members) {
             return;
         }
         path.push_back(name);
+        auto const& late = by_name.at(name)->late;
         for (std::string const& up : by_name.at(name)->upstream) {
-            walk(up);
+            if (std::find(late.begin(), late.end(), up) == late.end()) {
+                walk(up);
+            }
         }
         path.pop_back();
         done.insert(name);
@@ -162,6 +190,13 @@ Dataflow dataflow(Scenario const& scenario) {
         if (process.program.name ==
             "gridspace-recorder") { // it keeps the acknowledgements of those too who only listen
             plan.upstream = other_members(scenario, process);
+        } else {
+            for (std::string const& up : plan.upstream) {
+                if (scenario.find_process(up)->settings->sends_late(scenario)) {
+                    plan.late.push_back(up);
+                    std::erase(plan.triggered_by, up);
+                }
+            }
         }
         if (simulator != nullptr) {
             for (TopicUse const& use : simulator->settings->reads(scenario, *simulator)) {
@@ -309,6 +344,7 @@ config::Node simulator_settings(Scenario const& scenario) {
         Node member = Node::map();
         member.set("upstream", name_list(plan.upstream));
         member.set("triggered_by", name_list(plan.triggered_by));
+        member.set("late", name_list(plan.late));
         member.set("feeds_simulator", Node::scalar(plan.feeds_simulator ? "true" : "false"));
         members.set(plan.name, std::move(member));
     }

@@ -3,13 +3,15 @@
 #include "launcher/scenario/exec_program.hpp"
 
 #include "common/text.hpp"
-#include "gateways/iec61850/frame.hpp"
+#include "gateways/ethernet/boxed_ip.hpp"
+#include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <optional>
 
 namespace gridspace::launcher {
 namespace {
@@ -22,6 +24,9 @@ enum class Time { real, simulated };
 
 /// The kind of frame that a word or the name of a stream means; 0: neither.
 std::uint16_t ethertype_of(Scenario const& s, std::string const& word) {
+    if (word == "ip") {
+        return ethernet::kIpEthertype;
+    }
     if (word == "smv" || word == "goose") {
         return word == "smv" ? iec61850::kSvEthertype : iec61850::kGooseEthertype;
     }
@@ -47,8 +52,9 @@ class ExecSettings final : public ProcessSettings {
         }
         f.choice("time", time_, {{"real", Time::real}, {"simulated", Time::simulated}},
                  {.doc = "simulated: in lockstep an unmodified program takes part, in simulated time"});
-        f.references("sends", sends_,
-                     {.doc = "time: simulated: frames that it sends on its link; streams, or the kinds smv and goose"});
+        f.references(
+            "sends", sends_,
+            {.doc = "time: simulated: frames that it sends on its link; streams, or the kinds smv, goose and ip"});
         f.references("receives", receives_, {.doc = "time: simulated: frames that it receives there"});
         f.flag("member", member_, {.doc = "it follows the lockstep protocol"});
         f.fraction("latency_us", latency_us_, {.doc = "from input to output, in lockstep", .min = 0});
@@ -96,6 +102,7 @@ class ExecSettings final : public ProcessSettings {
     [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
         return uses(s, process, receives_);
     }
+    [[nodiscard]] bool sends_late(Scenario const&) const override { return boxed_ && has_ip(); }
     [[nodiscard]] Rational latency_s(Process const&) const override { return latency_us_ / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         return boxed_ ? boxed_settings(s, process) : settings_.is_map() ? settings_ : Node::map();
@@ -127,13 +134,13 @@ class ExecSettings final : public ProcessSettings {
         }
         for (char const* key : {"writes", "reads"}) {
             if (!(std::string_view{key} == "writes" ? writes_ : reads_).empty()) {
-                refuse(key, "and exchanges topics", "only its raw frames are in simulated time so far");
+                refuse(key, "and exchanges topics", "only its raw frames and its IP are in simulated time so far");
             }
         }
         if (process.run_on != "native") {
             refuse("run_on", fmt::format("and on '{}'", process.run_on), "`run_on: native`");
         }
-        std::vector<std::string> words{"smv", "goose"};
+        std::vector<std::string> words{"smv", "goose", "ip"};
         for (streams::Stream const& stream : s.streams) {
             words.push_back(stream.name.name);
         }
@@ -150,6 +157,68 @@ class ExecSettings final : public ProcessSettings {
         if (!sends_.empty() || !receives_.empty()) {
             check_raw_link(s, process, diagnostics);
         }
+        if (has_ip()) {
+            check_ip(s, process, diagnostics);
+        }
+    }
+
+    /// What goes back and forth within a tick has no order in which the processes could work: so nothing does.
+    void check_ip(Scenario const& s, Process const& process, Diagnostics& diagnostics) const {
+        Node const* const written = process.node.find("latency_us");
+        if (latency_s(process) < s.tick_s()) {
+            diagnostics.error(
+                written == nullptr ? process.name.where : written->where,
+                fmt::format("process '{}' speaks IP in simulated time, its `latency_us` is {}, and a tick is {} us",
+                            process.name.name, shortest(latency_us_.to_double()),
+                            shortest((s.tick_s() * Rational{1'000'000}).to_double())),
+                "at least a tick: what it sends is due after the tick in which it was made; `clock.tick_samples` makes "
+                "ticks shorter");
+        }
+        std::string const link = raw_link(s, process);
+        auto const port = own_port(s, process);
+        if (!link.empty() && (!port || port->address.empty())) {
+            diagnostics.error(
+                process.link.empty() ? process.name.where : process.link.where,
+                fmt::format("process '{}' speaks IP on '{}', which has no addresses", process.name.name, link),
+                fmt::format("`link:` one with `ipv4:`, or `links: {{{}: {{ipv4: 10.10.0.0/24}}}}`", link));
+        }
+    }
+
+    [[nodiscard]] bool has_ip() const {
+        auto const is_ip = [](Ref const& word) { return word.name == "ip"; };
+        return std::ranges::any_of(sends_, is_ip) || std::ranges::any_of(receives_, is_ip);
+    }
+    [[nodiscard]] static std::optional<Port> own_port(Scenario const& s, Process const& process) {
+        for (Port const& port : plan_ports(s)) {
+            if (port.host == process.host.name && port.link == raw_link(s, process)) {
+                return port;
+            }
+        }
+        return std::nullopt;
+    }
+    /// Address, and who else is there: nobody asks by ARP.
+    [[nodiscard]] static Node ip_settings(Scenario const& s, Process const& process) {
+        Node node = Node::map(), neighbours = Node::map();
+        auto const own = own_port(s, process);
+        if (!own) {
+            return node; // check_ip has said so
+        }
+        auto const boxed = [](Port const& port) {
+            return ethernet::boxed_address(iec61850::Mac::parse(port.mac).value_or(iec61850::Mac{})).to_string();
+        };
+        node.set("address", Node::quoted_text(fmt::format("{}/{}", own->address, own->prefix)));
+        node.set("mac", Node::quoted_text(boxed(*own)));
+        for (Port const& port : plan_ports(s)) {
+            bool const speaks = std::ranges::any_of(s.processes, [&](Process const& other) {
+                return other.settings != nullptr && other.host.name == port.host && other.settings->sends_late(s) &&
+                       raw_link(s, other) == port.link;
+            });
+            if (port.link == own->link && port.host != own->host && speaks) {
+                neighbours.set(port.address, Node::quoted_text(boxed(port)));
+            }
+        }
+        node.set("neighbours", std::move(neighbours));
+        return node;
     }
 
     [[nodiscard]] std::vector<WireUse> uses(Scenario const& s, Process const& process,
@@ -160,6 +229,11 @@ class ExecSettings final : public ProcessSettings {
                 bool const kind = streams::find_stream(s.streams, word.name) == nullptr;
                 out.push_back({raw_link(s, process), ethertype, kind ? "" : word.name});
             }
+        }
+        bool const named =
+            std::ranges::any_of(out, [](WireUse const& use) { return use.ethertype == ethernet::kIpEthertype; });
+        if (boxed_ && has_ip() && !named) { // who asks hears the answer
+            out.push_back({raw_link(s, process), ethernet::kIpEthertype, ""});
         }
         return out;
     }
@@ -174,9 +248,12 @@ class ExecSettings final : public ProcessSettings {
         node.set("latency_us", Node::scalar(latency_us_.to_string()));
         for (auto const& [key, words] : {std::pair{"sends", &sends_}, std::pair{"receives", &receives_}}) {
             Node kinds = Node::sequence();
-            for (char const* kind : {"smv", "goose"}) {
-                if (std::any_of(words->begin(), words->end(),
-                                [&](Ref const& word) { return ethertype_of(s, word.name) == ethertype_of(s, kind); })) {
+            for (char const* kind : {"smv", "goose", "ip"}) {
+                if (has_ip() && std::string_view{kind} == "ip") {
+                    kinds.items.push_back(Node::scalar(kind)); // who asks hears the answer
+                } else if (std::any_of(words->begin(), words->end(), [&](Ref const& word) {
+                               return ethertype_of(s, word.name) == ethertype_of(s, kind);
+                           })) {
                     kinds.items.push_back(Node::scalar(kind));
                 }
             }
@@ -185,6 +262,9 @@ class ExecSettings final : public ProcessSettings {
         if (!sends_.empty() || !receives_.empty()) {
             node.set("wire", wire_settings(s, process));
             node.set("streams", Node::map());
+        }
+        if (has_ip()) {
+            node.set("ip", ip_settings(s, process));
         }
         return node;
     }

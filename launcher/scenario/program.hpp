@@ -77,6 +77,9 @@ class ProcessSettings {
     /// Lockstep: for input up to an instant, everything that it sends up to so long after that instant is sent. At most
     /// its latency; what a program sends by timers of its own counts too.
     [[nodiscard]] virtual Rational promises_s(Process const&) const { return Rational{0}; }
+    /// Lockstep: what it sends in a tick is due after it, so nobody waits for it within the tick, and it may answer who
+    /// answers it.
+    [[nodiscard]] virtual bool sends_late(Scenario const&) const { return false; }
     /// Lockstep: its ticks may end later than the clock's, where its input is complete so far (`ahead_s`).
     [[nodiscard]] virtual bool works_ahead() const { return false; }
     /// `settings:` of the configuration file that the process is started with.

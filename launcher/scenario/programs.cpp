@@ -4,6 +4,7 @@
 #include "agents/mcca/mcca_config.hpp"
 #include "bus/topics.hpp"
 #include "common/text.hpp"
+#include "gateways/ethernet/boxed_ip.hpp"
 #include "launcher/scenario/capture_points.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/declared_program.hpp"
@@ -238,7 +239,8 @@ class RecorderSettings final : public ProcessSettings {
         links.erase(""); // not a ledger's
         std::vector<WireUse> out;
         for (std::string const& link : links) {
-            for (std::uint16_t const ethertype : {iec61850::kSvEthertype, iec61850::kGooseEthertype}) {
+            for (std::uint16_t const ethertype :
+                 {iec61850::kSvEthertype, iec61850::kGooseEthertype, ethernet::kIpEthertype}) {
                 out.push_back({link, ethertype, "", true});
             }
         }

@@ -142,6 +142,12 @@ bool fits(Scenario const& scenario, Dataflow const& flow, std::int64_t samples, 
             return false;
         }
     }
+    bool const due_after_it = std::ranges::all_of(scenario.processes, [&](Process const& process) {
+        return !process.settings->sends_late(scenario) || process.settings->latency_s(process) >= tick;
+    });
+    if (!due_after_it) {
+        return false;
+    }
     Loops const loops{scenario, flow};
     return std::ranges::all_of(loops.feeding(), [&](std::string const& member) {
         return loops.ahead(member) + loops.latency(member) >= tick;

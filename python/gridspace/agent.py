@@ -58,6 +58,7 @@ class Agent:
         self._handle, self._library = handle, library.load() if handle else None
         by_name = {s.name: s for s in _declared(type(self), Setting)}
         self.settings = {name: by_name[name].value(value) if name in by_name else value for name, value in settings.items()}
+        vars(self).update((name, value) for name, value in self.settings.items() if name in by_name)  # read without a call, in each tick
         self._signals: dict[str, float] = {}
         self._timers: dict[int, tuple[Callable[[], None], bool]] = {}
 
@@ -196,60 +197,73 @@ class _Life:
     def run(self, words: Sequence[str]) -> int:
         description = json.dumps(self._cls.describe(), indent=1).encode()
         program = library.Program(ctypes.sizeof(library.Program), description, str(_folder(self._cls)).encode(), None,
-                                  library.Begin(self._guarded(self._begin)), library.SampleCame(self._guarded(self._sample)),
-                                  library.Due(self._guarded(self._due)), library.End(self._guarded(self._end)))
+                                  library.Begin(self._begin), library.SampleCame(self._sample), library.Due(self._due), library.End(self._end))
         return self._library.gridspace_main(ctypes.byref(program), len(words), (ctypes.c_char_p * len(words))(*[w.encode() for w in words]))
 
-    def _guarded(self, callback: Callable[..., None]) -> Callable[..., int]:
+    def _failed(self, handle: int, e: BaseException) -> int:
         """An exception ends the run: its traceback is in the log, and it is the first thing that the message says."""
-        def call(handle: int, *arguments: Any) -> int:
-            try:
-                callback(handle, *arguments)
-                return 0
-            except BaseException as e:  # nothing may pass through the library
-                traceback.print_exc()
-                sys.stderr.flush()
-                self._library.gridspace_fail(handle, _said(e, self._cls).encode(errors="replace"), b"the traceback is in its log")
-                return -1
-        return call
+        traceback.print_exc()
+        sys.stderr.flush()
+        self._library.gridspace_fail(handle, _said(e, self._cls).encode(errors="replace"), b"the traceback is in its log")
+        return -1
 
-    def _begin(self, handle: int, _user: int) -> None:
+    # The callbacks: nothing may pass through the library, and each call more is paid in each tick.
+
+    def _begin(self, handle: int, _user: int) -> int:
+        try:
+            self._open(handle)
+            self._agent.begin()
+            return 0
+        except BaseException as e:
+            return self._failed(handle, e)
+
+    def _open(self, handle: int) -> None:
         cls = self._cls
         agent = self._agent = cls.__new__(cls)
         agent._prepare(handle, json.loads(self._library.gridspace_settings(handle)))
         topics = json.loads(self._library.gridspace_topics(handle))
         for end in topics["reads"]:
             reads = next(r for r in _declared(cls, Reads) if r.fits(end["topic"], agent.settings))
-            self._handlers.append((sample_class(end["layout"]), getattr(agent, f"on_{reads.name}", None)))
+            self._handlers.append((sample_class(end["layout"]).from_address, getattr(agent, f"on_{reads.name}", None)))
         agent._writers = {}
         for number, end in enumerate(topics["writes"]):
             writes = next(w for w in _declared(cls, Writes) if w.fits(end["topic"], agent.settings))
-            agent._writers[writes.name] = Writer(functools.partial(self._write, number), sample_class(end["layout"]))
+            agent._writers[writes.name] = Writer(functools.partial(self._write, handle, number), sample_class(end["layout"]))
         agent._columns = {signal.name: number for number, signal in enumerate(_declared(cls, Signal))}
-        agent.begin()
 
-    def _write(self, number: int, _writer: Writer, sample: Sample) -> None:
-        if self._library.gridspace_write(self._agent._handle, number, ctypes.addressof(sample), ctypes.sizeof(sample)) != 0:
+    def _write(self, handle: int, number: int, _writer: Writer, sample: Sample) -> None:
+        if self._library.gridspace_write(handle, number, ctypes.addressof(sample), ctypes.sizeof(sample)) != 0:
             raise ValueError(library.last_error())
 
-    def _sample(self, _handle: int, reader: int, address: int, _size: int, _user: int) -> None:
-        made_of, handler = self._handlers[reader]
-        if handler is not None:
-            sample = made_of.from_address(address)
-            sample.__dict__["_kept"] = None
-            handler(sample)
-            if sys.getrefcount(sample) > 2:  # somebody still looks at it, or at a part: the memory stays as long as it does
-                sample.__dict__["_kept"] = Kept(address)
+    def _sample(self, handle: int, reader: int, address: int, _size: int, _user: int) -> int:
+        try:
+            made_of, handler = self._handlers[reader]
+            if handler is not None:
+                sample = made_of(address)
+                sample.__dict__["_kept"] = None
+                handler(sample)
+                if sys.getrefcount(sample) > 2:  # somebody still looks at it, or at a part: the memory stays as long as it does
+                    sample.__dict__["_kept"] = Kept(address)
+            return 0
+        except BaseException as e:
+            return self._failed(handle, e)
 
-    def _due(self, _handle: int, timer: int, _user: int) -> None:
-        function, periodic = self._agent._timers[timer]
-        if not periodic:
-            del self._agent._timers[timer]
-        function()
+    def _due(self, handle: int, timer: int, _user: int) -> int:
+        try:
+            function, periodic = self._agent._timers[timer]
+            if not periodic:
+                del self._agent._timers[timer]
+            function()
+            return 0
+        except BaseException as e:
+            return self._failed(handle, e)
 
-    def _end(self, _handle: int, _user: int) -> None:
-        if self._agent is not None:
-            self._agent.end()
+    def _end(self, handle: int, _user: int) -> None:
+        try:
+            if self._agent is not None:
+                self._agent.end()
+        except BaseException as e:
+            self._failed(handle, e)
 
 
 def _said(e: BaseException, cls: type[Agent]) -> str:

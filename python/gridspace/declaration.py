@@ -80,14 +80,16 @@ class Topic(Declared):
 
 
 class Reads(Topic):
-    """A topic that the agent reads: a sample is given to its method on_ATTRIBUTE. triggers: in the same tick as it was written."""
+    """A topic that the agent reads: a sample is given to its method on_ATTRIBUTE. triggers: in the same tick as it was written. only: the
+    samples that it wants, by texts in them ({"bus": "{bus}"}); others cost nothing."""
 
-    def __init__(self, topic: str, type: str, *, triggers: bool = False, optional: bool = False, idl: str | None = None):  # noqa: A002
+    def __init__(self, topic: str, type: str, *, triggers: bool = False, optional: bool = False, idl: str | None = None,  # noqa: A002
+                 only: Mapping[str, str] | None = None):
         super().__init__(topic, type, optional=optional, idl=idl)
-        self.triggers = triggers
+        self.triggers, self.only = triggers, dict(only or {})
 
     def described(self) -> dict[str, Any]:
-        return {**super().described(), **({"triggers": True} if self.triggers else {})}
+        return {**super().described(), **({"triggers": True} if self.triggers else {}), **({"only": self.only} if self.only else {})}
 
 
 class Writes(Topic):

@@ -48,6 +48,7 @@ class _Field:
 
     def __init__(self, where: str, layout: dict[str, Any]):
         self.where, self.kind, self.bound = where, layout["kind"], layout.get("bound", 0)
+        self.raw = ""  # of a member: the attribute of ctypes
         self.element = _Field(f"{where}[…]", layout["element"]) if "element" in layout else None
         self.enum = enum.IntEnum(layout["name"].rpartition("::")[2], layout["values"]) if self.kind == "enum" else None
         if self.kind == "struct":
@@ -219,21 +220,25 @@ class Sample(ctypes.Structure):
     _idl_fields: dict[str, _Field] = {}
 
     def __init__(self, **members: Any):
-        super().__init__()
+        fields = self._idl_fields
         for name, value in members.items():
-            setattr(self, name, value)
+            if type(value) is float and name in fields and fields[name].kind == "double":  # most of what agents write
+                _set_raw(self, fields[name].raw, value)
+            else:
+                self._set(name, value)
 
     def __setattr__(self, name: str, value: Any) -> None:
+        if "_kept" in self.__dict__:
+            raise AttributeError(f"{type(self).__name__}.{name}: a received sample is not changed; take {type(self).__name__}(**sample.to_dict())")
+        self._set(name, value)
+
+    def _set(self, name: str, value: Any) -> None:
         field = self._idl_fields.get(name)
         if field is None:
             near = difflib.get_close_matches(name, self._idl_fields, 1)
             raise AttributeError(f"{type(self).__name__} has no member '{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
-        if "_kept" in self.__dict__:
-            raise AttributeError(f"{type(self).__name__}.{name}: a received sample is not changed; take {type(self).__name__}(**sample.to_dict())")
-        if field.kind == "double" and type(value) is float:  # most of what agents write
-            return _set_raw(self, f"_{name}", value)
         keep: list = []
-        _set_raw(self, f"_{name}", field.native_of(value, keep))
+        _set_raw(self, field.raw, field.native_of(value, keep))
         if keep:
             self.__dict__.setdefault("_pointed_to", {})[name] = keep
 
@@ -293,6 +298,8 @@ def _class_of(layout: str) -> type[Sample]:
     described = json.loads(layout)
     name = described["name"]
     fields = {member["name"]: _Field(f"{name}.{member['name']}", member["type"]) for member in described["members"]}
+    for member, field in fields.items():
+        field.raw = f"_{member}"
     body: dict[str, Any] = {"_idl_fields": fields, "_idl_name": name, "_fields_": [(f"_{n}", field.native) for n, field in fields.items()]}
     made = type(name.rpartition("::")[2], (Sample,), body)
     for member, field in fields.items():

@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
+#include "gateways/ethernet/boxed_ip.hpp"
 
 #include <algorithm>
 #include <array>
@@ -121,12 +122,13 @@ FrameCapture::Way FrameCapture::way_of(std::string const& link) {
     if (!node_.lockstep()) {
         bus::WireReader* const all = reader_of({"", 0});
         all->bound(kMaxWaiting);
-        return {all, all, all};
+        return {all, all, all, all};
     }
     if (link.empty()) {
         return {};
     }
-    return {reader_of({link, iec61850::kSvEthertype}), reader_of({link, iec61850::kGooseEthertype}), nullptr};
+    return {reader_of({link, iec61850::kSvEthertype}), reader_of({link, iec61850::kGooseEthertype}),
+            reader_of({link, ethernet::kIpEthertype}), nullptr};
 }
 
 bus::WireReader* FrameCapture::reader_of(Channel const& channel) {
@@ -137,8 +139,12 @@ bus::WireReader* FrameCapture::reader_of(Channel const& channel) {
     return reader.get();
 }
 
-bus::WireReader* FrameCapture::Way::reader_of(std::uint16_t ethertype) const {
-    return ethertype == iec61850::kSvEthertype ? smv : ethertype == iec61850::kGooseEthertype ? goose : other;
+bus::WireReader* FrameCapture::Way::reader_of(iec61850::Octets frame) const {
+    std::uint16_t const ethertype = iec61850::ethertype_of(frame);
+    return ethertype == iec61850::kSvEthertype      ? smv
+           : ethertype == iec61850::kGooseEthertype ? goose
+           : ethernet::is_boxed_ip(frame)           ? ip
+                                                    : other;
 }
 
 Result<void> FrameCapture::open_ports(CaptureConfig const& config) {
@@ -197,7 +203,7 @@ void FrameCapture::fetch() {
                 ethernet::ReceivedFrame const& frame = batch_[k];
                 Way const& way = frame.outgoing ? ports_[i].out : ports_[i].in;
                 std::uint16_t const ethertype = iec61850::ethertype_of(frame.octets);
-                if (auto* reader = way.reader_of(ethertype)) {
+                if (auto* reader = way.reader_of(frame.octets)) {
                     bool const taken =
                         reader->push(std::as_bytes(frame.octets), frame.stamp_ns, place_of(i, frame.outgoing));
                     ports_[i].no_room += taken ? 0 : 1;

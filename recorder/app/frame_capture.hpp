@@ -44,8 +44,8 @@ class FrameCapture {
     using Channel = std::pair<std::string, std::uint16_t>;
     /// Who takes frames of one way through a port; null: they are not captured.
     struct Way {
-        bus::WireReader *smv{nullptr}, *goose{nullptr}, *other{nullptr};
-        [[nodiscard]] bus::WireReader* reader_of(std::uint16_t ethertype) const;
+        bus::WireReader *smv{nullptr}, *goose{nullptr}, *ip{nullptr}, *other{nullptr};
+        [[nodiscard]] bus::WireReader* reader_of(iec61850::Octets frame) const;
     };
     struct Port {
         std::unique_ptr<ethernet::Port> socket;

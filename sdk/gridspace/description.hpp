@@ -25,6 +25,7 @@ struct TopicOptions {
     bool triggers{false}, optional{false};
     std::string idl{};  ///< file that defines the type when it is not one of Gridspace's
     bool stream{false}; ///< no topic but a stream of the scenario: docs/reference/c_abi.md says what its struct is
+    std::map<std::string, std::string> only{}; ///< of what is read: texts in it, {{"bus", "{bus}"}}; others do not come
 };
 
 /// Gathers what a program says of itself, as JSON.
@@ -103,8 +104,13 @@ class Description {
         if (o.stream) {
             return R"({"stream":)" + quoted(topic);
         }
+        std::string only;
+        for (auto const& [member, is] : o.only) {
+            append(only, quoted(member) + ":" + quoted(is));
+        }
         return R"({"topic":)" + quoted(topic) + R"(,"type":)" + quoted(type) +
-               (o.optional ? R"(,"optional":true)" : "") + (o.idl.empty() ? "" : R"(,"idl":)" + quoted(o.idl));
+               (o.optional ? R"(,"optional":true)" : "") + (o.idl.empty() ? "" : R"(,"idl":)" + quoted(o.idl)) +
+               (only.empty() ? "" : R"(,"only":{)" + only + "}");
     }
     std::string head_, settings_, elements_, whole_steps_, reads_, writes_, signals_;
     int signal_count_{0};

@@ -83,6 +83,7 @@ void describe(config::Fields& f, SimConfig& c) {
         plan.name = name.name;
         names(m, "upstream", plan.upstream, "members whose output it reads");
         names(m, "triggered_by", plan.triggered_by, "those whose output makes it work in the same tick");
+        names(m, "late", plan.late, "those upstream whose output is due after the tick it is made in");
         m.flag("feeds_simulator", plan.feeds_simulator, {.doc = "the simulator reads its output"});
         c.members.push_back(std::move(plan));
     });

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/member/frame_exchange.hpp"
 
+#include "gateways/ethernet/boxed_ip.hpp"
 #include "gateways/ethernet/interface.hpp"
 
 #include <algorithm>
@@ -37,6 +38,7 @@ PacketLink FrameExchange::link() {
     out.name = config_.wire.interface;
     if (port_ != nullptr) {
         out.mac = port_->mac().octets;
+        out.ip = config_.ip;
     }
     out.send = [this](std::span<std::uint8_t const> frame, std::int64_t now_ns) { return send(frame, now_ns); };
     return out;
@@ -47,9 +49,15 @@ std::string FrameExchange::send(std::span<std::uint8_t const> frame, std::int64_
     if (std::find(config_.sends.begin(), config_.sends.end(), ethertype) == config_.sends.end()) {
         return fmt::format("a frame of ethertype {:#06x}, which its `sends:` does not declare", ethertype);
     }
-    if (!over_) {
-        port_->send(frame, clock_.at_or_after(now_ns + latency_ns_));
+    if (over_) {
+        return {};
     }
+    SimTime at = clock_.at_or_after(now_ns + latency_ns_);
+    if (ethertype == ethernet::kIpEthertype) { // the order in which they leave is seen, so no two leave at one instant
+        at = std::max(at, free_);
+        free_ = SimTime{at.quanta + 1};
+    }
+    port_->send(frame, at);
     return {};
 }
 

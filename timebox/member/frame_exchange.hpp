@@ -37,6 +37,7 @@ class FrameExchange {
     int index_{0};
     std::vector<bus::WireFrame const*> frames_;
     bool over_{false};
+    SimTime free_{}; ///< IP: the cable is, for the next frame
 };
 
 } // namespace gridspace::timebox

@@ -5,7 +5,9 @@
 #include "common/config/fields.hpp"
 #include "common/rational.hpp"
 #include "gateways/port/wire_config.hpp"
+#include "timebox/ip/ip_link.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,7 @@ struct MemberConfig {
     Rational latency_us{0};
     gateways::WireConfig wire;
     std::vector<std::uint16_t> sends, receives; ///< ethertypes
+    std::optional<IpLink> ip;
 };
 void describe(config::Fields& f, MemberConfig& c);
 

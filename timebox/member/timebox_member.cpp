@@ -43,10 +43,10 @@ class TimeboxMember final : public bus::Member {
         }
         exchange_->bring(*box_);
         exchange_->maintain();
+        auto const pause = box_->run_until(clock_.of(tick.time));
         if (ended_) {
             return {};
         }
-        auto const pause = box_->run_until(clock_.of(tick.time));
         if (!pause) {
             tell();
             return std::unexpected{pause.error()};
@@ -56,9 +56,6 @@ class TimeboxMember final : public bus::Member {
 
     std::uint64_t next_tick(bus::Tick const&) const override {
         std::uint64_t out = bus::TickGrid::kNever;
-        if (ended_) {
-            return out;
-        }
         if (auto const next_ns = box_->next_ns()) {
             out = grid_.tick_of(clock_.at_or_after(*next_ns));
         }

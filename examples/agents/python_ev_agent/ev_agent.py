@@ -21,7 +21,7 @@ class EvAgent(gridspace.Agent):
     period_s = Setting("fraction", 360, above=0, whole_steps=True, doc="time between two requests")
     latency_us = Setting("fraction", 0, min=0, latency=True, doc="from measurement to request, in lockstep")
 
-    measurements = Reads("bus_measurements", "BusMeasurement")
+    measurements = Reads("bus_measurements", "BusMeasurement", only={"bus": "{bus}"})
     requests = Writes("requests", "ChargingRequest")
     requested_a = Signal("agent.{process}.requested_a", "A")
     v_pu = Signal("agent.{process}.v_pu", "p.u.")
@@ -31,8 +31,7 @@ class EvAgent(gridspace.Agent):
         self.every(self.period_s, self.ask)
 
     def on_measurements(self, measured):
-        if measured.bus == self.bus:
-            self.seen = next(((measured.v_pu, ev.soc_percent) for ev in measured.evs if ev.ev == self.ev), self.seen)
+        self.seen = next(((measured.v_pu, ev.soc_percent) for ev in measured.evs if ev.ev == self.ev), self.seen)
 
     def ask(self):
         if self.seen is None:

@@ -11,11 +11,25 @@
 namespace gridspace::scan {
 namespace {
 
+/// A page is no wider than what was found: columns that say nothing in any row are left out.
+Rows without_empty_columns(Rows const& rows) {
+    Rows out(rows.size());
+    for (std::size_t column = 0; column < rows.front().size(); ++column) {
+        auto const says_something = [&](auto const& row) { return !row[column].empty() && row[column] != "-"; };
+        for (std::size_t row = 0; row < rows.size() && std::any_of(rows.begin() + 1, rows.end(), says_something);
+             ++row) {
+            out[row].push_back(rows[row][column]);
+        }
+    }
+    return out;
+}
+
 /// Names in a capture are whatever somebody wrote.
-std::string section(std::string title, Rows const& rows, std::string note) {
-    if (rows.size() < 2) {
+std::string section(std::string title, Rows const& all, std::string note) {
+    if (all.size() < 2) {
         return "";
     }
+    Rows const rows = without_empty_columns(all);
     launcher::ReportTable table{std::move(title), rows.front(), {rows.begin() + 1, rows.end()}, std::move(note)};
     for (auto& row : table.rows) {
         std::transform(row.begin(), row.end(), row.begin(), escape_markup);
@@ -41,7 +55,7 @@ std::string to_page(CaptureScan const& scan, std::filesystem::path const& file) 
         section("Streams", stream_rows(scan),
                 "Counted over all senders of the name. Copies: samples or messages that came again. Jumps: of smpCnt, "
                 "or restarts of a GOOSE publisher. confRev: changes. Foreign: frames of other addresses than the first "
-                "one. Off forecast: samples that those before them do not explain.");
+                "one. Off forecast: samples that those before them do not explain. Columns without any are left out.");
     body +=
         section("Lines", line_rows(scan),
                 "Both ends of a line as a relay with our detector sees them: phasors over one cycle, pickup at 30 % of "

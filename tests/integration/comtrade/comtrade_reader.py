@@ -3,6 +3,7 @@
 """A reader of COMTRADE files written from IEEE C37.111-2013 alone; it shares nothing with the writer and refuses what the standard does."""
 import datetime
 import pathlib
+import re
 import struct
 
 
@@ -17,10 +18,23 @@ def stamp(text):
     return int(base.timestamp()) * 10**9 + int(fraction.ljust(9, "0"))
 
 
+def parts(file):
+    """CFG and DAT of a record, in two files or in one (.cff)."""
+    raw = file.read_bytes()
+    if file.suffix != ".cff":
+        return raw, file.with_suffix(".dat").read_bytes()
+    found = list(re.finditer(rb"^--- file type: (\w+)(?: (\w+)(?:: (\d+))?)? ---\r\n", raw, re.MULTILINE))
+    assert [m[1] for m in found[:4]] == [b"CFG", b"INF", b"HDR", b"DAT"], found
+    data = raw[found[3].end():]
+    assert (found[3][2] == b"ASCII" and found[3][3] is None) or int(found[3][3]) == len(data), found[3]
+    cfg = raw[found[0].end():found[1].start()]
+    assert cfg.split(b"\r\n")[-5] == found[3][2], "both parts say the same of the data"
+    return cfg, data
+
+
 class Comtrade:
     def __init__(self, cfg):
-        cfg = pathlib.Path(cfg)
-        raw = cfg.read_bytes()
+        raw, data = parts(pathlib.Path(cfg))
         assert raw.endswith(b"\r\n") and raw.count(b"\n") == raw.count(b"\r\n"), "lines end with CR LF"
         lines = raw.decode("ascii").split("\r\n")[:-1]
         self.station, self.device, revision = lines.pop(0).split(",")
@@ -50,7 +64,6 @@ class Comtrade:
         self.time_quality, self.leap_second = lines.pop(0).split(",")
         assert not lines, lines
         assert len({c["name"] for c in self.analog + self.digital}) == int(total), "names are unique"
-        data = cfg.with_suffix(".dat").read_bytes()
         {"ASCII": self._read_ascii, "BINARY": self._read_binary, "FLOAT32": self._read_binary}[self.format](data)
         for c in self.analog:
             assert all(v is None or c["low"] <= v <= c["high"] for v in c["stored"]), f"{c['name']}: outside of min and max"

@@ -88,6 +88,13 @@ class DisturbanceRecords(ScenarioTest):
         code, out, said = gridspace("export", run.folder, "--comtrade", "--out", run.folder / "again")
         self.assertEqual((code, len(out.splitlines())), (OK, 2), said)
         self.assertEqual((run.folder / "again/relay2_trip_1_binary.dat").read_bytes(), (run.folder / "comtrade/relay2_trip_1_binary.dat").read_bytes())
+        code, out, said = gridspace("export", run.folder, "--comtrade", "--cff", "--out", run.folder / "single")
+        self.assertEqual((code, sorted(p.name for p in (run.folder / "single").iterdir())), (OK, ["relay2_trip_1_ascii.cff", "relay2_trip_1_binary.cff"]), said)
+        for pair, single in zip((ascii_record, binary), map(Comtrade, out.splitlines())):
+            self.assertEqual(vars(single), vars(pair))
+        code, _, said = gridspace("export", run.folder, "--latency")
+        self.assertEqual(code, USAGE)
+        self.assertIn("no frame of this run has a time under way", said)
         code, out, said = gridspace("export", run.folder, "--comtrade", "--trigger", "fault", "--before-ms", "10", "--after-ms", "20", "--signals", "machine.G1.frequency_hz")
         self.assertEqual(code, OK, said)
         around = Comtrade(out.splitlines()[0])

@@ -38,7 +38,8 @@ class Agents(ScenarioTest):
     def message_of(self, body, expected_code=CHILD_DIED, **settings):
         """Runs an agent that makes a mistake beside case 1; what the run says."""
         agent = {"program": {"path": str(self.script("wrong.py", body))}, "host": "controller", **settings}
-        run = self.run_to_end("wrong", [*NO_EXPECTATIONS, "--until", "20min"], self.scenario(wrong=agent), expected_code)
+        self.tried = getattr(self, "tried", 0) + 1
+        run = self.run_to_end(f"wrong_{self.tried}", [*NO_EXPECTATIONS, "--until", "20min"], self.scenario(wrong=agent), expected_code)
         self.log = (run.folder / "logs/wrong.log").read_text()
         self.others = {p["exit"] for p in run.summary()["processes"] if p["name"] != "wrong"}
         return run.summary().get("cause")
@@ -69,6 +70,22 @@ class Agents(ScenarioTest):
         column = header.split(",").index("agent.watch.seen_s")
         told = [(float(row.split(",")[0]), float(row.split(",")[column])) for row in rows if row.split(",")[column]]
         self.assertEqual(sorted(set(told)), [(float(s), float(s)) for s in range(21)])
+
+    def test_samples_that_it_does_not_want_do_not_come(self):
+        agent = """
+            class Wrong(gridspace.Agent):
+                buses = Setting("names")
+                measured = Reads("bus_measurements", "BusMeasurement", only={"bus": "{buses}"})
+                def begin(self):
+                    self.seen = set()
+                def on_measured(self, sample):
+                    self.seen.add(sample.bus)
+                def end(self):
+                    raise ValueError(f"came: {sorted(self.seen)}")
+        """
+        self.assertEqual(self.message_of(agent, buses=["B1", "B3"]), "wrong: ValueError: came: ['B1', 'B3'] (wrong.py:13 in end)")
+        self.assertEqual(self.message_of(agent.replace('"bus":', '"place":'), buses=["B1"], expected_code=USAGE),
+                         "wrong: topic 'bus_measurements': `only` names 'place', and BusMeasurement has no text of that name")
 
     def test_it_takes_part_in_real_time(self):
         run = self.run_to_end("run", [*NO_EXPECTATIONS, "--set", "clock.mode=realtime", "--speed", "900", "--until", "1h"],

@@ -86,17 +86,18 @@ class Sdk(harness.ScenarioTest):
         self.assertRegex(said, r"scenario\.yaml:\d+:\d+: error: unknown key 'fast'")
         self.assertRegex(said, r"scenario\.yaml:\d+:\d+: error: .*most_kw.*-8.*out of range")
 
-        # What goes wrong in a callback is what the run says: a struct of another IDL, an exception.
-        for name, file, before, after, expected in (
+        # What goes wrong in a callback is what the run says: a struct of another IDL, a text too long for the type, an exception.
+        for number, (name, file, before, after, expected) in enumerate((
             ("agent_c", "agent_c.c", "&set_point, sizeof set_point)", "&set_point, 8)", "agent_c: a sample of 8 octets for 'set_points', whose type SetPoint has 48"),
+            ("agent_c", "agent_c.c", "&set_point, 8)", f'&(SetPoint){{.element = "{"x" * 65}"}}, sizeof set_point)', "agent_c: SetPoint.element"),
             ("agent_b", "agent_b.cpp", "if (v_pu_) {", 'if (now_s() == 600) throw std::runtime_error{"no price"}; else {', "agent_b: no price"),
-        ):
+        )):
             source = self.folder / name / file
             source.write_text(source.read_text().replace(before, after))
             scenario = self.folder / name / "scenario.yaml"
             scenario.write_text(scenario.read_text().replace("most_kw: -8, fast: true", "most_kw: 8"))
             self.do("cmake", "--build", f"{name}/build")
-            self.assertIn(expected, self.do(installed, "run", scenario, "--quiet", "--out", f"{name}/wrong", code=harness.CHILD_DIED))
+            self.assertIn(expected, self.do(installed, "run", scenario, "--quiet", "--out", f"{name}/wrong_{number}", code=harness.CHILD_DIED))
 
     def test_an_installation_has_the_agents_that_its_scenarios_name(self):
         prefix = self.folder / "prefix"

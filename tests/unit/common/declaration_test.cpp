@@ -34,18 +34,20 @@ Declaration complete() {
     mode.words = {"fast", "slow"};
     config::Key several{.key = "evs", .doc = "which", .kind = config::Key::Kind::map};
     several.children = {period};
-    return {.name = "ems",
-            .description = "one \"line\"",
-            .role = "ev_agent",
-            .member = false,
-            .daemon = true,
-            .settings = {period, mode, several},
-            .whole_steps = {"period_s"},
-            .latency = "latency_us",
-            .elements = {{"evs", "ev", "acts for", {{"bus", "bus"}}}},
-            .reads = {{.topic = "{from}", .type = "Price", .triggers = true, .idl = "price.idl"}},
-            .writes = {{.topic = "plan", .type = "Plan", .optional = true}},
-            .signals = {{"agent.{process}.cost", "EUR", 2}}};
+    return {
+        .name = "ems",
+        .description = "one \"line\"",
+        .role = "ev_agent",
+        .member = false,
+        .daemon = true,
+        .settings = {period, mode, several},
+        .whole_steps = {"period_s"},
+        .latency = "latency_us",
+        .elements = {{"evs", "ev", "acts for", {{"bus", "bus"}}}},
+        .reads =
+            {{.topic = "{from}", .type = "Price", .triggers = true, .idl = "price.idl", .only = {{"bus", "{bus}"}}}},
+        .writes = {{.topic = "plan", .type = "Plan", .optional = true}},
+        .signals = {{"agent.{process}.cost", "EUR", 2}}};
 }
 
 TEST(Pattern, WithoutSettingsIsTheNameItself) {
@@ -101,6 +103,10 @@ TEST(Declaration, MistakesAreNamedByLineAndColumn) {
              {"{\"gridspace_program\": 1, \"name\": \"x\", \"settings\": [{\"key\": \"a\", \"kind\": \"word\"}]}",
               "the setting 'a' is a word, and no words are named"},
              {"{\"gridspace_program\": 1, \"name\": \"x\", \"reads\": [{\"topic\": \"a\"}]}", "lacks the key 'type'"},
+             {R"({"gridspace_program": 1, "name": "x", "reads": [{"topic": "a", "type": "A", "only": ["b"]}]})",
+              "`only` is a list"},
+             {R"({"gridspace_program": 1, "name": "x", "writes": [{"topic": "a", "type": "A", "only": {"b": "c"}}]})",
+              "`only` belongs to what a program reads"},
              {"hello", "ems --describe:1:1"},
          }) {
         config::Diagnostics diagnostics;

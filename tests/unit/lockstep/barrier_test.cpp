@@ -72,6 +72,31 @@ TEST_F(BarrierTest, AMemberIsAwaitedWithWhatTriggersIt) {
     EXPECT_EQ(chained.awaited_bits(), std::vector<std::uint8_t>{0b0111});
 }
 
+TEST_F(BarrierTest, WhoHearsALateOneIsAwaitedInTheTickAfterItHasSent) {
+    Barrier pair{{{"client", {}, {"server"}}, {"server", {}, {"client"}}, {"tap", {"server"}}}, 16};
+    std::size_t const client = pair.member_index("client"), server = pair.member_index("server"),
+                      tap = pair.member_index("tap");
+    pair.open(0, true);
+    for (std::size_t const member : {client, server, tap}) {
+        (void)pair.on_ack(member, 0, 10);
+    }
+    pair.open(1, false);
+    EXPECT_FALSE(pair.anybody_awaited()); // nobody has sent anything
+    pair.open(10, false);
+    (void)pair.on_ack(client, 10, 30, true);
+    (void)pair.on_ack(server, 10, 30);
+    (void)pair.on_ack(tap, 10, 30);
+    pair.open(11, false);
+    EXPECT_EQ(missing(pair), (Names{"server", "tap"})); // and who hears the server in the same tick
+    (void)pair.on_ack(server, 11, 30, true);
+    (void)pair.on_ack(tap, 11, 30);
+    pair.open(12, false);
+    EXPECT_EQ(missing(pair), Names{"client"});
+    (void)pair.on_ack(client, 12, 30);
+    pair.open(13, false);
+    EXPECT_FALSE(pair.anybody_awaited());
+}
+
 TEST_F(BarrierTest, NobodyLagsByMoreThanTheLimit) {
     sut.open(0, true);
     acknowledge_all(0, 1000);

@@ -48,6 +48,27 @@ TEST_F(TickGateTest, DoesNotWaitForUpstreamMembersThatAreIdleInTheTick) {
     EXPECT_TRUE(sut.granted());
 }
 
+TEST_F(TickGateTest, OfALateOneTheTickBeforeIsEnough) {
+    TickGate late{{"mcca", "sim", {"ev2", "ev1", "mcca"}, {"ev1", "ev2"}, {"ev2"}}, book};
+    late.on_clock(4, all, false);
+    late.on_ack(ev1, 4);
+    EXPECT_TRUE(late.granted()); // ev2 was awaited in no tick before
+    late.done();
+    late.on_clock(5, all, false);
+    late.on_ack(ev1, 5);
+    EXPECT_FALSE(late.granted());
+    EXPECT_EQ(late.awaiting(), "the acknowledgement of tick 4 by ev2");
+    late.on_ack(ev2, 4);
+    EXPECT_TRUE(late.granted());
+    late.done();
+    late.on_clock(6, std::vector<std::uint8_t>{0b011}, false); // it sleeps through that one
+    late.on_clock(7, std::vector<std::uint8_t>{0b101}, false);
+    late.on_ack(ev1, 7);
+    EXPECT_EQ(late.awaiting(), "the acknowledgement of tick 6 by ev2");
+    late.on_ack(ev2, 6);
+    EXPECT_TRUE(late.granted());
+}
+
 TEST_F(TickGateTest, SleepsThroughTicksThatDoNotAwaitIt) {
     sut.on_clock(3, std::vector<std::uint8_t>{0b011}, false);
     sut.on_ack(ev1, 3);
