@@ -73,6 +73,15 @@ def codec(build: Build) -> Iterator[Figure]:
         yield Figure(one["name"], one["name"].replace("_", " "), one["cpu_time"], "ns", False, aim=aims.get(one["name"]))
 
 
+def forecaster(build: Build) -> Iterator[Figure]:
+    """Nanoseconds of processor time for the forecast of one phase-sample, beside a plain loop over 20 samples."""
+    aims = {"ar_20": 35, "mlp_20_10_1": 200}
+    found = {one["name"]: one["cpu_time"] / one["channels"]
+             for one in json.loads(build.output("bench/bench_forecaster", "--benchmark_format=json", "--benchmark_min_time=0.2"))["benchmarks"]}
+    for name, value in found.items():
+        yield Figure(name, f"a forecast of {name}" if name != "plain_loop" else "a plain loop over 20 samples", value, "ns", False, aim=aims.get(name))
+
+
 def wire(build: Build) -> Iterator[Figure]:
     """Frames over a virtual cable, beside bare packet sockets."""
     found = json.loads(build.output("bench/bench_wire_frames", "--rate-seconds", "5"))
@@ -146,4 +155,4 @@ def simulated_time(build: Build) -> Iterator[Figure]:
 
 
 MEASURES: dict[str, Callable[[Build], Iterator[Figure]]] = {
-    "codec": codec, "wire": wire, "emt": emt, "lockstep": lockstep, "speeds": speeds, "real_time": real_time, "python": python_agent, "timebox": simulated_time}
+    "codec": codec, "forecaster": forecaster, "wire": wire, "emt": emt, "lockstep": lockstep, "speeds": speeds, "real_time": real_time, "python": python_agent, "timebox": simulated_time}

@@ -62,6 +62,18 @@ gridspace ids export
 gridspace monitor
     gridspace monitor latest
     gridspace monitor --domain 7 --address 192.168.1.20
+gridspace keys init
+    gridspace keys init keys
+    gridspace keys init keys relay2 ev1 --days 30
+gridspace keys issue
+    gridspace keys issue keys relay2 --days 30
+gridspace keys revoke
+    gridspace keys revoke keys relay2
+gridspace keys list
+    gridspace keys list keys
+gridspace ids sweep
+    gridspace ids sweep
+    gridspace ids sweep configs/studies/ids_benchmark.yaml --keep
 gridspace router
     gridspace router plant.yaml --check
     gridspace router plant.yaml

@@ -70,7 +70,7 @@ class Found final : public DiscoveryObserver {
 
 struct Joining {
     KeyFolder const* keys{nullptr};
-    Protection messages{Protection::none};
+    Protection messages{Protection::none}, data{Protection::none};
     bool knows_revoked{true};
     launcher::Rights rights{{"x"}, {"x"}};
 };
@@ -120,6 +120,7 @@ class SecuredBus : public ethernet::Veth {
         fs::create_directories(own);
         launcher::SecuritySettings settings;
         settings.messages = how.messages;
+        settings.all.data = how.data;
         auto const facts = crypto::facts_of(text_of(keys.folder() / "identities" / (name + ".pem")));
         std::ofstream{own / "governance.p7s"}
             << crypto::sign_document(keys.permissions_authority(), launcher::governance(settings, {0})).value();
@@ -158,10 +159,10 @@ class Talk {
         : reader_{to.create_reader("x", {.type_name = "X"}, [this](auto, SampleHeader const&) { ++heard_; })},
           writer_{from.create_writer("x", {.type_name = "X"})} {}
     [[nodiscard]] bool made() const { return reader_.has_value() && writer_.has_value(); }
-    [[nodiscard]] bool works() {
+    [[nodiscard]] bool works(std::size_t octets = 8) {
         int const before = heard_;
         return wait_until([&] { return !(*reader_)->matched().empty() && !(*writer_)->matched().empty(); }) &&
-               (*writer_)->write_cdr(std::vector<std::byte>(8), std::nullopt) &&
+               (*writer_)->write_cdr(std::vector<std::byte>(octets), std::nullopt) &&
                wait_until([&] { return heard_ > before; });
     }
     [[nodiscard]] int heard() const { return heard_; }
@@ -183,6 +184,18 @@ TEST_F(SecuredBus, MembersHearEachOtherHoweverTheirMessagesAreProtected) {
         EXPECT_EQ((*b)->refused_datagrams(), "");
     }
     EXPECT_EQ(told(), "");
+}
+
+TEST_F(SecuredBus, SamplesOfAnyLengthPassHoweverTheyAreProtected) {
+    for (Protection const data : {Protection::none, Protection::sign, Protection::encrypt}) {
+        auto const a = join("a", {.data = data}), b = join("b", {.data = data});
+        ASSERT_TRUE(a && b) << describe(a ? b.error() : a.error());
+        Talk sut{**a, **b};
+        ASSERT_TRUE(sut.made());
+        for (std::size_t const octets : {8U, 9U, 10U, 11U, 2000U, 100'001U}) { // the last one in fragments
+            EXPECT_TRUE(sut.works(octets)) << launcher::to_string(data) << ", " << octets;
+        }
+    }
 }
 
 TEST_F(SecuredBus, WhoHasNoKeysHearsAndSaysNothingAndIsTold) {

@@ -57,6 +57,11 @@ class Security(ScenarioTest):
         plain, secured = self.run_to_end("plain", scenario=plain_file), self.run_to_end("secured", scenario=secured_file)
         self.assert_identical(plain, secured)
 
+    def test_a_process_that_is_started_again_shows_its_certificate_again(self):
+        scenario = SOURCE / "tests/scenarios/misbehaviour/relay_restarted.yaml"
+        plain, secured = self.run_to_end("plain", scenario=scenario), self.run_to_end("secured", ["--set", "security=on"], scenario)
+        self.assert_identical(plain, secured)
+
     def test_with_an_expired_or_a_revoked_certificate_nothing_starts(self):
         keys = self.keys()
         setting = ["--set", f"security={{keys: {keys}}}"]
