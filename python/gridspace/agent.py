@@ -7,7 +7,6 @@ import ctypes
 import functools
 import inspect
 import json
-import math
 import pathlib
 import re
 import sys
@@ -127,14 +126,6 @@ class Agent:
             self._library.gridspace_log(LEVELS[level], text.encode(errors="replace"))
         else:
             print(f"{level}  {text}", file=sys.stderr)
-
-    def _signal(self, signal: Signal, value: float) -> None:
-        number = float(value)
-        if not math.isfinite(number):
-            raise ValueError(f"the signal '{signal.signal}' is {number}, which is not finite")
-        self._signals[signal.name] = number
-        if self._handle and self._library.gridspace_signal(self._handle, self._columns[signal.name], number) != 0:
-            raise ValueError(library.last_error())
 
     # ---- how it is run
 

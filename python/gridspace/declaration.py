@@ -3,11 +3,13 @@
 """What an agent says of itself, as attributes of its class: settings, topics, signals (docs/reference/program_description.md)."""
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from gridspace import library
 from gridspace.samples import Sample
 
 if TYPE_CHECKING:
@@ -134,7 +136,12 @@ class Signal(Declared):
         return self if agent is None else agent._signals.get(self.name)
 
     def __set__(self, agent: Agent, value: float) -> None:
-        agent._signal(self, value)
+        number = float(value)
+        if not math.isfinite(number):
+            raise ValueError(f"the signal '{self.signal}' is {number}, which is not finite")
+        agent._signals[self.name] = number
+        if agent._handle and agent._library.gridspace_signal(agent._handle, agent._columns[self.name], number) != 0:
+            raise ValueError(library.last_error())
 
 
 class Writer:

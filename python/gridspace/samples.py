@@ -49,6 +49,7 @@ class _Field:
     def __init__(self, where: str, layout: dict[str, Any]):
         self.where, self.kind, self.bound = where, layout["kind"], layout.get("bound", 0)
         self.raw = ""  # of a member: the attribute of ctypes
+        self.written_as = {"double": float, "string": str}.get(self.kind)  # a value of that type needs no looking at
         self.element = _Field(f"{where}[…]", layout["element"]) if "element" in layout else None
         self.enum = enum.IntEnum(layout["name"].rpartition("::")[2], layout["values"]) if self.kind == "enum" else None
         if self.kind == "struct":
@@ -222,8 +223,9 @@ class Sample(ctypes.Structure):
     def __init__(self, **members: Any):
         fields = self._idl_fields
         for name, value in members.items():
-            if type(value) is float and name in fields and fields[name].kind == "double":  # most of what agents write
-                _set_raw(self, fields[name].raw, value)
+            field, kind = fields.get(name), type(value)
+            if field is not None and field.written_as is kind and (kind is float or "\0" not in value):  # most of what agents write
+                _set_raw(self, field.raw, value if kind is float else value.encode())
             else:
                 self._set(name, value)
 
@@ -285,11 +287,20 @@ def _text_member(raw: str) -> property:
     return property(read)
 
 
+def _sequence_member(raw: str, element: _Field) -> property:
+    def read(self: Sample) -> Items:
+        head = getattr(self, raw)
+        return Items(element, head.items or 0, head.length, self)
+    return property(read)
+
+
 def _member(made: type[Sample], name: str, field: _Field) -> Any:
     """How a member is read: numbers as ctypes does it, others as Python has them."""
     raw = f"_{name}"
     if field.kind in _NUMBERS or field.kind in ("boolean", "struct"):
         return made.__dict__[raw]
+    if field.kind == "sequence":
+        return _sequence_member(raw, field.element)
     return _text_member(raw) if field.kind == "string" else property(lambda self: field.read(getattr(self, raw), self))
 
 

@@ -27,7 +27,7 @@ class EvAgent(gridspace.Agent):
     v_pu = Signal("agent.{process}.v_pu", "p.u.")
 
     def begin(self):
-        self.seen = None
+        self.seen, self.request_period_s = None, float(self.period_s)
         self.every(self.period_s, self.ask)
 
     def on_measurements(self, measured):
@@ -38,7 +38,7 @@ class EvAgent(gridspace.Agent):
             return self.log(f"no measurement of {self.ev} at {self.bus} yet: no request", "warning")
         v_pu, soc_percent = self.seen
         current_a = self.wanted_a(soc_percent)
-        self.requests(ev=self.ev, current_a=current_a, v_pu=v_pu, soc_percent=soc_percent, period_s=float(self.period_s))
+        self.requests(ev=self.ev, current_a=current_a, v_pu=v_pu, soc_percent=soc_percent, period_s=self.request_period_s)
         self.requested_a, self.v_pu = current_a, v_pu
 
     def wanted_a(self, soc_percent):
