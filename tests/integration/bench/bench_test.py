@@ -48,7 +48,7 @@ class Bench(unittest.TestCase):
         self.assertIn("not measured: codec: bench/bench_wire_codec: No such file", done.stdout)
 
     def test_bad_words_name_what_there_is(self):
-        self.assertRegex(self.bench("codecs").stderr, "there is no measure 'codecs': expected codec, wire")
+        self.assertRegex(self.bench("codecs").stderr, "there is no measure 'codecs': expected codec, forecaster, wire")
         self.assertRegex(self.bench("codec", "--compare", "abc").stderr, "nothing was measured here at 'abc'; there is nothing yet")
 
 
