@@ -206,19 +206,6 @@ bool read(Daemon const& daemon, Options const& options, bus::NodeConfig& node, c
     return diagnostics.ok();
 }
 
-/// The whole of a daemon's life; its exit code.
-int live(Daemon const& daemon, int argc, char** argv);
-
-/// Fast DDS would sleep for 100 ms at the end of each process (RTPSDomain::stopAll), with nothing left to stop.
-[[noreturn]] void leave(int code) {
-#ifdef GRIDSPACE_CHECKED_AT_EXIT // what a sanitizer has to say, it says then
-    std::exit(code);
-#else
-    std::fflush(nullptr);
-    std::_Exit(code);
-#endif
-}
-
 } // namespace
 
 StatusReporter::~StatusReporter() {
@@ -355,16 +342,19 @@ void StatusReporter::control(std::string_view action) {
     send(Json{{"status", "control"}, {"action", action}}.dump());
 }
 
-int run_daemon(Daemon const& daemon, int argc, char** argv) {
-    int const code = live(daemon, argc, argv);
-    if (daemon.is_ours) {
-        leave(code);
-    }
-    return code; // libgridspace leaves the process to its owner
-}
-
 namespace {
 
+/// Fast DDS would sleep for 100 ms at the end of each process (RTPSDomain::stopAll), with nothing left to stop.
+[[noreturn]] void leave(int code) {
+#ifdef GRIDSPACE_CHECKED_AT_EXIT // what a sanitizer has to say, it says then
+    std::exit(code);
+#else
+    std::fflush(nullptr);
+    std::_Exit(code);
+#endif
+}
+
+/// The whole of a daemon's life; its exit code.
 int live(Daemon const& daemon, int argc, char** argv) {
     SignalWatcher signals; // before anything else: an interrupt during start-up is orderly too
     Options options;
@@ -415,6 +405,14 @@ int live(Daemon const& daemon, int argc, char** argv) {
 }
 
 } // namespace
+
+int run_daemon(Daemon const& daemon, int argc, char** argv) {
+    int const code = live(daemon, argc, argv);
+    if (daemon.is_ours) {
+        leave(code);
+    }
+    return code; // libgridspace leaves the process to its owner
+}
 
 Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> const& body) {
     std::atomic<bus::Node*> there{nullptr};

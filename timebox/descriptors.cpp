@@ -124,9 +124,9 @@ bool is_ready(UniqueFd const& file, short event) {
     return !file || ::poll(&entry, 1, 0) > 0;
 }
 
-std::uint64_t inode_of(UniqueFd const& file) {
+std::uint64_t socket_inode_of(UniqueFd const& file) {
     struct stat status{};
-    return file && ::fstat(file.get(), &status) == 0 ? status.st_ino : 0;
+    return file && ::fstat(file.get(), &status) == 0 && S_ISSOCK(status.st_mode) ? status.st_ino : 0;
 }
 
 std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file) {

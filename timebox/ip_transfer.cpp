@@ -50,19 +50,8 @@ std::optional<std::int64_t> IpCalls::send(Thread& t, IpSocket& socket, UniqueFd 
     if (socket.stream) {
         return send_stream(t, socket, file, waits);
     }
-    std::int64_t done = 0;
-    for (Message const& message : messages_of(t.tid, t.call)) {
-        std::int64_t const result = send_datagram(t, socket, message);
-        if (message.count_at == 0) {
-            return result;
-        }
-        if (result < 0) { // sendmmsg(2): what went before counts
-            return done > 0 ? done : result;
-        }
-        put(t.tid, message.count_at, static_cast<std::uint32_t>(result));
-        ++done;
-    }
-    return done;
+    return each_message(t.tid, t.call,
+                        [&](Message const& message) { return std::optional{send_datagram(t, socket, message)}; });
 }
 
 std::optional<std::int64_t> IpCalls::send_stream(Thread& t, IpSocket& socket, UniqueFd const& file, bool waits) {
@@ -140,28 +129,17 @@ std::optional<std::int64_t> IpCalls::receive(Thread& t, IpSocket& socket, Unique
     if ((flags & MSG_ERRQUEUE) != 0) {
         return -EAGAIN;
     }
-    std::int64_t done = 0;
-    for (Message const& message : messages_of(t.tid, t.call)) {
-        if (int const error = done == 0 ? socket.udp->take_error() : 0; error != 0) {
-            sockets_.taken(socket, file);
-            return -error;
+    bool any = false;
+    std::int64_t const result = each_message(t.tid, t.call, [&](Message const& message) -> std::optional<std::int64_t> {
+        int const error = any ? 0 : socket.udp->take_error();
+        if (error == 0 && socket.udp->queue().empty()) {
+            return std::nullopt;
         }
-        if (socket.udp->queue().empty()) {
-            break;
-        }
-        std::int64_t const result = receive_datagram(t, socket, message, flags, (flags & MSG_PEEK) != 0);
-        sockets_.taken(socket, file);
-        if (message.count_at == 0) {
-            return result;
-        }
-        if (result < 0) {
-            return done > 0 ? done : result;
-        }
-        put(t.tid, message.count_at, static_cast<std::uint32_t>(result));
-        ++done;
-    }
+        any = true;
+        return error != 0 ? -error : receive_datagram(t, socket, message, flags, (flags & MSG_PEEK) != 0);
+    });
     sockets_.taken(socket, file);
-    return done > 0 ? std::optional{done} : waits ? std::nullopt : std::optional<std::int64_t>{-EAGAIN};
+    return any ? std::optional{result} : waits ? std::nullopt : std::optional<std::int64_t>{-EAGAIN};
 }
 
 std::int64_t IpCalls::receive_datagram(Thread const& t, IpSocket& socket, Message const& message, int flags,

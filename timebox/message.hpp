@@ -5,6 +5,7 @@
 #include "timebox/tracee.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <sys/socket.h>
 #include <sys/uio.h>
@@ -23,6 +24,27 @@ struct Message {
 };
 /// One, or several of sendmmsg and recvmmsg.
 [[nodiscard]] std::vector<Message> messages_of(pid_t tid, Call const& call);
+/// Does `one` for each, and counts its octets in the mmsghdr; nothing: there is no more to do. The result of the call:
+/// of one message that of `one`, of several how many there were; what went before a failure counts (sendmmsg(2)).
+template <class One>
+std::int64_t each_message(pid_t tid, Call const& call, One const& one) {
+    std::int64_t done = 0;
+    for (Message const& message : messages_of(tid, call)) {
+        std::optional<std::int64_t> const result = one(message);
+        if (!result) {
+            break;
+        }
+        if (message.count_at == 0) {
+            return *result;
+        }
+        if (*result < 0) {
+            return done > 0 ? done : *result;
+        }
+        put(tid, message.count_at, static_cast<std::uint32_t>(*result));
+        ++done;
+    }
+    return done;
+}
 /// MSG_DONTWAIT and others.
 [[nodiscard]] int flags_of(Call const& call);
 

@@ -105,19 +105,8 @@ std::int64_t PacketCalls::send_one(Thread const& t, PacketSocket const& socket, 
 }
 
 std::int64_t PacketCalls::send(Thread const& t, PacketSocket const& socket) {
-    std::int64_t done = 0;
-    for (Message const& message : messages_of(t.tid, t.call)) {
-        std::int64_t const result = send_one(t, socket, message);
-        if (message.count_at == 0) {
-            return result;
-        }
-        if (result < 0) { // sendmmsg(2): what went before counts
-            return done > 0 ? done : result;
-        }
-        put(t.tid, message.count_at, static_cast<std::uint32_t>(result));
-        ++done;
-    }
-    return done;
+    return each_message(t.tid, t.call,
+                        [&](Message const& message) { return std::optional{send_one(t, socket, message)}; });
 }
 
 std::vector<std::uint8_t> PacketCalls::control(PacketSocket const& socket, PacketFrame const& frame) const {
@@ -175,24 +164,15 @@ std::int64_t PacketCalls::receive_one(Thread const& t, PacketSocket const& socke
 
 std::int64_t PacketCalls::receive(Thread const& t, PacketSocket& socket, UniqueFd const& file) const {
     int const flags = flags_of(t.call);
-    std::int64_t done = 0;
-    for (Message const& message : messages_of(t.tid, t.call)) {
+    return each_message(t.tid, t.call, [&](Message const& message) -> std::optional<std::int64_t> {
         if (socket.queue.empty()) {
-            return done;
+            return std::nullopt;
         }
         PacketFrame const frame = (flags & MSG_PEEK) != 0 ? socket.queue.front() : socket.pop();
         std::int64_t const result = receive_one(t, socket, frame, message, flags);
         sockets_.taken(socket, file);
-        if (message.count_at == 0) {
-            return result;
-        }
-        if (result < 0) {
-            return done > 0 ? done : result;
-        }
-        put(t.tid, message.count_at, static_cast<std::uint32_t>(result));
-        ++done;
-    }
-    return done;
+        return result;
+    });
 }
 
 } // namespace gridspace::timebox

@@ -55,7 +55,8 @@ void CallTable::remember_receive_timeout(Thread const& t) {
         return;
     }
     auto const value = value_at<timeval>(t.tid, a[3]);
-    if (std::uint64_t const inode = inode_of(descriptors(t.process).copy_of(static_cast<int>(a[0]))); inode != 0) {
+    if (std::uint64_t const inode = socket_inode_of(descriptors(t.process).copy_of(static_cast<int>(a[0])));
+        inode != 0) {
         receive_timeouts_[inode] =
             static_cast<std::int64_t>(value.tv_sec) * 1'000'000'000 + static_cast<std::int64_t>(value.tv_usec) * 1000;
     }
@@ -63,7 +64,7 @@ void CallTable::remember_receive_timeout(Thread const& t) {
 
 std::optional<std::int64_t> CallTable::exact_receive_timeout_ns(UniqueFd const& file) const {
     auto const told = receive_timeout_ns(file);
-    auto const asked = told ? receive_timeouts_.find(inode_of(file)) : receive_timeouts_.end();
+    auto const asked = told ? receive_timeouts_.find(socket_inode_of(file)) : receive_timeouts_.end();
     return asked == receive_timeouts_.end() ? told : std::optional{asked->second};
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/packet_sockets.hpp"
 
+#include "timebox/descriptors.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <linux/if_ether.h>
@@ -48,13 +50,9 @@ bool PacketSockets::add(UniqueFd const& file, int kind, std::uint16_t protocol) 
 }
 
 PacketSocket* PacketSockets::find(UniqueFd const& file) {
-    struct stat status{};
-    if (sockets_.empty() || !file || ::fstat(file.get(), &status) != 0 || !S_ISSOCK(status.st_mode)) {
-        return nullptr;
-    }
-    auto const it =
-        std::find_if(sockets_.begin(), sockets_.end(), [&](PacketSocket const& s) { return s.inode == status.st_ino; });
-    return it == sockets_.end() ? nullptr : &*it;
+    std::uint64_t const inode = sockets_.empty() ? 0 : socket_inode_of(file);
+    auto const it = std::ranges::find(sockets_, inode, &PacketSocket::inode);
+    return inode == 0 || it == sockets_.end() ? nullptr : &*it;
 }
 
 bool PacketSockets::mark(PacketSocket& socket) const {

@@ -22,11 +22,11 @@ struct ComtradeRecord {
 
 enum class ComtradeFiles {
     pair,  ///< BASE.cfg and BASE.dat
-    single ///< BASE.cff, with all parts in one (C37.111-2013, clause 9)
+    single ///< BASE.cff, with all parts in one (C37.111-2013)
 };
 
-/// ASCII stores whole numbers of up to five digits, BINARY of 16 bits: a channel keeps
-/// 1e-5 or 3e-5 of its largest value. Returns the .cfg, or the .cff.
+/// Writes a record. ASCII stores whole numbers of up to five digits, BINARY of 16 bits: a channel keeps 1e-5 or 3e-5 of
+/// its largest value. Returns the .cfg, or the .cff.
 [[nodiscard]] Result<std::filesystem::path> write_comtrade(std::filesystem::path const& base, ComtradeRecord record,
                                                            ComtradeFormat format,
                                                            ComtradeFiles files = ComtradeFiles::pair);

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/report/latency_traces.hpp"
 
+#include "launcher/folder/write_file.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -13,17 +14,6 @@ namespace gridspace::launcher {
 namespace {
 
 constexpr std::string_view kBegin = "stream.", kEnd = ".wire_delay_ms";
-
-Result<void> write(std::filesystem::path const& file, std::string const& text) {
-    std::error_code ignored;
-    std::filesystem::remove(file, ignored); // never through a link to somewhere else
-    std::ofstream out{file, std::ios::binary | std::ios::trunc};
-    out << text;
-    out.close();
-    return out ? Result<void>{}
-               : fail(ExitCode::environment, fmt::format("cannot write '{}'", file.string()),
-                      "does the folder exist, and is there space?");
-}
 
 } // namespace
 
@@ -46,7 +36,7 @@ Result<std::vector<std::filesystem::path>> write_latency_traces(SignalStore cons
         }
         for (auto const& [ending, text] : {std::pair{".csv", &table}, {".svtrace", &trace}}) {
             out.push_back(folder / (stream + ending));
-            if (auto ok = write(out.back(), *text); !ok) {
+            if (auto ok = replace_file(out.back(), *text); !ok) {
                 return std::unexpected{ok.error()};
             }
         }

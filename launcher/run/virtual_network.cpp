@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/virtual_network.hpp"
 
+#include "common/unique_fd.hpp"
 #include "launcher/run/offloads.hpp"
 #include "launcher/scenario/installation.hpp"
 
@@ -22,29 +23,24 @@ std::string error_text() {
     return std::strerror(errno);
 }
 
+/// Of this network alone, as far as the kernel has it.
+void set_kernel(char const* setting, char const* value) {
+    if (UniqueFd const file{::open(setting, O_WRONLY | O_CLOEXEC)}; file) {
+        [[maybe_unused]] auto const written = ::write(file.get(), value, 1);
+    }
+}
+
 /// Frames that nobody asked for (router solicitations, neighbour discovery) would make captures differ.
 void disable_ipv6() {
-    for (char const* file :
-         {"/proc/sys/net/ipv6/conf/all/disable_ipv6", "/proc/sys/net/ipv6/conf/default/disable_ipv6"}) {
-        int const fd = ::open(file, O_WRONLY | O_CLOEXEC);
-        if (fd >= 0) {
-            [[maybe_unused]] auto const written = ::write(fd, "1", 1);
-            ::close(fd);
-        }
-    }
+    set_kernel("/proc/sys/net/ipv6/conf/all/disable_ipv6", "1");
+    set_kernel("/proc/sys/net/ipv6/conf/default/disable_ipv6", "1");
 }
 
 /// A switch looks at no IP. Where the kernel has br_netfilter it does: takes padding off, drops what has a wrong
 /// checksum.
 void leave_ip_alone() {
-    for (char const* file :
-         {"/proc/sys/net/bridge/bridge-nf-call-iptables", "/proc/sys/net/bridge/bridge-nf-call-ip6tables"}) {
-        int const fd = ::open(file, O_WRONLY | O_CLOEXEC);
-        if (fd >= 0) {
-            [[maybe_unused]] auto const written = ::write(fd, "0", 1);
-            ::close(fd);
-        }
-    }
+    set_kernel("/proc/sys/net/bridge/bridge-nf-call-iptables", "0");
+    set_kernel("/proc/sys/net/bridge/bridge-nf-call-ip6tables", "0");
 }
 
 /// Everybody on a link knows the MAC addresses of the others, so nobody asks: captures hold no ARP. The kernel's table

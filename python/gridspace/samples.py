@@ -287,20 +287,11 @@ def _text_member(raw: str) -> property:
     return property(read)
 
 
-def _sequence_member(raw: str, element: _Field) -> property:
-    def read(self: Sample) -> Items:
-        head = getattr(self, raw)
-        return Items(element, head.items or 0, head.length, self)
-    return property(read)
-
-
 def _member(made: type[Sample], name: str, field: _Field) -> Any:
     """How a member is read: numbers as ctypes does it, others as Python has them."""
     raw = f"_{name}"
     if field.kind in _NUMBERS or field.kind in ("boolean", "struct"):
         return made.__dict__[raw]
-    if field.kind == "sequence":
-        return _sequence_member(raw, field.element)
     return _text_member(raw) if field.kind == "string" else property(lambda self: field.read(getattr(self, raw), self))
 
 

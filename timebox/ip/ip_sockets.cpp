@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/ip/ip_sockets.hpp"
 
+#include "timebox/descriptors.hpp"
 #include "timebox/ip/stand_in.hpp"
 
 #include <algorithm>
@@ -40,13 +41,9 @@ bool IpSockets::add(UniqueFd const& file, bool stream) {
 }
 
 IpSocket* IpSockets::find(UniqueFd const& file) {
-    struct stat status{};
-    if (sockets_.empty() || !file || ::fstat(file.get(), &status) != 0 || !S_ISSOCK(status.st_mode)) {
-        return nullptr;
-    }
-    auto const it =
-        std::find_if(sockets_.begin(), sockets_.end(), [&](IpSocket const& s) { return s.inode == status.st_ino; });
-    return it == sockets_.end() ? nullptr : &*it;
+    std::uint64_t const inode = sockets_.empty() ? 0 : socket_inode_of(file);
+    auto const it = std::ranges::find(sockets_, inode, &IpSocket::inode);
+    return inode == 0 || it == sockets_.end() ? nullptr : &*it;
 }
 
 void IpSockets::arrives(std::int64_t at_ns, std::span<std::uint8_t const> frame) {

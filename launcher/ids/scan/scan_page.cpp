@@ -16,8 +16,8 @@ Rows without_empty_columns(Rows const& rows) {
     Rows out(rows.size());
     for (std::size_t column = 0; column < rows.front().size(); ++column) {
         auto const says_something = [&](auto const& row) { return !row[column].empty() && row[column] != "-"; };
-        for (std::size_t row = 0; row < rows.size() && std::any_of(rows.begin() + 1, rows.end(), says_something);
-             ++row) {
+        bool const stays = std::any_of(rows.begin() + 1, rows.end(), says_something);
+        for (std::size_t row = 0; stays && row < rows.size(); ++row) {
             out[row].push_back(rows[row][column]);
         }
     }
@@ -42,10 +42,10 @@ std::string section(std::string title, Rows const& all, std::string note) {
 std::string to_page(CaptureScan const& scan, std::filesystem::path const& file) {
     std::string const name = printable(file.filename().string());
     bool const alarms = scan.has_alarms();
-    std::string body =
-        fmt::format("<header><h1>{}</h1><p>{} frames in {:.6f} s</p><p class=\"verdict {}\">{}</p></header>\n",
-                    escape_markup(name), scan.frames, static_cast<double>(scan.last_ns - scan.first_ns) * 1e-9,
-                    alarms ? "bad" : "ok", alarms ? "✗ alarms were raised" : "✓ no alarm");
+    std::string body = fmt::format(
+        "<header class=\"wide\"><h1>{}</h1><p>{} frames in {:.6f} s</p><p class=\"verdict {}\">{}</p></header>\n",
+        escape_markup(name), scan.frames, static_cast<double>(scan.last_ns - scan.first_ns) * 1e-9,
+        alarms ? "bad" : "ok", alarms ? "✗ alarms were raised" : "✓ no alarm");
     for (std::string const& note : notes_of(scan)) {
         body += fmt::format("<p class=\"warn\">▲ {}</p>\n", escape_markup(note));
     }

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/ids/scan/scan_rows.hpp"
 
+#include "common/text.hpp"
 #include "launcher/ids/scan/scan_output.hpp"
 
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <map>
 
 namespace gridspace::scan {
 namespace {
@@ -24,7 +26,7 @@ std::string plural(std::uint64_t n, std::string const& what) {
 }
 
 std::string forecast_of(ForecastResult const& f) {
-    return f.why_not.empty() ? fmt::format("{} of {}", f.flagged, f.samples) : f.why_not;
+    return f.why_not.empty() ? fmt::format("{} of {}", f.flagged, f.samples) : "not judged";
 }
 
 std::uint64_t total(std::vector<Alarm> const& alarms) {
@@ -117,6 +119,20 @@ std::vector<std::string> notes_of(CaptureScan const& scan) {
     }
     if (scan.beyond_table > 0) {
         out.push_back(plural(scan.beyond_table, "frame") + " of more streams or interfaces than are watched");
+    }
+    std::map<std::string, std::vector<std::string>> not_judged; // by why; told once
+    for (StreamScan const& s : scan.streams) {
+        if (!s.goose && !s.forecast.why_not.empty()) {
+            not_judged[s.forecast.why_not].push_back(s.id);
+        }
+    }
+    for (LineScan const& l : scan.lines) {
+        if (!l.from_forecast.why_not.empty()) {
+            not_judged[l.from_forecast.why_not].push_back(l.from + " - " + l.to);
+        }
+    }
+    for (auto const& [why, names] : not_judged) {
+        out.push_back(fmt::format("{}: not judged by the forecaster: {}", join(names, ", "), why));
     }
     for (std::size_t i = 0; i < iec61850::kReasons; ++i) {
         if (scan.errors.by_reason[i] > 0) {

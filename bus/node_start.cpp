@@ -1,0 +1,291 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The start of a node, until everybody is matched: READY.
+#include "bus/node.hpp"
+#include "bus/node_core.hpp"
+#include "bus/start_patience.hpp"
+#include "bus/topics.hpp"
+#include "common/log.hpp"
+#include "common/privileges/call_filter.hpp"
+#include "common/privileges/capabilities.hpp"
+#include "common/text.hpp"
+
+#include <algorithm>
+#include <catalog.h>
+#include <fmt/format.h>
+#include <set>
+#include <utility>
+
+namespace gridspace::bus {
+namespace {
+
+/// What is expected of one endpoint, in addition to what the configuration lists.
+void expect(ExpectedPeers& peers, char const* topic, std::string const& process) {
+    peers[topic].try_emplace(process, 1);
+}
+
+/// For each expected process: are so many endpoints of its newest incarnation matched?
+void check_matches(std::string_view kind, std::string const& topic, std::map<std::string, std::int64_t> const& expected,
+                   std::vector<Peer> const& matched, std::map<std::string, std::uint32_t>& newest,
+                   std::set<std::string>& lacking, std::set<std::string> const& absent, Lookout& lookout) {
+    std::string& missing = lookout.missing;
+    for (auto const& [process, count] : expected) {
+        if (absent.contains(process)) {
+            continue;
+        }
+        std::uint32_t incarnation = 0;
+        std::int64_t endpoints = 0;
+        for (Peer const& peer : matched) {
+            if (peer.process != process || peer.incarnation < incarnation) {
+                continue;
+            }
+            endpoints = peer.incarnation > incarnation ? 1 : endpoints + 1;
+            incarnation = peer.incarnation;
+        }
+        lookout.present += static_cast<std::size_t>(std::min(endpoints, count));
+        auto const [it, added] = newest.try_emplace(process, incarnation);
+        if (endpoints < count) {
+            lacking.insert(process);
+            std::string const lack =
+                fmt::format("{} of {} {}(s) of '{}' in {}", count - endpoints, count, kind, topic, process);
+            if (missing.size() < 160 &&
+                missing.find(lack) == std::string::npos) { // several writers may lack the same reader
+                missing += (missing.empty() ? "" : ", ") + lack;
+            }
+        } else if (!added) {
+            if (it->second != incarnation) { // some endpoints still know the old incarnation only
+                lacking.insert(process);
+                missing += fmt::format("{}the restarted {}", missing.empty() ? "" : ", ", process);
+            }
+            it->second = std::max(it->second, incarnation);
+        }
+    }
+}
+
+} // namespace
+
+std::vector<Peer> Node::Core::matched_peers(Lookout& lookout) const {
+    std::map<std::string, std::uint32_t> newest;
+    std::set<std::string> lacking;
+    auto const look = [&](std::string_view kind, ExpectedPeers const& expected, std::string const& topic,
+                          std::vector<Peer> const& matched) {
+        if (auto const it = expected.find(topic); it != expected.end()) {
+            check_matches(kind, topic, it->second, matched, newest, lacking, absent, lookout);
+        }
+    };
+    for (auto const& reader : readers) {
+        look("writer", config.expected_writers, reader->topic, reader->raw->matched());
+    }
+    // Several writers of one topic: each must be matched with every expected reader.
+    for (WriterSlot const& writer : writers) {
+        if (writer.raw != nullptr) {
+            look("reader", config.expected_readers, writer.topic, writer.raw->matched());
+        }
+    }
+    if (clock_reader != nullptr) {
+        look("writer", config.expected_writers, "simulation_clock", clock_reader->matched());
+    }
+    if (ack_reader != nullptr) {
+        look("writer", config.expected_writers, "clock_ack", ack_reader->matched());
+    }
+    if (ack_writer != nullptr) {
+        look("reader", config.expected_readers, "clock_ack", ack_writer->matched());
+    }
+    std::vector<Peer> out;
+    for (auto const& [process, incarnation] : newest) {
+        if (!lacking.contains(process)) {
+            out.push_back({process, incarnation, ""});
+        }
+    }
+    return out;
+}
+
+std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
+    {
+        std::lock_guard const lock{mutex};
+        matches_published = matches_generation;
+    }
+    Lookout lookout;
+    std::vector<Peer> const matched = matched_peers(lookout);
+    std::string& missing = lookout.missing;
+    endpoints_present = lookout.present;
+    if (missing.empty() && is_late_joiner()) {
+        std::lock_guard const lock{mutex};
+        missing = joining ? missing_ledgers() : "";
+    }
+    MemberState const state = missing.empty() ? MEMBER_READY : state_when_incomplete;
+    if (state == MEMBER_READY) {
+        std::lock_guard const lock{mutex};
+        if (std::exchange(joining, false)) { // before anybody hears of it: the clock may come at once
+            for (std::size_t const place : board_heard) {
+                if (is_late_joiner()) {
+                    board->skip(place);
+                }
+            }
+            settle_rosters();
+        }
+    }
+    if (matched == status_matched && missing == status_missing) {
+        return missing;
+    }
+    status_matched = matched;
+    status_missing = missing;
+    publish_status(state, missing);
+    return missing;
+}
+
+void Node::Core::publish_status(MemberState state, std::string_view waiting_for) {
+    MemberStatus status;
+    status.process(config.process.c_str());
+    status.incarnation(static_cast<std::uint32_t>(config.incarnation));
+    status.state(state);
+    for (Peer const& peer : status_matched) {
+        MatchedPeer entry;
+        entry.process(peer.process.c_str());
+        entry.incarnation(peer.incarnation);
+        status.matched().push_back(entry);
+    }
+    status.waiting_for(std::string{waiting_for.substr(0, 255)}.c_str());
+    status_writer->write(&status, std::nullopt);
+}
+
+Result<void> Node::start() {
+    Core& core = *core_;
+    NodeConfig& config = core.config;
+    ClockConfig const& clock = config.clock;
+    if (config.is_daemon && !may_open_raw_sockets()) {
+        (void)forbid_raw_sockets();
+    }
+
+    if (auto ok = core.join_board(); !ok) {
+        return ok;
+    }
+    std::vector<std::string> processes = clock.members;
+    processes.push_back(clock.simulator);
+    for (auto const& [topic, peers] : config.expected_writers) {
+        for (auto const& [process, count] : peers) {
+            processes.push_back(process);
+        }
+    }
+    std::sort(processes.begin(), processes.end());
+    processes.erase(std::unique(processes.begin(), processes.end()), processes.end());
+    std::vector<std::string> topics;
+    for (auto const& reader : core.readers) {
+        topics.push_back(reader->topic);
+    }
+    core.book = std::make_unique<lockstep::LedgerBook>(processes, topics);
+    std::vector<lockstep::WireBook::Channel> channels;
+    for (auto const& reader : core.wire_readers) {
+        reader->channel = channels.size();
+        channels.push_back({reader->link, reader->ethertype});
+    }
+    {
+        std::lock_guard const lock{core.mutex}; // frames arrive already
+        core.wire_book = std::make_unique<lockstep::WireBook>(processes.size(), channels);
+    }
+    core.gate = std::make_unique<lockstep::TickGate>(
+        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream, clock.late_upstream},
+        *core.book, core.wire_book.get());
+    core.ack.member(config.process.c_str());
+    core.ack.incarnation(static_cast<std::uint32_t>(config.incarnation));
+
+    // The clock's own endpoints, and what they are to be matched with.
+    Participant& management = *core.management;
+    if (!core.is_simulator() && core.has_clock()) {
+        expect(config.expected_writers, "simulation_clock", clock.simulator);
+        auto reader =
+            management.create_reader("simulation_clock", codec_of<SimClock>(),
+                                     [&core](auto cdr, auto const& header) { core.on_clock_sample(cdr, header); });
+        if (!reader) {
+            return std::unexpected{reader.error()};
+        }
+        core.clock_reader = std::move(*reader);
+    }
+    if (core.lockstep()) {
+        std::vector<std::string> const& heard = core.is_simulator() ? clock.members : clock.upstream;
+        if (!heard.empty()) {
+            for (std::string const& process : heard) {
+                expect(config.expected_writers, "clock_ack", process);
+            }
+            auto reader =
+                management.create_reader("clock_ack", codec_of<ClockAck>(),
+                                         [&core](auto cdr, auto const& header) { core.on_ack_sample(cdr, header); });
+            if (!reader) {
+                return std::unexpected{reader.error()};
+            }
+            core.ack_reader = std::move(*reader);
+        }
+        if (!core.is_simulator()) {
+            expect(config.expected_readers, "clock_ack", clock.simulator);
+            for (std::string const& process : clock.downstream) {
+                expect(config.expected_readers, "clock_ack", process);
+            }
+        }
+    }
+    for (auto& slot : core.readers) {
+        slot->book_reader = static_cast<std::size_t>(&slot - core.readers.data());
+        auto* raw_slot = slot.get();
+        Participant& network = core.network_of(slot->topic);
+        slot->network = &network;
+        auto reader = network.create_reader(slot->topic, slot->codec, [&core, raw_slot](auto cdr, auto const& header) {
+            core.on_data_sample(*raw_slot, cdr, header);
+        });
+        if (!reader) {
+            return std::unexpected{reader.error()};
+        }
+        slot->raw = std::move(*reader);
+    }
+
+    std::sort(core.catalogued_types.begin(), core.catalogued_types.end());
+    core.catalogued_types.erase(std::unique(core.catalogued_types.begin(), core.catalogued_types.end()),
+                                core.catalogued_types.end());
+    for (std::string const& type : core.catalogued_types) {
+        if (std::string_view const idl = idl_of_type(type); !idl.empty()) {
+            TypeCatalogEntry entry;
+            entry.type_name(type.c_str());
+            entry.idl(std::string{idl});
+            core.catalog_writer->write(&entry, std::nullopt);
+        }
+    }
+
+    // Twice the simulator's own patience, so that it can name the culprit while the others are still there.
+    double const patience_s = (core.is_simulator() || !core.has_clock() ? 1 : 2) * clock.start_timeout_s;
+    StartPatience patience{patience_s};
+    auto const began = std::chrono::steady_clock::now();
+    bool said = false;
+    while (true) {
+        std::string const missing = core.refresh_status(MEMBER_STARTING);
+        bool const ready = missing.empty();
+        if (core.has_namesake()) {
+            return fail(ExitCode::environment, fmt::format("another '{}' is already on this bus", config.process),
+                        "two programs of one name in a run (a service, and a start by hand?), or another run on this "
+                        "network and DDS domain");
+        }
+        std::unique_lock lock{core.mutex};
+        if (ready) {
+            return core.error ? Result<void>{std::unexpected{*core.error}} : Result<void>{};
+        }
+        if (core.error) {
+            return std::unexpected{*core.error};
+        }
+        if (core.stop_requested) {
+            return fail(ExitCode::interrupted, "stopped while waiting for the others");
+        }
+        if (patience.over(core.endpoints_present + (core.others_present ? core.others_present() : 0))) {
+            std::string const who = core.who_is_missing ? core.who_is_missing() : "";
+            return fail(ExitCode::stall,
+                        fmt::format("not ready, and nothing has advanced for {} s: {}", shortest(patience_s),
+                                    who.empty() ? "still unmatched " + missing : who),
+                        "is that process running, and on the same network and DDS domain?");
+        }
+        if (!said && std::chrono::steady_clock::now() - began > std::chrono::seconds{3}) {
+            said = true;
+            log::info("waits for {}", missing);
+        }
+        // Discovery callbacks notify; the short period only covers a change between the look and the wait.
+        core.changed.wait_for(lock, std::chrono::milliseconds{100});
+    }
+}
+
+} // namespace gridspace::bus
