@@ -10,7 +10,6 @@
 #include <sys/epoll.h>
 #include <sys/select.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
 
@@ -122,11 +121,6 @@ bool does_not_block(UniqueFd const& file) {
 bool is_ready(UniqueFd const& file, short event) {
     pollfd entry{file.get(), event, 0};
     return !file || ::poll(&entry, 1, 0) > 0;
-}
-
-std::uint64_t socket_inode_of(UniqueFd const& file) {
-    struct stat status{};
-    return file && ::fstat(file.get(), &status) == 0 && S_ISSOCK(status.st_mode) ? status.st_ino : 0;
 }
 
 std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file) {

@@ -44,8 +44,7 @@ class Descriptors {
 
 // Of a file that copy_of() has given; also of none.
 [[nodiscard]] bool does_not_block(UniqueFd const& file);
-[[nodiscard]] bool is_ready(UniqueFd const& file, short event);    ///< also: the call itself will say what is wrong
-[[nodiscard]] std::uint64_t socket_inode_of(UniqueFd const& file); ///< 0: none, or no socket
+[[nodiscard]] bool is_ready(UniqueFd const& file, short event); ///< also: the call itself will say what is wrong
 /// SO_RCVTIMEO or SO_SNDTIMEO, rounded up to the kernel's ticks; nothing: without end.
 [[nodiscard]] std::optional<std::int64_t> timeout_ns(UniqueFd const& file, int option);
 [[nodiscard]] std::optional<std::int64_t> receive_timeout_ns(UniqueFd const& file);

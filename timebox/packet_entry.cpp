@@ -3,6 +3,7 @@
 //
 // Where the call table meets packet sockets.
 #include "timebox/call_table.hpp"
+#include "timebox/ip/stand_in.hpp"
 
 #include <cerrno>
 #include <poll.h>

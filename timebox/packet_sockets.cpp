@@ -2,15 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/packet_sockets.hpp"
 
-#include "timebox/descriptors.hpp"
+#include "timebox/ip/stand_in.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <linux/if_ether.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 namespace gridspace::timebox {
 namespace {
@@ -32,18 +29,13 @@ PacketSockets::PacketSockets(PacketLink link, std::int64_t epoch_ns)
     : link_{std::move(link)}, epoch_ns_{epoch_ns}, marker_{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)} {}
 
 bool PacketSockets::add(UniqueFd const& file, int kind, std::uint16_t protocol) {
-    sockaddr_un name{};
-    name.sun_family = AF_UNIX;
-    socklen_t size = sizeof name;
-    struct stat status{};
-    auto* const address = reinterpret_cast<sockaddr*>(&name);
-    if (::bind(file.get(), address, sizeof name.sun_family) != 0 || // the kernel finds a name that is free
-        ::getsockname(file.get(), address, &size) != 0 || ::fstat(file.get(), &status) != 0) {
+    std::string address = give_address(file);
+    if (address.empty()) {
         return false;
     }
     PacketSocket& socket = sockets_.emplace_back();
-    socket.inode = status.st_ino;
-    socket.address.assign(reinterpret_cast<char const*>(&name), size);
+    socket.inode = socket_inode_of(file);
+    socket.address = std::move(address);
     socket.kind = kind;
     socket.protocol = protocol;
     return true;
@@ -59,11 +51,9 @@ bool PacketSockets::mark(PacketSocket& socket) const {
     if (socket.marks >= kMostMarks) {
         return true;
     }
-    auto const sent = ::sendto(marker_.get(), "", 1, MSG_DONTWAIT | MSG_NOSIGNAL,
-                               reinterpret_cast<sockaddr const*>(socket.address.data()),
-                               static_cast<socklen_t>(socket.address.size()));
-    socket.marks += sent == 1 ? 1 : 0;
-    return sent == 1 || errno != ECONNREFUSED;
+    bool const sent = send_to(marker_, socket.address);
+    socket.marks += sent ? 1 : 0;
+    return sent || errno != ECONNREFUSED;
 }
 
 void PacketSockets::taken(PacketSocket& socket, UniqueFd const& file) {

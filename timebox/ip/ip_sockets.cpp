@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/ip/ip_sockets.hpp"
 
-#include "timebox/descriptors.hpp"
 #include "timebox/ip/stand_in.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 namespace gridspace::timebox {
 
@@ -22,14 +20,13 @@ IpSockets::IpSockets(IpLink const& link, int interface, std::uint64_t seed, IpSt
 }
 
 bool IpSockets::add(UniqueFd const& file, bool stream) {
-    struct stat status{};
     std::string address = give_address(file);
-    if (address.empty() || ::fstat(file.get(), &status) != 0) {
+    if (address.empty()) {
         return false;
     }
     forget_closed();
     IpSocket& socket = sockets_.emplace_back();
-    socket.inode = status.st_ino;
+    socket.inode = socket_inode_of(file);
     socket.stand_in = std::move(address);
     socket.stream = stream;
     if (stream) {

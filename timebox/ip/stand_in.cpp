@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 
 namespace gridspace::timebox {
@@ -16,6 +17,11 @@ sockaddr const* name_of(std::string const& address) {
 }
 
 } // namespace
+
+std::uint64_t socket_inode_of(UniqueFd const& file) {
+    struct stat status{};
+    return file && ::fstat(file.get(), &status) == 0 && S_ISSOCK(status.st_mode) ? status.st_ino : 0;
+}
 
 std::string give_address(UniqueFd const& file) {
     sockaddr_un name{};

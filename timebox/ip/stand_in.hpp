@@ -4,11 +4,14 @@
 
 #include "common/unique_fd.hpp"
 
+#include <cstdint>
 #include <string>
 
-/// Sockets of the family unix (unix(7)) that stand for those of IP.
+/// Sockets of the family unix (unix(7)) that stand for those of IP and of packets.
 namespace gridspace::timebox {
 
+/// By which a stand-in is recognised, whatever its descriptor is: 0: none, or no socket.
+[[nodiscard]] std::uint64_t socket_inode_of(UniqueFd const& file);
 /// Binds it to a name that is free; the name, or nothing.
 [[nodiscard]] std::string give_address(UniqueFd const& file);
 [[nodiscard]] bool connect_to(UniqueFd const& file, std::string const& address);
