@@ -3,13 +3,13 @@
 #include "bus/daemon.hpp"
 
 #include "bus/unauthenticated.hpp"
+#include "common/command_line/command.hpp"
 #include "common/config/merge.hpp"
 #include "common/log.hpp"
 #include "common/privileges/call_filter.hpp"
 #include "common/realtime.hpp"
 #include "common/version.hpp"
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -105,25 +105,24 @@ program::Declaration declaration_of(Daemon const& daemon) {
 
 /// The exit code when the process shall end here (--help, a mistake), nothing otherwise.
 std::optional<int> parse(Daemon const& daemon, int argc, char** argv, Options& options) {
-    CLI::App app{std::string{daemon.description}, std::string{daemon.program}};
-    app.set_version_flag("--version", version_text(daemon.program));
-    app.add_option("--config", options.config, "its configuration (YAML)")->required();
+    command_line::Program program{std::string{daemon.program}, std::string{daemon.description},
+                                  version_text(daemon.program)};
+    command_line::Command app = program.command();
+    app.add_option("--config", options.config, "its configuration (YAML)").required();
     app.add_flag("--check", options.check, "check the configuration and end");
-    app.add_flag_callback(
+    app.add_flag(
            "--describe",
            [&] {
                fmt::print("{}", program::to_json(declaration_of(daemon), version().version));
-               throw CLI::Success{};
+               command_line::end_reading();
            },
            "print what it is, its settings, topics and signals as JSON, and end")
-        ->trigger_on_parse();
+        .at_once();
     app.add_option("--log-level", options.log_level, "debug, info, warning or error")
-        ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
+        .check(command_line::one_of({"debug", "info", "warning", "error"}));
     app.add_option("--status-fd", options.status_fd, "file descriptor for status lines (used by `gridspace run`)");
-    try {
-        app.parse(argc, argv);
-    } catch (CLI::ParseError const& e) {
-        return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+    if (std::optional<int> const code = program.parse(argc, argv)) {
+        return code;
     }
     using log::Level;
     log::set_level(options.log_level == "debug"     ? Level::debug

@@ -22,10 +22,6 @@ function(gridspace_precompiled name)
     target_precompile_headers(gridspace_${name} PRIVATE ${arg_HEADERS})
     # g++ never writes the same precompiled header twice. ccache takes this for its hash: what it is made of.
     file(GLOB parts /usr/include/fmt/core.h /usr/include/gmock/gmock.h /usr/include/gtest/gtest.h)
-    if(arg_HEADERS MATCHES "CLI/CLI.hpp")
-      file(GLOB more /usr/include/CLI/*.hpp /usr/include/nlohmann/json.hpp)
-      list(APPEND parts ${more})
-    endif()
     set(sum "${CMAKE_CXX_COMPILER_VERSION} ${CMAKE_SYSTEM_PROCESSOR} ${arg_HEADERS} ${arg_PIE}")
     foreach(part IN LISTS parts)
       file(SHA256 "${part}" hash)
@@ -43,11 +39,10 @@ set(GRIDSPACE_STANDARD_HEADERS
     <algorithm> <array> <charconv> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fmt/format.h> <fstream> <functional> <map> <memory>
     <optional> <set> <span> <string> <string_view> <utility> <variant> <vector>)
 gridspace_precompiled(standard_headers HEADERS ${GRIDSPACE_STANDARD_HEADERS})
+gridspace_precompiled(program_headers PIE HEADERS ${GRIDSPACE_STANDARD_HEADERS})
 
-set(GRIDSPACE_COMMAND_LINE_HEADERS ${GRIDSPACE_STANDARD_HEADERS} <CLI/CLI.hpp> <nlohmann/json.hpp>)
-
-# gridspace_compile_quickly(): for what waits on people and disks (launcher, web, tests), in this folder and below: -O1 takes a
-# third less time than -O3. No result depends on it: floating point is strict at every level.
+# gridspace_compile_quickly(): for what waits on people and disks (launcher, web, files that are read once, tests), in this folder and
+# below: -O1 takes a third less time than -O3. No result depends on it: floating point is strict at every level.
 macro(gridspace_compile_quickly)
   add_compile_options($<$<CONFIG:Release>:-O1>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
@@ -84,6 +79,7 @@ function(gridspace_program name)
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE gridspace_flags ${arg_PRIVATE})
+  gridspace_use_precompiled(${name} program_headers)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
   if(GRIDSPACE_DEVICES_ONLY AND NOT GRIDSPACE_INSTALLED) # a bundle for a board may bring its libraries along, and theirs (hence not RUNPATH)
     set_target_properties(${name} PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN/../lib")

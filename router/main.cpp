@@ -8,7 +8,6 @@
 #include "common/version.hpp"
 #include "router/router.hpp"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
 #include <fmt/format.h>
@@ -105,19 +104,18 @@ class Printer final : public Reporter {
 };
 
 std::optional<int> parse(int argc, char** argv, Options& options) {
-    CLI::App app{"carries topics between DDS domains and sites", std::string{kProgram}};
-    app.set_version_flag("--version", version_text(kProgram));
-    app.add_option("--config", options.config, "its configuration (YAML)")->required();
-    app.add_option("--qos", options.qos, "QoS profiles of its endpoints (router.xml)")->required();
+    command_line::Program program{std::string{kProgram}, "carries topics between DDS domains and sites",
+                                  version_text(kProgram)};
+    command_line::Command app = program.command();
+    app.add_option("--config", options.config, "its configuration (YAML)").required();
+    app.add_option("--qos", options.qos, "QoS profiles of its endpoints (router.xml)").required();
     app.add_flag("--check", options.check, "check the configuration and end");
     app.add_flag("--json", options.json, "what happens, as JSON lines on standard output");
     std::string level{"info"};
     app.add_option("--log-level", level, "debug, info, warning or error")
-        ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
-    try {
-        app.parse(argc, argv);
-    } catch (CLI::ParseError const& e) {
-        return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+        .check(command_line::one_of({"debug", "info", "warning", "error"}));
+    if (std::optional<int> const code = program.parse(argc, argv)) {
+        return code;
     }
     using log::Level;
     log::set_level(level == "debug"     ? Level::debug

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/text.hpp"
 #include "common/version.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/run_plan.hpp"
 #include "launcher/scenario/installation.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
@@ -165,18 +165,17 @@ int bundle(BundleArguments const& a) {
 
 } // namespace
 
-void add_bundle(CLI::App& app, Action& action) {
+void add_bundle(Command app, Action& action) {
     auto const a = std::make_shared<BundleArguments>();
-    CLI::App* verb =
+    Command verb =
         app.add_subcommand("bundle", "pack one process of a scenario for a board: tarball and Debian package");
-    verb->add_option("SCENARIO", a->scenario.file, "scenario file")->required();
-    verb->add_option("PROCESS", a->process, "name of the process")->required();
-    verb->add_option("--arch", a->arch, "arm64 or amd64")->check(CLI::IsMember({"arm64", "amd64"}));
-    verb->add_option("--out", a->out, "folder for the two files (default: this one)");
-    verb->add_option("--set", a->scenario.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")
-        ->take_all()
-        ->allow_extra_args(false);
-    verb->callback([a, &action] { action = [a] { return bundle(*a); }; });
+    verb.add_option("SCENARIO", a->scenario.file, "scenario file").required();
+    verb.add_option("PROCESS", a->process, "name of the process").required();
+    verb.add_option("--arch", a->arch, "arm64 or amd64").check(one_of({"arm64", "amd64"}));
+    verb.add_option("--out", a->out, "folder for the two files (default: this one)");
+    verb.add_option("--set", a->scenario.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")
+        .repeated();
+    verb.callback([a, &action] { action = [a] { return bundle(*a); }; });
 }
 
 } // namespace gridspace::cli

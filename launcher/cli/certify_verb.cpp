@@ -4,13 +4,13 @@
 // `gridspace certify`: seeded faults against the relay of a scenario.
 #include "common/config/merge.hpp"
 #include "launcher/certify/worst_runs.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/sweep_progress.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/folder/write_file.hpp"
 #include "launcher/sweep/run_pool.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
 #include <memory>
@@ -167,24 +167,23 @@ int certify_verb(CertifyArguments const& a) {
 
 } // namespace
 
-void add_certify(CLI::App& app, Action& action) {
+void add_certify(Command app, Action& action) {
     auto const a = std::make_shared<CertifyArguments>();
-    CLI::App* verb =
+    Command verb =
         app.add_subcommand("certify", "seeded faults against a relay: trip times, dependability, security");
-    verb->add_option("CASE", a->file, "case file (YAML)")->required();
-    verb->add_option("--jobs", a->jobs, "runs at once (default: as many as processors; 1 in real time)")
-        ->check(CLI::Range(1, 1024));
-    verb->add_option("--samples", a->samples, "faults of each group, instead of what the file says")
-        ->check(CLI::Range(1, 100'000));
-    verb->add_option("--set", a->set, "override a value of the scenario in all runs: --set simulation.duration_s=0.3")
-        ->take_all()
-        ->allow_extra_args(false);
-    verb->add_option("--out", a->out, "folder (default: runs/certify-<name>)");
-    verb->add_flag("--dry-run", a->dry_run, "check the case and say what would be run; start nothing");
-    verb->add_flag("--keep", a->keep, "keep the folders of runs that passed, too");
-    verb->add_flag("--json", a->json, "the certificate as JSON");
-    verb->add_flag("--quiet", a->quiet, "print nothing but errors");
-    verb->callback([a, &action] { action = [a] { return certify_verb(*a); }; });
+    verb.add_option("CASE", a->file, "case file (YAML)").required();
+    verb.add_option("--jobs", a->jobs, "runs at once (default: as many as processors; 1 in real time)")
+        .check(in_range(1, 1024));
+    verb.add_option("--samples", a->samples, "faults of each group, instead of what the file says")
+        .check(in_range(1, 100'000));
+    verb.add_option("--set", a->set, "override a value of the scenario in all runs: --set simulation.duration_s=0.3")
+        .repeated();
+    verb.add_option("--out", a->out, "folder (default: runs/certify-<name>)");
+    verb.add_flag("--dry-run", a->dry_run, "check the case and say what would be run; start nothing");
+    verb.add_flag("--keep", a->keep, "keep the folders of runs that passed, too");
+    verb.add_flag("--json", a->json, "the certificate as JSON");
+    verb.add_flag("--quiet", a->quiet, "print nothing but errors");
+    verb.callback([a, &action] { action = [a] { return certify_verb(*a); }; });
 }
 
 } // namespace gridspace::cli

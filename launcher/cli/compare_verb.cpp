@@ -8,7 +8,6 @@
 #include "launcher/cli/verbs.hpp"
 #include "recorder/compare/compare.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
 #include <memory>
@@ -112,15 +111,15 @@ int compare(CompareArguments const& arguments) {
 
 } // namespace
 
-void add_compare(CLI::App& app, Action& action) {
+void add_compare(Command app, Action& action) {
     auto const a = std::make_shared<CompareArguments>();
-    CLI::App* verb =
+    Command verb =
         app.add_subcommand("compare", "compare the recordings of two runs: identical, or the first divergence");
-    verb->add_option("RUN_A", a->a, "run folder or recording")->required();
-    verb->add_option("RUN_B", a->b, "run folder or recording")->required();
-    verb->add_option("--tolerance", a->tolerance, "of numbers, absolute or relative")->check(not_negative());
-    verb->add_option("--signals", a->signals, "compare only these recorded signals (patterns)")->delimiter(',');
-    verb->callback([a, &action] { action = [a] { return compare(*a); }; });
+    verb.add_option("RUN_A", a->a, "run folder or recording").required();
+    verb.add_option("RUN_B", a->b, "run folder or recording").required();
+    verb.add_option("--tolerance", a->tolerance, "of numbers, absolute or relative").check(not_negative());
+    verb.add_option("--signals", a->signals, "compare only these recorded signals (patterns)").delimiter(',');
+    verb.callback([a, &action] { action = [a] { return compare(*a); }; });
 }
 
 } // namespace gridspace::cli

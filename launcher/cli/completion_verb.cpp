@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/completion.hpp"
 #include "launcher/cli/verbs.hpp"
 
@@ -27,13 +28,13 @@ std::vector<VerbOptions> verbs_of(CLI::App const& app) {
 
 } // namespace
 
-void add_completion(CLI::App& app, Action& action) {
+void add_completion(Command app, Action& action) {
     auto const shell = std::make_shared<std::string>();
-    CLI::App* verb = app.add_subcommand("completion", "print a completion script");
-    verb->add_option("SHELL", *shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
-    verb->callback([shell, &app, &action] {
-        action = [shell, &app] {
-            fmt::print("{}", completion_script(*shell, verbs_of(app)));
+    Command verb = app.add_subcommand("completion", "print a completion script");
+    verb.add_option("SHELL", *shell, "bash, zsh or fish").required().check(one_of({"bash", "zsh", "fish"}));
+    verb.callback([shell, app, &action] {
+        action = [shell, app] {
+            fmt::print("{}", completion_script(*shell, verbs_of(app.library())));
             return 0;
         };
     });

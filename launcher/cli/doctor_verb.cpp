@@ -4,6 +4,7 @@
 // `gridspace doctor`: what this machine allows, tried rather than guessed.
 #include "bus/rtps_guard/known_participants.hpp"
 #include "common/realtime.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/doctor_latency.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/namespaces.hpp"
@@ -11,7 +12,6 @@
 #include "launcher/scenario/installation.hpp"
 #include "timebox/box.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -204,21 +204,21 @@ int doctor(bool json) {
 
 } // namespace
 
-void add_doctor(CLI::App& app, Action& action) {
+void add_doctor(Command app, Action& action) {
     struct Options {
         bool latency{false};
         LatencyQuestion question{5000.0 / 6, 3, false}; // four samples of 4800 Hz: the tick of `protection.yaml`
     };
     auto const options = std::make_shared<Options>();
-    CLI::App* verb = app.add_subcommand("doctor", "look at what this machine allows, and what helps");
-    verb->add_flag("--latency", options->latency, "measure how late it wakes a process up, for each way to wait");
-    verb->add_option("--period-us", options->question.period_us,
+    Command verb = app.add_subcommand("doctor", "look at what this machine allows, and what helps");
+    verb.add_flag("--latency", options->latency, "measure how late it wakes a process up, for each way to wait");
+    verb.add_option("--period-us", options->question.period_us,
                      "between two wake-ups (default: 833.3, a tick of case 2)")
-        ->check(CLI::Range(50.0, 1e6));
-    verb->add_option("--seconds", options->question.seconds, "for each way to wait (default: 3)")
-        ->check(CLI::Range(0.1, 3600.0));
-    verb->add_flag("--json", options->question.json, "as JSON");
-    verb->callback([options, &action] {
+        .check(in_range(50.0, 1e6));
+    verb.add_option("--seconds", options->question.seconds, "for each way to wait (default: 3)")
+        .check(in_range(0.1, 3600.0));
+    verb.add_flag("--json", options->question.json, "as JSON");
+    verb.callback([options, &action] {
         action = [options] {
             return options->latency ? show_latency(options->question) : doctor(options->question.json);
         };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/manifest.hpp"
 #include "launcher/cli/verbs.hpp"
@@ -10,7 +11,6 @@
 #include "launcher/report/latency_traces.hpp"
 #include "recorder/export/csv_export.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -120,23 +120,23 @@ int export_run(ExportArguments const& arguments) {
 
 } // namespace
 
-void add_export(CLI::App& app, Action& action) {
+void add_export(Command app, Action& action) {
     auto const a = std::make_shared<ExportArguments>();
-    CLI::App* verb = app.add_subcommand("export", "write a recording as tables, or as disturbance records");
-    verb->add_option("RUN", a->run, "run folder, or latest")->required();
-    verb->add_flag("--csv", a->csv, "CSV: one table per topic (the default)");
-    verb->add_flag("--comtrade", a->comtrade, "COMTRADE (IEEE C37.111-2013), ASCII and BINARY, around each trigger");
-    verb->add_flag("--cff", a->cff, "COMTRADE: one .cff in place of .cfg and .dat");
-    verb->add_flag("--latency", a->latency,
+    Command verb = app.add_subcommand("export", "write a recording as tables, or as disturbance records");
+    verb.add_option("RUN", a->run, "run folder, or latest").required();
+    verb.add_flag("--csv", a->csv, "CSV: one table per topic (the default)");
+    verb.add_flag("--comtrade", a->comtrade, "COMTRADE (IEEE C37.111-2013), ASCII and BINARY, around each trigger");
+    verb.add_flag("--cff", a->cff, "COMTRADE: one .cff in place of .cfg and .dat");
+    verb.add_flag("--latency", a->latency,
                    "time under way of each sample and message of a run in real time, as CSV and as svtrace writes it");
-    verb->add_option("--trigger", a->trigger,
+    verb.add_option("--trigger", a->trigger,
                      "COMTRADE: relay2.trip, a signal that rises, or an event (default: as the scenario says)");
-    verb->add_option("--before-ms", a->before_ms, "COMTRADE: begin before the trigger")
-        ->check(CLI::Range(0.0, 60000.0));
-    verb->add_option("--after-ms", a->after_ms, "COMTRADE: end after the trigger")->check(CLI::Range(0.001, 60000.0));
-    verb->add_option("--signals", a->signals, "COMTRADE: further analog channels (patterns)")->delimiter(',');
-    verb->add_option("--out", a->out, "folder (default: RUN/csv, RUN/comtrade, RUN/latency)");
-    verb->callback([a, &action] { action = [a] { return export_run(*a); }; });
+    verb.add_option("--before-ms", a->before_ms, "COMTRADE: begin before the trigger")
+        .check(in_range(0.0, 60000.0));
+    verb.add_option("--after-ms", a->after_ms, "COMTRADE: end after the trigger").check(in_range(0.001, 60000.0));
+    verb.add_option("--signals", a->signals, "COMTRADE: further analog channels (patterns)").delimiter(',');
+    verb.add_option("--out", a->out, "folder (default: RUN/csv, RUN/comtrade, RUN/latency)");
+    verb.callback([a, &action] { action = [a] { return export_run(*a); }; });
 }
 
 } // namespace gridspace::cli

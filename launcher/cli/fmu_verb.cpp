@@ -8,7 +8,6 @@
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -152,19 +151,19 @@ int info(std::filesystem::path const& file, bool json) {
 
 } // namespace
 
-void add_fmu(CLI::App& app, Action& action) {
+void add_fmu(Command app, Action& action) {
     struct Arguments {
         std::filesystem::path file;
         bool json{false};
     };
-    CLI::App* const verb = app.add_subcommand("fmu", "models of other tools (Functional Mock-up Interface)");
-    verb->require_subcommand(1);
+    Command verb = app.add_subcommand("fmu", "models of other tools (Functional Mock-up Interface)");
+    verb.require_subcommand();
     auto const a = std::make_shared<Arguments>();
-    CLI::App* const shown =
-        verb->add_subcommand("info", "show what an FMU is: version, variables with their units, capabilities");
-    shown->add_option("FILE", a->file, "the FMU")->required();
-    shown->add_flag("--json", a->json, "as JSON");
-    shown->callback([a, &action] { action = [a] { return info(a->file, a->json); }; });
+    Command shown =
+        verb.add_subcommand("info", "show what an FMU is: version, variables with their units, capabilities");
+    shown.add_option("FILE", a->file, "the FMU").required();
+    shown.add_flag("--json", a->json, "as JSON");
+    shown.callback([a, &action] { action = [a] { return info(a->file, a->json); }; });
 }
 
 } // namespace gridspace::cli

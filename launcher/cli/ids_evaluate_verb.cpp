@@ -7,7 +7,6 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/ids/recordings.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <fmt/format.h>
 #include <memory>
@@ -175,25 +174,25 @@ int ids_evaluate(IdsEvaluateArguments const& a) {
 
 } // namespace
 
-void add_ids_evaluate(CLI::App& ids, Action& action) {
+void add_ids_evaluate(Command ids, Action& action) {
     auto const a = std::make_shared<IdsEvaluateArguments>();
-    CLI::App* verb =
+    Command verb =
         ids.add_subcommand("evaluate", "judge a forecaster: false positives by situation, error, detection by attack");
-    verb->add_option("MODEL", a->model, "model file (JSON)")->required();
-    verb->add_option("DATA", a->data, "recordings (CSV, npy), or a training configuration for unseen ones of its kind")
-        ->required();
-    verb->add_option("--percent", a->percent, "threshold")->check(positive());
-    verb->add_option("--nominal-peak-a", a->nominal_peak_a,
+    verb.add_option("MODEL", a->model, "model file (JSON)").required();
+    verb.add_option("DATA", a->data, "recordings (CSV, npy), or a training configuration for unseen ones of its kind")
+        .required();
+    verb.add_option("--percent", a->percent, "threshold").check(positive());
+    verb.add_option("--nominal-peak-a", a->nominal_peak_a,
                      "crest of the nominal current (default: the largest of the first two cycles)")
-        ->check(positive());
-    verb->add_option("--rate-hz", a->rate_hz, "samples a second, for npy")->check(positive());
-    verb->add_option("--event-s", a->event_s, "when something happens in the recordings")->check(not_negative());
-    verb->add_option("--threshold", a->threshold, "what the threshold of the attack table is relative to")
-        ->check(CLI::IsMember({"instantaneous", "nominal_peak", "running_peak", "larger_peak", "adaptive"}));
-    verb->add_option("--seed", a->seed, "of unseen recordings and attacks")->check(not_negative());
-    verb->add_flag("!--no-attacks", a->attacks, "only the false positives");
-    verb->add_flag("--json", a->json, "as JSON");
-    verb->callback([a, &action] { action = [a] { return ids_evaluate(*a); }; });
+        .check(positive());
+    verb.add_option("--rate-hz", a->rate_hz, "samples a second, for npy").check(positive());
+    verb.add_option("--event-s", a->event_s, "when something happens in the recordings").check(not_negative());
+    verb.add_option("--threshold", a->threshold, "what the threshold of the attack table is relative to")
+        .check(one_of({"instantaneous", "nominal_peak", "running_peak", "larger_peak", "adaptive"}));
+    verb.add_option("--seed", a->seed, "of unseen recordings and attacks").check(not_negative());
+    verb.add_flag("!--no-attacks", a->attacks, "only the false positives");
+    verb.add_flag("--json", a->json, "as JSON");
+    verb.callback([a, &action] { action = [a] { return ids_evaluate(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -9,7 +9,6 @@
 #include "launcher/ids/export/data_set.hpp"
 #include "launcher/sweep/study_folder.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -79,17 +78,17 @@ int ids_export(IdsExportArguments const& a) {
 
 } // namespace
 
-void add_ids_export(CLI::App& ids, Action& action) {
+void add_ids_export(Command ids, Action& action) {
     auto const a = std::make_shared<IdsExportArguments>();
-    CLI::App* verb = ids.add_subcommand(
+    Command verb = ids.add_subcommand(
         "export", "a labelled data set of runs: captures, features, labels, parts for training and test");
-    verb->add_option("RUN", a->runs, "a study of `gridspace sweep` (with --keep), a folder of runs, or runs")
-        ->required();
-    verb->add_option("--out", a->out, "folder of the data set; not there yet, or empty")->required();
-    verb->add_option("--seed", a->seed, "of the parts for training, validation and test")->check(not_negative());
-    verb->add_flag("--json", a->json, "what came of it, as JSON");
-    verb->add_flag("--quiet", a->quiet, "nothing but errors");
-    verb->callback([a, &action] { action = [a] { return ids_export(*a); }; });
+    verb.add_option("RUN", a->runs, "a study of `gridspace sweep` (with --keep), a folder of runs, or runs")
+        .required();
+    verb.add_option("--out", a->out, "folder of the data set; not there yet, or empty").required();
+    verb.add_option("--seed", a->seed, "of the parts for training, validation and test").check(not_negative());
+    verb.add_flag("--json", a->json, "what came of it, as JSON");
+    verb.add_flag("--quiet", a->quiet, "nothing but errors");
+    verb.callback([a, &action] { action = [a] { return ids_export(*a); }; });
 }
 
 } // namespace gridspace::cli

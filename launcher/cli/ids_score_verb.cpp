@@ -8,7 +8,6 @@
 #include "launcher/cli/manifest.hpp"
 #include "launcher/ids/score/verdict_score.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
@@ -150,17 +149,17 @@ int ids_score(IdsScoreArguments const& a) {
 
 } // namespace
 
-void add_ids_score(CLI::App& ids, Action& action) {
+void add_ids_score(Command ids, Action& action) {
     auto const a = std::make_shared<IdsScoreArguments>();
-    CLI::App* verb = ids.add_subcommand("score", "judge any detector's verdicts by what really happened in a run");
-    verb->add_option("RUN", a->run, "run folder with labels, or the name of a run")->required();
-    verb->add_option("VERDICTS", a->verdicts, "CSV: stream, sample or time_s, phase, verdict or score")->required();
-    verb->add_option("--threshold", a->threshold, "flagged from this score on, whatever the verdict says");
-    verb->add_flag("--others-genuine", a->others_are_genuine,
+    Command verb = ids.add_subcommand("score", "judge any detector's verdicts by what really happened in a run");
+    verb.add_option("RUN", a->run, "run folder with labels, or the name of a run").required();
+    verb.add_option("VERDICTS", a->verdicts, "CSV: stream, sample or time_s, phase, verdict or score").required();
+    verb.add_option("--threshold", a->threshold, "flagged from this score on, whatever the verdict says");
+    verb.add_flag("--others-genuine", a->others_are_genuine,
                    "samples without a row count as verdict 0: the file is a list of alarms");
-    verb->add_option("--seed", a->seed, "of the bootstrap")->check(not_negative());
-    verb->add_flag("--json", a->json, "as JSON");
-    verb->callback([a, &action] { action = [a] { return ids_score(*a); }; });
+    verb.add_option("--seed", a->seed, "of the bootstrap").check(not_negative());
+    verb.add_flag("--json", a->json, "as JSON");
+    verb.callback([a, &action] { action = [a] { return ids_score(*a); }; });
 }
 
 } // namespace gridspace::cli

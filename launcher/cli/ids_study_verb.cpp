@@ -5,13 +5,13 @@
 // published loop bears.
 #include "common/text.hpp"
 #include "ids/evaluation/study.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/progress_line.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/ids/recordings.hpp"
 #include "launcher/ids/study_tables.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
@@ -139,19 +139,19 @@ int ids_study(IdsStudyArguments const& a) {
 
 } // namespace
 
-void add_ids_study(CLI::App& ids, Action& action) {
+void add_ids_study(Command ids, Action& action) {
     auto const a = std::make_shared<IdsStudyArguments>();
-    CLI::App* verb = ids.add_subcommand(
+    Command verb = ids.add_subcommand(
         "study", "window and neurons against error and time; fakes in a row against the published loop");
-    verb->add_option("CONFIG", a->config,
+    verb.add_option("CONFIG", a->config,
                      "training configuration (YAML): its data are used (default: closed-form recordings)");
-    verb->add_option("--windows", a->windows, "window lengths")->delimiter(',')->check(CLI::Range(1, 4096));
-    verb->add_option("--hidden", a->hidden, "neurons; a linear forecaster is always tried too")
-        ->delimiter(',')
-        ->check(CLI::Range(0, 1000));
-    verb->add_option("--out", a->out, "folder for tables and figures");
-    verb->add_flag("--json", a->json, "as JSON");
-    verb->callback([a, &action] { action = [a] { return ids_study(*a); }; });
+    verb.add_option("--windows", a->windows, "window lengths").delimiter(',').check(in_range(1, 4096));
+    verb.add_option("--hidden", a->hidden, "neurons; a linear forecaster is always tried too")
+        .delimiter(',')
+        .check(in_range(0, 1000));
+    verb.add_option("--out", a->out, "folder for tables and figures");
+    verb.add_flag("--json", a->json, "as JSON");
+    verb.callback([a, &action] { action = [a] { return ids_study(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -10,7 +10,6 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/ids/recordings.hpp"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <fmt/format.h>
 #include <memory>
@@ -122,15 +121,15 @@ int ids_train(IdsTrainArguments const& arguments) {
 
 } // namespace
 
-void add_ids_train(CLI::App& ids, Action& action) {
+void add_ids_train(Command ids, Action& action) {
     auto const a = std::make_shared<IdsTrainArguments>();
-    CLI::App* verb = ids.add_subcommand("train", "train a forecaster");
-    verb->add_option("CONFIG", a->config, "training configuration (YAML)")->required();
-    verb->add_option("--out", a->output, "model file instead of the configuration's");
-    verb->add_option("--seed", a->seed, "seed instead of the configuration's")->check(not_negative());
-    verb->add_flag("--json", a->json, "the result as JSON");
-    verb->add_flag("--quiet", a->quiet, "no progress");
-    verb->callback([a, &action] { action = [a] { return ids_train(*a); }; });
+    Command verb = ids.add_subcommand("train", "train a forecaster");
+    verb.add_option("CONFIG", a->config, "training configuration (YAML)").required();
+    verb.add_option("--out", a->output, "model file instead of the configuration's");
+    verb.add_option("--seed", a->seed, "seed instead of the configuration's").check(not_negative());
+    verb.add_flag("--json", a->json, "the result as JSON");
+    verb.add_flag("--quiet", a->quiet, "no progress");
+    verb.callback([a, &action] { action = [a] { return ids_train(*a); }; });
 }
 
 } // namespace gridspace::cli

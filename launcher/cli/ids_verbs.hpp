@@ -7,9 +7,9 @@
 /// The verbs of `gridspace ids` for others: their captures, their detectors, data for them.
 namespace gridspace::cli {
 
-void add_ids_export(CLI::App& ids, Action& action);
-void add_ids_scan(CLI::App& ids, Action& action);
-void add_ids_score(CLI::App& ids, Action& action);
-void add_ids_sweep(CLI::App& ids, Action& action); ///< in sweep_verb.cpp
+void add_ids_export(Command ids, Action& action);
+void add_ids_scan(Command ids, Action& action);
+void add_ids_score(Command ids, Action& action);
+void add_ids_sweep(Command ids, Action& action); ///< in sweep_verb.cpp
 
 } // namespace gridspace::cli

@@ -4,7 +4,6 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/report/run_info.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <memory>
 
@@ -31,12 +30,12 @@ int info(InfoArguments const& arguments) {
 
 } // namespace
 
-void add_info(CLI::App& app, Action& action) {
+void add_info(Command app, Action& action) {
     auto const a = std::make_shared<InfoArguments>();
-    CLI::App* verb = app.add_subcommand("info", "what a run folder holds");
-    verb->add_option("RUN", a->run, "run folder, its data.mcap, or latest")->required();
-    verb->add_flag("--json", a->json, "as JSON");
-    verb->callback([a, &action] { action = [a] { return info(*a); }; });
+    Command verb = app.add_subcommand("info", "what a run folder holds");
+    verb.add_option("RUN", a->run, "run folder, its data.mcap, or latest").required();
+    verb.add_flag("--json", a->json, "as JSON");
+    verb.callback([a, &action] { action = [a] { return info(*a); }; });
 }
 
 } // namespace gridspace::cli

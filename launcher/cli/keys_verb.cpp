@@ -4,11 +4,11 @@
 // `gridspace keys`: authorities and identities for runs with `security:`.
 #include "common/text.hpp"
 #include "common/time.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/security/key_folder.hpp"
 
-#include <CLI/CLI.hpp>
 #include <ctime>
 #include <fmt/format.h>
 #include <memory>
@@ -123,23 +123,25 @@ int list(KeysArguments const& a) {
 
 } // namespace
 
-void add_keys(CLI::App& app, Action& action) {
-    CLI::App* keys = app.add_subcommand("keys", "authorities and identities for scenarios with `security:`");
-    keys->require_subcommand(1);
+void add_keys(Command app, Action& action) {
+    Command keys = app.add_subcommand("keys", "authorities and identities for scenarios with `security:`");
+    keys.require_subcommand();
     auto const verb = [&](char const* name, char const* text, int (*act)(KeysArguments const&), char const* names,
                           bool lasting) {
         auto const a = std::make_shared<KeysArguments>();
-        CLI::App* const one = keys->add_subcommand(name, text);
-        one->add_option("DIR", a->folder, "folder of keys")->required();
+        Command one = keys.add_subcommand(name, text);
+        one.add_option("DIR", a->folder, "folder of keys").required();
         if (names != nullptr) {
-            auto* const option = one->add_option("NAME", a->names, names);
-            option->required(std::string_view{name} != "init");
+            Option option = one.add_option("NAME", a->names, names);
+            if (std::string_view{name} != "init") {
+                option.required();
+            }
         }
         if (lasting) {
-            one->add_option("--days", a->days, "valid so long (365)")->check(CLI::Range(1, 36500));
-            one->add_option("--until", a->until, "valid until this UTC time instead");
+            one.add_option("--days", a->days, "valid so long (365)").check(in_range(1, 36500));
+            one.add_option("--until", a->until, "valid until this UTC time instead");
         }
-        one->callback([a, act, &action] { action = [a, act] { return act(*a); }; });
+        one.callback([a, act, &action] { action = [a, act] { return act(*a); }; });
     };
     verb("init", "make a folder of keys: two authorities, and an identity of each role", init,
          "identities instead of the roles: of processes, by their names", true);

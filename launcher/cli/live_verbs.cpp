@@ -9,7 +9,6 @@
 #include "monitor/app/sample_json.hpp"
 #include "monitor/graph/graph_text.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fstream>
 #include <map>
@@ -285,37 +284,37 @@ int topic_hz(TopicArguments const& arguments) {
 
 } // namespace
 
-void add_graph(CLI::App& app, Action& action) {
+void add_graph(Command app, Action& action) {
     auto const a = std::make_shared<GraphArguments>();
-    CLI::App* verb = app.add_subcommand("graph", "who talks to whom in a running scenario");
-    verb->add_option("RUN", a->run, "run folder, or address of a monitor (default: latest)");
+    Command verb = app.add_subcommand("graph", "who talks to whom in a running scenario");
+    verb.add_option("RUN", a->run, "run folder, or address of a monitor (default: latest)");
     auto const format = [&](char const* name, char const* description) {
-        return verb->add_flag_callback("--" + std::string{name}, [a, name] { a->format = name; }, description);
+        return verb.add_flag("--" + std::string{name}, [a, name] { a->format = name; }, description);
     };
-    CLI::Option* as_dot = format("dot", "for Graphviz");
-    CLI::Option* as_json = format("json", "everything, as JSON")->excludes(as_dot);
-    format("svg", "as a picture")->excludes(as_dot)->excludes(as_json);
-    verb->add_flag("--framework", a->framework, "with the topics of the framework itself");
-    verb->callback([a, &action] { action = [a] { return graph(*a); }; });
+    Option as_dot = format("dot", "for Graphviz");
+    Option as_json = format("json", "everything, as JSON").excludes(as_dot);
+    format("svg", "as a picture").excludes(as_dot).excludes(as_json);
+    verb.add_flag("--framework", a->framework, "with the topics of the framework itself");
+    verb.callback([a, &action] { action = [a] { return graph(*a); }; });
 }
 
-void add_topic(CLI::App& app, Action& action) {
+void add_topic(Command app, Action& action) {
     auto const a = std::make_shared<TopicArguments>();
-    CLI::App* verb = app.add_subcommand("topic", "look at the topics of a running scenario");
-    verb->require_subcommand(1);
+    Command verb = app.add_subcommand("topic", "look at the topics of a running scenario");
+    verb.require_subcommand();
     auto const add = [&](char const* name, char const* description, bool one, int (*act)(TopicArguments const&)) {
-        CLI::App* command = verb->add_subcommand(name, description);
+        Command command = verb.add_subcommand(name, description);
         if (one) {
-            command->add_option("TOPIC", a->topic, "its name")->required();
+            command.add_option("TOPIC", a->topic, "its name").required();
         } else {
-            command->add_flag("--framework", a->framework, "with the topics of the framework itself");
+            command.add_flag("--framework", a->framework, "with the topics of the framework itself");
         }
-        command->add_option("--run", a->run, "run folder, or address of a monitor (default: latest)");
-        command->add_flag("--json", a->json, "as JSON");
+        command.add_option("--run", a->run, "run folder, or address of a monitor (default: latest)");
+        command.add_flag("--json", a->json, "as JSON");
         if (act == topic_echo) {
-            command->add_option("--idl", a->idl, "IDL of its type, when nobody publishes it")->check(CLI::ExistingFile);
+            command.add_option("--idl", a->idl, "IDL of its type, when nobody publishes it").check(existing_file());
         }
-        command->callback([a, act, &action] { action = [a, act] { return act(*a); }; });
+        command.callback([a, act, &action] { action = [a, act] { return act(*a); }; });
     };
     add("list", "all topics, with rates", false, topic_list);
     add("info", "its type, readers and writers, IDL", true, topic_info);
@@ -323,12 +322,12 @@ void add_topic(CLI::App& app, Action& action) {
     add("hz", "how often it is written", true, topic_hz);
 }
 
-void add_control(CLI::App& app, Action& action) {
+void add_control(Command app, Action& action) {
     auto const a = std::make_shared<ControlArguments>();
     auto const add = [&](char const* name, char const* description) {
-        CLI::App* verb = app.add_subcommand(name, description);
-        verb->add_option("RUN", a->run, "run folder (default: latest), started with --allow-control");
-        verb->callback([a, name, &action] {
+        Command verb = app.add_subcommand(name, description);
+        verb.add_option("RUN", a->run, "run folder (default: latest), started with --allow-control");
+        verb.callback([a, name, &action] {
             a->action = name;
             action = [a] { return control(*a); };
         });
@@ -337,8 +336,8 @@ void add_control(CLI::App& app, Action& action) {
     add("pause", "let a lockstep run wait after its present tick");
     add("continue", "let a paused run go on");
     add("step", "let a paused run go on for some ticks")
-        ->add_option("--ticks", a->ticks, "how many")
-        ->check(positive());
+        .add_option("--ticks", a->ticks, "how many")
+        .check(positive());
     add("stop", "end a run");
 }
 

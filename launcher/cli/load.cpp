@@ -5,23 +5,21 @@
 #include "launcher/run/closed_folder.hpp"
 #include "launcher/run/say.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 namespace gridspace::cli {
 
-void scenario_options(CLI::App* verb, ScenarioArguments& a) {
-    verb->add_option("SCENARIO", a.file, "scenario file (YAML)")->required();
-    verb->add_option("--set", a.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")
-        ->take_all()
-        ->allow_extra_args(false)
-        ->group("Change the scenario");
-    verb->add_option("--speed", a.speed, "simulated seconds per second, or max")->group("Change the scenario");
-    verb->add_option("--until", a.until, "end at this simulated time: 10s, 5min, 2h")->group("Change the scenario");
-    verb->add_option("--seed", a.seed, "seed of everything random")->group("Change the scenario");
-    verb->add_option("--allow-attacks-on", a.allow_attacks_on,
+void scenario_options(Command verb, ScenarioArguments& a) {
+    verb.add_option("SCENARIO", a.file, "scenario file (YAML)").required();
+    verb.add_option("--set", a.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")
+        .repeated()
+        .group("Change the scenario");
+    verb.add_option("--speed", a.speed, "simulated seconds per second, or max").group("Change the scenario");
+    verb.add_option("--until", a.until, "end at this simulated time: 10s, 5min, 2h").group("Change the scenario");
+    verb.add_option("--seed", a.seed, "seed of everything random").group("Change the scenario");
+    verb.add_option("--allow-attacks-on", a.allow_attacks_on,
                      "an interface that is not a virtual cable, for an attacker with `interface:`")
-        ->group("Where it runs");
+        .group("Where it runs");
 }
 
 std::unique_ptr<launcher::Scenario> load(ScenarioArguments const& arguments) {

@@ -22,19 +22,19 @@
 namespace gridspace::cli {
 namespace {
 
-void add_ids(CLI::App& app, Action& action) {
-    CLI::App* ids = app.add_subcommand(
+void add_ids(Command app, Action& action) {
+    Command ids = app.add_subcommand(
         "ids", "the intrusion detector: train and judge forecasters, scan captures, score detectors, make data sets");
-    ids->require_subcommand(1);
+    ids.require_subcommand();
     for (auto* const add :
          {add_ids_train, add_ids_evaluate, add_ids_study, add_ids_scan, add_ids_score, add_ids_export, add_ids_sweep}) {
-        add(*ids, action);
+        add(ids, action);
     }
 }
 
 struct VerbGroup {
     char const* title;
-    std::vector<void (*)(CLI::App&, Action&)> add;
+    std::vector<void (*)(Command, Action&)> add;
 };
 
 /// In the order of the help.
@@ -53,7 +53,7 @@ void add_verbs(CLI::App& app, Action& action) {
     auto const has_none = [](CLI::App* verb) { return verb->get_group() == "Subcommands"; };
     for (VerbGroup const& group : verb_groups()) {
         for (auto* const add : group.add) {
-            add(app, action);
+            add(Command{app}, action);
         }
         for (CLI::App* const verb : app.get_subcommands(has_none)) {
             verb->group(group.title);

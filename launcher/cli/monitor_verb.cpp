@@ -5,6 +5,7 @@
 // gridspace-monitor takes the place of this process.
 #include "common/config/yaml.hpp"
 #include "launcher/cli/become.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/listening.hpp"
@@ -12,7 +13,6 @@
 #include "monitor/app/foreign_idl.hpp"
 #include "monitor/web/listening.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -162,26 +162,26 @@ int monitor(MonitorArguments const& arguments) {
                         "is Gridspace built completely?"});
 }
 
-void add_monitor(CLI::App& app, Action& action) {
+void add_monitor(Command app, Action& action) {
     auto const a = std::make_shared<MonitorArguments>();
-    CLI::App* verb = app.add_subcommand("monitor", "look at a finished run, or at any DDS domain, in the dashboard");
-    CLI::Option* const monitored_run = verb->add_option("RUN", a->run, "run folder (default: latest)");
-    CLI::Option* const domain =
-        verb->add_option("--domain", a->domain, "a DDS domain instead of a run: whoever talks there")
-            ->check(CLI::Range(0, 232))
-            ->excludes(monitored_run);
-    verb->add_option("--address", a->addresses,
+    Command verb = app.add_subcommand("monitor", "look at a finished run, or at any DDS domain, in the dashboard");
+    Option monitored_run = verb.add_option("RUN", a->run, "run folder (default: latest)");
+    Option domain =
+        verb.add_option("--domain", a->domain, "a DDS domain instead of a run: whoever talks there")
+            .check(in_range(0, 232))
+            .excludes(monitored_run);
+    verb.add_option("--address", a->addresses,
                      "address of this machine at which it joins the domain (default: 127.0.0.1; may be repeated)")
-        ->check(CLI::ValidIPV4)
-        ->allow_extra_args(false)
-        ->needs(domain);
-    verb->add_option("--bind,--listen", a->listen,
+        .check(ipv4_address())
+        .repeated()
+        .needs(domain);
+    verb.add_option("--bind,--listen", a->listen,
                      "address and port (port 0: a free one); elsewhere than 127.0.0.1 only with a token and TLS");
-    verb->add_option("--token-file", a->token_file, "file with the secret of whoever may look (mode 0600)");
-    CLI::Option* certificate = verb->add_option("--tls-cert", a->tls_cert, "certificate (PEM)");
-    verb->add_option("--tls-key", a->tls_key, "its key (PEM)")->needs(certificate);
-    verb->add_option("--idl", a->idl, "IDL of foreign types")->check(CLI::ExistingFile);
-    verb->callback([a, &action] { action = [a] { return monitor(*a); }; });
+    verb.add_option("--token-file", a->token_file, "file with the secret of whoever may look (mode 0600)");
+    Option certificate = verb.add_option("--tls-cert", a->tls_cert, "certificate (PEM)");
+    verb.add_option("--tls-key", a->tls_key, "its key (PEM)").needs(certificate);
+    verb.add_option("--idl", a->idl, "IDL of foreign types").check(existing_file());
+    verb.callback([a, &action] { action = [a] { return monitor(*a); }; });
 }
 
 } // namespace gridspace::cli

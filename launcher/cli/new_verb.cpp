@@ -5,13 +5,13 @@
 #include "common/exit_code.hpp"
 #include "common/result.hpp"
 #include "common/text.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/taken_names.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/say.hpp"
 #include "launcher/scenario/installation.hpp"
 #include "launcher/sweep/study_folder.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
@@ -195,16 +195,16 @@ int network(NewArguments const& a) {
 
 } // namespace
 
-void add_new(CLI::App& app, Action& action) {
-    CLI::App* const verb =
+void add_new(Command app, Action& action) {
+    Command verb =
         app.add_subcommand("new", "make a folder with an agent, a scenario or a network, and a test");
-    verb->require_subcommand(1);
+    verb.require_subcommand();
     auto const add = [&](char const* kind, char const* help, int (*make)(NewArguments const&)) {
         auto const a = std::make_shared<NewArguments>();
-        CLI::App* const sub = verb->add_subcommand(kind, help);
-        sub->add_option("NAME", a->name, "its name: small letters, digits and '_'")->required();
-        sub->add_option("--out", a->out, "the folder; must not be there. Default: NAME");
-        sub->callback([a, make, &action] {
+        Command sub = verb.add_subcommand(kind, help);
+        sub.add_option("NAME", a->name, "its name: small letters, digits and '_'").required();
+        sub.add_option("--out", a->out, "the folder; must not be there. Default: NAME");
+        sub.callback([a, make, &action] {
             action = [a, make] {
                 if (a->out.empty()) {
                     a->out = a->name;
@@ -215,10 +215,9 @@ void add_new(CLI::App& app, Action& action) {
         return std::pair{sub, a};
     };
     auto const [sub, a] = add("agent", "a program that takes part in a run, with a scenario for it", agent);
-    sub->add_option("--language", a->language, "c++, python or c")
-        ->check(CLI::IsMember({"c++", "python", "c"}))
-        ->default_str("python")
-        ->default_val("python");
+    sub.add_option("--language", a->language, "c++, python or c")
+        .check(one_of({"c++", "python", "c"}))
+        .default_value("python");
     add("scenario", "a scenario with a network", scenario);
     add("network", "a network", network);
 }

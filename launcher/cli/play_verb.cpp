@@ -7,7 +7,6 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/play/play_options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <memory>
 
@@ -35,19 +34,19 @@ int play(play::PlayOptions options) {
 
 } // namespace
 
-void add_play(CLI::App& app, Action& action) {
-    CLI::App* const verb =
+void add_play(Command app, Action& action) {
+    Command verb =
         app.add_subcommand("play", "put a recorded run back onto the bus and the wire, or into the dashboard");
     auto const options = std::make_shared<play::PlayOptions>();
-    add_options(*verb, *options);
+    add_options(verb, *options);
     auto const dashboard = std::make_shared<MonitorArguments>();
     auto const in_dashboard = std::make_shared<bool>(false);
-    verb->add_flag("--dashboard", *in_dashboard, "only into the dashboard: nothing is sent (as gridspace monitor RUN)")
-        ->group("Dashboard");
-    verb->add_option("--listen", dashboard->listen, "address and port of the dashboard (port 0: a free one)")
-        ->needs("--dashboard")
-        ->group("Dashboard");
-    verb->final_callback([&action, options, dashboard, in_dashboard] {
+    verb.add_flag("--dashboard", *in_dashboard, "only into the dashboard: nothing is sent (as gridspace monitor RUN)")
+        .group("Dashboard");
+    verb.add_option("--listen", dashboard->listen, "address and port of the dashboard (port 0: a free one)")
+        .needs("--dashboard")
+        .group("Dashboard");
+    verb.final_callback([&action, options, dashboard, in_dashboard] {
         action = [options, dashboard, in_dashboard] {
             if (*in_dashboard) {
                 dashboard->run = options->run;

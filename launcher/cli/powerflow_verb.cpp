@@ -11,7 +11,6 @@
 #include "sim/powerflow/power_flow.hpp"
 #include "sim/powerflow/three_phase.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <fmt/format.h>
 #include <memory>
@@ -224,23 +223,22 @@ int powerflow(PowerFlowArguments const& arguments) {
 
 } // namespace
 
-void add_powerflow(CLI::App& app, Action& action) {
+void add_powerflow(Command app, Action& action) {
     auto const a = std::make_shared<PowerFlowArguments>();
-    CLI::App* verb = app.add_subcommand("powerflow", "solve the power flow of a network (YAML, MATPOWER or OpenDSS)");
-    verb->add_option("NETWORK", a->network, "network file (YAML, MATPOWER or OpenDSS)")->required();
-    verb->add_flag("--json", a->json, "as JSON");
-    verb->add_flag("--enforce-q-limits", a->enforce_q_limits,
+    Command verb = app.add_subcommand("powerflow", "solve the power flow of a network (YAML, MATPOWER or OpenDSS)");
+    verb.add_option("NETWORK", a->network, "network file (YAML, MATPOWER or OpenDSS)").required();
+    verb.add_flag("--json", a->json, "as JSON");
+    verb.add_flag("--enforce-q-limits", a->enforce_q_limits,
                    "generators give up their voltage at their reactive limits");
-    verb->add_flag("--three-phase", a->three_phase, "unbalanced: voltages and currents by phase");
-    verb->add_option("--csv", a->dss.csv, "a table of the buses; of an OpenDSS script: of all nodes");
-    verb->add_option("--branches-csv", a->branches_csv, "a table of the flows in the branches");
-    verb->add_option("--matpower", a->matpower, "network and solution as a MATPOWER case (.m)");
-    verb->add_option("--include", a->dss.include, "OpenDSS: a folder from which the script may read, too");
-    verb->add_option("--command", a->dss.commands, "OpenDSS: a command to carry out after the script")
-        ->take_all()
-        ->allow_extra_args(false);
-    verb->add_option("--hour", a->dss.hour, "OpenDSS: at which daily load shapes are read");
-    verb->callback([a, &action] { action = [a] { return powerflow(*a); }; });
+    verb.add_flag("--three-phase", a->three_phase, "unbalanced: voltages and currents by phase");
+    verb.add_option("--csv", a->dss.csv, "a table of the buses; of an OpenDSS script: of all nodes");
+    verb.add_option("--branches-csv", a->branches_csv, "a table of the flows in the branches");
+    verb.add_option("--matpower", a->matpower, "network and solution as a MATPOWER case (.m)");
+    verb.add_option("--include", a->dss.include, "OpenDSS: a folder from which the script may read, too");
+    verb.add_option("--command", a->dss.commands, "OpenDSS: a command to carry out after the script")
+        .repeated();
+    verb.add_option("--hour", a->dss.hour, "OpenDSS: at which daily load shapes are read");
+    verb.callback([a, &action] { action = [a] { return powerflow(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -6,7 +6,6 @@
 #include "launcher/report/html_report.hpp"
 #include "launcher/report/summary.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <memory>
 #include <unistd.h>
@@ -45,12 +44,12 @@ int report(ReportArguments const& arguments) {
 
 } // namespace
 
-void add_report(CLI::App& app, Action& action) {
+void add_report(Command app, Action& action) {
     auto const a = std::make_shared<ReportArguments>();
-    CLI::App* verb = app.add_subcommand("report", "judge a recorded run again and rewrite its report");
-    verb->add_option("RUN", a->run, "run folder, or latest")->required();
-    verb->add_flag("--json", a->json, "the summary as JSON");
-    verb->callback([a, &action] { action = [a] { return report(*a); }; });
+    Command verb = app.add_subcommand("report", "judge a recorded run again and rewrite its report");
+    verb.add_option("RUN", a->run, "run folder, or latest").required();
+    verb.add_flag("--json", a->json, "the summary as JSON");
+    verb.callback([a, &action] { action = [a] { return report(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -5,7 +5,6 @@
 #include "launcher/cli/become.hpp"
 #include "launcher/cli/verbs.hpp"
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include <string>
@@ -35,13 +34,13 @@ int router(RouterArguments const& arguments) {
 
 } // namespace
 
-void add_router(CLI::App& app, Action& action) {
+void add_router(Command app, Action& action) {
     auto const a = std::make_shared<RouterArguments>();
-    CLI::App* verb = app.add_subcommand("router", "carry topics between DDS domains and sites");
-    verb->add_option("CONFIG", a->config, "ends and the topics that may pass (YAML)")->required();
-    verb->add_flag("--check", a->check, "check the configuration and end");
-    verb->add_flag("--json", a->json, "what happens, as JSON lines on standard output");
-    verb->callback([a, &action] { action = [a] { return router(*a); }; });
+    Command verb = app.add_subcommand("router", "carry topics between DDS domains and sites");
+    verb.add_option("CONFIG", a->config, "ends and the topics that may pass (YAML)").required();
+    verb.add_flag("--check", a->check, "check the configuration and end");
+    verb.add_flag("--json", a->json, "what happens, as JSON lines on standard output");
+    verb.callback([a, &action] { action = [a] { return router(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "common/text.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/folder/write_file.hpp"
@@ -11,7 +12,6 @@
 #include "launcher/run/run.hpp"
 #include "launcher/run/say.hpp"
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <fmt/format.h>
 #include <fstream>
@@ -180,24 +180,24 @@ int run(RunArguments const& arguments) {
 
 } // namespace
 
-void add_run(CLI::App& app, Action& action) {
+void add_run(Command app, Action& action) {
     auto const a = std::make_shared<RunArguments>();
-    CLI::App* verb = app.add_subcommand("run", "run a scenario: start, watch, record, judge, report");
+    Command verb = app.add_subcommand("run", "run a scenario: start, watch, record, judge, report");
     scenario_options(verb, a->scenario);
-    verb->add_flag("--no-namespaces", a->no_namespaces, "everything on the loopback interface")->group("Where it runs");
-    verb->add_option("--out", a->out, "run folder (default: runs/<scenario>-<utc>)")->group("What comes out");
-    verb->add_option("--junit", a->junit, "write the expectations as JUnit XML")->group("What comes out");
-    verb->add_flag("--json", a->json, "progress as JSON lines, the summary as JSON")->group("What comes out");
-    verb->add_flag("--quiet", a->quiet, "print nothing but errors")->group("What comes out");
-    verb->add_flag("--dry-run", a->dry_run, "show what would be started; start nothing")->group("Look into it");
-    verb->add_flag("--allow-control", a->allow_control,
+    verb.add_flag("--no-namespaces", a->no_namespaces, "everything on the loopback interface").group("Where it runs");
+    verb.add_option("--out", a->out, "run folder (default: runs/<scenario>-<utc>)").group("What comes out");
+    verb.add_option("--junit", a->junit, "write the expectations as JUnit XML").group("What comes out");
+    verb.add_flag("--json", a->json, "progress as JSON lines, the summary as JSON").group("What comes out");
+    verb.add_flag("--quiet", a->quiet, "print nothing but errors").group("What comes out");
+    verb.add_flag("--dry-run", a->dry_run, "show what would be started; start nothing").group("Look into it");
+    verb.add_flag("--allow-control", a->allow_control,
                    "pause, continue, step and stop it from the dashboard and the command line")
-        ->group("Look into it");
-    verb->add_flag("--no-deadlines", a->no_deadlines, "wait for ever (a debugger is attached)")->group("Look into it");
-    verb->add_option("--log-level", a->log_level, "of the processes")
-        ->group("Look into it")
-        ->check(CLI::IsMember({"debug", "info", "warning", "error"}));
-    verb->callback([a, &action] { action = [a] { return run(*a); }; });
+        .group("Look into it");
+    verb.add_flag("--no-deadlines", a->no_deadlines, "wait for ever (a debugger is attached)").group("Look into it");
+    verb.add_option("--log-level", a->log_level, "of the processes")
+        .group("Look into it")
+        .check(one_of({"debug", "info", "warning", "error"}));
+    verb.callback([a, &action] { action = [a] { return run(*a); }; });
 }
 
 } // namespace gridspace::cli

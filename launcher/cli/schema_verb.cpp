@@ -4,7 +4,6 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/schema/schema_pages.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fstream>
 #include <memory>
@@ -35,13 +34,13 @@ int schema(std::filesystem::path const& root) {
 
 } // namespace
 
-void add_schema(CLI::App& app, Action& action) {
+void add_schema(Command app, Action& action) {
     auto const root = std::make_shared<std::filesystem::path>();
-    CLI::App* verb =
+    Command verb =
         app.add_subcommand("schema", "write the JSON schemas and the reference page of the configuration files");
-    verb->add_option("--write", *root, "root of the source tree")->required();
-    verb->group(""); // for developers
-    verb->callback([root, &action] { action = [root] { return schema(*root); }; });
+    verb.add_option("--write", *root, "root of the source tree").required();
+    verb.hide();
+    verb.callback([root, &action] { action = [root] { return schema(*root); }; });
 }
 
 } // namespace gridspace::cli

@@ -10,7 +10,6 @@
 #include "launcher/cli/scl_file.hpp"
 #include "launcher/cli/verbs.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
@@ -120,24 +119,23 @@ int export_scl(Arguments const& a) {
 
 } // namespace
 
-void add_scl(CLI::App& app, Action& action) {
-    CLI::App* const verb = app.add_subcommand("scl", "streams from and to SCL files (IEC 61850-6)");
-    verb->require_subcommand(1);
+void add_scl(Command app, Action& action) {
+    Command verb = app.add_subcommand("scl", "streams from and to SCL files (IEC 61850-6)");
+    verb.require_subcommand();
     auto const a = std::make_shared<Arguments>();
-    CLI::App* const import = verb->add_subcommand("import", "write the streams of an SCD, ICD or CID file as YAML");
-    import->add_option("FILE", a->file, "SCL file")->required();
-    import->add_option("--ied", a->import.ied, "only the control blocks of this IED");
-    import->add_option("--nominal-hz", a->import.nominal_hz, "frequency of the grid, for rates per period (default 50)")
-        ->check(positive());
-    import->add_option("--out", a->out, "file (default: standard output)");
-    import->callback([&action, a] { action = [a] { return import_scl(*a); }; });
-    CLI::App* const exported = verb->add_subcommand("export", "write the streams of a scenario as a CID file");
-    exported->add_option("SCENARIO", a->file, "scenario, or a file with `streams:`")->required();
-    exported->add_option("--stream", a->streams, "only this stream; may be given several times")
-        ->take_all()
-        ->allow_extra_args(false);
-    exported->add_option("--out", a->out, "file (default: standard output)");
-    exported->callback([&action, a] { action = [a] { return export_scl(*a); }; });
+    Command import = verb.add_subcommand("import", "write the streams of an SCD, ICD or CID file as YAML");
+    import.add_option("FILE", a->file, "SCL file").required();
+    import.add_option("--ied", a->import.ied, "only the control blocks of this IED");
+    import.add_option("--nominal-hz", a->import.nominal_hz, "frequency of the grid, for rates per period (default 50)")
+        .check(positive());
+    import.add_option("--out", a->out, "file (default: standard output)");
+    import.callback([&action, a] { action = [a] { return import_scl(*a); }; });
+    Command exported = verb.add_subcommand("export", "write the streams of a scenario as a CID file");
+    exported.add_option("SCENARIO", a->file, "scenario, or a file with `streams:`").required();
+    exported.add_option("--stream", a->streams, "only this stream; may be given several times")
+        .repeated();
+    exported.add_option("--out", a->out, "file (default: standard output)");
+    exported.callback([&action, a] { action = [a] { return export_scl(*a); }; });
 }
 
 } // namespace gridspace::cli

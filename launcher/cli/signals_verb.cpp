@@ -3,7 +3,6 @@
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -43,12 +42,12 @@ int signals(SignalsArguments const& arguments) {
 
 } // namespace
 
-void add_signals(CLI::App& app, Action& action) {
+void add_signals(Command app, Action& action) {
     auto const a = std::make_shared<SignalsArguments>();
-    CLI::App* verb = app.add_subcommand("signals", "list the signals of a scenario: name, unit, rate");
+    Command verb = app.add_subcommand("signals", "list the signals of a scenario: name, unit, rate");
     scenario_options(verb, a->scenario);
-    verb->add_flag("--json", a->json, "as JSON");
-    verb->callback([a, &action] { action = [a] { return signals(*a); }; });
+    verb.add_flag("--json", a->json, "as JSON");
+    verb.callback([a, &action] { action = [a] { return signals(*a); }; });
 }
 
 } // namespace gridspace::cli

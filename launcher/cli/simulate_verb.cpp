@@ -14,7 +14,6 @@
 #include "sim/phasor/phasor_engine.hpp"
 #include "sim/runtime/simulation.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -385,25 +384,25 @@ int simulate(SimulateArguments const& a) {
 
 } // namespace
 
-void add_simulate(CLI::App& app, Action& action) {
+void add_simulate(Command app, Action& action) {
     auto const a = std::make_shared<SimulateArguments>();
-    CLI::App* verb =
+    Command verb =
         app.add_subcommand("simulate", "simulate a network offline: waveforms or phasors to CSV or COMTRADE");
-    verb->add_option("NETWORK", a->network, "network file (YAML or MATPOWER)")->required();
-    verb->add_option("--events", a->events, "YAML file with `events:` as in a scenario");
-    verb->add_flag("--fixed-step", a->fixed_step, "phasor: steps of --step, not of the integrator's choice");
-    verb->add_option("--solver", a->solver, "emt (waveforms) or phasor")->check(CLI::IsMember({"emt", "phasor"}));
-    verb->add_option("--until", a->until, "end at this simulated time: 10s, 5min, 2h");
-    verb->add_option("--step", a->step, "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
-    verb->add_option("--signals", a->signals, "what is written: names or patterns, separated by commas")
-        ->delimiter(',');
-    verb->add_flag("--list-signals", a->list_signals, "list what can be written, and end");
-    verb->add_option("--csv", a->csv, "write a table: time_s first, one header row");
-    verb->add_option("--comtrade", a->comtrade, "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");
-    verb->add_option("--every", a->every, "write every n-th step")->check(positive());
-    verb->add_flag("--timing", a->timing, "print wall time per step and the real-time factor");
-    verb->add_flag("--quiet", a->quiet, "print nothing but errors");
-    verb->callback([a, &action] { action = [a] { return simulate(*a); }; });
+    verb.add_option("NETWORK", a->network, "network file (YAML or MATPOWER)").required();
+    verb.add_option("--events", a->events, "YAML file with `events:` as in a scenario");
+    verb.add_flag("--fixed-step", a->fixed_step, "phasor: steps of --step, not of the integrator's choice");
+    verb.add_option("--solver", a->solver, "emt (waveforms) or phasor").check(one_of({"emt", "phasor"}));
+    verb.add_option("--until", a->until, "end at this simulated time: 10s, 5min, 2h");
+    verb.add_option("--step", a->step, "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
+    verb.add_option("--signals", a->signals, "what is written: names or patterns, separated by commas")
+        .delimiter(',');
+    verb.add_flag("--list-signals", a->list_signals, "list what can be written, and end");
+    verb.add_option("--csv", a->csv, "write a table: time_s first, one header row");
+    verb.add_option("--comtrade", a->comtrade, "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");
+    verb.add_option("--every", a->every, "write every n-th step").check(positive());
+    verb.add_flag("--timing", a->timing, "print wall time per step and the real-time factor");
+    verb.add_flag("--quiet", a->quiet, "print nothing but errors");
+    verb.callback([a, &action] { action = [a] { return simulate(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -3,6 +3,7 @@
 //
 // `gridspace sweep`: a scenario many times.
 #include "common/time.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/ids_verbs.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/sweep_progress.hpp"
@@ -12,7 +13,6 @@
 #include "launcher/sweep/slurm.hpp"
 #include "launcher/sweep/sweep.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
 #include <fmt/format.h>
@@ -164,9 +164,9 @@ int sweep_verb(SweepArguments const& arguments) {
     return finished->exit_code();
 }
 
-void sweep_options(CLI::App& verb, std::shared_ptr<SweepArguments> const& a, Action& action) {
+void sweep_options(Command verb, std::shared_ptr<SweepArguments> const& a, Action& action) {
     verb.add_option("--jobs", a->jobs, "runs at once (default: as many as processors; 1 in real time)")
-        ->check(CLI::Range(1, 1024));
+        .check(in_range(1, 1024));
     verb.add_flag("--slurm", a->slurm, "as job arrays of Slurm; --jobs: tasks at once (default: as many as it likes)");
     verb.add_option("--out", a->out, "folder of the study (default: runs/study-<name>)");
     verb.add_flag("--dry-run", a->dry_run, "show the runs; start nothing");
@@ -179,32 +179,32 @@ void sweep_options(CLI::App& verb, std::shared_ptr<SweepArguments> const& a, Act
 
 } // namespace
 
-void add_sweep(CLI::App& app, Action& action) {
+void add_sweep(Command app, Action& action) {
     auto const a = std::make_shared<SweepArguments>();
-    CLI::App* verb = app.add_subcommand("sweep", "run a scenario many times: a study of what varies, with one table");
-    verb->add_option("STUDY", a->study, "study file (YAML)")->required();
-    sweep_options(*verb, a, action);
+    Command verb = app.add_subcommand("sweep", "run a scenario many times: a study of what varies, with one table");
+    verb.add_option("STUDY", a->study, "study file (YAML)").required();
+    sweep_options(verb, a, action);
 }
 
 /// A detector's thresholds, attacks and grids are what a study varies: the same verb, and a study to begin with.
-void add_ids_sweep(CLI::App& ids, Action& action) {
+void add_ids_sweep(Command ids, Action& action) {
     auto const a = std::make_shared<SweepArguments>();
-    CLI::App* verb =
+    Command verb =
         ids.add_subcommand("sweep", "thresholds by sizes of an attack by grids: `gridspace sweep` of a study");
     a->study = launcher::shared_folder("configs") / "studies/ids_thresholds.yaml";
-    verb->add_option("STUDY", a->study, "study file (default: configs/studies/ids_thresholds.yaml)");
-    sweep_options(*verb, a, action);
+    verb.add_option("STUDY", a->study, "study file (default: configs/studies/ids_thresholds.yaml)");
+    sweep_options(verb, a, action);
 }
 
-void add_sweep_task(CLI::App& app, Action& action) {
+void add_sweep_task(Command app, Action& action) {
     auto const a = std::make_shared<TaskArguments>();
-    CLI::App* verb = app.add_subcommand("sweep-task", "one task of a job array of `sweep --slurm`");
-    verb->add_option("FOLDER", a->folder, "folder of the study")->required();
-    verb->add_option("--task", a->task, "which task")->required()->check(CLI::Range(1, 1'000'000));
-    verb->add_option("--of", a->of, "how many tasks there are")->required()->check(CLI::Range(1, 1'000'000));
-    verb->add_flag("--keep", a->keep, "keep the folders of runs that passed, too");
-    verb->group(""); // for the scripts that it makes
-    verb->callback([a, &action] { action = [a] { return sweep_task(*a); }; });
+    Command verb = app.add_subcommand("sweep-task", "one task of a job array of `sweep --slurm`");
+    verb.add_option("FOLDER", a->folder, "folder of the study").required();
+    verb.add_option("--task", a->task, "which task").required().check(in_range(1, 1'000'000));
+    verb.add_option("--of", a->of, "how many tasks there are").required().check(in_range(1, 1'000'000));
+    verb.add_flag("--keep", a->keep, "keep the folders of runs that passed, too");
+    verb.hide(); // for the scripts that it makes
+    verb.callback([a, &action] { action = [a] { return sweep_task(*a); }; });
 }
 
 } // namespace gridspace::cli

@@ -5,7 +5,6 @@
 #include "launcher/cli/verbs.hpp"
 #include "timebox/box.hpp"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
 #include <fmt/format.h>
@@ -77,19 +76,19 @@ int timebox(TimeboxArguments const& arguments) {
 
 } // namespace
 
-void add_timebox(CLI::App& app, Action& action) {
+void add_timebox(Command app, Action& action) {
     auto const arguments = std::make_shared<TimeboxArguments>();
-    CLI::App* verb =
+    Command verb =
         app.add_subcommand("timebox", "run an unmodified program in simulated time, with the same result each time");
-    verb->add_option("COMMAND", arguments->command, "the program and its arguments, behind --")->required();
-    verb->add_option("--until", arguments->until_s, "simulated time at which it is ended, s")->check(positive());
-    verb->add_option("--seed", arguments->seed, "of the random numbers that the kernel gives");
-    verb->add_option("--epoch", arguments->epoch_unix_s, "what the clock shows at the start, s since 1970 (UTC)");
-    verb->add_option("--patience", arguments->patience_s, "real time that it may compute without a call, s")
-        ->check(positive());
-    verb->add_flag("--trace", arguments->trace, "list the calls that were held, with simulated times (stderr)");
-    verb->add_flag("-q,--quiet", arguments->quiet, "no summary");
-    verb->callback([arguments, &action] { action = [arguments] { return timebox(*arguments); }; });
+    verb.add_option("COMMAND", arguments->command, "the program and its arguments, behind --").required();
+    verb.add_option("--until", arguments->until_s, "simulated time at which it is ended, s").check(positive());
+    verb.add_option("--seed", arguments->seed, "of the random numbers that the kernel gives");
+    verb.add_option("--epoch", arguments->epoch_unix_s, "what the clock shows at the start, s since 1970 (UTC)");
+    verb.add_option("--patience", arguments->patience_s, "real time that it may compute without a call, s")
+        .check(positive());
+    verb.add_flag("--trace", arguments->trace, "list the calls that were held, with simulated times (stderr)");
+    verb.add_flag("-q,--quiet", arguments->quiet, "no summary");
+    verb.callback([arguments, &action] { action = [arguments] { return timebox(*arguments); }; });
 }
 
 } // namespace gridspace::cli

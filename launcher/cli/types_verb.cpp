@@ -7,7 +7,6 @@
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/say.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
@@ -65,11 +64,11 @@ int types(std::vector<std::filesystem::path> const& files) {
 
 } // namespace
 
-void add_types(CLI::App& app, Action& action) {
+void add_types(Command app, Action& action) {
     auto const files = std::make_shared<std::vector<std::filesystem::path>>();
-    CLI::App* verb = app.add_subcommand("types", "print structs of C for types of IDL: for agents in C and C++");
-    verb->add_option("FILE", *files, "IDL files of your own types; without one the types of Gridspace");
-    verb->callback([files, &action] { action = [files] { return types(*files); }; });
+    Command verb = app.add_subcommand("types", "print structs of C for types of IDL: for agents in C and C++");
+    verb.add_option("FILE", *files, "IDL files of your own types; without one the types of Gridspace");
+    verb.callback([files, &action] { action = [files] { return types(*files); }; });
 }
 
 } // namespace gridspace::cli

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/config/yaml.hpp"
 #include "launcher/certify/certify_case.hpp"
+#include "launcher/cli/checks.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/sweep/study_plan.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -96,15 +96,14 @@ int validate(ValidateArguments const& arguments) {
 
 } // namespace
 
-void add_validate(CLI::App& app, Action& action) {
+void add_validate(Command app, Action& action) {
     auto const a = std::make_shared<ValidateArguments>();
-    CLI::App* verb = app.add_subcommand("validate", "check scenario, network and study files and cases; start nothing");
-    verb->add_option("FILE", a->files, "scenario, network (YAML or MATPOWER), study or case")->required();
-    verb->add_option("--set", a->set, "override a value of a scenario: --set clock.tick_s=0.25 (may be repeated)")
-        ->take_all()
-        ->allow_extra_args(false);
-    verb->add_option("--format", a->format, "text or json")->check(CLI::IsMember({"text", "json"}));
-    verb->callback([a, &action] { action = [a] { return validate(*a); }; });
+    Command verb = app.add_subcommand("validate", "check scenario, network and study files and cases; start nothing");
+    verb.add_option("FILE", a->files, "scenario, network (YAML or MATPOWER), study or case").required();
+    verb.add_option("--set", a->set, "override a value of a scenario: --set clock.tick_s=0.25 (may be repeated)")
+        .repeated();
+    verb.add_option("--format", a->format, "text or json").check(one_of({"text", "json"}));
+    verb.callback([a, &action] { action = [a] { return validate(*a); }; });
 }
 
 } // namespace gridspace::cli

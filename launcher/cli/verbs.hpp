@@ -2,20 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/command_line/command.hpp"
+
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-namespace CLI { // NOLINT(readability-identifier-naming): the library's
-class App;
-}
-
 /// The verbs of `gridspace`. Each is a file that adds it to the command line and holds what it does; main.cpp has the
 /// table of them.
 namespace gridspace::cli {
 
+using command_line::Command;
+using command_line::Option;
 using Action = std::function<int()>; ///< what the command line asks for; returns the exit code
 
 struct ScenarioArguments {
@@ -25,7 +25,7 @@ struct ScenarioArguments {
     std::string allow_attacks_on;
 };
 /// SCENARIO and the options that change it.
-void scenario_options(CLI::App* verb, ScenarioArguments& arguments);
+void scenario_options(Command verb, ScenarioArguments& arguments);
 
 /// The dashboard of a finished run or of a domain; `play` shows it too.
 struct MonitorArguments {
@@ -37,37 +37,37 @@ struct MonitorArguments {
 };
 int monitor(MonitorArguments const& arguments);
 
-void add_bundle(CLI::App& app, Action& action);
-void add_certify(CLI::App& app, Action& action);
-void add_compare(CLI::App& app, Action& action);
-void add_completion(CLI::App& app, Action& action);
-void add_control(CLI::App& app, Action& action); ///< pause, continue, step, stop
-void add_doctor(CLI::App& app, Action& action);
-void add_export(CLI::App& app, Action& action);
-void add_fmu(CLI::App& app, Action& action);
-void add_graph(CLI::App& app, Action& action);
-void add_ids_evaluate(CLI::App& ids, Action& action);
-void add_ids_study(CLI::App& ids, Action& action);
-void add_ids_train(CLI::App& ids, Action& action);
-void add_info(CLI::App& app, Action& action);
-void add_keys(CLI::App& app, Action& action); ///< init, issue, revoke, list
-void add_monitor(CLI::App& app, Action& action);
-void add_new(CLI::App& app, Action& action); ///< agent, scenario, network
-void add_play(CLI::App& app, Action& action);
-void add_powerflow(CLI::App& app, Action& action);
-void add_report(CLI::App& app, Action& action);
-void add_router(CLI::App& app, Action& action);
-void add_run(CLI::App& app, Action& action);
-void add_schema(CLI::App& app, Action& action);
-void add_scl(CLI::App& app, Action& action);
-void add_signals(CLI::App& app, Action& action);
-void add_simulate(CLI::App& app, Action& action);
-void add_sweep(CLI::App& app, Action& action);
-void add_sweep_task(CLI::App& app, Action& action);
-void add_timebox(CLI::App& app, Action& action);
-void add_topic(CLI::App& app, Action& action);
-void add_types(CLI::App& app, Action& action); ///< structs of C for IDL
-void add_validate(CLI::App& app, Action& action);
-void add_wire(CLI::App& app, Action& action);
+void add_bundle(Command app, Action& action);
+void add_certify(Command app, Action& action);
+void add_compare(Command app, Action& action);
+void add_completion(Command app, Action& action);
+void add_control(Command app, Action& action); ///< pause, continue, step, stop
+void add_doctor(Command app, Action& action);
+void add_export(Command app, Action& action);
+void add_fmu(Command app, Action& action);
+void add_graph(Command app, Action& action);
+void add_ids_evaluate(Command ids, Action& action);
+void add_ids_study(Command ids, Action& action);
+void add_ids_train(Command ids, Action& action);
+void add_info(Command app, Action& action);
+void add_keys(Command app, Action& action); ///< init, issue, revoke, list
+void add_monitor(Command app, Action& action);
+void add_new(Command app, Action& action); ///< agent, scenario, network
+void add_play(Command app, Action& action);
+void add_powerflow(Command app, Action& action);
+void add_report(Command app, Action& action);
+void add_router(Command app, Action& action);
+void add_run(Command app, Action& action);
+void add_schema(Command app, Action& action);
+void add_scl(Command app, Action& action);
+void add_signals(Command app, Action& action);
+void add_simulate(Command app, Action& action);
+void add_sweep(Command app, Action& action);
+void add_sweep_task(Command app, Action& action);
+void add_timebox(Command app, Action& action);
+void add_topic(Command app, Action& action);
+void add_types(Command app, Action& action); ///< structs of C for IDL
+void add_validate(Command app, Action& action);
+void add_wire(Command app, Action& action);
 
 } // namespace gridspace::cli

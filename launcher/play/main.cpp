@@ -8,7 +8,6 @@
 #include "launcher/play/frame_player.hpp"
 #include "launcher/play/sample_player.hpp"
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <fmt/format.h>
 #include <fstream>
@@ -147,15 +146,13 @@ void print_totals(PlayOptions const& options, Players& players) {
 }
 
 int main_function(int argc, char** argv) {
-    CLI::App app{"puts a recording back onto the bus", "gridspace-player"};
-    app.set_version_flag("--version", version_text("gridspace-player"));
+    command_line::Program program{"gridspace-player", "puts a recording back onto the bus",
+                                  version_text("gridspace-player")};
     PlayOptions options;
-    add_options(app, options);
-    app.add_option("--qos", options.qos, "QoS profiles of its writers (player.xml)")->required();
-    try {
-        app.parse(argc, argv);
-    } catch (CLI::ParseError const& e) {
-        return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+    add_options(program.command(), options);
+    program.command().add_option("--qos", options.qos, "QoS profiles of its writers (player.xml)").required();
+    if (std::optional<int> const code = program.parse(argc, argv)) {
+        return *code;
     }
     // A signal shall end the sleep of this thread, not of one that DDS has made.
     sigset_t stop;

@@ -4,39 +4,38 @@
 
 #include "common/text.hpp"
 
-#include <CLI/CLI.hpp>
 
 namespace gridspace::play {
 
-void add_options(CLI::App& app, PlayOptions& o) {
-    app.add_option("RUN", o.run, "run folder, its data.mcap, or latest")->required();
+void add_options(command_line::Command app, PlayOptions& o) {
+    app.add_option("RUN", o.run, "run folder, its data.mcap, or latest").required();
     app.add_option("--rate", o.rate, "recorded seconds per second; 0: as fast as readers take it")
-        ->check(CLI::Range(0.0, 1e6))
-        ->group("What is played");
-    app.add_option("--start", o.start, "begin at this simulated time (10s, 5min, 2h)")->group("What is played");
-    app.add_option("--until", o.until, "end at this simulated time")->group("What is played");
-    app.add_option("--topics", o.topics, "only these (patterns)")->delimiter(',')->group("What is played");
+        .check(command_line::in_range(0.0, 1e6))
+        .group("What is played");
+    app.add_option("--start", o.start, "begin at this simulated time (10s, 5min, 2h)").group("What is played");
+    app.add_option("--until", o.until, "end at this simulated time").group("What is played");
+    app.add_option("--topics", o.topics, "only these (patterns)").delimiter(',').group("What is played");
     app.add_option("--loop", o.loops, "so many times; 0: for ever")
-        ->check(CLI::Range(0, 1'000'000'000))
-        ->group("What is played");
-    app.add_option("--domain", o.domain, "DDS domain")->check(CLI::Range(0, 232))->group("Where");
+        .check(command_line::in_range(0, 1'000'000'000))
+        .group("What is played");
+    app.add_option("--domain", o.domain, "DDS domain").check(command_line::in_range(0, 232)).group("Where");
     app.add_option("--data-domain", o.data_domain,
                    "another DDS domain for the topics that are studied; those of the framework stay")
-        ->check(CLI::Range(0, 232))
-        ->group("Where");
+        .check(command_line::in_range(0, 232))
+        .group("Where");
     app.add_option("--address", o.addresses, "IPv4 addresses of the interfaces to use (default: all)")
-        ->delimiter(',')
-        ->group("Where");
-    app.add_flag("--wait", o.wait, "begin when every topic has a reader")->group("Where");
+        .delimiter(',')
+        .group("Where");
+    app.add_flag("--wait", o.wait, "begin when every topic has a reader").group("Where");
     app.add_flag("--json", o.json, "what was played, as JSON");
-    app.add_option("--frames", o.frames, "send the recorded frames on this interface, too")->group("Frames");
+    app.add_option("--frames", o.frames, "send the recorded frames on this interface, too").group("Frames");
     app.add_option("--only", o.only, "of the frames those of this point of the capture")
-        ->needs("--frames")
-        ->group("Frames");
+        .needs("--frames")
+        .group("Frames");
     app.add_option("--allow-attacks-on", o.allow_attacks_on, "an interface that is not a virtual cable")
-        ->needs("--frames")
-        ->group("Frames");
-    app.add_flag("--no-samples", o.no_samples, "frames alone")->needs("--frames")->group("Frames");
+        .needs("--frames")
+        .group("Frames");
+    app.add_flag("--no-samples", o.no_samples, "frames alone").needs("--frames").group("Frames");
 }
 
 std::vector<std::string> to_words(PlayOptions const& o) {

@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/command_line/command.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
-
-namespace CLI { // NOLINT(readability-identifier-naming): the library's
-class App;
-}
 
 namespace gridspace::play {
 
@@ -31,7 +29,7 @@ struct PlayOptions {
 };
 
 /// Adds the options to a command line that shall read them.
-void add_options(CLI::App& app, PlayOptions& options);
+void add_options(command_line::Command app, PlayOptions& options);
 
 /// The options as a command line.
 [[nodiscard]] std::vector<std::string> to_words(PlayOptions const& options);

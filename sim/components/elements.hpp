@@ -20,7 +20,6 @@
 #include "sim/components/vt/vt.hpp"
 
 #include <concepts>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -51,34 +50,31 @@ struct Elements {
     std::vector<Profile> profiles;
 };
 
-/// The list of kinds, in the order in which everybody takes them up: sums, states and signals are in this order, so it
-/// decides the last bits of results. New kinds go to its end.
-constexpr std::tuple kElementKinds{&Elements::buses,
-                                   &Elements::line_types,
-                                   &Elements::lines,
-                                   &Elements::sources,
-                                   &Elements::generators,
-                                   &Elements::machine_types,
-                                   &Elements::machines,
-                                   &Elements::transformers,
-                                   &Elements::loads,
-                                   &Elements::shunts,
-                                   &Elements::pv,
-                                   &Elements::evs,
-                                   &Elements::batteries,
-                                   &Elements::shunt_capacitors,
-                                   &Elements::breaker_types,
-                                   &Elements::breakers,
-                                   &Elements::ct_types,
-                                   &Elements::cts,
-                                   &Elements::vt_types,
-                                   &Elements::vts,
-                                   &Elements::profiles};
-
-/// Calls visit(vector) for the elements of each kind.
+/// Calls visit(vector) for the elements of each kind, in the order in which everybody takes them up: sums, states and
+/// signals are in this order, so it decides the last bits of results. New kinds go to its end.
 template <class E, class Visit>
 void for_each_kind(E& elements, Visit const& visit) {
-    std::apply([&](auto... kind) { (visit(elements.*kind), ...); }, kElementKinds);
+    visit(elements.buses);
+    visit(elements.line_types);
+    visit(elements.lines);
+    visit(elements.sources);
+    visit(elements.generators);
+    visit(elements.machine_types);
+    visit(elements.machines);
+    visit(elements.transformers);
+    visit(elements.loads);
+    visit(elements.shunts);
+    visit(elements.pv);
+    visit(elements.evs);
+    visit(elements.batteries);
+    visit(elements.shunt_capacitors);
+    visit(elements.breaker_types);
+    visit(elements.breakers);
+    visit(elements.ct_types);
+    visit(elements.cts);
+    visit(elements.vt_types);
+    visit(elements.vts);
+    visit(elements.profiles);
 }
 
 /// All with this face, in the order of the list.
@@ -95,11 +91,7 @@ template <class Face, class E>
     });
     return out;
 }
-[[nodiscard]] inline std::vector<OnePort const*> one_ports(Elements const& e) {
-    return all<OnePort>(e);
-}
-[[nodiscard]] inline std::vector<TwoPort const*> two_ports(Elements const& e) {
-    return all<TwoPort>(e);
-}
+[[nodiscard]] std::vector<OnePort const*> one_ports(Elements const& e);
+[[nodiscard]] std::vector<TwoPort const*> two_ports(Elements const& e);
 
 } // namespace gridspace::sim

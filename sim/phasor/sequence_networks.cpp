@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/phasor/sequence_networks.hpp"
 
-#include <Eigen/SparseLU>
+#include "sim/powerflow/sparse_lu.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <vector>

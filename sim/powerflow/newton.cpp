@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/powerflow/problem.hpp"
 
+#include "sim/powerflow/sparse_lu.hpp"
+
 #include <Eigen/SparseCore>
-#include <Eigen/SparseLU>
 #include <cmath>
 #include <limits>
 

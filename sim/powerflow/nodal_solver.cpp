@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/powerflow/nodal_solver.hpp"
 
-#include <Eigen/SparseLU>
+#include "sim/powerflow/sparse_lu.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
