@@ -71,11 +71,11 @@ function(gridspace_sanitizer_options target)
   endif()
 endfunction()
 
-# gridspace_program(NAME SOURCES ... [PRIVATE deps ...]): an installed executable; all programs land in build/bin, and the target
-# `programs` builds them and nothing else.
+# gridspace_program(NAME SOURCES ... [PRIVATE deps ...] [FOR_CHECKOUTS]): an installed executable; all programs land in build/bin, and
+# the target `programs` builds them and nothing else. FOR_CHECKOUTS: not among these, and not installed.
 add_custom_target(programs)
 function(gridspace_program name)
-  cmake_parse_arguments(arg "" "" "SOURCES;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "FOR_CHECKOUTS" "" "SOURCES;PRIVATE" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE gridspace_flags ${arg_PRIVATE})
@@ -85,9 +85,11 @@ function(gridspace_program name)
     set_target_properties(${name} PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH "$ORIGIN/../lib")
     target_link_options(${name} PRIVATE LINKER:--disable-new-dtags)
   endif()
-  add_dependencies(programs ${name})
   gridspace_sanitizer_options(${name})
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  if(NOT arg_FOR_CHECKOUTS)
+    add_dependencies(programs ${name})
+    install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  endif()
 endfunction()
 
 add_custom_target(unit_tests) # builds the test programs with the label unit, and what they need

@@ -57,19 +57,24 @@ build() {
   return 3
 }
 
-# Whether any source is newer than the last complete build of the programs.
+# programs_are_current [FOR]: whether no source is newer than the last complete build of the programs, or of those FOR a scenario.
 programs_are_current() {
-  local stamp="$root/build/release/.programs_built"
-  [ -x "$root/build/release/bin/gridspace" ] && [ -f "$stamp" ] || return 1
+  local stamp="$root/build/release/.programs_built${1:+_for_$1}"
+  [ -f "$stamp" ] || return 1
   [ -z "$(find "$root" -path "$root/build" -prune -o -path "$root/.git" -prune -o -path "$root/runs" -prune -o -path "*/node_modules" -prune -o \
     -path "$root/tests" -prune -o -path "$root/docs" -prune -o -path "$root/configs" -prune -o \
     \( -name '*.cpp' -o -name '*.hpp' -o -name '*.idl' -o -name '*.in' -o -name '*.cmake' -o -name 'CMake*' -o -name '*.ts' -o -name '*.tsx' -o -name '*.css' -o -name '*.html' -o -name '*.js' \) \
     -newer "$stamp" -print -quit)" ]
 }
 
-# The programs of the release preset, installed packages and all. Quick when there is nothing to do.
-ensure_programs() {
-  programs_are_current && return 0
+# ensure_programs: the programs of the release preset, installed packages and all. Quick when there is nothing to do.
+ensure_programs() { ensure_programs_for ""; }
+
+# ensure_programs_for SCENARIO: only gridspace-runner and what SCENARIO needs, which takes half the time; everything where it is empty.
+ensure_programs_for() {
+  local scenario=$1 for=""
+  [ -z "$scenario" ] || for=$(readlink -f "$scenario" | md5sum | cut -c1-16)
+  programs_are_current || { [ -n "$for" ] && programs_are_current "$for"; } && return 0
   if [ ! -w "$root" ] || { [ -e "$root/build" ] && [ ! -w "$root/build" ]; }; then
     [ -x "$root/build/release/bin/gridspace" ] && return 0 # somebody else's tree: use what they built
     say "$root is not writable for you and holds no build"
@@ -83,10 +88,19 @@ ensure_programs() {
     flock 9
     programs_are_current && exit 0
     first=$([ -x "$root/build/release/bin/gridspace" ] || echo yes)
-    [ -z "$first" ] || say "building the release preset: once, about 7 minutes on two cores"
+    [ -z "$first" ] || say "building what ${scenario:-Gridspace} needs: once, some minutes"
     began=$(mktemp "$root/build/.began.XXXX")
     if [ ! -f "$root/build/release/.configured" ]; then
       configure release -DGRIDSPACE_TESTS=OFF || exit
+    fi
+    if [ -n "$for" ]; then
+      build release gridspace-runner || exit
+      mapfile -t needed < <("$root/build/release/bin/gridspace-runner" run --programs "$scenario" 2>/dev/null)
+      # What cannot be read is for the launcher to complain about.
+      [ ${#needed[@]} -eq 0 ] || build release "${needed[@]}" || exit
+      mv "$began" "$root/build/release/.programs_built_for_$for"
+      say "built: what $scenario needs"
+      exit 0
     fi
     build release programs || exit
     mv "$began" "$root/build/release/.programs_built"

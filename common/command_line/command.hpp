@@ -13,10 +13,10 @@ namespace CLI { // NOLINT(readability-identifier-naming): the library's
 class App;
 class Option;
 class Validator;
-}
+} // namespace CLI
 
-/// The part of CLI11 that our programs use, by its names. CLI11 is all headers: whoever includes it is compiled seven seconds longer,
-/// so command.cpp does it for all.
+/// The part of CLI11 that our programs use, by its names. CLI11 is all headers: whoever includes it is compiled seven
+/// seconds longer, so command.cpp does it for all.
 namespace gridspace::command_line {
 
 /// Judges what is written for an option, before anything runs.

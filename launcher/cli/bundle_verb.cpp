@@ -173,8 +173,7 @@ void add_bundle(Command app, Action& action) {
     verb.add_option("PROCESS", a->process, "name of the process").required();
     verb.add_option("--arch", a->arch, "arm64 or amd64").check(one_of({"arm64", "amd64"}));
     verb.add_option("--out", a->out, "folder for the two files (default: this one)");
-    verb.add_option("--set", a->scenario.set, "override a value: --set clock.tick_s=0.25 (may be repeated)")
-        .repeated();
+    verb.add_option("--set", a->scenario.set, "override a value: --set clock.tick_s=0.25 (may be repeated)").repeated();
     verb.callback([a, &action] { action = [a] { return bundle(*a); }; });
 }
 

@@ -169,8 +169,7 @@ int certify_verb(CertifyArguments const& a) {
 
 void add_certify(Command app, Action& action) {
     auto const a = std::make_shared<CertifyArguments>();
-    Command verb =
-        app.add_subcommand("certify", "seeded faults against a relay: trip times, dependability, security");
+    Command verb = app.add_subcommand("certify", "seeded faults against a relay: trip times, dependability, security");
     verb.add_option("CASE", a->file, "case file (YAML)").required();
     verb.add_option("--jobs", a->jobs, "runs at once (default: as many as processors; 1 in real time)")
         .check(in_range(1, 1024));

@@ -213,7 +213,7 @@ void add_doctor(Command app, Action& action) {
     Command verb = app.add_subcommand("doctor", "look at what this machine allows, and what helps");
     verb.add_flag("--latency", options->latency, "measure how late it wakes a process up, for each way to wait");
     verb.add_option("--period-us", options->question.period_us,
-                     "between two wake-ups (default: 833.3, a tick of case 2)")
+                    "between two wake-ups (default: 833.3, a tick of case 2)")
         .check(in_range(50.0, 1e6));
     verb.add_option("--seconds", options->question.seconds, "for each way to wait (default: 3)")
         .check(in_range(0.1, 3600.0));

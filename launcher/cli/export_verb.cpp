@@ -128,11 +128,10 @@ void add_export(Command app, Action& action) {
     verb.add_flag("--comtrade", a->comtrade, "COMTRADE (IEEE C37.111-2013), ASCII and BINARY, around each trigger");
     verb.add_flag("--cff", a->cff, "COMTRADE: one .cff in place of .cfg and .dat");
     verb.add_flag("--latency", a->latency,
-                   "time under way of each sample and message of a run in real time, as CSV and as svtrace writes it");
+                  "time under way of each sample and message of a run in real time, as CSV and as svtrace writes it");
     verb.add_option("--trigger", a->trigger,
-                     "COMTRADE: relay2.trip, a signal that rises, or an event (default: as the scenario says)");
-    verb.add_option("--before-ms", a->before_ms, "COMTRADE: begin before the trigger")
-        .check(in_range(0.0, 60000.0));
+                    "COMTRADE: relay2.trip, a signal that rises, or an event (default: as the scenario says)");
+    verb.add_option("--before-ms", a->before_ms, "COMTRADE: begin before the trigger").check(in_range(0.0, 60000.0));
     verb.add_option("--after-ms", a->after_ms, "COMTRADE: end after the trigger").check(in_range(0.001, 60000.0));
     verb.add_option("--signals", a->signals, "COMTRADE: further analog channels (patterns)").delimiter(',');
     verb.add_option("--out", a->out, "folder (default: RUN/csv, RUN/comtrade, RUN/latency)");

@@ -183,7 +183,7 @@ void add_ids_evaluate(Command ids, Action& action) {
         .required();
     verb.add_option("--percent", a->percent, "threshold").check(positive());
     verb.add_option("--nominal-peak-a", a->nominal_peak_a,
-                     "crest of the nominal current (default: the largest of the first two cycles)")
+                    "crest of the nominal current (default: the largest of the first two cycles)")
         .check(positive());
     verb.add_option("--rate-hz", a->rate_hz, "samples a second, for npy").check(positive());
     verb.add_option("--event-s", a->event_s, "when something happens in the recordings").check(not_negative());

@@ -82,8 +82,7 @@ void add_ids_export(Command ids, Action& action) {
     auto const a = std::make_shared<IdsExportArguments>();
     Command verb = ids.add_subcommand(
         "export", "a labelled data set of runs: captures, features, labels, parts for training and test");
-    verb.add_option("RUN", a->runs, "a study of `gridspace sweep` (with --keep), a folder of runs, or runs")
-        .required();
+    verb.add_option("RUN", a->runs, "a study of `gridspace sweep` (with --keep), a folder of runs, or runs").required();
     verb.add_option("--out", a->out, "folder of the data set; not there yet, or empty").required();
     verb.add_option("--seed", a->seed, "of the parts for training, validation and test").check(not_negative());
     verb.add_flag("--json", a->json, "what came of it, as JSON");

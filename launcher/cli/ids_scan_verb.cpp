@@ -158,27 +158,27 @@ void add_ids_scan(Command ids, Action& action) {
         "scan", "the detector and the protocol rules on a capture (pcapng, pcap): alarms by stream and rule");
     verb.add_option("CAPTURE", a->capture, "pcapng or pcap; it is read twice").required();
     verb.add_option("--stream", a->streams,
-                     "only this stream, by its name in --streams or on the wire; may be repeated")
+                    "only this stream, by its name in --streams or on the wire; may be repeated")
         .repeated();
     verb.add_option("--only", a->only, "only this interface of the capture, or this link of a run");
     verb.add_option("--streams", a->streams_file,
-                     "scenario, or a file with `streams:`, that describes data sets (default: 9-2LE)");
+                    "scenario, or a file with `streams:`, that describes data sets (default: 9-2LE)");
     verb.add_option("--scl", a->scl_file, "SCD, ICD or CID file that describes them");
     verb.add_option("--line", a->lines,
-                     "FROM,TO: two streams that are the ends of a line; one relay with our detector watches both; may "
-                     "be repeated")
+                    "FROM,TO: two streams that are the ends of a line; one relay with our detector watches both; may "
+                    "be repeated")
         .repeated();
     verb.add_flag("--into-line", a->into_line,
-                   "current transformers of --line count into the line (default: along it)");
+                  "current transformers of --line count into the line (default: along it)");
     verb.add_option("--currents", a->currents,
-                     "members with the phase currents (default: Ia,Ib,Ic, or the first three numbers)");
+                    "members with the phase currents (default: Ia,Ib,Ic, or the first three numbers)");
     verb.add_option("--model", a->model, "forecaster (default: the shipped ar_20.json)");
     verb.add_option("--nominal-peak-a", a->nominal_peak_a,
-                     "crest of the nominal current (default: the largest of the first two cycles)")
+                    "crest of the nominal current (default: the largest of the first two cycles)")
         .check(positive());
     verb.add_flag("--rules-only", a->rules_only, "no forecaster: only the rules on headers and counters");
     verb.add_flag("--check-clock", a->check_clock,
-                   "GOOSE: the time of a new state must be within 2 s of the capture's");
+                  "GOOSE: the time of a new state must be within 2 s of the capture's");
     verb.add_option("--out", a->out, "folder for index.html and scan.json");
     verb.add_flag("--json", a->json, "as JSON");
     verb.callback([a, &action] { action = [a] { return ids_scan(*a); }; });

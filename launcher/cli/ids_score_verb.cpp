@@ -156,7 +156,7 @@ void add_ids_score(Command ids, Action& action) {
     verb.add_option("VERDICTS", a->verdicts, "CSV: stream, sample or time_s, phase, verdict or score").required();
     verb.add_option("--threshold", a->threshold, "flagged from this score on, whatever the verdict says");
     verb.add_flag("--others-genuine", a->others_are_genuine,
-                   "samples without a row count as verdict 0: the file is a list of alarms");
+                  "samples without a row count as verdict 0: the file is a list of alarms");
     verb.add_option("--seed", a->seed, "of the bootstrap").check(not_negative());
     verb.add_flag("--json", a->json, "as JSON");
     verb.callback([a, &action] { action = [a] { return ids_score(*a); }; });

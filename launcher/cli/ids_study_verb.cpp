@@ -144,7 +144,7 @@ void add_ids_study(Command ids, Action& action) {
     Command verb = ids.add_subcommand(
         "study", "window and neurons against error and time; fakes in a row against the published loop");
     verb.add_option("CONFIG", a->config,
-                     "training configuration (YAML): its data are used (default: closed-form recordings)");
+                    "training configuration (YAML): its data are used (default: closed-form recordings)");
     verb.add_option("--windows", a->windows, "window lengths").delimiter(',').check(in_range(1, 4096));
     verb.add_option("--hidden", a->hidden, "neurons; a linear forecaster is always tried too")
         .delimiter(',')

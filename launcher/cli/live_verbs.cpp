@@ -335,9 +335,7 @@ void add_control(Command app, Action& action) {
     };
     add("pause", "let a lockstep run wait after its present tick");
     add("continue", "let a paused run go on");
-    add("step", "let a paused run go on for some ticks")
-        .add_option("--ticks", a->ticks, "how many")
-        .check(positive());
+    add("step", "let a paused run go on for some ticks").add_option("--ticks", a->ticks, "how many").check(positive());
     add("stop", "end a run");
 }
 

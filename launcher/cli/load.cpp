@@ -18,7 +18,7 @@ void scenario_options(Command verb, ScenarioArguments& a) {
     verb.add_option("--until", a.until, "end at this simulated time: 10s, 5min, 2h").group("Change the scenario");
     verb.add_option("--seed", a.seed, "seed of everything random").group("Change the scenario");
     verb.add_option("--allow-attacks-on", a.allow_attacks_on,
-                     "an interface that is not a virtual cable, for an attacker with `interface:`")
+                    "an interface that is not a virtual cable, for an attacker with `interface:`")
         .group("Where it runs");
 }
 

@@ -166,17 +166,16 @@ void add_monitor(Command app, Action& action) {
     auto const a = std::make_shared<MonitorArguments>();
     Command verb = app.add_subcommand("monitor", "look at a finished run, or at any DDS domain, in the dashboard");
     Option monitored_run = verb.add_option("RUN", a->run, "run folder (default: latest)");
-    Option domain =
-        verb.add_option("--domain", a->domain, "a DDS domain instead of a run: whoever talks there")
-            .check(in_range(0, 232))
-            .excludes(monitored_run);
+    Option domain = verb.add_option("--domain", a->domain, "a DDS domain instead of a run: whoever talks there")
+                        .check(in_range(0, 232))
+                        .excludes(monitored_run);
     verb.add_option("--address", a->addresses,
-                     "address of this machine at which it joins the domain (default: 127.0.0.1; may be repeated)")
+                    "address of this machine at which it joins the domain (default: 127.0.0.1; may be repeated)")
         .check(ipv4_address())
         .repeated()
         .needs(domain);
     verb.add_option("--bind,--listen", a->listen,
-                     "address and port (port 0: a free one); elsewhere than 127.0.0.1 only with a token and TLS");
+                    "address and port (port 0: a free one); elsewhere than 127.0.0.1 only with a token and TLS");
     verb.add_option("--token-file", a->token_file, "file with the secret of whoever may look (mode 0600)");
     Option certificate = verb.add_option("--tls-cert", a->tls_cert, "certificate (PEM)");
     verb.add_option("--tls-key", a->tls_key, "its key (PEM)").needs(certificate);

@@ -196,8 +196,7 @@ int network(NewArguments const& a) {
 } // namespace
 
 void add_new(Command app, Action& action) {
-    Command verb =
-        app.add_subcommand("new", "make a folder with an agent, a scenario or a network, and a test");
+    Command verb = app.add_subcommand("new", "make a folder with an agent, a scenario or a network, and a test");
     verb.require_subcommand();
     auto const add = [&](char const* kind, char const* help, int (*make)(NewArguments const&)) {
         auto const a = std::make_shared<NewArguments>();

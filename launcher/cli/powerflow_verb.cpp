@@ -229,14 +229,13 @@ void add_powerflow(Command app, Action& action) {
     verb.add_option("NETWORK", a->network, "network file (YAML, MATPOWER or OpenDSS)").required();
     verb.add_flag("--json", a->json, "as JSON");
     verb.add_flag("--enforce-q-limits", a->enforce_q_limits,
-                   "generators give up their voltage at their reactive limits");
+                  "generators give up their voltage at their reactive limits");
     verb.add_flag("--three-phase", a->three_phase, "unbalanced: voltages and currents by phase");
     verb.add_option("--csv", a->dss.csv, "a table of the buses; of an OpenDSS script: of all nodes");
     verb.add_option("--branches-csv", a->branches_csv, "a table of the flows in the branches");
     verb.add_option("--matpower", a->matpower, "network and solution as a MATPOWER case (.m)");
     verb.add_option("--include", a->dss.include, "OpenDSS: a folder from which the script may read, too");
-    verb.add_option("--command", a->dss.commands, "OpenDSS: a command to carry out after the script")
-        .repeated();
+    verb.add_option("--command", a->dss.commands, "OpenDSS: a command to carry out after the script").repeated();
     verb.add_option("--hour", a->dss.hour, "OpenDSS: at which daily load shapes are read");
     verb.callback([a, &action] { action = [a] { return powerflow(*a); }; });
 }

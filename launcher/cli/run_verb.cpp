@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <memory>
+#include <set>
 #include <unistd.h>
 
 namespace gridspace::cli {
@@ -23,7 +24,8 @@ namespace {
 
 struct RunArguments {
     ScenarioArguments scenario;
-    bool dry_run{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false}, allow_control{false};
+    bool dry_run{false}, programs{false}, json{false}, quiet{false}, no_namespaces{false}, no_deadlines{false},
+        allow_control{false};
     std::filesystem::path out, parent{"runs"}, junit;
     std::string log_level{"info"};
 };
@@ -131,6 +133,15 @@ int conclude(FinishedRun const& finished, RunArguments const& arguments) {
     return code;
 }
 
+/// Programs of somebody else may need anything of ours: `programs`, the target that builds all.
+std::string programs_of(Scenario const& scenario) {
+    std::set<std::string> names;
+    for (Process const& process : scenario.processes) {
+        names.insert(process.is_foreign() ? "programs" : process.program.name);
+    }
+    return fmt::format("{}\n", fmt::join(names, "\n"));
+}
+
 int run(RunArguments const& arguments) {
     ScenarioArguments scenario_arguments = arguments.scenario;
     if (arguments.no_deadlines) {
@@ -140,6 +151,10 @@ int run(RunArguments const& arguments) {
     auto const scenario = load(scenario_arguments);
     if (!scenario) {
         return static_cast<int>(ExitCode::usage);
+    }
+    if (arguments.programs) {
+        fmt::print("{}", programs_of(*scenario));
+        return 0;
     }
     if (arguments.dry_run) {
         if (auto ok = check_isolation(*scenario, !arguments.no_namespaces); !ok) {
@@ -190,8 +205,10 @@ void add_run(Command app, Action& action) {
     verb.add_flag("--json", a->json, "progress as JSON lines, the summary as JSON").group("What comes out");
     verb.add_flag("--quiet", a->quiet, "print nothing but errors").group("What comes out");
     verb.add_flag("--dry-run", a->dry_run, "show what would be started; start nothing").group("Look into it");
+    verb.add_flag("--programs", a->programs, "list the programs of Gridspace that it needs, a line each; start nothing")
+        .group("Look into it");
     verb.add_flag("--allow-control", a->allow_control,
-                   "pause, continue, step and stop it from the dashboard and the command line")
+                  "pause, continue, step and stop it from the dashboard and the command line")
         .group("Look into it");
     verb.add_flag("--no-deadlines", a->no_deadlines, "wait for ever (a debugger is attached)").group("Look into it");
     verb.add_option("--log-level", a->log_level, "of the processes")

@@ -132,8 +132,7 @@ void add_scl(Command app, Action& action) {
     import.callback([&action, a] { action = [a] { return import_scl(*a); }; });
     Command exported = verb.add_subcommand("export", "write the streams of a scenario as a CID file");
     exported.add_option("SCENARIO", a->file, "scenario, or a file with `streams:`").required();
-    exported.add_option("--stream", a->streams, "only this stream; may be given several times")
-        .repeated();
+    exported.add_option("--stream", a->streams, "only this stream; may be given several times").repeated();
     exported.add_option("--out", a->out, "file (default: standard output)");
     exported.callback([&action, a] { action = [a] { return export_scl(*a); }; });
 }

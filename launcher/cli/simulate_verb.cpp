@@ -394,8 +394,7 @@ void add_simulate(Command app, Action& action) {
     verb.add_option("--solver", a->solver, "emt (waveforms) or phasor").check(one_of({"emt", "phasor"}));
     verb.add_option("--until", a->until, "end at this simulated time: 10s, 5min, 2h");
     verb.add_option("--step", a->step, "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
-    verb.add_option("--signals", a->signals, "what is written: names or patterns, separated by commas")
-        .delimiter(',');
+    verb.add_option("--signals", a->signals, "what is written: names or patterns, separated by commas").delimiter(',');
     verb.add_flag("--list-signals", a->list_signals, "list what can be written, and end");
     verb.add_option("--csv", a->csv, "write a table: time_s first, one header row");
     verb.add_option("--comtrade", a->comtrade, "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");

@@ -37,7 +37,7 @@ void stream_options(Command verb, wire::StreamArgument& stream) {
     verb.add_option("--file", stream.file, "scenario, or a file with `streams:`");
     verb.add_option("--stream", stream.name, "name of the stream in that file").needs("--file");
     verb.add_option("KEY=VALUE", stream.keys,
-                     "keys of `streams:` (docs/reference/streams.md): app_id=0x4021 sv_id=MU01 data_set=9-2LE");
+                    "keys of `streams:` (docs/reference/streams.md): app_id=0x4021 sv_id=MU01 data_set=9-2LE");
     verb.require([](Command const& given) {
         return given.has("--file") && !given.has("--stream") ? "--stream NAME, with --file," : "";
     });
@@ -46,7 +46,7 @@ void stream_options(Command verb, wire::StreamArgument& stream) {
 /// A verb with its options, kept alive as long as the command line is.
 template <class Options>
 std::pair<Command, std::shared_ptr<Options>> verb_of(Command wire, std::function<int()>& action, char const* name,
-                                                       char const* description, Result<void> (*run)(Options const&)) {
+                                                     char const* description, Result<void> (*run)(Options const&)) {
     Command verb = wire.add_subcommand(name, description);
     auto const options = std::make_shared<Options>();
     verb.final_callback([&action, options, run] { action = [options, run] { return finish(run(*options)); }; });
@@ -56,8 +56,7 @@ std::pair<Command, std::shared_ptr<Options>> verb_of(Command wire, std::function
 } // namespace
 
 void add_wire(Command app, Action& action) {
-    Command wire =
-        app.add_subcommand("wire", "send, receive, list, replay and judge GOOSE and sampled-value frames");
+    Command wire = app.add_subcommand("wire", "send, receive, list, replay and judge GOOSE and sampled-value frames");
     wire.require_subcommand();
 
     auto const [list, l] =
@@ -93,8 +92,7 @@ void add_wire(Command app, Action& action) {
     goose_pub.add_option("IF", gp->interface, "interface").required();
     stream_options(goose_pub, gp->stream);
     goose_pub.add_option("--source", gp->source, "source address (default: the interface's)");
-    goose_pub.add_option("--value", gp->values, "NAME=VALUE of a member, at the start (may be repeated)")
-        .repeated();
+    goose_pub.add_option("--value", gp->values, "NAME=VALUE of a member, at the start (may be repeated)").repeated();
     goose_pub.add_option("--duration", gp->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
     goose_pub.add_option("--toggle", gp->toggle_s, "change the first boolean every so many seconds").check(seconds());
     goose_pub.add_option("--first-st-num", gp->first_st_num, "stNum of the first message");

@@ -4,7 +4,6 @@
 
 #include "common/text.hpp"
 
-
 namespace gridspace::play {
 
 void add_options(command_line::Command app, PlayOptions& o) {

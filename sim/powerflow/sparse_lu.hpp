@@ -5,7 +5,11 @@
 #include <Eigen/SparseLU>
 #include <complex>
 
-/// Eigen's sparse LU factorization of real and complex matrices, compiled once for all: it takes the compiler longer than
-/// what uses it.
-extern template class Eigen::SparseLU<Eigen::SparseMatrix<double>>;
-extern template class Eigen::SparseLU<Eigen::SparseMatrix<std::complex<double>>>;
+/// Eigen's sparse LU factorization of real and complex matrices, compiled once for all: it takes the compiler longer
+/// than what uses it.
+extern template void Eigen::SparseLU<Eigen::SparseMatrix<double>>::analyzePattern(Eigen::SparseMatrix<double> const&);
+extern template void Eigen::SparseLU<Eigen::SparseMatrix<double>>::factorize(Eigen::SparseMatrix<double> const&);
+extern template void Eigen::SparseLU<Eigen::SparseMatrix<std::complex<double>>>::analyzePattern(
+    Eigen::SparseMatrix<std::complex<double>> const&);
+extern template void
+Eigen::SparseLU<Eigen::SparseMatrix<std::complex<double>>>::factorize(Eigen::SparseMatrix<std::complex<double>> const&);
