@@ -5,6 +5,9 @@
 # What nearly every source of ours includes, parsed once: another half second for each of them otherwise. A missing include is found by
 # clang-tidy, which reads each source without (scripts/tidy.py).
 option(GRIDSPACE_PRECOMPILE "Precompile the headers that nearly every source includes" ON)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang") # as CMake does it, but for ccache to see that the path is one
+  set(CMAKE_CXX_COMPILE_OPTIONS_USE_PCH -include-pch <PCH_FILE>)
+endif()
 # gridspace_precompiled(NAME [PIE] DEPENDENCIES... HEADERS ...): for gridspace_use_precompiled(target NAME). PIE: for the sources of
 # executables; those of libraries are compiled in another way, and a precompiled header serves one of the two.
 function(gridspace_precompiled name)

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // gridspace-router: carries an allow-list of topics between DDS domains and sites.
+#include "common/command_line/command.hpp"
 #include "common/config/merge.hpp"
 #include "common/log.hpp"
 #include "common/unique_fd.hpp"
