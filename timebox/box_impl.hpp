@@ -5,7 +5,9 @@
 #include "common/waited_time.hpp"
 #include "timebox/box.hpp"
 #include "timebox/call_table.hpp"
+#include "timebox/clock_page.hpp"
 #include "timebox/look_timer.hpp"
+#include "timebox/start.hpp"
 
 #include <list>
 #include <sched.h>
@@ -14,7 +16,7 @@ namespace gridspace::timebox {
 
 /// The inside of a box. Who runs next: schedule.cpp; what the threads do: events.cpp.
 struct Box::Impl {
-    Impl(BoxOptions o, pid_t first);
+    Impl(BoxOptions o, Started started, UniqueFd channel);
     ~Impl();
     Impl(Impl const&) = delete;
     Impl& operator=(Impl const&) = delete;
@@ -26,6 +28,7 @@ struct Box::Impl {
     using State = Thread::State;
 
     // schedule.cpp
+    void exchange();  ///< with what is outside, at this instant
     Thread* choose(); ///< who runs next; null: nobody, for now
     template <class Fits>
     Thread* first(Fits&& fits);
@@ -33,12 +36,16 @@ struct Box::Impl {
     void look_for_signals();
     bool wait_outside();
     [[nodiscard]] bool others_come_first();
+    void open_clock(pid_t process); ///< it is about to run
+    void close_clock();             ///< it has come to a stop
+    [[nodiscard]] std::int64_t last_look_ns();
     void let_go(Thread& t);
 
     /// The program has ended; its host goes on: what it has closed is told to others, and who calls is answered.
     void run_network();
 
     // events.cpp
+    void begin_image(pid_t tid);
     Thread& add(pid_t tid, pid_t process);
     Thread* find(pid_t tid);
     void resume(Thread& t, Next how);
@@ -56,8 +63,11 @@ struct Box::Impl {
 
     BoxOptions options;
     BoxReport report;
-    pid_t main;
+    ProcessNumbers numbers;
+    pid_t main, door; ///< door: 0 where there is none
+    std::optional<DoorChannel> channel;
     CallTable table;
+    ClockPages clock_pages;
     LookTimer timer;
     std::list<Thread> threads; ///< as they were made
     std::vector<pid_t> early;
