@@ -18,6 +18,8 @@ EXAMPLE = SOURCE / "examples/agents/dds_charger"
 SCENARIO = EXAMPLE / "ev_charging_dds.yaml"
 SHORT = [*BASE, "--until", "2400s", "--set", "expect=~"]
 AMPERES, PACK_V, PACK_KWH, START_PERCENT = 8, 360, 24, 30
+ALLOWED = 0.75  # curtail_factor: below full_above_pu
+LAG_S = 1  # of the charger
 PERIOD_S = 360
 
 PING_PONG = f"""---
@@ -102,14 +104,15 @@ class Dds(ScenarioTest):
                 self.assertAlmostEqual(time_s, first_s + k * PERIOD_S, delta=1e-3)
                 self.assertEqual(amperes, AMPERES)
 
-        with self.subTest("the vehicle is charged with what it asked for: I x U x t"):
-            current = self.column(run, "ev.EV4.current_a")
-            begins_s = next(t for t, value in current if value > 0)
-            self.assertLess(begins_s - asked[0][0], 4, "a decision takes two seconds of the grid of 1 s")
-            self.assertTrue(all(abs(value - AMPERES) < 1e-6 for t, value in current if t > begins_s))
+        with self.subTest("the vehicle is charged with three quarters of that, as the controller's rules say: I x U x t"):
+            reference = self.column(run, "ev.EV4.reference_a")
+            begins_s = next(t for t, value in reference if value > 0)
+            self.assertLess(begins_s - asked[0][0], 5, "a request and a decision take a second of the grid each")
+            self.assertEqual({value for t, value in reference if t >= begins_s}, {ALLOWED * AMPERES})
             end_s, percent = self.column(run, "ev.EV4.soc_percent")[-1]
-            gained = AMPERES * PACK_V / (PACK_KWH * 1000) * 100 * (end_s - begins_s) / 3600
-            self.assertAlmostEqual(percent, START_PERCENT + gained, delta=0.02)
+            gained = ALLOWED * AMPERES * PACK_V / (PACK_KWH * 1000) * 100 * (end_s - begins_s - LAG_S) / 3600
+            self.assertAlmostEqual(percent, START_PERCENT + gained, delta=0.003)
+            self.assertGreater(percent, START_PERCENT + 5)
 
         with self.subTest("negative control: without what it says the vehicle is not charged, and another wish is another run"):
             silent = self.run_to_end("silent", [*SHORT, "--set", "processes.ev4.command=[sleep, '9999']"], SCENARIO)
@@ -130,10 +133,15 @@ class Dds(ScenarioTest):
 
     def test_a_type_that_is_not_the_scenarios_is_named(self):
         self.build()
-        idl = self.write("other.idl", "@final struct OtherRequest { @key string<32> ev; double current_a; };\n")
-        run = self.run_to_end("run", [*BASE, "--until", "20s", "--set", "expect=~", *self.command(),
-                                      "--set", f"processes.ev4.writes={{others: {{type: OtherRequest, idl: {idl}}}}}"], SCENARIO)
+        generated = self.folder / "build/ev_charging.c"
+        text = generated.read_text()
+        self.assertIn('"ChargingRequest"', text)
+        generated.write_text(text.replace('"ChargingRequest"', '"OtherRequest"'))
+        subprocess.run(["cmake", "--build", self.folder / "build"], capture_output=True, check=True)
+        run = self.run_to_end("run", [*BASE, "--until", "20s", "--set", "expect=~", *self.command()], SCENARIO)
+        self.assertEqual(len(self.asked(run)), 1)
         self.assertRegex({e["source"]: e["text"] for e in run.events() if e["event"] == "topics"}["ev4"], ", 0 taken from it$")
+        self.assertRegex("\n".join(self.logged(run, "ev4")), "the program writes 'requests' as OtherRequest with a key, and the scenario says ChargingRequest with a key")
 
     def test_validate_says_what_is_wrong_with_topics(self):
         def mistakes(*changes):
@@ -166,9 +174,8 @@ class Dds(ScenarioTest):
             loaded = self.run_to_end("loaded", ["--set", "clock.member_timeout_s=60"], scenario=scenario)
         for other in (again, loaded):
             self.assert_identical(run, other)
-            for name in ("ping", "pong"):
-                self.assertEqual(self.logged(run, name), self.logged(other, name))
-        self.assertRegex("\n".join(self.logged(run, "ping")), r"size \d+ mean +\d+\.\d+us")
+        rtps = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng", "-Y", "rtps.sm.id == 0x15"], capture_output=True, text=True, check=True)
+        self.assertGreater(len(rtps.stdout.splitlines()), 500, "they do talk")
         seeded = self.run_to_end("seeded", ["--set", "seed=2"], scenario=scenario)
         self.assertNotEqual((run.folder / "bus.pcapng").read_bytes(), (seeded.folder / "bus.pcapng").read_bytes())
         self.assertNotEqual(self.compare(run, seeded)[0], OK, "their GUIDs come from the seed")
