@@ -222,7 +222,7 @@ time.sleep(100)
         code, said = mistakes(", receives: [smv]", "--set", "clock.mode=realtime", "--set", "clock.speed=1")
         self.assertEqual(code, 0, said)
         self.assertIn("warning: process 'own' lives in real time, as all do here", said)
-        for more, wanted in ((", member: true", "and says that it follows the lockstep protocol"), (", reads: {TL_11: {type: LineCurrents}}", "and exchanges topics"),
+        for more, wanted in ((", member: true", "and says that it follows the lockstep protocol"), (", sends: [ip], reads: {TL_11: {type: LineCurrents}}", "and exchanges topics and IP at once"),
                              (", sends: [SMV23]", "sends 'SMV23', which is no stream and no kind of frame"), (", run_on: qemu-user", "and on 'qemu-user'")):
             code, said = mistakes(more)
             self.assertEqual(code, USAGE, said)
