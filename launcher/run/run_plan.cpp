@@ -168,7 +168,7 @@ std::optional<std::uint64_t> capabilities(Scenario const& scenario, Process cons
         out |= kMayEnterNamespaces | kMayTrace;
     }
     if (!process.settings->carried_by().empty()) { // process numbers of their own; the program in it does without
-        out |= kMayEnterNamespaces;
+        out |= kMayEnterNamespaces | kMayLimitOthers;
     }
     return out;
 }

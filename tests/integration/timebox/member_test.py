@@ -214,6 +214,16 @@ time.sleep(100)
         self.assertTrue(any(text.startswith("a frame of ethertype 0x0806, which its `sends:` does not declare") for text in told), told)
         self.assertTrue(any(text.startswith("SO_TIMESTAMPING") for text in told), told)
 
+    @unittest.skipUnless(os.geteuid() == 0, "an ordinary user has no rights to begin with")
+    def test_what_the_box_needs_for_its_process_numbers_the_program_cannot_gain(self):
+        run = self.run_to_end("rights", scenario=self.write("one.yaml", one("[sh, -c, 'echo $$; grep Cap /proc/self/status; cat /proc/self/personality; sleep 1']")))
+        number, *rights = self.logged(run, "own")
+        self.assertEqual(number, "2")
+        held = {line.split()[0]: int(line.split()[1], 16) for line in rights if line.startswith("Cap")}
+        self.assertEqual({name for name, bits in held.items() if bits & (1 << 21 | 1 << 8)}, set())
+        self.assertEqual(len(held), 5)
+        self.assertIn("00040000", rights, "its addresses are not randomised")
+
     def test_validate_knows_what_follows_from_simulated_time(self):
         def mistakes(more, *arguments):
             code, out, err = gridspace("validate", self.write("one.yaml", one("[sleep, '1']", more)), *arguments)
