@@ -75,6 +75,24 @@ void Box::Impl::share_a_processor() {
     }
 }
 
+void Box::Impl::roam() {
+    if (options.link || processor < 0) {
+        return;
+    }
+    leave_processor();
+    for (Thread const& t : threads) {
+        ::sched_setaffinity(t.tid, sizeof allowed, &allowed);
+    }
+    processor = -1;
+    until_settled = kRoaming;
+}
+
+void Box::Impl::settle() {
+    if (!options.link && until_settled > 0 && --until_settled == 0) {
+        share_a_processor();
+    }
+}
+
 void Box::Impl::leave_processor() const {
     if (processor >= 0) {
         ::sched_setaffinity(0, sizeof allowed, &allowed);

@@ -60,6 +60,9 @@ struct Box::Impl {
     /// Program and box take turns: on one processor the hand-over is a switch, on two it is a wake-up of the other.
     void share_a_processor();
     void leave_processor() const;
+    /// Alone, where no tick ends: now and then both may go where there is room, and settle there.
+    void roam();
+    void settle();
 
     BoxOptions options;
     BoxReport report;
@@ -81,6 +84,8 @@ struct Box::Impl {
     std::optional<Error> error;
     cpu_set_t allowed{}; ///< processors of this process
     int processor{-1};   ///< on which the program runs
+    int until_settled{kRoaming};
+    static constexpr int kRoaming = 1000; ///< stops
 };
 
 /// "name (number)", for messages.

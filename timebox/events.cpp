@@ -81,12 +81,14 @@ void Box::Impl::wait_for_event() {
         if (errno == EINTR) {
             stop = stop || asked_to_stop();
             check_patience();
+            roam();
         } else { // nobody is left
             running = 0;
             main_alive = false;
         }
         return;
     }
+    settle();
     Thread* const t = find(tid);
     if (Thread const* const ran_last = find(running);
         ran_last != nullptr && t != nullptr && t->process == ran_last->process) {
