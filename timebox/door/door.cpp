@@ -210,7 +210,7 @@ int run_door(int argc, char** argv) {
     for (std::size_t at = 2; at + kWords <= words.size(); at += kWords) {
         topics.push_back({words[at] == "reads", words[at + 1], words[at + 2], words[at + 3] == "keyed"});
     }
-    Door door{words[0], std::atoi(words[1].c_str()), topics};
+    Door door{words[0], static_cast<int>(std::strtol(words[1].c_str(), nullptr, 10)), topics};
     if (auto const ok = door.run(); !ok) {
         log::error("the door of the box: {}", ok.error().message);
         std::_Exit(static_cast<int>(ok.error().code));
