@@ -12,16 +12,27 @@
 
 namespace gridspace::timebox {
 
-Box::Impl::Impl(BoxOptions o, pid_t first) : options{std::move(o)}, main{first}, table{options, report} {
+Box::Impl::Impl(BoxOptions o, Started started, UniqueFd ours)
+    : options{std::move(o)}, numbers{std::move(started.numbers)}, main{started.program}, door{started.door},
+      table{options, report} {
+    report.own_process_numbers = numbers.keeper > 0;
     ::sched_getaffinity(0, sizeof allowed, &allowed);
-    add(first, first);
-    prepare_image(first, table.random_octets());
+    for (pid_t const first : {main, door}) {
+        if (first > 0) {
+            add(first, first);
+            begin_image(first);
+        }
+    }
+    if (options.door) {
+        channel.emplace(std::move(ours), options.door->take);
+    }
 }
 
 Box::Impl::~Impl() {
     for (Thread const& t : threads) {
         ::kill(t.process, SIGKILL);
     }
+    numbers.end();
     for (int status = 0; ::waitpid(-1, &status, __WALL) > 0 || errno == EINTR;) {
     }
 }
@@ -64,6 +75,24 @@ void Box::Impl::share_a_processor() {
     }
 }
 
+void Box::Impl::roam() {
+    if (options.link || processor < 0) {
+        return;
+    }
+    leave_processor();
+    for (Thread const& t : threads) {
+        ::sched_setaffinity(t.tid, sizeof allowed, &allowed);
+    }
+    processor = -1;
+    until_settled = kRoaming;
+}
+
+void Box::Impl::settle() {
+    if (!options.link && until_settled > 0 && --until_settled == 0) {
+        share_a_processor();
+    }
+}
+
 void Box::Impl::leave_processor() const {
     if (processor >= 0) {
         ::sched_setaffinity(0, sizeof allowed, &allowed);
@@ -74,11 +103,21 @@ Box::Box(std::unique_ptr<Impl> impl) : impl_{std::move(impl)} {}
 Box::~Box() = default;
 
 Result<std::unique_ptr<Box>> Box::start(BoxOptions options) {
-    auto const first = start_traced(options.command, options.link.has_value());
-    if (!first) {
-        return std::unexpected{first.error()};
+    DoorEnds ends = options.door ? make_door_ends() : DoorEnds{};
+    StartOptions start;
+    start.command = options.command;
+    start.environment = options.environment;
+    start.detached = options.link.has_value();
+    if (options.door) {
+        start.door = options.door->command;
+        start.door_fd = ends.theirs.get();
     }
-    return std::unique_ptr<Box>{new Box{std::make_unique<Impl>(std::move(options), *first)}};
+    auto started = start_traced(start);
+    if (!started) {
+        return std::unexpected{started.error()};
+    }
+    return std::unique_ptr<Box>{
+        new Box{std::make_unique<Impl>(std::move(options), std::move(*started), std::move(ends.ours))}};
 }
 
 Result<Box::Pause> Box::run_until(std::optional<std::int64_t> limit_ns) {
@@ -96,6 +135,12 @@ void Box::arrives(std::int64_t at_ns, std::span<std::byte const> frame) {
     }
     if (PacketSockets* const packets = impl_->table.packets()) {
         packets->arrives(packet_frame(at_ns, {octets, octets + frame.size()}, packets->link().mac, false));
+    }
+}
+
+void Box::hand(std::int64_t at_ns, std::vector<std::byte> message) {
+    if (impl_->channel) {
+        impl_->channel->hand(at_ns, std::move(message));
     }
 }
 
@@ -121,17 +166,18 @@ BoxReport Box::report() const {
     return out;
 }
 
-Result<void> try_here() {
+Result<bool> try_here() {
     BoxOptions options;
     options.command = {"/proc/self/exe"}; // it does not get to its first instruction
     auto const box = Box::start(options);
     if (!box) {
         return std::unexpected{box.error()};
     }
-    return box.value()->can_look_inside()
-               ? Result<void>{}
-               : fail(ExitCode::environment, "a program's memory and descriptors cannot be looked at",
-                      "process_vm_readv and pidfd_getfd must be allowed: in a container --cap-add SYS_PTRACE");
+    if (!box.value()->can_look_inside()) {
+        return fail(ExitCode::environment, "a program's memory and descriptors cannot be looked at",
+                    "process_vm_readv and pidfd_getfd must be allowed: in a container --cap-add SYS_PTRACE");
+    }
+    return box.value()->report().own_process_numbers;
 }
 
 } // namespace gridspace::timebox

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "timebox/door_channel.hpp"
 #include "timebox/packet_link.hpp"
 
 #include <cstdint>
@@ -27,6 +28,9 @@ struct BoxOptions {
     /// The only network that it has: its packet sockets are served from here. Without one they are the kernel's, and
     /// what comes from outside comes when it comes.
     std::optional<PacketLink> link;
+    std::optional<DoorOptions> door;                                ///< a program of ours beside it
+    std::vector<std::pair<std::string, std::string>> environment{}; ///< where it is not set otherwise
+    bool looks_in_program{true}; ///< looks at the clock are answered there, as long as it makes no difference
     /// Looked at some times per second: it shall end.
     std::function<bool()> stop;
 };
@@ -36,6 +40,7 @@ struct BoxReport {
     std::int64_t simulated_ns{0};
     std::uint64_t held{0}, clock_reads{0};
     int threads{0};
+    bool own_process_numbers{false};              ///< the same in each run; otherwise the machine's
     std::map<std::string, std::uint64_t> calls;   ///< that stopped, by name
     std::map<std::string, std::uint64_t> refused; ///< what cannot be had in simulated time, and how often it was tried
     /// What was let through, and does not belong to simulated time.
@@ -67,6 +72,8 @@ class Box {
     [[nodiscard]] std::optional<std::int64_t> next_ns() const;
     /// A frame, with its VLAN tag, that its interface receives at that time; in their order.
     void arrives(std::int64_t at_ns, std::span<std::byte const> frame);
+    /// A message for the door, which is there at that time; in their order.
+    void hand(std::int64_t at_ns, std::vector<std::byte> message);
     void ask_to_end();                          ///< SIGTERM to the program
     [[nodiscard]] bool can_look_inside() const; ///< at the program's memory and descriptors
     [[nodiscard]] BoxReport report() const;
@@ -77,7 +84,8 @@ class Box {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Whether programs can run in simulated time on this machine. Tries it.
-[[nodiscard]] Result<void> try_here();
+/// Whether programs can run in simulated time on this machine. Tries it. True: with process numbers that are the same
+/// in each run.
+[[nodiscard]] Result<bool> try_here();
 
 } // namespace gridspace::timebox

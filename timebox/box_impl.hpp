@@ -5,7 +5,9 @@
 #include "common/waited_time.hpp"
 #include "timebox/box.hpp"
 #include "timebox/call_table.hpp"
+#include "timebox/clock_page.hpp"
 #include "timebox/look_timer.hpp"
+#include "timebox/start.hpp"
 
 #include <list>
 #include <sched.h>
@@ -14,7 +16,7 @@ namespace gridspace::timebox {
 
 /// The inside of a box. Who runs next: schedule.cpp; what the threads do: events.cpp.
 struct Box::Impl {
-    Impl(BoxOptions o, pid_t first);
+    Impl(BoxOptions o, Started started, UniqueFd channel);
     ~Impl();
     Impl(Impl const&) = delete;
     Impl& operator=(Impl const&) = delete;
@@ -26,6 +28,7 @@ struct Box::Impl {
     using State = Thread::State;
 
     // schedule.cpp
+    void exchange();  ///< with what is outside, at this instant
     Thread* choose(); ///< who runs next; null: nobody, for now
     template <class Fits>
     Thread* first(Fits&& fits);
@@ -33,12 +36,16 @@ struct Box::Impl {
     void look_for_signals();
     bool wait_outside();
     [[nodiscard]] bool others_come_first();
+    void open_clock(pid_t process); ///< it is about to run
+    void close_clock();             ///< it has come to a stop
+    [[nodiscard]] std::int64_t last_look_ns();
     void let_go(Thread& t);
 
     /// The program has ended; its host goes on: what it has closed is told to others, and who calls is answered.
     void run_network();
 
     // events.cpp
+    void begin_image(pid_t tid);
     Thread& add(pid_t tid, pid_t process);
     Thread* find(pid_t tid);
     void resume(Thread& t, Next how);
@@ -53,11 +60,17 @@ struct Box::Impl {
     /// Program and box take turns: on one processor the hand-over is a switch, on two it is a wake-up of the other.
     void share_a_processor();
     void leave_processor() const;
+    /// Alone, where no tick ends: now and then both may go where there is room, and settle there.
+    void roam();
+    void settle();
 
     BoxOptions options;
     BoxReport report;
-    pid_t main;
+    ProcessNumbers numbers;
+    pid_t main, door; ///< door: 0 where there is none
+    std::optional<DoorChannel> channel;
     CallTable table;
+    ClockPages clock_pages;
     LookTimer timer;
     std::list<Thread> threads; ///< as they were made
     std::vector<pid_t> early;
@@ -71,6 +84,8 @@ struct Box::Impl {
     std::optional<Error> error;
     cpu_set_t allowed{}; ///< processors of this process
     int processor{-1};   ///< on which the program runs
+    int until_settled{kRoaming};
+    static constexpr int kRoaming = 1000; ///< stops
 };
 
 /// "name (number)", for messages.

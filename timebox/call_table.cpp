@@ -18,6 +18,7 @@
 namespace gridspace::timebox {
 namespace {
 
+constexpr std::uint64_t kMostDescriptors = 65'536;
 constexpr std::uint64_t kSignalPid = 16; // of si_pid in siginfo_t
 constexpr int kSocketKind = 0xF;         // of socket(2): without SOCK_CLOEXEC and SOCK_NONBLOCK
 
@@ -88,13 +89,8 @@ CallTable::Next CallTable::enter(Thread& t) {
                                  ? std::optional{clock_.now_ns() + timebox::to_ns(value_at<timespec>(t.tid, wait))}
                                  : std::nullopt);
     }
-    case Treatment::random: {
-        std::vector<std::uint8_t> octets(std::min<std::uint64_t>(t.call.arguments[1], 1U << 20U));
-        std::generate(octets.begin(), octets.end(), [&] { return static_cast<std::uint8_t>(random_.next()); });
-        bool const there = octets.empty() || write_memory(t.tid, t.call.arguments[0], octets.data(), octets.size());
-        answer(t.tid, there ? static_cast<std::int64_t>(octets.size()) : -EFAULT);
-        return Next::go;
-    }
+    case Treatment::random:
+        return get_random(t);
     case Treatment::yield:
         clock_.look();
         answer(t.tid, 0);
@@ -138,6 +134,16 @@ CallTable::Next CallTable::answer_clock(Thread& t) {
     return Next::go;
 }
 
+void CallTable::count_looks(std::array<std::int64_t, 3> const& looks) {
+    constexpr std::array kNumbers{SYS_clock_gettime, SYS_gettimeofday, SYS_time};
+    for (std::size_t i = 0; i < looks.size(); ++i) {
+        if (looks[i] > 0) {
+            calls_[find_held_call(kNumbers[i])] += static_cast<std::uint64_t>(looks[i]);
+            report_.clock_reads += static_cast<std::uint64_t>(looks[i]);
+        }
+    }
+}
+
 CallTable::Next CallTable::hold_until(Thread& t, std::optional<std::int64_t> deadline_ns) {
     if (!t.made_again) {
         t.deadline_ns = deadline_ns;
@@ -169,7 +175,35 @@ CallTable::Next CallTable::look_at_descriptors(Thread& t) {
     bool const ready = !t.made_again && descriptors(t.process).any_ready(wait.interests);
     t.interests = std::move(wait.interests);
     (void)hold_until(t, wait.timeout_ns ? std::optional{clock_.now_ns() + *wait.timeout_ns} : std::nullopt);
-    return ready ? try_it(t) : Next::hold;
+    return ready ? this->ready(t) : Next::hold;
+}
+
+/// What it asks for is there, so it comes back at once, by itself. Those that write the time that is left are tried
+/// with a time of ours.
+CallTable::Next CallTable::ready(Thread& t) {
+    bool const leaves_time_alone =
+        t.call.number == SYS_poll || t.call.number == SYS_epoll_wait || t.call.number == SYS_epoll_pwait;
+    return leaves_time_alone ? Next::go_or_try : try_it(t);
+}
+
+/// Its time is over.
+CallTable::Next CallTable::nothing_came(Thread& t) {
+    if (t.call.number != SYS_poll) {
+        return try_it(t);
+    }
+    std::vector<pollfd> list(std::min<std::uint64_t>(t.call.arguments[1], kMostDescriptors));
+    std::size_t const octets = list.size() * sizeof(pollfd);
+    if (octets > 0 && !read_memory(t.tid, t.call.arguments[0], list.data(), octets)) {
+        return try_it(t);
+    }
+    for (pollfd& entry : list) {
+        entry.revents = 0;
+    }
+    if (octets > 0) {
+        (void)write_memory(t.tid, t.call.arguments[0], list.data(), octets);
+    }
+    answer(t.tid, 0);
+    return Next::answered;
 }
 
 CallTable::Next CallTable::transfer(Thread& t, short event) {
@@ -181,6 +215,9 @@ CallTable::Next CallTable::transfer(Thread& t, short event) {
     }
     if (IpSocket* const socket = ip_ ? ip_->find(file) : nullptr) {
         return ip_transfer(t, *socket, file, event, waits);
+    }
+    if (event == POLLIN && read_random(t, file)) {
+        return Next::go;
     }
     if (!waits || is_ready(file, event)) {
         return Next::go;
@@ -355,7 +392,7 @@ CallTable::Next CallTable::release(Thread& t) {
         }
         return Next::go;
     case Treatment::descriptors:
-        return try_it(t);
+        return descriptors_ready(t) ? ready(t) : over ? nothing_came(t) : try_it(t);
     default:
         return Next::go;
     }
@@ -404,12 +441,6 @@ void CallTable::forget_image(pid_t process) {
     auto const alarm = timers_.alarm_of(process);
     forget(process);
     timers_.set_alarm(process, alarm);
-}
-
-std::array<std::uint8_t, 16> CallTable::random_octets() {
-    std::array<std::uint8_t, 16> out{};
-    std::generate(out.begin(), out.end(), [&] { return static_cast<std::uint8_t>(random_.next()); });
-    return out;
 }
 
 } // namespace gridspace::timebox

@@ -27,6 +27,8 @@ class CallTable {
         go_to_exit,    ///< it runs, and leave() wants to see it come back
         hold,          ///< it waits
         let_others_go, ///< answered; but others come first
+        go_or_try,     ///< the call is not made yet and would not wait now: it runs, or try_it() when others come first
+        answered,      ///< of release(): it has its answer, and others may come first
     };
     /// The thread is about to make a call.
     Next enter(Thread& t);
@@ -34,6 +36,8 @@ class CallTable {
     Next leave(Thread& t);
     /// What the thread waits for is there, or its time is over.
     Next release(Thread& t);
+    /// The call, but without waiting.
+    Next try_it(Thread& t);
 
     /// Without a look at its descriptors.
     [[nodiscard]] bool may_go(Thread const& t) const;
@@ -49,6 +53,8 @@ class CallTable {
     [[nodiscard]] std::map<HeldCall const*, std::uint64_t> const& calls() const { return calls_; } ///< that stopped
     [[nodiscard]] PacketSockets* packets() { return packets_ ? &*packets_ : nullptr; }
     [[nodiscard]] IpSockets* ip() { return ip_ ? &*ip_ : nullptr; }
+    /// Looks at the clock that the program has answered itself: clock_gettime, gettimeofday, time.
+    void count_looks(std::array<std::int64_t, 3> const& looks);
     void forget(pid_t process);       ///< it has ended
     void forget_image(pid_t process); ///< it is another program now: its alarm stays
     [[nodiscard]] std::array<std::uint8_t, 16> random_octets();
@@ -59,6 +65,10 @@ class CallTable {
     Next sleep(Thread& t);
     Next look_at_descriptors(Thread& t);
     Next transfer(Thread& t, short event);
+    [[nodiscard]] std::vector<std::uint8_t> draw(std::size_t octets); ///< at most a mebioctet
+    Next get_random(Thread const& t);
+    /// False: that is not what it reads.
+    bool read_random(Thread const& t, UniqueFd const& file);
     Next futex(Thread& t);
     Next wait_for_child(Thread& t);
     Next timer(Thread& t);
@@ -88,8 +98,8 @@ class CallTable {
     };
     [[nodiscard]] NamedIp ip_socket_of(Thread const& t);
     Next refuse(Thread& t, std::string const& what, int error);
-    /// The call, but without waiting.
-    Next try_it(Thread& t);
+    [[nodiscard]] Next ready(Thread& t);
+    Next nothing_came(Thread& t);
 
     SimulatedClock clock_;
     Timers timers_;

@@ -48,10 +48,25 @@ Thread* Box::Impl::find(pid_t tid) {
     return it == threads.end() ? nullptr : &*it;
 }
 
+/// A program stands before its first instruction.
+void Box::Impl::begin_image(pid_t tid) {
+    std::uint64_t const vdso = prepare_image(tid, table.random_octets());
+    if (!options.looks_in_program || !clock_pages.install(tid, vdso)) {
+        take_vdso(tid);
+        return;
+    }
+    ClockPage* const page = clock_pages.begin(tid);
+    for (std::size_t clock = 0; clock < page->offsets_ns.size(); ++clock) {
+        page->offsets_ns[clock] = table.clock().reading_ns(static_cast<clockid_t>(clock)) - table.clock().now_ns();
+    }
+}
+
 void Box::Impl::resume(Thread& t, Next how) {
     running = t.tid;
     ran.restart();
     t.state = State::standing;
+    before_it_goes_on(t.tid);
+    open_clock(t.process);
     ::ptrace(how == Next::go_to_exit ? PTRACE_SYSCALL : PTRACE_CONT, t.tid, nullptr, std::exchange(t.signal, 0));
 }
 
@@ -66,13 +81,19 @@ void Box::Impl::wait_for_event() {
         if (errno == EINTR) {
             stop = stop || asked_to_stop();
             check_patience();
+            roam();
         } else { // nobody is left
             running = 0;
             main_alive = false;
         }
         return;
     }
+    settle();
     Thread* const t = find(tid);
+    if (Thread const* const ran_last = find(running);
+        ran_last != nullptr && t != nullptr && t->process == ran_last->process) {
+        close_clock(); // an exec of another thread is told as the first one's
+    }
     if (WIFEXITED(status) || WIFSIGNALED(status)) {
         gone(tid, t, status);
     } else if (t == nullptr) {
@@ -108,11 +129,19 @@ void Box::Impl::check_patience() {
 
 void Box::Impl::gone(pid_t tid, Thread* t, int status) {
     running = running == tid ? 0 : running;
+    before_it_goes_on(tid); // its number may come again
     if (tid == main) {
         main_alive = false;
         ended_ns = table.clock().now_ns();
         report.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
         report.last_call = t != nullptr && t->what != nullptr ? t->what->name : "none";
+    }
+    if (tid == door && main_alive) {
+        error = Error{ExitCode::child_died,
+                      fmt::format("the door of DDS has ended ({})",
+                                  WIFEXITED(status) ? fmt::format("exit code {}", WEXITSTATUS(status))
+                                                    : fmt::format("signal {}", WTERMSIG(status))),
+                      "the log of the process says why"};
     }
     if (t == nullptr) {
         return;
@@ -120,6 +149,7 @@ void Box::Impl::gone(pid_t tid, Thread* t, int status) {
     table.futexes().leave(tid);
     if (tid == t->process) {
         table.forget(tid);
+        clock_pages.forget(tid);
         table.signalled().insert(0); // SIGCHLD
         for (Thread& other : threads) {
             other.child_ended =
@@ -131,6 +161,9 @@ void Box::Impl::gone(pid_t tid, Thread* t, int status) {
 
 void Box::Impl::stopped(Thread& t, int status) {
     int const event = status >> 16, signal = WSTOPSIG(status);
+    if (channel) {
+        channel->exchange(table.clock().now_ns()); // what it sent is of before this stop
+    }
     if (event == PTRACE_EVENT_SECCOMP) {
         go_on(t, table.enter(t));
     } else if (signal == (SIGTRAP | 0x80)) {
@@ -147,7 +180,7 @@ void Box::Impl::stopped(Thread& t, int status) {
     } else if (event == PTRACE_EVENT_EXEC) {
         threads.remove_if([&](Thread const& x) { return x.process == t.process && x.tid != t.tid; });
         table.forget_image(t.process);
-        prepare_image(t.tid, table.random_octets());
+        begin_image(t.tid);
         resume(t, Next::go);
     } else if (signal == SIGSEGV && answer_tick_counter(t.tid, static_cast<std::uint64_t>(table.clock().now_ns()))) {
         table.clock().look();
@@ -161,6 +194,8 @@ void Box::Impl::stopped(Thread& t, int status) {
 void Box::Impl::go_on(Thread& t, Next next) {
     if (next == Next::go && others_come_first()) {
         next = Next::let_others_go;
+    } else if (next == Next::go_or_try) {
+        next = others_come_first() ? table.try_it(t) : Next::go;
     }
     if (next == Next::hold) {
         t.state = State::held;
@@ -188,6 +223,7 @@ void Box::Impl::made(Thread const& by) {
     pid_t const process = process_of(tid);
     if (process != by.process) {
         table.timers().forked(by.process, process);
+        clock_pages.forked(by.process, process);
     }
     add(tid, process);
 }

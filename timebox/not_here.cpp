@@ -18,6 +18,7 @@ std::optional<std::int64_t> Box::next_ns() const {
     return std::nullopt;
 }
 void Box::arrives(std::int64_t, std::span<std::byte const>) {}
+void Box::hand(std::int64_t, std::vector<std::byte>) {}
 void Box::ask_to_end() {}
 BoxReport Box::report() const {
     return {};
@@ -25,7 +26,7 @@ BoxReport Box::report() const {
 bool Box::can_look_inside() const {
     return false;
 }
-Result<void> try_here() {
+Result<bool> try_here() {
     return fail(ExitCode::environment, "programs in simulated time run on x86-64 only");
 }
 

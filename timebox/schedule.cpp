@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <fmt/format.h>
+#include <utility>
 
 namespace gridspace::timebox {
 namespace {
@@ -30,6 +32,9 @@ std::optional<std::int64_t> Box::Impl::next_ns() {
     }
     if (table.ip() != nullptr) {
         out = earlier(out, table.ip()->next_ns());
+    }
+    if (channel) {
+        out = earlier(out, channel->next_ns(table.clock().now_ns()));
     }
     for (Thread const& t : threads) {
         out = earlier(out, t.state != State::held ? table.clock().now_ns() : t.deadline_ns);
@@ -66,18 +71,26 @@ Thread* Box::Impl::first_ready() {
     return first(may_go);
 }
 
+void Box::Impl::exchange() {
+    std::int64_t const now_ns = table.clock().now_ns();
+    if (table.packets() != nullptr) {
+        table.packets()->deliver(now_ns);
+    }
+    if (table.ip() != nullptr) {
+        table.ip()->bring_up_to(now_ns);
+    }
+    if (channel) {
+        channel->exchange(now_ns);
+    }
+}
+
 Thread* Box::Impl::choose() {
     SimulatedClock& clock = table.clock();
     while (!error && !stop) {
         if (limit_ns && clock.now_ns() > *limit_ns) {
             return nullptr;
         }
-        if (table.packets() != nullptr) { // at one instant, what arrives comes before what is due
-            table.packets()->deliver(clock.now_ns());
-        }
-        if (table.ip() != nullptr) {
-            table.ip()->bring_up_to(clock.now_ns());
-        }
+        exchange(); // at one instant, what arrives comes before what is due
         table.timers().ring(clock.now_ns(), [&](pid_t process) {
             ::kill(process, SIGALRM);
             table.signalled().insert(process);
@@ -174,6 +187,37 @@ bool Box::Impl::others_come_first() {
            (timer_ns && now_ns >= *timer_ns) || report.clock_reads - looks_before >= kLooksOfATurn;
 }
 
+void Box::Impl::open_clock(pid_t process) {
+    if (ClockPage* const page = clock_pages.begin(process)) {
+        page->now_ns = table.clock().now_ns();
+        page->last_ns = last_look_ns();
+        page->looks_left = static_cast<std::int64_t>(kLooksOfATurn - 1) -
+                           static_cast<std::int64_t>(report.clock_reads - looks_before); // the last one is a call
+        page->looks = {};
+    }
+}
+
+void Box::Impl::close_clock() {
+    if (ClockPage* const page = clock_pages.end()) {
+        table.clock().elapse_to(page->now_ns);
+        table.count_looks(std::exchange(page->looks, {}));
+    }
+}
+
+/// To where looks may bring the clock while nothing else happens: a call would only read it.
+std::int64_t Box::Impl::last_look_ns() {
+    if (table.ip() != nullptr && !channel) {
+        return -1; // what has been closed meanwhile is seen at each call, and told to others at that time
+    }
+    std::int64_t const now_ns = table.clock().now_ns();
+    auto next = earlier(others_due_ns, table.timers().next_ns());
+    next = table.packets() != nullptr ? earlier(next, table.packets()->next_ns()) : next;
+    next = table.ip() != nullptr ? earlier(next, table.ip()->next_ns()) : next;
+    next = channel ? earlier(next, channel->next_ns(now_ns)) : next;
+    std::int64_t const limit = limit_ns.value_or(INT64_MAX);
+    return next ? std::min(limit, *next - 1) : limit;
+}
+
 /// Until it waits, or is gone.
 void Box::Impl::let_go(Thread& t) {
     last = t.number;
@@ -192,6 +236,12 @@ void Box::Impl::let_go(Thread& t) {
         }
         how = table.release(t);
         if (how == Next::hold) { // a part of what it waits for
+            return;
+        }
+        if (how == Next::go_or_try) {
+            how = others_come_first() ? table.try_it(t) : Next::go;
+        } else if (how == Next::answered && others_come_first()) {
+            t.state = State::standing;
             return;
         }
     }

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/start.hpp"
 
+#include "common/privileges/capabilities.hpp"
 #include "common/unique_fd.hpp"
+#include "timebox/door_channel.hpp"
 #include "timebox/held_calls.hpp"
 
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -23,8 +26,32 @@ namespace {
 
 enum class Step : int { trace = 1, filter, exec };
 
-/// In the child: nothing but calls of the kernel.
-[[noreturn]] void become(char* const* arguments, int report, bool detached) {
+/// For exec: pointers to texts, and behind them nothing.
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+    std::vector<char*> out;
+    out.reserve(texts.size() + 1);
+    for (std::string& text : texts) {
+        out.push_back(text.data());
+    }
+    out.push_back(nullptr);
+    return out;
+}
+
+std::vector<std::string> environment_with(std::vector<std::pair<std::string, std::string>> const& more) {
+    std::vector<std::string> out;
+    for (char** entry = environ; *entry != nullptr; ++entry) {
+        out.emplace_back(*entry);
+    }
+    for (auto const& [name, value] : more) {
+        if (::getenv(name.c_str()) == nullptr) {
+            out.push_back(name + "=" + value);
+        }
+    }
+    return out;
+}
+
+/// In the child: nothing but calls of the kernel. `door_fd`: becomes kDoorFd; -1: none.
+[[noreturn]] void become(char* const* arguments, char* const* environment, int report, bool detached, int door_fd) {
     auto const give_up = [&](Step step, int error) {
         std::array<int, 2> const said{static_cast<int>(step), error};
         (void)!::write(report, said.data(), sizeof said);
@@ -35,6 +62,12 @@ enum class Step : int { trace = 1, filter, exec };
         int const nothing = ::open("/dev/null", O_RDONLY);
         ::dup2(nothing, STDIN_FILENO);
         ::syscall(SYS_close_range, STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+        keep_only_capabilities(kMayOpenRawSockets); // what it needed to get here is not for the program
+    }
+    if (door_fd >= 0) {
+        report = ::fcntl(report, F_DUPFD_CLOEXEC, kDoorFd + 1);
+        ::dup2(door_fd, kDoorFd);
+        ::fcntl(kDoorFd, F_SETFD, 0);
     }
     sigset_t none;
     sigemptyset(&none);
@@ -49,9 +82,30 @@ enum class Step : int { trace = 1, filter, exec };
     if (int const error = install_filter(); error != 0) {
         give_up(Step::filter, error);
     }
-    ::execvp(arguments[0], arguments);
+    ::execvpe(arguments[0], arguments, environment);
     give_up(Step::exec, errno);
     ::_exit(127);
+}
+
+/// From its first stop to the first instruction of its program. False: it has ended.
+bool bring_to_program(pid_t pid) {
+    int status = 0;
+    if (::waitpid(pid, &status, __WALL) != pid || !WIFSTOPPED(status)) {
+        return false;
+    }
+    constexpr unsigned long kOptions = PTRACE_O_EXITKILL | PTRACE_O_TRACESECCOMP | PTRACE_O_TRACEEXEC |
+                                       PTRACE_O_TRACECLONE | PTRACE_O_TRACEFORK | PTRACE_O_TRACEVFORK |
+                                       PTRACE_O_TRACEVFORKDONE | PTRACE_O_TRACESYSGOOD;
+    ::ptrace(PTRACE_SETOPTIONS, pid, nullptr, kOptions);
+    while (true) { // calls of the child before its exec are none of the program's
+        ::ptrace(PTRACE_CONT, pid, nullptr, nullptr);
+        if (::waitpid(pid, &status, __WALL) != pid || !WIFSTOPPED(status)) {
+            return false;
+        }
+        if (status >> 8 == (SIGTRAP | PTRACE_EVENT_EXEC << 8)) {
+            return true;
+        }
+    }
 }
 
 Error why(std::array<int, 2> const& said, std::string const& program) {
@@ -71,53 +125,54 @@ Error why(std::array<int, 2> const& said, std::string const& program) {
 
 } // namespace
 
-Result<pid_t> start_traced(std::vector<std::string> const& command, bool detached) {
-    std::vector<char*> arguments;
-    arguments.reserve(command.size() + 1);
-    for (std::string const& text : command) {
-        arguments.push_back(const_cast<char*>(text.c_str())); // exec takes them so, and changes nothing
+Result<Started> start_traced(StartOptions const& options) {
+    std::vector<std::vector<std::string>> commands{options.command};
+    if (!options.door.empty()) {
+        commands.push_back(options.door);
     }
-    arguments.push_back(nullptr);
+    std::vector<std::vector<char*>> arguments;
+    for (auto& command : commands) {
+        arguments.push_back(pointers(command));
+    }
+    std::vector<std::string> environment = environment_with(options.environment);
+    std::vector<char*> const variables = pointers(environment);
     std::array<int, 2> ends{-1, -1};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
         return fail(ExitCode::environment, fmt::format("no pipe: {}", std::strerror(errno)));
     }
     UniqueFd const from{ends[0]};
     UniqueFd to{ends[1]};
-    pid_t const pid = ::fork();
-    if (pid < 0) {
-        return fail(ExitCode::environment, fmt::format("no new process: {}", std::strerror(errno)));
-    }
-    if (pid == 0) {
-        become(arguments.data(), to.get(), detached);
+    Started out;
+    std::array<pid_t, 2> children{};
+    std::span<pid_t> const made = std::span{children}.first(commands.size());
+    if (int const which = fork_numbered(out.numbers, made); which >= 0) {
+        auto const at = static_cast<std::size_t>(which);
+        become(arguments[at].data(), variables.data(), to.get(), options.detached, at == 1 ? options.door_fd : -1);
     }
     to.reset();
-    auto const failed = [&]() -> Result<pid_t> {
+    for (std::size_t i = 0; i < made.size(); ++i) {
+        if (made[i] > 0 && bring_to_program(made[i])) {
+            continue;
+        }
+        for (pid_t const pid : made) {
+            if (pid > 0) {
+                ::kill(pid, SIGKILL);
+                ::waitpid(pid, nullptr, __WALL);
+            }
+        }
+        pid_t const keeper = out.numbers.keeper;
+        out.numbers.end();
+        while (keeper > 0 && ::waitpid(keeper, nullptr, __WALL) < 0 && errno == EINTR) {
+        }
         std::array<int, 2> said{};
         bool const complete = ::read(from.get(), said.data(), sizeof said) == static_cast<ssize_t>(sizeof said);
-        ::kill(pid, SIGKILL);
-        ::waitpid(pid, nullptr, __WALL);
-        return std::unexpected{complete
-                                   ? why(said, command[0])
-                                   : Error{ExitCode::environment, fmt::format("'{}' did not start", command[0]), ""}};
-    };
-    int status = 0;
-    if (::waitpid(pid, &status, __WALL) != pid || !WIFSTOPPED(status)) {
-        return failed();
+        return std::unexpected{
+            complete ? why(said, commands[i][0])
+                     : Error{ExitCode::environment, fmt::format("'{}' did not start", commands[i][0]), ""}};
     }
-    constexpr unsigned long kOptions = PTRACE_O_EXITKILL | PTRACE_O_TRACESECCOMP | PTRACE_O_TRACEEXEC |
-                                       PTRACE_O_TRACECLONE | PTRACE_O_TRACEFORK | PTRACE_O_TRACEVFORK |
-                                       PTRACE_O_TRACEVFORKDONE | PTRACE_O_TRACESYSGOOD;
-    ::ptrace(PTRACE_SETOPTIONS, pid, nullptr, kOptions);
-    while (true) { // calls of the child before its exec are none of the program's
-        ::ptrace(PTRACE_CONT, pid, nullptr, nullptr);
-        if (::waitpid(pid, &status, __WALL) != pid || !WIFSTOPPED(status)) {
-            return failed();
-        }
-        if (status >> 8 == (SIGTRAP | PTRACE_EVENT_EXEC << 8)) {
-            return pid;
-        }
-    }
+    out.program = made[0];
+    out.door = made.size() > 1 ? made[1] : 0;
+    return out;
 }
 
 } // namespace gridspace::timebox

@@ -10,15 +10,38 @@
 namespace gridspace::timebox {
 namespace {
 
+/// Of the thread that was looked at last: what is changed here is written back once, before it goes on.
+struct Kept {
+    pid_t tid{0}; ///< 0: none
+    bool changed{false};
+    user_regs_struct registers{};
+};
+thread_local Kept kept;
+
+void write_back() {
+    if (kept.tid != 0 && kept.changed) {
+        ::ptrace(PTRACE_SETREGS, kept.tid, nullptr, &kept.registers);
+    }
+    kept.tid = 0;
+    kept.changed = false;
+}
+
 user_regs_struct registers_of(pid_t tid) {
-    user_regs_struct out{};
-    ::ptrace(PTRACE_GETREGS, tid, nullptr, &out);
-    return out;
+    if (kept.tid != tid) {
+        write_back();
+        kept.registers = {};
+        kept.tid = ::ptrace(PTRACE_GETREGS, tid, nullptr, &kept.registers) == 0 ? tid : 0;
+    }
+    return kept.registers;
 }
 
 void set(pid_t tid, user_regs_struct const& registers) {
-    auto copy = registers; // ptrace takes no pointer to const
-    ::ptrace(PTRACE_SETREGS, tid, nullptr, &copy);
+    if (kept.tid != tid) {
+        write_back();
+        kept.tid = tid;
+    }
+    kept.registers = registers;
+    kept.changed = true;
 }
 
 void set_arguments(user_regs_struct& r, Call const& call) {
@@ -33,6 +56,12 @@ void set_arguments(user_regs_struct& r, Call const& call) {
 constexpr std::uint64_t kCallInstruction = 2; // octets of SYSCALL
 
 } // namespace
+
+void before_it_goes_on(pid_t tid) {
+    if (kept.tid == tid) {
+        write_back();
+    }
+}
 
 Call call_of(pid_t tid) {
     user_regs_struct const r = registers_of(tid);
@@ -91,8 +120,12 @@ std::uint64_t scratch_of(pid_t tid) {
     return (stack_of(tid) - kBelow) & ~std::uint64_t{15};
 }
 
-void prepare_image(pid_t tid, std::array<std::uint8_t, 16> const& random) {
-    // The stack of a new image: argc, argv, 0, environment, 0, auxiliary vector (System V ABI, x86-64, 3.4.1).
+namespace {
+
+/// The auxiliary vector of a new image, entry by entry, with where each is.
+template <class Visit>
+void visit_auxiliary(pid_t tid, Visit&& visit) {
+    // Its stack: argc, argv, 0, environment, 0, auxiliary vector (System V ABI, x86-64, 3.4.1).
     std::uint64_t at = registers_of(tid).rsp;
     at += 8 * (value_at<std::uint64_t>(tid, at) + 2);
     while (value_at<std::uint64_t>(tid, at) != 0) {
@@ -101,12 +134,30 @@ void prepare_image(pid_t tid, std::array<std::uint8_t, 16> const& random) {
     at += 8;
     for (auto entry = value_at<Elf64_auxv_t>(tid, at); entry.a_type != AT_NULL;
          at += sizeof entry, entry = value_at<Elf64_auxv_t>(tid, at)) {
+        visit(entry, at);
+    }
+}
+
+} // namespace
+
+std::uint64_t prepare_image(pid_t tid, std::array<std::uint8_t, 16> const& random) {
+    std::uint64_t vdso = 0;
+    visit_auxiliary(tid, [&](Elf64_auxv_t const& entry, std::uint64_t) {
         if (entry.a_type == AT_SYSINFO_EHDR) {
-            put(tid, at, std::uint64_t{AT_IGNORE});
+            vdso = entry.a_un.a_val;
         } else if (entry.a_type == AT_RANDOM) {
             put(tid, entry.a_un.a_val, random);
         }
-    }
+    });
+    return vdso;
+}
+
+void take_vdso(pid_t tid) {
+    visit_auxiliary(tid, [&](Elf64_auxv_t const& entry, std::uint64_t at) {
+        if (entry.a_type == AT_SYSINFO_EHDR) {
+            put(tid, at, std::uint64_t{AT_IGNORE});
+        }
+    });
 }
 
 bool answer_tick_counter(pid_t tid, std::uint64_t ticks) {

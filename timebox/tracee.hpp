@@ -16,6 +16,9 @@ struct Call {
     std::array<std::uint64_t, 6> arguments{};
 };
 
+/// Registers are kept here while a thread stands: to be called before it runs again.
+void before_it_goes_on(pid_t tid);
+
 [[nodiscard]] Call call_of(pid_t tid);
 /// At the entry of a call: it does not run, and the program gets `result` (a value, or minus an error number).
 void answer(pid_t tid, std::int64_t result);
@@ -43,9 +46,10 @@ void put(pid_t tid, std::uint64_t address, T const& value) {
 /// Below the stack of the thread, where nothing is.
 [[nodiscard]] std::uint64_t scratch_of(pid_t tid);
 
-/// After exec: takes the vDSO away, through which the C library would read the clock without a call, and replaces the
-/// random octets that the kernel gives to every program.
-void prepare_image(pid_t tid, std::array<std::uint8_t, 16> const& random);
+/// After exec: replaces the random octets that the kernel gives to every program. Where the vDSO is; 0: nowhere.
+std::uint64_t prepare_image(pid_t tid, std::array<std::uint8_t, 16> const& random);
+/// After exec: takes the vDSO away, through which the C library would read the clock without a call.
+void take_vdso(pid_t tid);
 /// At a SIGSEGV: true when it was RDTSC or RDTSCP; they are then answered with `ticks`.
 [[nodiscard]] bool answer_tick_counter(pid_t tid, std::uint64_t ticks);
 

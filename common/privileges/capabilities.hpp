@@ -7,6 +7,7 @@
 namespace gridspace {
 
 /// Bits of capabilities(7).
+inline constexpr std::uint64_t kMayLimitOthers = std::uint64_t{1} << 8U;      // CAP_SETPCAP: what they may ever gain
 inline constexpr std::uint64_t kMayOpenRawSockets = std::uint64_t{1} << 13U;  // CAP_NET_RAW
 inline constexpr std::uint64_t kMayTrace = std::uint64_t{1} << 19U;           // CAP_SYS_PTRACE
 inline constexpr std::uint64_t kMayEnterNamespaces = std::uint64_t{1} << 21U; // CAP_SYS_ADMIN

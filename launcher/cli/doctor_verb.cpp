@@ -166,8 +166,13 @@ Finding check_profile_file() {
 /// `gridspace timebox`, and `time: simulated` of a process.
 Finding try_simulated_time() {
     auto const tried = timebox::try_here();
-    return {tried ? Level::ok : Level::note, "programs in simulated time",
-            tried ? "seccomp, ptrace, pidfd_getfd" : tried.error().message, tried ? "" : tried.error().remedy};
+    if (!tried) {
+        return {Level::note, "programs in simulated time", tried.error().message, tried.error().remedy};
+    }
+    return {*tried ? Level::ok : Level::note, "programs in simulated time",
+            *tried ? "seccomp, ptrace, pidfd_getfd, process numbers of their own"
+                   : "seccomp, ptrace, pidfd_getfd; process numbers are the machine's",
+            *tried ? "" : "runs of programs that tell their process number differ; PID or user namespaces would help"};
 }
 
 int doctor(bool json) {

@@ -167,6 +167,9 @@ std::optional<std::uint64_t> capabilities(Scenario const& scenario, Process cons
     if (elsewhere) { // the networks of switches and of other hosts are found in /proc, as the supervisor's
         out |= kMayEnterNamespaces | kMayTrace;
     }
+    if (!process.settings->carried_by().empty()) { // process numbers of their own; the program in it does without
+        out |= kMayEnterNamespaces | kMayLimitOthers;
+    }
     return out;
 }
 

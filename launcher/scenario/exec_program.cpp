@@ -71,6 +71,8 @@ class ExecSettings final : public ProcessSettings {
         };
         topics("writes", writes_, "topics that it writes");
         topics("reads", reads_, "topics that it reads");
+        f.integer("dds_domain", dds_domain_,
+                  {.doc = "time: simulated: domain of DDS that it joins; nobody else is in it", .min = 0, .max = 232});
         f.raw("settings", settings_, {.doc = "passed on in its configuration file"});
     }
 
@@ -95,7 +97,13 @@ class ExecSettings final : public ProcessSettings {
     [[nodiscard]] bool is_member() const override { return member_ || boxed_; }
     [[nodiscard]] bool is_expected() const override { return is_member(); }
     [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override { return writes_; }
-    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override { return reads_; }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
+        std::vector<TopicUse> out = reads_;
+        for (TopicUse& use : out) {
+            use.triggers = use.triggers || boxed_; // it hears a sample when it is there, as everybody who waits does
+        }
+        return out;
+    }
     [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
         return uses(s, process, sends_);
     }
@@ -132,10 +140,9 @@ class ExecSettings final : public ProcessSettings {
             refuse("member", "and says that it follows the lockstep protocol",
                    "one of the two: who follows the protocol needs no simulated clock");
         }
-        for (char const* key : {"writes", "reads"}) {
-            if (!(std::string_view{key} == "writes" ? writes_ : reads_).empty()) {
-                refuse(key, "and exchanges topics", "only its raw frames and its IP are in simulated time so far");
-            }
+        if (has_topics() && has_ip()) {
+            refuse("sends", "and exchanges topics and IP at once",
+                   "its IP is the way to the door that carries the topics; two processes, or one of both");
         }
         if (process.run_on != "native") {
             refuse("run_on", fmt::format("and on '{}'", process.run_on), "`run_on: native`");
@@ -184,6 +191,7 @@ class ExecSettings final : public ProcessSettings {
         }
     }
 
+    [[nodiscard]] bool has_topics() const { return !reads_.empty() || !writes_.empty(); }
     [[nodiscard]] bool has_ip() const {
         auto const is_ip = [](Ref const& word) { return word.name == "ip"; };
         return std::ranges::any_of(sends_, is_ip) || std::ranges::any_of(receives_, is_ip);
@@ -238,6 +246,18 @@ class ExecSettings final : public ProcessSettings {
         return out;
     }
 
+    [[nodiscard]] static Node topic_settings(std::vector<TopicUse> const& uses) {
+        Node out = Node::map();
+        for (TopicUse const& use : uses) {
+            Node& topic = out.set(use.topic, Node::map());
+            topic.set("type", Node::quoted_text(use.type));
+            if (!use.idl.empty()) {
+                topic.set("idl", Node::quoted_text(std::filesystem::absolute(use.idl).lexically_normal().string()));
+            }
+        }
+        return out;
+    }
+
     [[nodiscard]] Node boxed_settings(Scenario const& s, Process const& process) const {
         Node node = Node::map(), command = Node::sequence();
         for (std::string const& word : command_) {
@@ -266,6 +286,11 @@ class ExecSettings final : public ProcessSettings {
         if (has_ip()) {
             node.set("ip", ip_settings(s, process));
         }
+        if (has_topics()) {
+            node.set("reads", topic_settings(reads_));
+            node.set("writes", topic_settings(writes_));
+            node.set("dds_domain", Node::scalar(std::to_string(dds_domain_)));
+        }
         return node;
     }
 
@@ -276,6 +301,7 @@ class ExecSettings final : public ProcessSettings {
     bool boxed_{false}; ///< after settle()
     Rational latency_us_{0};
     std::vector<TopicUse> writes_, reads_;
+    std::int64_t dds_domain_{0};
     Node settings_;
 };
 

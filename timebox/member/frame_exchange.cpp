@@ -40,12 +40,21 @@ PacketLink FrameExchange::link() {
         out.mac = port_->mac().octets;
         out.ip = config_.ip;
     }
+    if (!config_.reads.empty() || !config_.writes.empty()) { // it speaks DDS with the door alone
+        constexpr std::uint32_t kLoopback = 0x7F000001;
+        out.index = out.name.empty() ? 1 : out.index;
+        out.name = out.name.empty() ? "lo" : out.name;
+        out.ip = IpLink{kLoopback, 8, {0x02, 0x47, 0x53, 0x80, 0, 0}, {}};
+    }
     out.send = [this](std::span<std::uint8_t const> frame, std::int64_t now_ns) { return send(frame, now_ns); };
     return out;
 }
 
 std::string FrameExchange::send(std::span<std::uint8_t const> frame, std::int64_t now_ns) {
     std::uint16_t const ethertype = iec61850::ethertype_of(frame);
+    if (ethertype == ethernet::kIpEthertype && !config_.ip) {
+        return {}; // multicast, which nobody else hears
+    }
     if (std::find(config_.sends.begin(), config_.sends.end(), ethertype) == config_.sends.end()) {
         return fmt::format("a frame of ethertype {:#06x}, which its `sends:` does not declare", ethertype);
     }

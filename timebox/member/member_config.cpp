@@ -82,6 +82,18 @@ void describe(config::Fields& f, MemberConfig& c) {
     describe_frames(f, "receives", c.receives, "kinds of frames that it receives");
     f.object("ip", {.doc = "its IP on the link, in simulated time"},
              [&](config::Fields& i) { describe_ip(i, c.ip.emplace()); });
+    auto const topics = [&](std::string_view key, std::vector<BoxedTopic>& list, std::string_view doc) {
+        f.map(key, {.doc = doc}, [&](config::Ref const& name, config::Fields& t) {
+            BoxedTopic& topic = list.emplace_back();
+            topic.topic = name.name;
+            t.text("type", topic.type, {.doc = "name of the type on the wire", .required = true});
+            t.file("idl", topic.idl, {.doc = "IDL file that defines the type, when it is not one of ours"});
+        });
+    };
+    topics("reads", c.reads, "topics of DDS that it reads");
+    topics("writes", c.writes, "topics of DDS that it writes");
+    f.integer("dds_domain", c.dds_domain,
+              {.doc = "domain of DDS in which it is, within its box", .min = 0, .max = 232});
     if (f.has("wire") || !c.sends.empty() || !c.receives.empty()) {
         gateways::describe_wire(f, c.wire);
     }

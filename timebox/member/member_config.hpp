@@ -7,11 +7,18 @@
 #include "gateways/port/wire_config.hpp"
 #include "timebox/ip/ip_link.hpp"
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace gridspace::timebox {
+
+/// A topic of DDS that a program reads or writes.
+struct BoxedTopic {
+    std::string topic, type;
+    std::filesystem::path idl; ///< that defines the type; empty: it is one of ours
+};
 
 /// A program in simulated time as a member of a run. Written by `gridspace run`.
 struct MemberConfig {
@@ -21,6 +28,8 @@ struct MemberConfig {
     gateways::WireConfig wire;
     std::vector<std::uint16_t> sends, receives; ///< ethertypes
     std::optional<IpLink> ip;
+    std::vector<BoxedTopic> reads, writes;
+    std::int64_t dds_domain{0}; ///< in which the program is
 };
 void describe(config::Fields& f, MemberConfig& c);
 

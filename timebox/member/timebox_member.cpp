@@ -7,7 +7,9 @@
 #include "common/log.hpp"
 #include "common/random.hpp"
 #include "common/text.hpp"
+#include "timebox/door/door.hpp"
 #include "timebox/member/frame_exchange.hpp"
+#include "timebox/member/topic_exchange.hpp"
 
 #include <csignal>
 #include <cstring>
@@ -21,6 +23,11 @@ constexpr double kShareOfPatience = 0.8;
 /// Simulated time that the program has for its end when the run is over.
 constexpr std::int64_t kLastNs = 100'000'000;
 
+/// CycloneDDS looks for others on the interface where the door is: whatever interfaces a machine has, runs are alike.
+constexpr char const* kOnLoopback =
+    "<General><Interfaces><NetworkInterface address=\"127.0.0.1\" multicast=\"true\"/></Interfaces>"
+    "<AllowMulticast>true</AllowMulticast></General>";
+
 class TimeboxMember final : public bus::Member {
   public:
     TimeboxMember(MemberConfig const& config, DaemonRun& run, bus::Node& node)
@@ -32,6 +39,11 @@ class TimeboxMember final : public bus::Member {
             return std::unexpected{exchange.error()};
         }
         exchange_ = std::move(*exchange);
+        auto topics = TopicExchange::open(node_, config_);
+        if (!topics) {
+            return std::unexpected{topics.error()};
+        }
+        topics_ = std::move(*topics);
         return {};
     }
 
@@ -42,6 +54,7 @@ class TimeboxMember final : public bus::Member {
             }
         }
         exchange_->bring(*box_);
+        topics_->bring(*box_);
         exchange_->maintain();
         auto const pause = box_->run_until(clock_.of(tick.time));
         if (ended_) {
@@ -54,10 +67,16 @@ class TimeboxMember final : public bus::Member {
         return *pause == Box::Pause::ended ? ended() : Result<void>{};
     }
 
-    std::uint64_t next_tick(bus::Tick const&) const override {
+    std::uint64_t next_tick(bus::Tick const& tick) const override {
+        if (topics_->hears_simulator()) {
+            return tick.number + 1;
+        }
         std::uint64_t out = bus::TickGrid::kNever;
+        if (auto const effect = topics_->last_effect(); effect && *effect > tick.time) {
+            out = grid_.tick_of(*effect);
+        }
         if (auto const next_ns = box_->next_ns()) {
-            out = grid_.tick_of(clock_.at_or_after(*next_ns));
+            out = std::min(out, grid_.tick_of(clock_.at_or_after(*next_ns)));
         }
         if (auto const next = exchange_->next()) {
             out = std::min(out, grid_.tick_of(*next));
@@ -71,6 +90,7 @@ class TimeboxMember final : public bus::Member {
         }
         if (!ended_) {
             exchange_->close();
+            topics_->close();
             box_->ask_to_end();
             if (auto const pause = box_->run_until(box_->report().simulated_ns + kLastNs); !pause) {
                 log::warning("{}", pause.error().message);
@@ -91,6 +111,10 @@ class TimeboxMember final : public bus::Member {
         }
         options.patience_s = options.rest_s = kShareOfPatience * bus.clock.member_timeout_s;
         options.link = exchange_->link();
+        if (topics_->any()) {
+            options.door = topics_->door();
+            options.environment.emplace_back("CYCLONEDDS_URI", kOnLoopback);
+        }
         options.stop = [this] { return node_.stop_is_requested() || node_.failure().has_value(); };
         auto box = Box::start(std::move(options));
         if (!box) {
@@ -132,6 +156,12 @@ class TimeboxMember final : public bus::Member {
         }
         say("held_calls", fmt::format("{} calls of {} threads were answered in simulated time: {}", calls,
                                       report.threads, join(kinds, ", ")));
+        if (topics_->any()) {
+            auto const counted = topics_->counters();
+            say("topics",
+                fmt::format("{} samples given to the program, {} taken from it{}", counted.read, counted.written,
+                            counted.misfits == 0 ? "" : fmt::format(", {} not of their type", counted.misfits)));
+        }
         for (auto const& [what, times] : report.refused) {
             say("refused", fmt::format("{}, which cannot be had in simulated time: refused {} time{}", what, times,
                                        times == 1 ? "" : "s"));
@@ -152,6 +182,7 @@ class TimeboxMember final : public bus::Member {
     gateways::WireClock clock_;
     bus::TickGrid grid_;
     std::unique_ptr<FrameExchange> exchange_;
+    std::unique_ptr<TopicExchange> topics_;
     std::unique_ptr<Box> box_; ///< before exchange_ goes
     bool ended_{false};
 };
@@ -161,6 +192,9 @@ class TimeboxMember final : public bus::Member {
 
 int main(int argc, char** argv) {
     using namespace gridspace;
+    if (timebox::is_door(argc, argv)) {
+        return timebox::run_door(argc, argv);
+    }
     timebox::MemberConfig settings;
     Daemon daemon{"gridspace-timebox",
                   "somebody else's program, unmodified, in simulated time",

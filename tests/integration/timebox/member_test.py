@@ -214,6 +214,16 @@ time.sleep(100)
         self.assertTrue(any(text.startswith("a frame of ethertype 0x0806, which its `sends:` does not declare") for text in told), told)
         self.assertTrue(any(text.startswith("SO_TIMESTAMPING") for text in told), told)
 
+    @unittest.skipUnless(os.geteuid() == 0, "an ordinary user has no rights to begin with")
+    def test_what_the_box_needs_for_its_process_numbers_the_program_cannot_gain(self):
+        run = self.run_to_end("rights", scenario=self.write("one.yaml", one("[sh, -c, 'echo $$; grep Cap /proc/self/status; cat /proc/self/personality; sleep 1']")))
+        number, *rights = self.logged(run, "own")
+        self.assertEqual(number, "2")
+        held = {line.split()[0]: int(line.split()[1], 16) for line in rights if line.startswith("Cap")}
+        self.assertEqual({name for name, bits in held.items() if bits & (1 << 21 | 1 << 8)}, set())
+        self.assertEqual(len(held), 5)
+        self.assertIn("00040000", rights, "its addresses are not randomised")
+
     def test_validate_knows_what_follows_from_simulated_time(self):
         def mistakes(more, *arguments):
             code, out, err = gridspace("validate", self.write("one.yaml", one("[sleep, '1']", more)), *arguments)
@@ -222,7 +232,7 @@ time.sleep(100)
         code, said = mistakes(", receives: [smv]", "--set", "clock.mode=realtime", "--set", "clock.speed=1")
         self.assertEqual(code, 0, said)
         self.assertIn("warning: process 'own' lives in real time, as all do here", said)
-        for more, wanted in ((", member: true", "and says that it follows the lockstep protocol"), (", reads: {TL_11: {type: LineCurrents}}", "and exchanges topics"),
+        for more, wanted in ((", member: true", "and says that it follows the lockstep protocol"), (", sends: [ip], reads: {TL_11: {type: LineCurrents}}", "and exchanges topics and IP at once"),
                              (", sends: [SMV23]", "sends 'SMV23', which is no stream and no kind of frame"), (", run_on: qemu-user", "and on 'qemu-user'")):
             code, said = mistakes(more)
             self.assertEqual(code, USAGE, said)

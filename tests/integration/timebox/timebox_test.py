@@ -4,6 +4,7 @@
 """Unmodified programs in simulated time: what they see is what arithmetic says, and the same each time."""
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -125,6 +126,64 @@ asyncio.run(two())
 print(now())
 """
 
+LOOKS = r"""
+#define _GNU_SOURCE
+#include <pthread.h>
+#include <stdio.h>
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+#ifdef CALLS
+#define LOOK(clock, t) syscall(SYS_clock_gettime, clock, t)
+#define DAY(t) syscall(SYS_gettimeofday, t, NULL)
+#define SECONDS() (long)syscall(SYS_time, NULL)
+#else
+#define LOOK(clock, t) clock_gettime(clock, t)
+#define DAY(t) gettimeofday(t, NULL)
+#define SECONDS() (long)time(NULL)
+#endif
+static void *waiter(void *name) { /* one that waits by looking, beside others */
+    struct timespec t = {0, 0};
+    for (long until = 20000; until < 200000; until += 30000) {
+        long looks = 0;
+        do { LOOK(CLOCK_MONOTONIC, &t); ++looks; } while (t.tv_sec == 0 && t.tv_nsec < until);
+        printf("%s %ld.%09ld after %ld\n", (char *)name, (long)t.tv_sec, t.tv_nsec, looks);
+    }
+    return NULL;
+}
+int main(void) {
+    struct timespec t, s = {0, 7777};
+    struct timeval v;
+    pthread_t p[2];
+    pthread_create(&p[0], NULL, waiter, "a");
+    pthread_create(&p[1], NULL, waiter, "b");
+    for (int i = 0; i < 40; ++i) {
+        for (int clock = 0; clock < 12; ++clock) {
+            if (clock == 10) continue;
+            LOOK(clock, &t);
+            printf("%d %ld.%09ld\n", clock, (long)t.tv_sec, t.tv_nsec);
+        }
+        DAY(&v);
+        printf("%ld.%06ld %ld\n", (long)v.tv_sec, (long)v.tv_usec, SECONDS());
+        nanosleep(&s, NULL);
+    }
+    pthread_join(p[0], NULL);
+    pthread_join(p[1], NULL);
+    return 0;
+}
+"""
+
+DRAWS = """
+from random import SystemRandom
+import os, subprocess
+for name in ("/dev/urandom", "/dev/random"):
+    with open(name, "rb", buffering=0) as f: print(f.read(8).hex(), f.read(3).hex())
+    with open(name, "rb") as f: print(f.read(5000)[-4:].hex())
+print(open(os.open("/dev/urandom", os.O_RDONLY | os.O_NONBLOCK), "rb").read(2).hex(), SystemRandom().random())
+print(os.getpid(), subprocess.run(["sh", "-c", "echo $$ $PPID; kill -0 $$ && sleep 0.1 & wait $!; echo $? $!"], capture_output=True, text=True).stdout.split())
+"""
+
 
 class Timebox(unittest.TestCase):
     def setUp(self):
@@ -168,6 +227,24 @@ class Timebox(unittest.TestCase):
         for line in ("5.9 empty", "([], [], []) 8.4", "11.4 alarm", "18.4", "19.9 nothing came", "b'something' 20.15", "20.85"):
             self.assertIn(line, said)
         self.assertTrue(any(line.startswith(f"5.9 {EPOCH + 7}") for line in said), said)
+
+    def test_looks_at_the_clock_in_the_program_show_what_calls_would_and_are_counted_like_them(self):
+        fast, calls = (self.box(self.compiled(LOOKS, *options)) for options in ((), ("-DCALLS",)))
+        self.assertGreater(len(fast.stdout.splitlines()), 480)
+        self.assertEqual(fast.stdout, calls.stdout)
+        of = r"(\d+\.\d+ s simulated) in \S+ s; (.*)"
+        self.assertEqual(re.search(of, fast.stderr).groups(), re.search(of, calls.stderr).groups())
+        self.assertNotIn("after 1\n", fast.stdout, "it does look many times")
+
+    def test_random_files_are_of_the_seed_and_process_numbers_the_same_each_time(self):
+        first, again, other = (self.box("python3", "-c", DRAWS, options=("--seed", seed)) for seed in ("7", "7", "8"))
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertEqual(first.stdout, again.stdout)
+        drawn = first.stdout.split()[:8]
+        self.assertEqual([d for d in drawn if d in other.stdout.split()], [], "another seed, other octets")
+        self.assertEqual(len(set(drawn)), 8)
+        self.assertEqual(first.stdout.splitlines()[-1], other.stdout.splitlines()[-1])
+        self.assertEqual(first.stdout.splitlines()[-1], "2 ['3', '2', '0', '4']")
 
     def test_until_ends_it_and_trace_lists_the_held_calls(self):
         done = self.box("sleep", "100", options=("--until", "5", "--trace"))
