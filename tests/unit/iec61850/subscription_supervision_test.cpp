@@ -15,8 +15,9 @@ namespace {
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kUtc = 1'575'158'400LL * 1'000'000'000;
 
-GooseDescription trip() {
+GooseDescription trip(std::uint32_t conf_rev = 1) {
     GooseDescription out = one_boolean();
+    out.conf_rev = conf_rev;
     out.data_set = {{DataNode::leaf("trip", BasicType::boolean), DataNode::leaf("q", BasicType::quality)}};
     return out;
 }
@@ -74,7 +75,7 @@ TEST(GooseSupervision, IsAliveWhileMessagesComeAndLostWhenTheirTimeRunsOut) {
 
 TEST(GooseSupervision, TellsAnotherConfRevFromAnotherDataSet) {
     GooseSupervision other_revision{subscription()};
-    GooseBench second{2};
+    GooseBench second{2, trip(2)};
     second.start(0);
     second.run(other_revision, 20 * kMs);
     EXPECT_EQ(other_revision.state().problem, SubscriptionProblem::conf_rev);
@@ -94,7 +95,7 @@ TEST(GooseSupervision, TellsAnotherConfRevFromAnotherDataSet) {
 
 TEST(GooseSupervision, APublisherThatNeedsCommissioningSaysSo) {
     GooseSupervision sut{subscription()};
-    GooseBench bench{0}; // confRev 0: ndsCom
+    GooseBench bench{0, trip(0)}; // confRev 0: ndsCom
     bench.start(0);
     bench.run(sut, 5 * kMs);
     EXPECT_EQ(sut.state().problem, SubscriptionProblem::commissioning);
