@@ -91,6 +91,7 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPa
                 continue;
             }
             iec61850::SvArrival const arrival = end.subscriber.receive(decoded_.header, asdu, arrival_ns);
+            tell_refusal(i, arrival, asdu);
             if (arrival.accepted || arrival.event == iec61850::SvEvent::late) {
                 bool const restarted =
                     arrival.event == iec61850::SvEvent::first || arrival.event == iec61850::SvEvent::restart;
@@ -102,6 +103,20 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPa
                 give_out(arrival_ns, on_pair);
             }
         }
+    }
+}
+
+void CurrentInputs::tell_refusal(std::size_t end, iec61850::SvArrival const& arrival, iec61850::Asdu const& asdu) {
+    using iec61850::SvEvent;
+    std::int64_t& taken = ends_[end].taken_since_refusal;
+    if (arrival.event == SvEvent::conf_rev_mismatch || arrival.event == SvEvent::size_mismatch) {
+        if (taken < 0 && on_refusal_) {
+            on_refusal_(end, arrival.event, asdu);
+        }
+        taken = 0;
+    } else if (arrival.accepted && taken >= 0) {
+        auto const second = static_cast<std::int64_t>(ends_[end].subscriber.subscription().rate_hz);
+        taken = taken + 1 < second ? taken + 1 : -1;
     }
 }
 

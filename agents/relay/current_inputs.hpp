@@ -38,6 +38,10 @@ class CurrentInputs {
     /// Nothing came of end 0 or 1 for longer than the partner timeout.
     using OnSilence = std::function<void(std::size_t end)>;
     void on_silence(OnSilence on_silence) { on_silence_ = std::move(on_silence); }
+    /// The stream of end 0 or 1 is not the one that is subscribed to any more: another confRev or size of its samples
+    /// (`why`, and what the frame said). Once, until a second of it was taken again.
+    using OnRefusal = std::function<void(std::size_t end, iec61850::SvEvent why, iec61850::Asdu const& asdu)>;
+    void on_refusal(OnRefusal on_refusal) { on_refusal_ = std::move(on_refusal); }
     /// A frame of sampled values, which came at `arrival_ns`. Pairs that are complete now are given out.
     void frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPair const& on_pair);
     /// When time alone gives something out, or a stream falls silent.
@@ -48,6 +52,7 @@ class CurrentInputs {
         iec61850::SvSubscriber subscriber;
         SampleReader reader;
         gateways::SvFirstLine first_line;
+        std::int64_t taken_since_refusal{-1}; ///< samples; below 0: no refusal was told
         bool contest_next{false}; ///< a contested sample had been given out already: its successor answers for it
     };
     [[nodiscard]] End const& end(std::size_t i) const { return ends_[i]; }
@@ -60,6 +65,7 @@ class CurrentInputs {
     [[nodiscard]] bool pass_first_line(std::size_t end, iec61850::Asdu const& asdu, std::size_t place,
                                        std::int64_t arrival_ns);
     void give_out(std::int64_t now_ns, OnPair const& on_pair);
+    void tell_refusal(std::size_t end, iec61850::SvArrival const& arrival, iec61850::Asdu const& asdu);
 
     std::vector<End> ends_; ///< from, to
     bool same_sv_id_{false};
@@ -68,6 +74,7 @@ class CurrentInputs {
     iec61850::DecodeCounters damaged_;
     OnFinding on_finding_;
     OnSilence on_silence_;
+    OnRefusal on_refusal_;
 };
 
 } // namespace gridspace::relay

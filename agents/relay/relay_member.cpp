@@ -5,11 +5,25 @@
 #include "common/log.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace gridspace::relay {
 
 using gateways::WireClock;
 using gateways::WirePort;
+
+namespace {
+
+std::string refusal_text(std::string const& stream, iec61850::SvSubscription const& subscription, iec61850::SvEvent why,
+                         iec61850::Asdu const& asdu) {
+    return why == iec61850::SvEvent::conf_rev_mismatch
+               ? fmt::format("'{}' has confRev {}, and {} is subscribed to", stream, asdu.conf_rev,
+                             subscription.conf_rev)
+               : fmt::format("the samples of '{}' have {} octets, and {} are subscribed to", stream, asdu.sample.size(),
+                             subscription.sample_octets);
+}
+
+} // namespace
 
 RelayMember::RelayMember(RelaySettings const& settings, DaemonRun& run, bus::Node& node)
     : settings_{settings}, run_{run}, node_{node}, clock_{node}, grid_{node.config().clock},
@@ -25,6 +39,12 @@ Result<void> RelayMember::prepare() {
     parts_ = std::move(*parts);
     time_.emplace(node_, parts_.rate_hz, settings_.wire.speed);
     parts_.inputs->on_silence([this](std::size_t end) { silent(end); });
+    parts_.inputs->on_refusal([this](std::size_t end, iec61850::SvEvent why, iec61850::Asdu const& asdu) {
+        if (end < parts_.signals->streams()) { // one stream may be heard for both
+            tell("stream_refused", refusal_text(settings_.relay.inputs()[end].name,
+                                                parts_.inputs->end(end).subscriber.subscription(), why, asdu));
+        }
+    });
     if (parts_.first_line != nullptr) {
         parts_.inputs->on_finding([this](std::size_t end, std::uint32_t findings, iec61850::Mac const& source) {
             if (end < parts_.signals->streams()) { // one stream may be heard for both

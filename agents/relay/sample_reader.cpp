@@ -71,9 +71,10 @@ void SampleReader::read_phases(Phases const& from, iec61850::Octets octets, Abc&
         values[phase] = layout_.read(from.value[phase], octets).number() * from.scale;
         if (from.quality[phase]) {
             auto const q = static_cast<std::uint32_t>(layout_.read(*from.quality[phase], octets).bits);
-            bool const questionable = (q & iec61850::quality::kValidity) == iec61850::quality::kQuestionable;
-            if (!iec61850::quality::is_good(q)) {
-                sample.validity = std::max(sample.validity, questionable ? Validity::questionable : Validity::invalid);
+            using iec61850::quality::Worth;
+            if (Worth const worth = iec61850::quality::worth(q); worth != Worth::good) {
+                sample.validity = std::max(sample.validity,
+                                           worth == Worth::questionable ? Validity::questionable : Validity::invalid);
             }
             sample.test = sample.test || (q & iec61850::quality::kTest) != 0;
         }

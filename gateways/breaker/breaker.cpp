@@ -6,6 +6,7 @@
 #include "common/log.hpp"
 #include "gateways/breaker/breaker_config.hpp"
 #include "gateways/gateway/gateway.hpp"
+#include "gateways/iec61850/quality.hpp"
 
 #include <array>
 #include <fmt/format.h>
@@ -15,13 +16,28 @@ namespace {
 
 using config::Node;
 
-GatewayConfig table_of(BreakerConfig const& breaker, std::string const& process) {
+/// The quality right behind the trip in its data set; empty: there is none.
+std::string quality_of(BreakerConfig const& breaker, std::vector<streams::Stream> const& streams) {
+    streams::Stream const* const stream = streams::find_stream(streams, breaker.stream().name);
+    auto const leaves =
+        stream == nullptr || stream->broken ? std::vector<iec61850::Leaf>{} : iec61850::leaves_of(stream->data_set);
+    for (std::size_t i = 0; i + 1 < leaves.size(); ++i) {
+        if (leaves[i].name == breaker.field() && leaves[i + 1].type == iec61850::BasicType::quality) {
+            return leaves[i + 1].name;
+        }
+    }
+    return "";
+}
+
+GatewayConfig table_of(BreakerConfig const& breaker, std::string const& process,
+                       std::vector<streams::Stream> const& streams) {
     MappingConfig mapping;
     mapping.name = breaker.stream();
     mapping.from.stream = breaker.stream();
     mapping.to.topic = breaker.to;
     mapping.to.type.name = "TripCommand";
     mapping.accept_test = breaker.accept_test;
+    mapping.judged_by = quality_of(breaker, streams);
     mapping.first_line = breaker.first_line;
     mapping.fields = Node::map();
     mapping.fields.set("source", Node::map()).set("value", Node::quoted_text(process));
@@ -77,7 +93,8 @@ class BreakerGuest final : public GatewayGuest {
              [this](Moment at, bool alive) { stream_is(at, alive); },
              [this](Moment at, iec61850::GooseFrame const& message, iec61850::GooseVerdict const&) {
                  heard_message(at, message);
-             }});
+             },
+             [this](Moment at, std::uint32_t quality) { doubted(at, quality); }});
         return {};
     }
 
@@ -106,6 +123,13 @@ class BreakerGuest final : public GatewayGuest {
             run_.status.event(node_->time_base().seconds(at.time), node_->config().process, "stream_lost", text);
         }
         publish(at.time);
+    }
+
+    void doubted(Moment at, std::uint32_t quality) {
+        std::string const text = fmt::format("'{}' has the quality 0x{:04X}{}: the state is held", config_.from.name,
+                                             quality, (quality & iec61850::quality::kTest) != 0 ? " (test)" : "");
+        log::warning("{}", text);
+        run_.status.event(node_->time_base().seconds(at.time), node_->config().process, "command_not_used", text);
     }
 
     /// Commands go out when they change, and once at the start.
@@ -154,7 +178,7 @@ int main(int argc, char** argv) {
         "gridspace-breaker", "breaker IED: the trip of a GOOSE stream becomes a command",
         [&](gridspace::config::Fields& f) { describe(f, breaker); },
         [&](GatewaySettings& s, gridspace::bus::NodeConfig const& node) {
-            s.gateway = table_of(breaker, node.process);
+            s.gateway = table_of(breaker, node.process, s.wire.streams);
         },
         [&](gridspace::DaemonRun& run) { return std::make_unique<BreakerGuest>(breaker, run); }};
     return run_gateway(program, settings, argc, argv);

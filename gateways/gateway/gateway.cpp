@@ -89,6 +89,9 @@ void Gateway::begin(bus::Tick const& tick) {
             watch->signals->announce(tick.time);
         }
     }
+    for (auto const& subscription : subscriptions_) {
+        subscription->announce(tick.time);
+    }
     if (first_line_ != nullptr) {
         first_line_->announce(tick.time);
     }
@@ -160,6 +163,13 @@ void Gateway::handle(bus::WireFrame const& frame, std::uint16_t ethertype, Momen
             source->receive(at, goose_);
         }
     }
+    for (auto const& subscription : subscriptions_) {
+        if (sampled) {
+            subscription->receive(at, *sv_);
+        } else {
+            subscription->receive(at, goose_);
+        }
+    }
 }
 
 std::optional<std::int64_t> Gateway::next_timer() const {
@@ -171,6 +181,9 @@ std::optional<std::int64_t> Gateway::next_timer() const {
     for (auto const& source : sources_) {
         consider(source->deadline());
     }
+    for (auto const& subscription : subscriptions_) {
+        consider(subscription->deadline());
+    }
     return next;
 }
 
@@ -181,6 +194,11 @@ void Gateway::run_timers(std::int64_t until_ns) {
         for (auto const& source : sources_) {
             if (auto const deadline = source->deadline(); deadline && *deadline <= now) {
                 source->expire(at);
+            }
+        }
+        for (auto const& subscription : subscriptions_) {
+            if (auto const deadline = subscription->deadline(); deadline && *deadline <= now) {
+                subscription->expire(at);
             }
         }
         for (auto const& sink : sinks_) {
@@ -195,10 +213,13 @@ void Gateway::publish_counters(bus::Tick const& tick) {
     if (!statistics_->due(tick.time, tick.final)) {
         return;
     }
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
+    for (std::size_t i = 0; i < routes_.size(); ++i) {
         rows_[i]->refused(0);
         sinks_[i]->report(*rows_[i]);
         sources_[i]->report(*rows_[i]);
+    }
+    for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
+        subscriptions_[i]->report(*rows_[routes_.size() + i]);
     }
     auto const& sent = port_->sent_counters();
     for (StreamStatistics* row : rows_) {

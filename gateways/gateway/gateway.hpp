@@ -8,6 +8,7 @@
 #include "bus/tick_grid.hpp"
 #include "gateways/gateway/sample_pacer.hpp"
 #include "gateways/gateway/source.hpp"
+#include "gateways/gateway/subscription.hpp"
 #include "gateways/port/first_line_report.hpp"
 #include "gateways/port/statistics.hpp"
 
@@ -57,6 +58,7 @@ class Gateway final : public bus::Member {
     [[nodiscard]] Result<void> open_reader(Route const& route, Source& source);
     [[nodiscard]] Result<void> open_signals();
     [[nodiscard]] Result<void> open_first_line();
+    [[nodiscard]] Result<void> open_subscriptions();
     void follow_start();
     void finish(Moment at);
     void take_input(bus::Tick const& tick);
@@ -90,7 +92,8 @@ class Gateway final : public bus::Member {
 
     std::unique_ptr<FirstLineReport> first_line_; ///< of all mappings from streams; may be empty
     std::unique_ptr<StatisticsPublisher> statistics_;
-    std::vector<StreamStatistics*> rows_; ///< by mapping
+    std::vector<StreamStatistics*> rows_; ///< by mapping, then by subscription
+    std::vector<std::unique_ptr<Subscription>> subscriptions_;
     std::unique_ptr<bus::SignalPublisher> counters_;
     struct Watch {
         std::unique_ptr<bus::SignalPublisher> signals;

@@ -62,7 +62,7 @@ void describe_mapping(Fields& f, MappingConfig& m) {
     using WriteOn = MappingConfig::WriteOn;
     using Start = MappingConfig::Start;
     using Sending = MappingConfig::Sending;
-    f.object("from", {.doc = "where values come from", .required = true},
+    f.object("from", {.doc = "where values come from; without it all fields are constants"},
              [&](Fields& e) { describe_end(e, m.from, true); });
     f.object("to", {.doc = "where they go", .required = true}, [&](Fields& e) { describe_end(e, m.to, false); });
     f.raw("fields", m.fields,
@@ -72,6 +72,20 @@ void describe_mapping(Fields& f, MappingConfig& m) {
     if (!m.fields.is_null() && (!m.fields.is_map() || m.fields.entries.empty())) {
         f.error("fields", fmt::format("the fields are {}", config::describe(m.fields)),
                 "expected `target: source` for each field");
+    }
+    f.list("changes", {.doc = "without `from`: what constants become, in the order of time"}, [&](Fields& c) {
+        MappingConfig::Change change;
+        c.fraction("at_s", change.at_s, {.doc = "simulated time", .required = true, .min = 0});
+        c.raw("set", change.set, {.doc = "fields of the target and their new values", .required = true});
+        if (!m.changes.empty() && change.at_s < m.changes.back().at_s) {
+            c.error("at_s", "it is earlier than the change before", "changes stand in the order of time");
+        }
+        m.changes.push_back(std::move(change));
+    });
+    if (m.has_source() && !m.changes.empty()) {
+        f.error("changes", "this mapping has a source, whose values it sends", "leave `from` or `changes` out");
+    } else if (!m.has_source()) {
+        m.start = MappingConfig::Start::at_once;
     }
     f.reference("each", m.each, {.doc = "sequence of the topic's type whose elements are consecutive samples"});
     f.reference(
@@ -105,12 +119,13 @@ void describe_mapping(Fields& f, MappingConfig& m) {
 } // namespace
 
 void describe(config::Fields& f, GatewayConfig& config) {
-    f.map("mappings", {.doc = "what is translated into what", .required = true}, [&](Ref const& name, Fields& m) {
+    f.map("mappings", {.doc = "what is translated into what"}, [&](Ref const& name, Fields& m) {
         MappingConfig mapping;
         mapping.name = name;
         describe_mapping(m, mapping);
         config.mappings.push_back(std::move(mapping));
     });
+    describe(f, config.subscriptions);
     f.fraction("latency_us", config.latency_us, {.doc = "lockstep: from input to output", .min = 0});
 }
 

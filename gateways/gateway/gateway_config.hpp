@@ -4,6 +4,7 @@
 
 #include "common/rational.hpp"
 #include "gateways/first_line/first_line_config.hpp"
+#include "gateways/gateway/subscription_config.hpp"
 
 #include <cstdint>
 #include <map>
@@ -50,10 +51,19 @@ struct MappingConfig {
     Ref each;  ///< sequence of the topic's type whose elements are consecutive samples
     Ref index; ///< field of the topic's type with the index of the (first) sample; without: sample and hold
 
+    /// Without a source: what constants become at a time of the run.
+    struct Change {
+        Rational at_s{0};
+        config::Node set; ///< fields of the target and their values, as written
+    };
+    std::vector<Change> changes;
+    [[nodiscard]] bool has_source() const { return !from.topic.empty() || !from.stream.empty(); }
+
     // to a topic
     enum class WriteOn { change, message } write_on{WriteOn::change};
     std::int64_t every{1};       ///< sampled values: one sample in so many
     std::int64_t per_message{1}; ///< with `each`: so many samples in a message
+    std::string judged_by;       ///< GOOSE: a quality of the stream; what is not good by it, or for test, is not used
     bool accept_test{false};     ///< take frames that are marked as simulated
     FirstLineConfig first_line;  ///< from a stream
     // to a stream
@@ -68,6 +78,7 @@ struct MappingConfig {
 /// gridspace-gateway: a table of mappings between topics and streams.
 struct GatewayConfig {
     std::vector<MappingConfig> mappings;
+    std::vector<SubscriptionConfig> subscriptions;
     Rational latency_us{100}; ///< lockstep: from input to output
 };
 void describe(config::Fields& f, GatewayConfig& config);

@@ -28,6 +28,9 @@ Result<void> Gateway::prepare() {
         add(ethertypes.send, route.to_stream);
         add(ethertypes.receive, route.from_stream);
     }
+    for (SubscriptionConfig const& one : settings_.gateway.subscriptions) {
+        add(ethertypes.receive, streams::find_stream(settings_.wire.streams, one.stream.name));
+    }
     received_ = ethertypes.receive;
     auto port = WirePort::open(node_, settings_.wire, ethertypes);
     if (!port) {
@@ -46,6 +49,9 @@ Result<void> Gateway::prepare() {
         if (auto ok = open_route(route); !ok) {
             return ok;
         }
+    }
+    if (auto ok = open_subscriptions(); !ok) {
+        return ok;
     }
     std::vector<ZeroOrderHoldSink*> held;
     for (Sampled const& sampled : sampled_) {
@@ -79,7 +85,9 @@ Result<void> Gateway::open_route(Route& route) {
     if (!sink) {
         return std::unexpected{sink.error()};
     }
-    if (route.from_stream == nullptr) {
+    if (!route.config.has_source()) {
+        sources_.push_back(make_constant_source(route, **sink, clock_, settings_.wire.speed));
+    } else if (route.from_stream == nullptr) {
         sources_.push_back(make_topic_source(route, **sink));
     } else if (route.from_stream->kind == streams::Kind::smv) {
         sources_.push_back(make_sv_source(route, **sink, node_.lockstep(), settings_.wire.streams));
@@ -88,7 +96,20 @@ Result<void> Gateway::open_route(Route& route) {
     }
     streams::Stream const& stream = route.from_stream != nullptr ? *route.from_stream : *route.to_stream;
     rows_.push_back(&statistics_->add(stream.name.name, route.from_stream != nullptr ? STREAM_RECEIVED : STREAM_SENT));
-    return route.from_stream == nullptr ? open_reader(route, *sources_.back()) : Result<void>{};
+    return route.from_type != nullptr ? open_reader(route, *sources_.back()) : Result<void>{};
+}
+
+Result<void> Gateway::open_subscriptions() {
+    for (SubscriptionConfig const& one : settings_.gateway.subscriptions) {
+        auto const& stream = *streams::find_stream(settings_.wire.streams, one.stream.name); // checked with the routes
+        auto made = Subscription::create(node_, clock_, one, stream, subscriptions_.size());
+        if (!made) {
+            return std::unexpected{made.error()};
+        }
+        subscriptions_.push_back(std::move(*made));
+        rows_.push_back(&statistics_->add(stream.name.name, STREAM_RECEIVED));
+    }
+    return {};
 }
 
 Result<Sink*> Gateway::open_sink(Route& route) {

@@ -50,14 +50,20 @@ class RouteMaker {
     }
 
     Route run() {
-        if (config_.from.is_topic() == config_.to.is_topic()) {
+        if (!config_.has_source() && config_.to.is_topic()) {
+            error(config_.name, fmt::format("mapping '{}' has no `from`, and goes to a topic", config_.name.name),
+                  "constants alone go to a stream");
+            return std::move(route_);
+        }
+        if (config_.has_source() && config_.from.is_topic() == config_.to.is_topic()) {
             error(config_.name,
                   fmt::format("mapping '{}' goes from a {} to a {}", config_.name.name,
                               config_.from.is_topic() ? "topic" : "stream", config_.to.is_topic() ? "topic" : "stream"),
                   "one side is a topic, the other a stream");
             return std::move(route_);
         }
-        bool const from = side(config_.from, route_.from_stream, route_.from_type, route_.from, true);
+        bool const from =
+            !config_.has_source() || side(config_.from, route_.from_stream, route_.from_type, route_.from, true);
         bool const to = side(config_.to, route_.to_stream, route_.to_type, route_.to, false);
         if (!from || !to) {
             return std::move(route_);
@@ -66,6 +72,9 @@ class RouteMaker {
         find_own_fields();
         check_options();
         compile();
+        for (MappingConfig::Change const& change : route_.config.changes) {
+            add_change(change);
+        }
         for (auto const& [field, text] : route_.config.from.where) {
             add_filter(field, text);
         }
@@ -138,6 +147,13 @@ class RouteMaker {
 
     /// The field of the topic that holds the index of a sample, and the stamp that is the gateway's to write.
     void find_own_fields() {
+        if (!config_.has_source()) {
+            if (!config_.index.empty() || !config_.each.empty()) {
+                error(config_.name, fmt::format("mapping '{}' has no source with samples", config_.name.name),
+                      "leave `each` and `index` out");
+            }
+            return;
+        }
         bool const to_topic = route_.to_type != nullptr;
         std::vector<Field> const& fields = to_topic ? route_.to : route_.from;
         mapping::RecordType const& type = to_topic ? *route_.to_type : *route_.from_type;
@@ -286,6 +302,32 @@ class RouteMaker {
         return value;
     }
 
+    void add_change(MappingConfig::Change const& change) {
+        Route::Change out{change.at_s, {}};
+        for (config::Node::Entry const& entry : change.set.entries) {
+            Ref const field{field_path(entry.key), entry.where};
+            auto const at = index_of(route_.to, field);
+            if (!at || !entry.value.is_scalar()) {
+                if (at) {
+                    error(field, fmt::format("the value of '{}' is {}", field.name, config::describe(entry.value)),
+                          "expected one value");
+                }
+                continue;
+            }
+            if (std::find(route_.written.begin(), route_.written.end(), *at) == route_.written.end()) {
+                error(field, fmt::format("'{}' changes, and is not among `fields`", field.name),
+                      "its value before the change: {value: ...}");
+            } else if (auto const value = constant(entry.value.text, *at, entry.value.where)) {
+                out.values.emplace_back(*at, *value);
+            }
+        }
+        if (change.set.entries.empty()) {
+            error(config_.name, fmt::format("a change of mapping '{}' sets nothing", config_.name.name),
+                  "set: {field: value}");
+        }
+        route_.changes.push_back(std::move(out));
+    }
+
     void add_filter(Ref const& field, std::string const& text) {
         auto const at = index_of(route_.from, field);
         if (!at) {
@@ -332,7 +374,8 @@ std::vector<Route> make_routes(GatewayConfig const& config, std::vector<streams:
             }
         }
     }
-    if (config.mappings.empty()) {
+    check_subscriptions(config.subscriptions, streams, diagnostics);
+    if (config.mappings.empty() && config.subscriptions.empty()) {
         diagnostics.error({}, "a gateway without mappings", "mappings: {NAME: {from: ..., to: ..., fields: ...}}");
     }
     return out;

@@ -42,6 +42,11 @@ struct Route {
     };
     std::vector<Filter> filters;
     std::vector<std::size_t> watched; ///< fields of the target
+    struct Change {
+        Rational at_s;
+        std::vector<std::pair<std::size_t, mapping::Value>> values; ///< by field of the target; texts are in `config`
+    };
+    std::vector<Change> changes;
 
     [[nodiscard]] bool to_samples() const { return to_stream != nullptr && to_stream->kind == streams::Kind::smv; }
     [[nodiscard]] bool is_held() const { return to_samples() && !index_field; } ///< sent at its own rate

@@ -3,6 +3,7 @@
 #include "gateways/gateway/source.hpp"
 
 #include "common/log.hpp"
+#include "gateways/iec61850/quality.hpp"
 #include "gateways/port/statistics.hpp"
 #include "gateways/port/subscriptions.hpp"
 
@@ -226,7 +227,11 @@ class GooseSource final : public Source {
         : Source{route, sink}, clock_{clock}, subscriber_{subscription_of(route)},
           first_line_{route.config.first_line, route.from_stream->timing.min_time_ms,
                       route.from_stream->timing.max_time_ms, route.config.accept_test,
-                      longest_live_ms(route.from_stream->timing)} {}
+                      longest_live_ms(route.from_stream->timing)} {
+        for (std::size_t i = 0; i < route.stream_fields; ++i) {
+            quality_ = !route.config.judged_by.empty() && route.from[i].name == route.config.judged_by ? i : quality_;
+        }
+    }
 
     void receive(Moment at, iec61850::GooseFrame const& message) override {
         if (message.gocb_ref != route_.from_stream->control_block) {
@@ -261,7 +266,9 @@ class GooseSource final : public Source {
         }
         set_alive(at, true);
         fill(true, message.simulated());
-        hand_on(at, 0);
+        if (is_usable(at)) {
+            hand_on(at, 0);
+        }
     }
 
     [[nodiscard]] std::optional<std::int64_t> deadline() const override { return subscriber_.deadline(); }
@@ -287,6 +294,22 @@ class GooseSource final : public Source {
         return out;
     }
 
+    /// By the quality that judges the values (IEC 61850-7-4, annex A: what is for test is used in test only).
+    bool is_usable(Moment at) {
+        if (!quality_) {
+            return true;
+        }
+        namespace quality = iec61850::quality;
+        auto const q = static_cast<std::uint32_t>(in_[*quality_].bits);
+        bool const usable =
+            quality::worth(q) == quality::Worth::good && ((q & quality::kTest) == 0 || route_.config.accept_test);
+        if (!usable && doubted_ != q && observer_.doubted) {
+            observer_.doubted(at, q);
+        }
+        doubted_ = usable ? 0 : q;
+        return usable;
+    }
+
     void fill(bool alive, bool simulated) {
         for (std::size_t i = 0; i < route_.stream_fields; ++i) {
             in_[i] = subscriber_.value(i);
@@ -301,6 +324,8 @@ class GooseSource final : public Source {
     WireClock const& clock_;
     iec61850::GooseSubscriber subscriber_;
     GooseFirstLine first_line_;
+    std::optional<std::size_t> quality_; ///< the leaf that judges the values
+    std::uint32_t doubted_{0};           ///< the quality for which they were not used last
     std::uint64_t refused_{0};
 };
 

@@ -25,7 +25,8 @@ class Source {
         std::function<void(Moment at, std::span<mapping::Value const>)> mapped; ///< values have been handed to the sink
         std::function<void(Moment at, bool alive)> alive; ///< the source was lost, or is there (again)
         std::function<void(Moment at, iec61850::GooseFrame const&, iec61850::GooseVerdict const&)>
-            heard; ///< every message of the stream
+            heard;                                                     ///< every message of the stream
+        std::function<void(Moment at, std::uint32_t quality)> doubted{}; ///< values were not used, by their quality
     };
     /// What the first-line rules found in a frame of the stream.
     using OnFinding = std::function<void(Moment at, std::uint32_t findings, iec61850::Mac const& source)>;
@@ -69,6 +70,9 @@ class Source {
 };
 
 [[nodiscard]] std::unique_ptr<Source> make_topic_source(Route& route, Sink& sink);
+/// Constants of the route and their changes; nothing is received.
+[[nodiscard]] std::unique_ptr<Source> make_constant_source(Route& route, Sink& sink, WireClock const& clock,
+                                                           double speed);
 /// `declared`: all streams that are known; one of them may have the same svID at another address.
 [[nodiscard]] std::unique_ptr<Source> make_sv_source(Route& route, Sink& sink, bool lockstep,
                                                      std::vector<streams::Stream> const& declared);

@@ -22,6 +22,20 @@ inline constexpr unsigned kSampledBits = 14;        ///< of sampled values: with
 [[nodiscard]] constexpr bool is_good(std::uint32_t q) noexcept {
     return (q & kValidity) == kGood;
 }
+
+/// What a value is worth: the worse of its validity and of what its details ask for. By IEC 61850-7-3, 6.2, overflow
+/// and failure make it invalid, and every other detail at least questionable, whatever the validity beside it says; a
+/// value that an operator has blocked is an old one. Where it comes from (substituted, derived) and test say nothing
+/// here.
+enum class Worth : std::uint8_t { good, questionable, invalid };
+[[nodiscard]] constexpr Worth worth(std::uint32_t q) noexcept {
+    constexpr std::uint32_t kDoubts =
+        kOutOfRange | kBadReference | kOscillatory | kOldData | kInconsistent | kInaccurate | kOperatorBlocked;
+    if ((q & (kOverflow | kFailure)) != 0 || (!is_good(q) && (q & kValidity) != kQuestionable)) {
+        return Worth::invalid;
+    }
+    return is_good(q) && (q & kDoubts) == 0 ? Worth::good : Worth::questionable;
+}
 } // namespace quality
 
 /// Double-point position (Dbpos).

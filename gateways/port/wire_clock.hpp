@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <ctime>
+#include <optional>
 
 namespace gridspace::gateways {
 
@@ -53,6 +54,16 @@ class WireClock {
     /// The simulated time that belongs to `ns`; in real time the newest that is known.
     [[nodiscard]] SimTime sim_time(std::int64_t ns) const {
         return simulated() ? at_or_after(ns) : node_.latest_time();
+    }
+    /// What the clock shows when simulated time is `s`; in real time nothing before it is known when the run began.
+    [[nodiscard]] std::optional<std::int64_t> when(Rational const& s, double speed) const {
+        if (simulated()) {
+            return of(SimTime{} + node_.time_base().nearest(s));
+        }
+        if (node_.start_unix_ns() == 0) {
+            return std::nullopt;
+        }
+        return now() - std::llround(age_ms(utc_ns(0), s.to_double(), speed) * 1e6);
     }
     /// How long a span of simulated time takes on this clock, at that speed.
     [[nodiscard]] std::int64_t lasting(SimSpan span, double speed) const {

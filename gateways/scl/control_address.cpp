@@ -4,32 +4,47 @@
 
 #include <algorithm>
 #include <charconv>
+#include <fmt/format.h>
 
 namespace gridspace::scl {
 
-Element const* find_address(Element const& root, ControlPlace const& place, char const* kind) {
+namespace {
+
+std::string key(char const* kind, std::string const& ied, std::string const& ld, std::string const& block) {
+    return fmt::format("{}\n{}\n{}\n{}", kind, ied, ld, block);
+}
+
+} // namespace
+
+Addresses::Addresses(Element const& root) {
     Element const* const communication = child(root, "Communication");
     if (communication == nullptr) {
-        return nullptr;
+        return;
     }
-    Element const* elsewhere = nullptr;
     for (Element const* net : children(*communication, "SubNetwork")) {
         for (Element const* connected : children(*net, "ConnectedAP")) {
-            if (attribute(*connected, "iedName") != place.ied) {
-                continue;
-            }
-            for (Element const* e : children(*connected, kind)) {
-                if (attribute(*e, "ldInst") != place.ld_inst || attribute(*e, "cbName") != place.block) {
-                    continue;
+            for (char const* kind : {"GSE", "SMV"}) {
+                for (Element const* e : children(*connected, kind)) {
+                    by_block_[key(kind, attribute(*connected, "iedName"), attribute(*e, "ldInst"),
+                                  attribute(*e, "cbName"))]
+                        .emplace_back(attribute(*connected, "apName"), e);
                 }
-                if (attribute(*connected, "apName") == place.access_point) {
-                    return e;
-                }
-                elsewhere = elsewhere == nullptr ? e : elsewhere;
             }
         }
     }
-    return elsewhere;
+}
+
+Element const* Addresses::find(ControlPlace const& place, char const* kind) const {
+    auto const found = by_block_.find(key(kind, place.ied, place.ld_inst, place.block));
+    if (found == by_block_.end()) {
+        return nullptr;
+    }
+    for (auto const& [point, e] : found->second) {
+        if (point == place.access_point) {
+            return e;
+        }
+    }
+    return found->second.front().second;
 }
 
 std::optional<unsigned> hexadecimal(std::string text) {

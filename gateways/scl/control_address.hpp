@@ -5,7 +5,9 @@
 #include "gateways/iec61850/frame.hpp"
 #include "gateways/scl/xml.hpp"
 
+#include <map>
 #include <optional>
+#include <utility>
 
 namespace gridspace::scl {
 
@@ -14,9 +16,18 @@ struct ControlPlace {
     std::string ied, access_point, ld_inst, block;
 };
 
-/// The GSE or SMV (`kind`) of the section Communication that belongs to a control block; null when there is none. One
-/// at another access point of the IED counts where its own has none: it serves the same logical devices (ServerAt).
-[[nodiscard]] Element const* find_address(Element const& root, ControlPlace const& place, char const* kind);
+/// The SubNetworks' addresses by control block: files have thousands.
+class Addresses {
+  public:
+    explicit Addresses(Element const& root);
+
+    /// The GSE or SMV (`kind`) of a control block; null when there is none. One at another access point of the IED
+    /// counts where its own has none: it serves the same logical devices (ServerAt).
+    [[nodiscard]] Element const* find(ControlPlace const& place, char const* kind) const;
+
+  private:
+    std::map<std::string, std::vector<std::pair<std::string, Element const*>>> by_block_; ///< with the access point
+};
 
 /// "4021", with or without "0x".
 [[nodiscard]] std::optional<unsigned> hexadecimal(std::string text);

@@ -109,17 +109,12 @@ std::optional<std::size_t> array_size(Element const& definition) {
                                                                                        : std::nullopt;
 }
 
-Result<DataNode> in_array(Element const& definition, std::string name, Result<DataNode> element) {
-    auto const size = array_size(definition);
-    if (!size) {
-        return fail(ExitCode::usage, fmt::format("the array '{}' has {} elements", attribute(definition, "name"),
-                                                 attribute(definition, "count")));
+std::size_t leaves_in(DataNode const& node) {
+    std::size_t out = node.kind == DataNode::Kind::leaf ? 1 : 0;
+    for (DataNode const& member : node.members) {
+        out += leaves_in(member);
     }
-    if (*size == 0 || !element) {
-        return element;
-    }
-    element->name.clear();
-    return DataNode{std::move(name), DataNode::Kind::array, {}, 0, std::vector<DataNode>(*size, *element)};
+    return out;
 }
 
 std::unexpected<Error> needs_index(Element const& array) {
@@ -135,6 +130,29 @@ std::unexpected<Error> too_deep(char const* kind, Element const& type) {
 }
 
 } // namespace
+
+Result<void> DataTypes::spend(std::size_t leaves) const {
+    spent_ += leaves;
+    return spent_ <= kMostLeaves ? Result<void>{}
+                                 : fail(ExitCode::usage, fmt::format("it has more than {} values", kMostLeaves),
+                                        "no frame holds so many: types or arrays in it are nested");
+}
+
+Result<DataNode> DataTypes::in_array(Element const& definition, std::string name, Result<DataNode> element) const {
+    auto const size = array_size(definition);
+    if (!size) {
+        return fail(ExitCode::usage, fmt::format("the array '{}' has {} elements", attribute(definition, "name"),
+                                                 attribute(definition, "count")));
+    }
+    if (*size == 0 || !element) {
+        return element;
+    }
+    if (auto const ok = spend((*size - 1) * leaves_in(*element)); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    element->name.clear();
+    return DataNode{std::move(name), DataNode::Kind::array, {}, 0, std::vector<DataNode>(*size, *element)};
+}
 
 Result<DataNode> DataTypes::attribute_of(Element const& definition, Path path, std::string name, int depth) const {
     if (array_size(definition) == std::size_t{0} || path.indexed) {
@@ -154,6 +172,9 @@ Result<DataNode> DataTypes::element_of(Element const& definition, Path path, std
             return fail(ExitCode::usage, fmt::format("'{}' has the type {}", join(path.parts, "."), b_type),
                         path.last() ? "it has no place in a stream" : "it has no attributes");
         }
+        if (auto const ok = spend(1); !ok) {
+            return std::unexpected{ok.error()};
+        }
         return *node;
     }
     Element const* const type = find("DAType", attribute(definition, "type"));
@@ -162,6 +183,9 @@ Result<DataNode> DataTypes::element_of(Element const& definition, Path path, std
     }
     if (depth > kDeepest) {
         return too_deep("DAType", *type);
+    }
+    if (auto const ok = spend(1); !ok) {
+        return std::unexpected{ok.error()};
     }
     if (!path.last()) {
         std::string const& wanted = path.parts[path.at + 1];
@@ -188,6 +212,9 @@ Result<DataNode> DataTypes::object_node(Element const& type, std::string const& 
                                         int depth) const {
     if (depth > kDeepest) {
         return too_deep("DOType", type);
+    }
+    if (auto const ok = spend(1); !ok) { // also of those without a value
+        return std::unexpected{ok.error()};
     }
     DataNode structure{std::move(name), DataNode::Kind::structure, {}, 0, {}};
     for (Element const* e = type.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
@@ -274,6 +301,7 @@ Result<DataTypes::Object> DataTypes::object_of(Reference& reference) const {
 
 Result<DataNode> DataTypes::resolve(Reference const& reference, std::string name) const {
     Reference r = reference;
+    spent_ = 0;
     auto const object = object_of(r);
     if (!object) {
         return std::unexpected{object.error()};
@@ -293,6 +321,48 @@ Result<DataNode> DataTypes::resolve(Reference const& reference, std::string name
         }
     }
     return fail(ExitCode::usage, fmt::format("'{}' has no attribute '{}'", r.object, path[0]));
+}
+
+namespace {
+
+Element const* named(Element const& parent, char const* kind, std::string_view name) {
+    for (Element const* e : children(parent, kind)) {
+        if (attribute(*e, "name") == name) {
+            return e;
+        }
+    }
+    return nullptr;
+}
+
+/// The number in `<Val>`; an element without one keeps `out`.
+void read_value(Element const* e, double& out) {
+    Element const* const value = e == nullptr ? nullptr : child(*e, "Val");
+    if (value != nullptr) {
+        std::string const text = text_of(*value);
+        double number = 0;
+        auto const [end, ec] = std::from_chars(text.data(), text.data() + text.size(), number);
+        out = ec == std::errc{} && end == text.data() + text.size() ? number : out;
+    }
+}
+
+} // namespace
+
+DataTypes::Scale DataTypes::scale_of(Element const& ln, std::string const& object) const {
+    Scale out;
+    Element const* const type = find("LNodeType", attribute(ln, "lnType"));
+    Element const* const defined = type == nullptr ? nullptr : named(*type, "DO", object);
+    Element const* const object_type = defined == nullptr ? nullptr : find("DOType", attribute(*defined, "type"));
+    Element const* const svc = object_type == nullptr ? nullptr : named(*object_type, "DA", "sVC");
+    if (Element const* const parts = svc == nullptr ? nullptr : find("DAType", attribute(*svc, "type"))) {
+        read_value(named(*parts, "BDA", "scaleFactor"), out.factor);
+        read_value(named(*parts, "BDA", "offset"), out.offset);
+    }
+    Element const* const instance = named(ln, "DOI", object);
+    if (Element const* const set = instance == nullptr ? nullptr : named(*instance, "SDI", "sVC")) {
+        read_value(named(*set, "DAI", "scaleFactor"), out.factor);
+        read_value(named(*set, "DAI", "offset"), out.offset);
+    }
+    return out;
 }
 
 } // namespace gridspace::scl

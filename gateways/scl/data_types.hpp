@@ -22,6 +22,12 @@ class DataTypes {
         std::string constraint;
         bool indexed{false}; ///< one element of the array on the way
     };
+    /// How a raw value becomes one in units (sVC): raw * factor + offset. A factor of 0: the file does not say.
+    struct Scale {
+        double factor{0}, offset{0};
+    };
+    /// Of a data object of the logical node `ln`: what the node says (DOI), else its type.
+    [[nodiscard]] Scale scale_of(Element const& ln, std::string const& object) const;
     /// The member that it names: a leaf, a structure when it ends above one, or an array.
     [[nodiscard]] Result<iec61850::DataNode> resolve(Reference const& reference, std::string name) const;
 
@@ -44,6 +50,12 @@ class DataTypes {
     };
     [[nodiscard]] Result<Object> object_of(Reference& reference) const;
     [[nodiscard]] Element const* find(char const* kind, std::string const& id) const;
+
+    /// Types may be nested so that a few lines stand for millions of members: no frame holds more than these.
+    static constexpr std::size_t kMostLeaves = 4096;
+    [[nodiscard]] Result<Node> in_array(Element const& definition, std::string name, Result<Node> element) const;
+    [[nodiscard]] Result<void> spend(std::size_t leaves) const;
+    mutable std::size_t spent_{0}; ///< leaves of the reference that is being resolved
 
     std::map<std::pair<std::string, std::string>, Element const*> by_id_;
 };

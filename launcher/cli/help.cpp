@@ -119,7 +119,8 @@ gridspace wire replay
 gridspace wire stats
     gridspace wire stats runs/latest/bus.pcapng
 gridspace scl import
-    gridspace scl import station.scd --ied IED2 --out streams.yaml
+    gridspace scl import station.scd --out station.yaml
+    gridspace scl import station.scd --network grid.yaml --map measured.yaml --realtime
 gridspace scl export
     gridspace scl export configs/scenarios/protection.yaml --out protection.cid
 gridspace fmu info

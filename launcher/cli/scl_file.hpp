@@ -8,6 +8,9 @@
 
 namespace gridspace::cli {
 
+/// The text of an SCL file.
+[[nodiscard]] Result<std::string> read_whole_scl_file(std::filesystem::path const& file);
+
 /// The streams of an SCL file; what was left out or assumed is printed as notes.
 [[nodiscard]] Result<scl::Import> read_scl_file(std::filesystem::path const& file, scl::ImportOptions const& options);
 

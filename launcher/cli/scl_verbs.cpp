@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `gridspace scl import | export`: streams from and to the files of substation engineering.
+// `gridspace scl export`: streams as a file of substation engineering.
 #include "common/config/merge.hpp"
 #include "common/text.hpp"
 #include "gateways/scl/scl_export.hpp"
-#include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
-#include "launcher/cli/scl_file.hpp"
+#include "launcher/cli/scl_import_verb.hpp"
 #include "launcher/cli/verbs.hpp"
 
 #include <algorithm>
@@ -22,7 +21,6 @@ namespace {
 
 struct Arguments {
     std::filesystem::path file, out;
-    scl::ImportOptions import;
     std::vector<std::string> streams; ///< to export; empty: all
 };
 
@@ -34,20 +32,6 @@ int write(std::string const& text, std::filesystem::path const& out) {
     std::ofstream stream{out};
     stream << text << std::flush;
     return stream.good() ? 0 : print_error({ExitCode::environment, fmt::format("cannot write '{}'", out.string()), ""});
-}
-
-int import_scl(Arguments const& a) {
-    auto const imported = read_scl_file(a.file, a.import);
-    if (!imported) {
-        return print_error(imported.error());
-    }
-    if (imported->streams.entries.empty()) {
-        return print_error({ExitCode::usage, fmt::format("'{}' has no stream that can be used", a.file.string()),
-                            "the notes above say why"});
-    }
-    config::Node root = config::Node::map();
-    root.set("streams", imported->streams);
-    return write(config::to_yaml(root), a.out);
 }
 
 /// The streams that --stream names, or all; prints the mistake and returns nothing when one does not exist.
@@ -123,13 +107,7 @@ void add_scl(Command app, Action& action) {
     Command verb = app.add_subcommand("scl", "streams from and to SCL files (IEC 61850-6)");
     verb.require_subcommand();
     auto const a = std::make_shared<Arguments>();
-    Command import = verb.add_subcommand("import", "write the streams of an SCD, ICD or CID file as YAML");
-    import.add_option("FILE", a->file, "SCL file").required();
-    import.add_option("--ied", a->import.ied, "only the control blocks of this IED");
-    import.add_option("--nominal-hz", a->import.nominal_hz, "frequency of the grid, for rates per period (default 50)")
-        .check(positive());
-    import.add_option("--out", a->out, "file (default: standard output)");
-    import.callback([&action, a] { action = [a] { return import_scl(*a); }; });
+    add_scl_import(verb, action);
     Command exported = verb.add_subcommand("export", "write the streams of a scenario as a CID file");
     exported.add_option("SCENARIO", a->file, "scenario, or a file with `streams:`").required();
     exported.add_option("--stream", a->streams, "only this stream; may be given several times").repeated();

@@ -65,7 +65,13 @@ class GatewaySettings final : public ProcessSettings {
         return uses(s, process, &MappingConfig::to);
     }
     [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
-        return uses(s, process, &MappingConfig::from);
+        std::vector<WireUse> out = uses(s, process, &MappingConfig::from);
+        for (gateways::SubscriptionConfig const& one : config_.subscriptions) {
+            if (streams::find_stream(s.streams, one.stream.name) != nullptr) {
+                out.push_back(use_of(s, process, one.stream));
+            }
+        }
+        return out;
     }
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
         std::vector<SignalUse> out;
@@ -101,13 +107,23 @@ class GatewaySettings final : public ProcessSettings {
                      route.to[field].unit, 0});
             }
         }
+        for (gateways::SubscriptionConfig const& one : config_.subscriptions) {
+            if (streams::Stream const* const stream = streams::find_stream(s.streams, one.stream.name)) {
+                for (std::string& name : gateways::subscription_signals(process.name.name, one, *stream)) {
+                    out.push_back({std::move(name), "", 0});
+                }
+            }
+        }
         return out;
     }
     [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         std::vector<std::string> used;
         for (MappingConfig const& mapping : config_.mappings) {
-            used.push_back(mapping.from.is_topic() ? mapping.to.stream.name : mapping.from.stream.name);
+            used.push_back(mapping.from.stream.empty() ? mapping.to.stream.name : mapping.from.stream.name);
+        }
+        for (gateways::SubscriptionConfig const& one : config_.subscriptions) {
+            used.push_back(one.stream.name);
         }
         return wire_process_settings(s, process, used);
     }

@@ -234,8 +234,12 @@ std::string to_text(CaptureStatistics const& c) {
     }
     for (StreamStatistics const& s : c.streams) {
         ObservedStream const& o = s.stream;
-        out += fmt::format("\n{} {}  APPID 0x{:04X}  {} -> {}{}\n", o.goose ? "GOOSE" : "SMV", o.id, o.app_id,
-                           o.source.to_string(), o.destination.to_string(), o.simulated ? "  simulated" : "");
+        out += fmt::format("\n{} {}  APPID 0x{:04X}  {} -> {}{}\n",
+                           o.routed  ? (o.goose ? "R-GOOSE" : "R-SV")
+                           : o.goose ? "GOOSE"
+                                     : "SMV",
+                           o.id, o.app_id, o.source.to_string(), o.destination.to_string(),
+                           o.simulated ? "  simulated" : "");
         out += fmt::format("  {} frames, lost {}, duplicate {}, out of order {}, restarts {}\n", o.frames, o.lost,
                            o.duplicates, o.out_of_order, o.restarts);
         if (o.goose) {
@@ -290,6 +294,7 @@ std::string to_json(CaptureStatistics const& c) {
     for (StreamStatistics const& s : c.streams) {
         ObservedStream const& o = s.stream;
         nlohmann::ordered_json j{{"kind", o.goose ? "goose" : "smv"},
+                                 {"routed", o.routed},
                                  {"id", o.id},
                                  {"app_id", o.app_id},
                                  {"source", o.source.to_string()},

@@ -61,7 +61,7 @@ bool ObservedStream::alive(std::int64_t now_ns) const {
 }
 
 ObservedStream* Observer::stream_of(bool goose, std::string_view id, FrameHeader const& header, std::int64_t time_ns) {
-    Key const key{goose, std::string{id}, header.source, header.app_id};
+    Key const key{goose, std::string{id}, header.source, header.app_id, routed_};
     if (streams_.size() >= kMaxStreams && !streams_.contains(key)) {
         ++beyond_table_;
         return nullptr;
@@ -70,6 +70,7 @@ ObservedStream* Observer::stream_of(bool goose, std::string_view id, FrameHeader
     ObservedStream& s = at->second;
     if (fresh) {
         s.goose = goose;
+        s.routed = routed_;
         s.id = visible(id);
         s.source = header.source;
         s.app_id = header.app_id;
@@ -190,6 +191,23 @@ void Observer::add_goose(Octets frame, std::int64_t time_ns) {
     s.last_ns = time_ns;
 }
 
+/// Each message of a datagram as if it had come in a frame of its own, between the same stations.
+void Observer::add_routed(Octets frame, Octets datagram, std::int64_t time_ns) {
+    if (auto const ok = decode_routable(datagram, *routable_); !ok) {
+        errors_.count(ok.error().reason);
+        return;
+    }
+    Mac destination, source;
+    std::copy_n(frame.begin(), 6, destination.octets.begin());
+    std::copy_n(frame.begin() + 6, 6, source.octets.begin());
+    routed_ = true;
+    for (RoutablePayload const& payload : routable_->view()) {
+        rewrapped_ = as_ethernet(destination, source, payload);
+        payload.goose ? add_goose(rewrapped_, time_ns) : add_sv(rewrapped_, time_ns);
+    }
+    routed_ = false;
+}
+
 std::span<Observer::Seen const> Observer::add(Octets frame, std::int64_t time_ns) {
     ++frames_;
     seen_.clear();
@@ -201,7 +219,11 @@ std::span<Observer::Seen const> Observer::add(Octets frame, std::int64_t time_ns
         add_goose(frame, time_ns);
         break;
     default:
-        ++other_;
+        if (Octets const datagram = routable_payload(frame); !datagram.empty()) {
+            add_routed(frame, datagram, time_ns);
+        } else {
+            ++other_;
+        }
     }
     return seen_;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gateways/iec61850/goose.hpp"
+#include "gateways/iec61850/routable.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
 #include "launcher/wire/steady_interval.hpp"
 
@@ -17,7 +18,8 @@ namespace gridspace::wire {
 /// What can be said about a stream by listening, without knowing its configuration.
 struct ObservedStream {
     bool goose{false};
-    std::string id; ///< svID or gocbRef
+    bool routed{false}; ///< R-GOOSE or R-SV: over UDP
+    std::string id;     ///< svID or gocbRef
     iec61850::Mac destination, source;
     std::optional<iec61850::VlanTag> vlan;
     std::uint16_t app_id{0};
@@ -76,13 +78,17 @@ class Observer {
     [[nodiscard]] iec61850::DecodeCounters const& errors() const { return errors_; }
 
   private:
-    using Key = std::tuple<bool, std::string, iec61850::Mac, std::uint16_t>;
+    using Key = std::tuple<bool, std::string, iec61850::Mac, std::uint16_t, bool>;
     ObservedStream* stream_of(bool goose, std::string_view id, iec61850::FrameHeader const& header,
                               std::int64_t time_ns);
     void add_sv(iec61850::Octets frame, std::int64_t time_ns);
     void add_goose(iec61850::Octets frame, std::int64_t time_ns);
+    void add_routed(iec61850::Octets frame, iec61850::Octets datagram, std::int64_t time_ns);
 
     std::string sv_id_;
+    bool routed_{false}; ///< what is being added came over UDP
+    std::unique_ptr<iec61850::RoutableFrame> routable_{std::make_unique<iec61850::RoutableFrame>()};
+    std::vector<std::uint8_t> rewrapped_; ///< decoded frames have views into it
     std::map<Key, ObservedStream> streams_;
     std::vector<Seen> seen_;
     std::uint64_t frames_{0}, other_{0}, unwanted_{0}, beyond_table_{0};

@@ -8,8 +8,10 @@
 #include "gateways/mapping/record_writer.hpp"
 #include "gateways/scl/scl_export.hpp"
 #include "gateways/scl/scl_import.hpp"
+#include "gateways/scl/station.hpp"
 #include "targets.hpp"
 
+#include <algorithm>
 #include <string>
 
 namespace gridspace::fuzz {
@@ -48,6 +50,14 @@ void scl(std::uint8_t const* data, std::size_t size) {
         std::erase_if(streams, [](streams::Stream const& s) { return s.broken; });
         std::string const again = scl::export_streams(streams, "fuzz").text;
         require(scl::import_streams(again, "again.scd", {}).has_value(), "an SCL file that we wrote cannot be read");
+    }
+    if (auto const document = scl::Document::parse(text, "fuzz.scd")) {
+        auto const station = scl::read_station(*document, 50);
+        require(!station || std::ranges::all_of(station->subscriptions,
+                                                [&](scl::StreamSubscription const& one) {
+                                                    return one.block < station->import.blocks.size();
+                                                }),
+                "a subscription to a control block that is not there");
     }
 }
 

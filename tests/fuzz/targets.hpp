@@ -12,6 +12,7 @@
 #define GRIDSPACE_FUZZ_TARGETS_OF_DEVICES(X)                                                       \
     X(sv)      /* a frame: decoded, re-encoded, decoded again */                                    \
     X(goose)   /* a frame: decoded, given to a subscriber */                                        \
+    X(routable) /* a datagram of R-GOOSE or R-SV: decoded, encoded, decoded again */                \
     X(ber)     /* allData: walked and read as every type */                                         \
     X(pcapng)  /* a capture file */                                                                 \
     X(streams) /* a `streams:` map as YAML text */                                                  \

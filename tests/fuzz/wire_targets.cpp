@@ -3,6 +3,7 @@
 #include "gateways/iec61850/authentication.hpp"
 #include "gateways/iec61850/goose_subscriber.hpp"
 #include "gateways/iec61850/goose_template.hpp"
+#include "gateways/iec61850/routable.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
 #include "gateways/iec61850/sv_template.hpp"
@@ -152,6 +153,31 @@ void goose(std::uint8_t const* data, std::size_t size) {
     subscriber.receive(message, 1);
     subscriber.expire(INT64_MAX);
     (void)subscriber.value(0);
+}
+
+void routable(std::uint8_t const* data, std::size_t size) {
+    static auto const frame = std::make_unique<RoutableFrame>();
+    Octets const octets{data, size};
+    if (auto const ok = decode_routable(octets, *frame); !ok) {
+        require(ok.error().reason != Reason::none && ok.error().offset <= size, "an error without a reason or a place");
+        return;
+    }
+    require(inside(octets, frame->signature) && inside(octets, frame->session.initialisation_vector), "a view outside");
+    for (RoutablePayload const& payload : frame->view()) {
+        require(inside(octets, payload.apdu), "a view outside");
+        auto const wrapped = as_ethernet({}, {}, payload);
+        payload.goose ? goose(wrapped.data(), wrapped.size()) : sv(wrapped.data(), wrapped.size());
+    }
+    auto const again = encode_routable(frame->session, frame->view());
+    auto const second = std::make_unique<RoutableFrame>();
+    require(decode_routable(again, *second).has_value() && second->count == frame->count &&
+                second->session.spdu_number == frame->session.spdu_number,
+            "what we wrote cannot be read");
+    for (std::size_t i = 0; i < frame->count; ++i) {
+        require(std::ranges::equal(second->payloads[i].apdu, frame->payloads[i].apdu) &&
+                    second->payloads[i].app_id == frame->payloads[i].app_id,
+                "a message changed");
+    }
 }
 
 void ber(std::uint8_t const* data, std::size_t size) {

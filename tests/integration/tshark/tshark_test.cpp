@@ -4,6 +4,7 @@
 // Wireshark as the judge: every frame that we write decodes there without a malformed or expert item, with the values
 // we meant.
 #include "gateways/iec61850/goose_publisher.hpp"
+#include "gateways/iec61850/routable.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_template.hpp"
 #include "recorder/pcapng/pcapng_writer.hpp"
@@ -120,6 +121,58 @@ TEST_F(Tshark, ReadsTheValuesAndQualitiesOf92LE) {
     EXPECT_EQ(fields("sv.meas_value sv.meas_quality"),
               "-3000,-2000,-1000,0,1000,2000,3000,4000 "
               "0x00000002,0x00000800,0x00000000,0x00000000,0x00000000,0x00000000,0x00000000,0x00000000\n");
+}
+
+/// The APDU of a GOOSE message of one Boolean.
+std::vector<std::uint8_t> goose_apdu(Address const& address) {
+    GooseDescription description;
+    description.gocb_ref = "IED2LD0/LLN0$GO$Trip";
+    description.dat_set = "IED2LD0/LLN0$TripSet";
+    description.data_set = {{DataNode::leaf("trip", BasicType::boolean)}};
+    GoosePublisher publisher{*GooseTemplate::create(address, description), 7, {}};
+    publisher.start(0, 1'575'158'405'000'000'000);
+    FrameHeader header;
+    EXPECT_TRUE(decode_header(publisher.take(0), header));
+    return {header.apdu.begin(), header.apdu.end()};
+}
+
+TEST_F(Tshark, ReadsGooseOverUdp) {
+    auto const apdu = goose_apdu(address());
+    SessionHeader session;
+    session.spdu_number = 12;
+    session.time_of_current_key = 1'575'158'400;
+    session.time_to_next_key = 60;
+    session.key_id = 3;
+    RoutablePayload const one{true, false, 0x8021, apdu};
+    RoutableAddress to;
+    to.ip_destination = {239, 1, 1, 1};
+    to.ip_source = {10, 0, 0, 1};
+    to.destination = to.group();
+    to.source = *Mac::parse("02:00:00:00:00:01");
+    capture(udp_frame(to, encode_routable(session, {&one, 1})));
+    preference_ = "-o ip.check_checksum:TRUE -o udp.check_checksum:TRUE";
+    expect_nothing_wrong();
+    EXPECT_EQ(
+        fields("eth.dst ip.dst ip.checksum.status udp.checksum.status rgoose.spdu_id rgoose.spdu_num rgoose.version "
+               "rgoose.curr_key_t rgoose.next_key_t rgoose.key_id rgoose.init_v_len rgoose.pdu_tag rgoose.simulation "
+               "rgoose.appid goose.gocbRef goose.confRev goose.stNum"),
+        "01:00:5e:01:01:01 239.1.1.1 1 1 0xa1 12 0x0002 0x5de2ff80 0x003c 0x00000003 0 0x81 0x00 0x8021 "
+        "IED2LD0/LLN0$GO$Trip 7 1\n");
+}
+
+TEST_F(Tshark, SeesTwoMessagesInADatagramAndComplainsAboutADamagedOne) {
+    auto const apdu = goose_apdu(address());
+    std::vector<RoutablePayload> const two{{true, false, 1, apdu}, {true, false, 2, apdu}};
+    RoutableAddress to;
+    to.ip_destination = {239, 1, 1, 1};
+    to.destination = to.group();
+    auto datagram = encode_routable({}, two);
+    capture(udp_frame(to, datagram));
+    expect_nothing_wrong();
+    EXPECT_EQ(fields("rgoose.appid goose.confRev"), "0x0001,0x0002 7,7\n");
+    datagram.resize(datagram.size() - 20);
+    capture(udp_frame(to, datagram));
+    EXPECT_NE(print("-Y '_ws.malformed' -V"), "");
 }
 
 TEST_F(Tshark, ReadsManySamplesStreamsAndOptionalFields) {

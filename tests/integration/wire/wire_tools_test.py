@@ -338,7 +338,7 @@ class WireTools(unittest.TestCase):
             self.assertIn(words, refused.stderr)
         self.assertFalse(cid.exists())
         self.assertEqual(export("--stream", "GOOD").returncode, 0)
-        again = subprocess.run([GRIDSPACE, "scl", "import", str(cid)], capture_output=True, text=True, timeout=60)
+        again = subprocess.run([GRIDSPACE, "scl", "import", str(cid), "--streams-only"], capture_output=True, text=True, timeout=60)
         self.assertIn("control_block: IED/LLN0$GO$a_b", again.stdout)
         self.assertEqual(export("--stream", "GOD").returncode, 2)
 
