@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `gridspace scl import`: the file of a station becomes a scenario that runs.
+#include "launcher/cli/scl_import_verb.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "launcher/cli/checks.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/scl_file.hpp"
-#include "launcher/cli/scl_import_verb.hpp"
 #include "launcher/folder/write_file.hpp"
 #include "launcher/scl/station_report.hpp"
 #include "sim/network/network_config.hpp"
