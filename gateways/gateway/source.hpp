@@ -25,7 +25,7 @@ class Source {
         std::function<void(Moment at, std::span<mapping::Value const>)> mapped; ///< values have been handed to the sink
         std::function<void(Moment at, bool alive)> alive; ///< the source was lost, or is there (again)
         std::function<void(Moment at, iec61850::GooseFrame const&, iec61850::GooseVerdict const&)>
-            heard;                                                     ///< every message of the stream
+            heard;                                                       ///< every message of the stream
         std::function<void(Moment at, std::uint32_t quality)> doubted{}; ///< values were not used, by their quality
     };
     /// What the first-line rules found in a frame of the stream.

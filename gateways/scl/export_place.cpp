@@ -81,8 +81,6 @@ Result<Place> place_of(Stream const& s, std::size_t number) {
         }
         device = block->device;
         out.block = block->name;
-    } else {
-        out.block = fmt::format("MSVCB{:02}", number);
     }
     if (s.data_set_name.empty()) { // of sampled values only, which do not send it then
         device = made_up_device(s.sv_id);
@@ -187,9 +185,14 @@ class Names {
 Placed place_streams(std::vector<Stream> const& streams) {
     Placed out;
     Names names;
+    std::map<std::string, int> blocks; ///< of sampled values, by device
     std::size_t number = 0;
     for (Stream const& s : streams) {
         auto place = place_of(s, ++number);
+        if (place && s.kind == Kind::smv) { // no frame carries it: of each device its own, so that the order of streams
+                                            // does not matter
+            place->block = fmt::format("MSVCB{:02}", ++blocks[place->ied + "/" + place->inst]);
+        }
         std::optional<Error> problem = place ? problem_of(s) : std::optional{place.error()};
         if (!problem) {
             problem = names.take(s, *place);
