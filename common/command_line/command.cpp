@@ -135,11 +135,14 @@ template Option Command::add_option(std::string const&, std::filesystem::path&, 
 template Option Command::add_option(std::string const&, int&, std::string const&) const;
 template Option Command::add_option(std::string const&, std::int64_t&, std::string const&) const;
 template Option Command::add_option(std::string const&, std::uint64_t&, std::string const&) const;
+template Option Command::add_option(std::string const&, unsigned int&, std::string const&) const;
 template Option Command::add_option(std::string const&, double&, std::string const&) const;
 template Option Command::add_option(std::string const&, std::vector<std::string>&, std::string const&) const;
 template Option Command::add_option(std::string const&, std::vector<std::filesystem::path>&, std::string const&) const;
 template Option Command::add_option(std::string const&, std::optional<std::string>&, std::string const&) const;
 template Option Command::add_option(std::string const&, std::optional<int>&, std::string const&) const;
+template Option Command::add_option(std::string const&, std::optional<std::int64_t>&, std::string const&) const;
 template Option Command::add_option(std::string const&, std::optional<double>&, std::string const&) const;
+template Option Command::add_option(std::string const&, std::vector<int>&, std::string const&) const;
 
 } // namespace gridspace::command_line
