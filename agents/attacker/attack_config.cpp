@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/attacker/attack_config.hpp"
 
+#include "ids/data/recording_file.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -37,6 +39,31 @@ void describe_value(config::Fields& v, AttackConfig& a) {
     is("ramp_per_cycle", Kind::ramp);
     is("replay_s", Kind::replay);
     is("freeze", Kind::freeze);
+    if (v.object("clock", {.doc = "the clock of the merging unit runs behind, and says that it does not"},
+                 [&](config::Fields& c) {
+                     double offset_us = 0, drift_us_per_s = 0;
+                     c.number("offset_us", offset_us, {.doc = "at the start of the window", .min = 0});
+                     c.number("drift_us_per_s", drift_us_per_s, {.doc = "more of it, from then on"});
+                     s.offset_s = offset_us * 1e-6;
+                     s.drift = drift_us_per_s * 1e-6;
+                     if (offset_us == 0 && drift_us_per_s == 0) {
+                         c.error("", "it does not say how far the clock is off", "e.g. clock: {offset_us: 200}");
+                     }
+                 })) {
+        is("clock", Kind::clock);
+    }
+    if (v.object("recording", {.doc = "currents that were recorded elsewhere, again and again"},
+                 [&](config::Fields& r) {
+                     enum class End : std::uint8_t { from, to } end{End::from};
+                     r.file("file", a.recording,
+                            {.doc = "CSV (time, 3 or 6 currents) or npy, at the rate of the stream", .required = true});
+                     r.number("rate_hz", a.recording_rate_hz, {.doc = "npy: its rate", .above = 0});
+                     r.choice<End>("end", end, {{"from", End::from}, {"to", End::to}},
+                                   {.doc = "of 6 currents, which three"});
+                     a.recording_of_to = end == End::to;
+                 })) {
+        is("recording", Kind::recording);
+    }
     if (v.object("masquerade", {.doc = "a fault that is not there"}, [&](config::Fields& m) {
             m.number("peak_a", s.peak_a, {.doc = "crest of its current", .required = true});
             m.number("angle_deg", s.angle_deg, {.doc = "at its start, phase a"});
@@ -54,7 +81,7 @@ void describe_value(config::Fields& v, AttackConfig& a) {
     }
     if (kinds != 1) {
         v.error("", kinds == 0 ? "it does not say what happens to the samples" : "it says more than one thing",
-                "one of uniform_a, bias_a, factor, ramp_per_cycle, replay_s, freeze, masquerade");
+                "one of uniform_a, bias_a, factor, ramp_per_cycle, replay_s, freeze, masquerade, clock, recording");
     }
 }
 
@@ -81,8 +108,57 @@ void describe_goose(config::Fields& g, GooseAttackParams& p) {
     p.jump = static_cast<std::uint32_t>(jump);
 }
 
+using FrameKind = FrameAttackParams::Kind;
+const std::initializer_list<std::pair<std::string_view, FrameKind>> kFrameKinds{
+    {"counter_jump", FrameKind::counter_jump},
+    {"delay", FrameKind::delay},
+    {"drop", FrameKind::drop},
+    {"flood", FrameKind::flood},
+    {"synch", FrameKind::synch}};
+
+void describe_frames(config::Fields& g, FrameAttackParams& p) {
+    g.choice<FrameKind>("kind", p.kind, kFrameKinds, {.doc = "what becomes of them", .required = true});
+    g.integer("jump", p.jump, {.doc = "counter_jump: samples added to smpCnt"});
+    g.number("delay_us", p.delay_us, {.doc = "delay: how much later they go on, in order", .min = 0, .max = 1e7});
+    g.number("drop_percent", p.drop_percent, {.doc = "drop: share of the frames", .max = 100, .above = 0});
+    g.integer("burst", p.burst, {.doc = "drop: so many in a row", .min = 1, .max = 1'000'000});
+    g.number("interval_us", p.interval_us, {.doc = "flood: between copies of the newest frame", .min = 1});
+    g.integer("smp_synch", p.smp_synch, {.doc = "synch: what smpSynch says", .min = 0, .max = 255});
+    auto const needs = [&](FrameKind kind, std::string_view key) {
+        if (p.kind == kind && !g.has(key)) {
+            g.error(key, "this kind needs it");
+        }
+    };
+    needs(FrameKind::counter_jump, "jump");
+    needs(FrameKind::delay, "delay_us");
+    needs(FrameKind::synch, "smp_synch");
+}
+
+/// More than from and until.
+void describe_windows(config::Fields& w, AttackConfig& a, std::optional<bool>& said) {
+    w.object("repeat", {.doc = "the window again"}, [&](config::Fields& r) {
+        r.fraction("every_s", a.every_s, {.doc = "from one start to the next", .required = true, .above = 0});
+        r.integer("times", a.times, {.doc = "how many windows in all", .required = true, .min = 2, .max = 100'000});
+        if (r.has("every_s") && a.every_s < a.until_s - a.from_s) {
+            r.error("every_s", "the windows overlap", "at least until_s - from_s");
+        }
+    });
+    w.fraction("ramp_s", a.ramp_s, {.doc = "values and delays: from nothing to the full attack", .above = 0});
+    w.object("when", {.doc = "it begins in the window when the attacker sees this on the target"},
+             [&](config::Fields& c) {
+                 bool value = false;
+                 c.number("above_a", a.above_a, {.doc = "samples: the magnitude of an attacked current", .min = 0});
+                 c.flag("said", value, {.doc = "messages: what the real publisher says of the attacked Boolean"});
+                 said = c.has("said") ? std::optional{value} : std::nullopt;
+                 if (c.has("said") == c.has("above_a")) {
+                     c.error("", "one condition expected", "above_a: 30, or said: true");
+                 }
+             });
+}
+
 void describe_attack(config::Fields& f, AttackConfig& a) {
     using Spacing = SampleAttackParams::Spacing;
+    std::optional<bool> said;
     f.reference("by", a.by, {.doc = "the attacker process", .required = true});
     f.object("place", {.doc = "where it sits: between a host and a link, or beside the publisher"},
              [&](config::Fields& p) {
@@ -115,6 +191,7 @@ void describe_attack(config::Fields& f, AttackConfig& a) {
         if (w.has("from_s") && w.has("until_s") && a.until_s <= a.from_s) {
             w.error("until_s", "it must be after from_s");
         }
+        describe_windows(w, a, said);
     });
     f.object("samples", {.doc = "which samples of the window; all when left out"}, [&](config::Fields& s) {
         s.choice<Spacing>("spacing", a.samples.spacing, {{"every", Spacing::every}, {"random", Spacing::random}},
@@ -131,10 +208,33 @@ void describe_attack(config::Fields& f, AttackConfig& a) {
         a.goose.emplace();
         describe_goose(g, *a.goose);
     });
-    if (value == goose && !(f.has("value") && f.has("message"))) {
-        f.error("", "it does not say what is done", "give `value` (samples) or `message` (GOOSE)");
-    } else if (value && goose) {
-        f.error("message", "an attack has either `value` or `message`");
+    bool const frames = f.object("frames", {.doc = "attacks on frames of sampled values"}, [&](config::Fields& g) {
+        a.frames.emplace();
+        describe_frames(g, *a.frames);
+    });
+    switch (int{value} + int{goose} + int{frames}) {
+    case 0:
+        if (!f.has("value") && !f.has("message") && !f.has("frames")) {
+            f.error("", "it does not say what is done",
+                    "give `value` or `frames` (sampled values), or `message` (GOOSE)");
+        }
+        return;
+    case 1:
+        break;
+    default:
+        f.error(goose ? "message" : "frames", "an attack has one of `value`, `frames` and `message`");
+        return;
+    }
+    if (a.goose) {
+        a.goose->said = said;
+    }
+    if (a.above_a && goose) {
+        f.error("window", "messages have no currents", "when: {said: true}");
+    } else if (said && !goose) {
+        f.error("window", "samples say nothing that is true or false", "when: {above_a: 30}");
+    } else if (f.has("window") && a.ramp_s > Rational{0} && (goose || (frames && a.frames->kind != FrameKind::delay))) {
+        f.error("window", "what it does has no strength that could grow",
+                "ramp_s goes with `value`, and with `kind: delay`");
     }
 }
 
@@ -146,8 +246,13 @@ std::string_view kind_name(AttackConfig const& config) {
                             [&](auto const& k) { return k.second == config.goose->kind; })
             ->first;
     }
-    constexpr std::array<std::string_view, 7> kNames{"random", "bias",   "scale",     "ramp",
-                                                     "replay", "freeze", "masquerade"};
+    if (config.frames) {
+        return std::find_if(kFrameKinds.begin(), kFrameKinds.end(),
+                            [&](auto const& k) { return k.second == config.frames->kind; })
+            ->first;
+    }
+    constexpr std::array<std::string_view, 9> kNames{"random", "bias",       "scale", "ramp",     "replay",
+                                                     "freeze", "masquerade", "clock", "recording"};
     return kNames.at(static_cast<std::size_t>(config.samples.kind));
 }
 
@@ -161,6 +266,39 @@ void describe_attacks(config::Fields& parent, std::vector<AttackConfig>& attacks
                    attacks.push_back(std::move(a));
                });
 }
+
+AttackTimes times_in_ns(AttackConfig const& config) {
+    auto const ns = [](Rational s) { return std::llround(s.to_double() * 1e9); };
+    return {ns(config.from_s), ns(config.until_s), ns(config.every_s),
+            config.times,      ns(config.ramp_s),  config.above_a.has_value()};
+}
+
+namespace {
+
+/// The currents of a file, which must have the rate of the stream.
+Result<std::vector<Abc>> read_currents(AttackConfig const& config, double rate_hz) {
+    ids::RecordingOptions options;
+    options.rate_hz = config.recording_rate_hz;
+    auto read = ids::read_recording(config.recording, options);
+    if (!read) {
+        return std::unexpected{read.error()};
+    }
+    if (std::fabs(read->rate_hz - rate_hz) > 0.01 * rate_hz) {
+        return fail(ExitCode::usage, fmt::format("attack '{}': '{}' has {:.6g} samples a second, and the target {:.6g}",
+                                                 config.name.name, config.recording.string(), read->rate_hz, rate_hz));
+    }
+    auto& currents = config.recording_of_to ? read->to : read->from;
+    bool const finite = std::all_of(currents.begin(), currents.end(), [](Abc const& i) {
+        return std::isfinite(i[0]) && std::isfinite(i[1]) && std::isfinite(i[2]);
+    });
+    if (!finite) {
+        return fail(ExitCode::usage, fmt::format("attack '{}': '{}' has samples that are no numbers", config.name.name,
+                                                 config.recording.string()));
+    }
+    return std::move(currents);
+}
+
+} // namespace
 
 Result<SampleAttack> make_sample_attack(AttackConfig const& config, std::vector<std::string> const& phases,
                                         double rate_hz, double frequency_hz, std::uint64_t seed) {
@@ -183,6 +321,17 @@ Result<SampleAttack> make_sample_attack(AttackConfig const& config, std::vector<
     auto const index = [&](Rational s) { return static_cast<std::int64_t>(std::ceil(s.to_double() * rate_hz - 1e-6)); };
     p.from = index(config.from_s);
     p.until = index(config.until_s);
+    p.every = std::llround(config.every_s.to_double() * rate_hz);
+    p.times = config.times;
+    p.ramp = std::llround(config.ramp_s.to_double() * rate_hz);
+    p.above_a = config.above_a;
+    if (p.kind == SampleAttackParams::Kind::recording) {
+        auto currents = read_currents(config, rate_hz);
+        if (!currents) {
+            return std::unexpected{currents.error()};
+        }
+        p.recording = std::move(*currents);
+    }
     p.delay = std::max<std::int64_t>(std::llround(config.replay_s.to_double() * rate_hz), 1);
     return SampleAttack::create(std::move(p), seed);
 }

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "agents/attacker/frame_attack.hpp"
 #include "agents/attacker/goose_attack.hpp"
 #include "agents/attacker/sample_attack.hpp"
 #include "common/config/fields.hpp"
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,10 +28,21 @@ struct AttackConfig {
     config::Ref stream, topic;         ///< the target: one of the two
     std::vector<std::string> channels; ///< members of the data set or of the type
     Rational from_s{0}, until_s{0};
+    Rational every_s{0};           ///< from the start of a window to that of the next
+    std::int64_t times{1};         ///< how many windows
+    Rational ramp_s{0};            ///< from nothing to the full attack
+    std::optional<double> above_a; ///< samples: it begins when an attacked current is larger
+    [[nodiscard]] double end_s() const {
+        return until_s.to_double() + static_cast<double>(times - 1) * every_s.to_double();
+    }
 
-    SampleAttackParams samples;             ///< attacks on values; indices are filled in by make_sample_attack
-    Rational replay_s{0};                   ///< replay: how old the samples are
-    std::optional<GooseAttackParams> goose; ///< attacks on messages
+    SampleAttackParams samples;              ///< attacks on values; indices are filled in by make_sample_attack
+    Rational replay_s{0};                    ///< replay: how old the samples are
+    std::filesystem::path recording;         ///< recording: the file
+    std::optional<double> recording_rate_hz; ///< of a file that does not say it
+    bool recording_of_to{false};             ///< its last three columns
+    std::optional<GooseAttackParams> goose;  ///< attacks on messages
+    std::optional<FrameAttackParams> frames; ///< attacks on frames of sampled values
 };
 
 /// Reads the whole `attacks:` map of `parent`.
@@ -37,6 +50,9 @@ void describe_attacks(config::Fields& parent, std::vector<AttackConfig>& attacks
 
 /// "random", "masquerade_trip", …: what kind of attack it is, as its labels say.
 [[nodiscard]] std::string_view kind_name(AttackConfig const& config);
+
+/// Its windows in nanoseconds.
+[[nodiscard]] AttackTimes times_in_ns(AttackConfig const& config);
 
 /// The attack on a stream of `rate_hz` whose three phases have the names `phases`. Sample n has the time n / rate_hz.
 [[nodiscard]] Result<SampleAttack> make_sample_attack(AttackConfig const& config,

@@ -3,24 +3,21 @@
 //
 // gridspace-attacker: does what the scenario's attacks say, as a man in the middle of a cable or beside the real
 // publisher, and publishes what was true.
+#include "agents/attacker/attack_hook.hpp"
 #include "agents/attacker/attacker_config.hpp"
+#include "agents/attacker/frame_forger.hpp"
 #include "agents/attacker/goose_forger.hpp"
-#include "agents/attacker/label_publisher.hpp"
-#include "agents/attacker/sv_forger.hpp"
-#include "agents/attacker/topic_attacks.hpp"
 #include "bus/daemon.hpp"
 #include "bus/member.hpp"
 #include "bus/signal_publisher.hpp"
 #include "bus/tick_grid.hpp"
 #include "common/log.hpp"
-#include "common/spsc_ring.hpp"
 #include "gateways/bump_in_the_wire/bump_in_the_wire.hpp"
 #include "gateways/ethernet/interface.hpp"
 #include "gateways/port/wire_clock.hpp"
 #include "gateways/port/wire_port.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <fmt/format.h>
 
 namespace gridspace::attacker {
@@ -43,84 +40,6 @@ void describe(config::Fields& f, Settings& s) {
     gateways::describe_bumps(f, s.bumps);
     f.number("speed", s.speed, {.doc = "of the simulation clock, in real time", .above = 0});
 }
-
-/// One attack in this process: its forger, whatever it is, and its labels on their way from the thread that forges.
-struct Running {
-    AttackConfig const* config{nullptr};
-    std::unique_ptr<SvForger> values;
-    std::unique_ptr<GooseForger> messages;
-    std::unique_ptr<TopicAttack> topic;
-    std::int64_t now_ns{0}; ///< simulated: of what is being forged
-    struct TimedLabel {
-        Label label;
-        std::int64_t time_ns{0};
-    };
-    SpscRing<TimedLabel> timed_labels{16'384};
-    std::atomic<std::uint64_t> lost{0};
-    Tell tell{[this](Label const& label) { lost += timed_labels.push({label, now_ns}) ? 0U : 1U; }};
-    std::unique_ptr<LabelPublisher> labels;
-    bool began{false}, ended{false};
-
-    [[nodiscard]] bool between() const { return config->place == AttackConfig::Place::between; }
-    [[nodiscard]] std::uint64_t forged() const {
-        return values ? values->forged() : messages ? messages->forged() : topic->forged();
-    }
-};
-
-/// The attacks in one direction of one cable, one behind the other.
-class AttackHook final : public gateways::FrameHook {
-  public:
-    explicit AttackHook(bus::Node const& node) : node_{node} {}
-    void add(Running& attack) { chain_.push_back(&attack); }
-    [[nodiscard]] bool empty() const { return chain_.empty(); }
-
-    void pass(gateways::PassingFrame const& frame, gateways::FrameOutput& out) override {
-        hand_on(0, frame.octets, frame.time_ns, out);
-    }
-    [[nodiscard]] std::optional<std::int64_t> due() const override {
-        std::optional<std::int64_t> out;
-        for (Running const* attack : chain_) {
-            auto const next = attack->messages ? attack->messages->due() : std::nullopt;
-            out = next && (!out || *next < *out) ? next : out;
-        }
-        return out;
-    }
-    void elapse(std::int64_t now_ns, gateways::FrameOutput& out) override {
-        for (Running* attack : chain_) {
-            if (attack->messages) {
-                set_base(*attack);
-                attack->now_ns = now_ns;
-                attack->messages->elapse(now_ns, [&](auto octets) { out.send(octets); }, attack->tell);
-            }
-        }
-    }
-
-  private:
-    void hand_on(std::size_t place, std::span<std::uint8_t const> octets, std::int64_t time_ns,
-                 gateways::FrameOutput& out) {
-        if (place == chain_.size()) {
-            out.send(octets);
-            return;
-        }
-        Running& attack = *chain_[place];
-        attack.now_ns = time_ns;
-        Emit const emit = [&](auto altered) { hand_on(place + 1, altered, time_ns, out); };
-        if (attack.values) {
-            attack.values->pass(octets, time_ns, emit, attack.tell);
-        } else {
-            set_base(attack);
-            attack.messages->pass(octets, time_ns, emit, attack.tell);
-        }
-    }
-    void set_base(Running& attack) const {
-        if (!node_.lockstep()) {
-            attack.messages->set_utc_base(node_.start_unix_ns());
-        }
-    }
-
-    bus::Node const& node_;
-    std::vector<Running*> chain_;
-};
 
 class AttackerAgent final : public bus::Member {
   public:
@@ -218,6 +137,12 @@ class AttackerAgent final : public bus::Member {
                     return std::unexpected{forger.error()};
                 }
                 running->messages = std::move(*forger);
+            } else if (config.frames) {
+                auto forger = FrameForger::create(*stream, config, seed);
+                if (!forger) {
+                    return std::unexpected{forger.error()};
+                }
+                running->messages = std::move(*forger);
             } else {
                 auto forger = SvForger::create(*stream, config, settings_.own.frequency_hz, seed);
                 if (!forger) {
@@ -250,7 +175,7 @@ class AttackerAgent final : public bus::Member {
         std::vector<std::uint16_t> ethertypes;
         for (auto const& attack : attacks_) {
             if (!attack->between() && attack->topic == nullptr) {
-                ethertypes.push_back(attack->values ? iec61850::kSvEthertype : iec61850::kGooseEthertype);
+                ethertypes.push_back(attack->config->goose ? iec61850::kGooseEthertype : iec61850::kSvEthertype);
             }
         }
         std::sort(ethertypes.begin(), ethertypes.end());
@@ -425,10 +350,12 @@ class AttackerAgent final : public bus::Member {
             run_.status.event(time_s, node_.config().process, c.name.name + ".begins",
                               fmt::format("attack '{}' on {} begins", c.name.name, target));
         }
-        if (!attack.ended && (final || time_s > c.until_s.to_double())) {
+        if (!attack.ended && (final || time_s > c.end_s())) {
             attack.ended = true;
             std::string const text = fmt::format("attack '{}' on {} ends: {} {}", c.name.name, target, attack.forged(),
-                                                 attack.values ? "frames altered" : "messages forged or dropped");
+                                                 attack.values ? "frames altered"
+                                                 : c.frames    ? "frames altered, delayed, dropped or copied"
+                                                               : "messages forged or dropped");
             log::info("{}", text);
             run_.status.event(time_s, node_.config().process, c.name.name + ".ends", text);
         }

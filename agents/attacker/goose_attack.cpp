@@ -6,12 +6,20 @@
 #include <cmath>
 
 namespace gridspace::attacker {
+namespace {
+
+AttackTimes waiting(AttackTimes times, bool waits) {
+    times.waits = waits;
+    return times;
+}
+
+} // namespace
 
 using Kind = GooseAttackParams::Kind;
 
-GooseAttack::GooseAttack(GooseAttackParams const& params, std::int64_t from_ns, std::int64_t until_ns,
-                         std::uint64_t seed)
-    : params_{params}, from_ns_{from_ns}, until_ns_{until_ns}, next_ns_{from_ns}, random_{seed, "goose"} {}
+GooseAttack::GooseAttack(GooseAttackParams const& params, AttackTimes const& times, std::uint64_t seed)
+    : params_{params}, window_{waiting(times, params.said.has_value())}, next_ns_{window_.next(times.from)},
+      random_{seed, "goose"} {}
 
 bool GooseAttack::only_alters() const {
     return params_.kind == Kind::grayhole || params_.kind == Kind::stretch;
@@ -19,7 +27,10 @@ bool GooseAttack::only_alters() const {
 
 std::optional<GooseState> GooseAttack::pass(std::int64_t now_ns, GooseState const& real) {
     heard_[heard_count_++ % heard_.size()] = real;
-    if (!active(now_ns)) {
+    if (params_.said == real.value && window_.trigger(now_ns)) {
+        next_ns_ = now_ns;
+    }
+    if (!window_.acts(now_ns)) {
         return real;
     }
     if (params_.kind == Kind::grayhole && random_.chance(params_.drop_percent / 100)) {
@@ -35,14 +46,14 @@ std::optional<GooseState> GooseAttack::pass(std::int64_t now_ns, GooseState cons
 }
 
 std::optional<std::int64_t> GooseAttack::next_ns() const {
-    return only_alters() || next_ns_ >= until_ns_ ? std::nullopt : std::optional{next_ns_};
+    return only_alters() ? std::nullopt : next_ns_;
 }
 
 std::optional<GooseState> GooseAttack::forge(std::int64_t now_ns) {
-    if (only_alters() || now_ns < next_ns_ || next_ns_ >= until_ns_) {
+    if (only_alters() || !next_ns_ || now_ns < *next_ns_) {
         return std::nullopt;
     }
-    next_ns_ += std::max<std::int64_t>(std::llround(params_.interval_ms * 1e6), 1);
+    next_ns_ = window_.next(*next_ns_ + std::max<std::int64_t>(std::llround(params_.interval_ms * 1e6), 1));
     if (heard_count_ == 0) {
         return std::nullopt;
     }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "agents/attacker/attack_window.hpp"
 #include "common/random.hpp"
 
 #include <array>
@@ -41,12 +42,16 @@ struct GooseAttackParams {
     double interval_ms{1};
     double drop_percent{100};
     std::uint32_t jump{10'000};
+    std::optional<bool> said; ///< begins within the window when the real publisher says this
 };
 
 /// Forges GOOSE messages from the real ones that it hears. Pure; no allocation after construction.
 class GooseAttack {
   public:
-    GooseAttack(GooseAttackParams const& params, std::int64_t from_ns, std::int64_t until_ns, std::uint64_t seed);
+    /// `times`: nanoseconds; it waits when `params.said` is given.
+    GooseAttack(GooseAttackParams const& params, AttackTimes const& times, std::uint64_t seed);
+    GooseAttack(GooseAttackParams const& params, std::int64_t from_ns, std::int64_t until_ns, std::uint64_t seed)
+        : GooseAttack{params, AttackTimes{from_ns, until_ns}, seed} {}
 
     /// A real message passes. What goes on: nothing when it is dropped.
     [[nodiscard]] std::optional<GooseState> pass(std::int64_t now_ns, GooseState const& real);
@@ -60,12 +65,12 @@ class GooseAttack {
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
   private:
-    [[nodiscard]] bool active(std::int64_t now_ns) const { return now_ns >= from_ns_ && now_ns < until_ns_; }
     [[nodiscard]] bool only_alters() const;
     [[nodiscard]] GooseState make(std::int64_t now_ns);
 
     GooseAttackParams params_;
-    std::int64_t from_ns_, until_ns_, next_ns_;
+    AttackWindow window_;
+    std::optional<std::int64_t> next_ns_;
     Random random_;
     std::array<GooseState, 64> heard_{};
     std::size_t heard_count_{0};

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/attacker/goose_forger.hpp"
 
-#include <cmath>
 #include <fmt/format.h>
 
 namespace gridspace::attacker {
@@ -16,10 +15,6 @@ iec61850::GooseSubscription listen_to(streams::Stream const& s) {
     out.conf_rev = s.conf_rev;
     out.data_set = s.data_set;
     return out;
-}
-
-std::int64_t ns_of(Rational s) {
-    return std::llround(s.to_double() * 1e9);
 }
 
 } // namespace
@@ -41,7 +36,7 @@ Result<std::unique_ptr<GooseForger>> GooseForger::create(streams::Stream const& 
                     fmt::format("attack '{}': stream '{}' has no Boolean member{}", config.name.name, stream.name.name,
                                 config.channels.empty() ? "" : fmt::format(" '{}'", config.channels.front())));
     }
-    GooseAttack attack{*config.goose, ns_of(config.from_s), ns_of(config.until_s), seed};
+    GooseAttack attack{*config.goose, times_in_ns(config), seed};
     return std::unique_ptr<GooseForger>{
         new GooseForger{stream, config, std::move(attack), std::move(*frame), *leaf, utc_base_ns}};
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "agents/attacker/attack_config.hpp"
-#include "agents/attacker/sv_forger.hpp"
+#include "agents/attacker/wire_attack.hpp"
 #include "gateways/iec61850/goose_subscriber.hpp"
 #include "gateways/iec61850/goose_template.hpp"
 #include "gateways/streams/stream.hpp"
@@ -17,22 +17,19 @@ namespace gridspace::attacker {
 /// An attack on the messages of one GOOSE stream: forges beside the real publisher, or alters and drops as a man in the
 /// middle. The label of a message is its number since the start, and what the real publisher said of the attacked
 /// Boolean (a dropped message: sent as said, the attack's kind tells). Pure; no allocation per message.
-class GooseForger {
+class GooseForger final : public WireAttack {
   public:
     /// `utc_base_ns`: UTC of simulated time 0.
     [[nodiscard]] static Result<std::unique_ptr<GooseForger>>
     create(streams::Stream const& stream, AttackConfig const& config, std::uint64_t seed, std::int64_t utc_base_ns);
 
-    /// A real message. Man in the middle (`emit` given): what goes on. Otherwise it is only listened to.
-    void pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell);
-    /// When the next forged message is due, simulated time; and sends it.
-    [[nodiscard]] std::optional<std::int64_t> due() const { return attack_.next_ns(); }
-    void elapse(std::int64_t now_ns, Emit const& emit, Tell const& tell);
+    void pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) override;
+    [[nodiscard]] std::optional<std::int64_t> due() const override { return attack_.next_ns(); }
+    void elapse(std::int64_t now_ns, Emit const& emit, Tell const& tell) override;
 
-    void set_source(iec61850::Mac const& source) { template_.set_source(source); }
-    void set_utc_base(std::int64_t utc_base_ns) { utc_base_ns_ = utc_base_ns; }
-    /// From any thread.
-    [[nodiscard]] std::uint64_t forged() const { return forged_.load(std::memory_order_relaxed); }
+    void set_source(iec61850::Mac const& source) override { template_.set_source(source); }
+    void set_utc_base(std::int64_t utc_base_ns) override { utc_base_ns_ = utc_base_ns; }
+    [[nodiscard]] std::uint64_t forged() const override { return forged_.load(std::memory_order_relaxed); }
 
   private:
     GooseForger(streams::Stream const& stream, AttackConfig const& config, GooseAttack attack,

@@ -36,6 +36,13 @@ std::vector<std::int64_t> choose(Random& random, std::int64_t from, std::int64_t
     return out;
 }
 
+/// How far behind the clock is, in samples.
+double lag(SampleAttackParams const& p, std::int64_t since_start) {
+    return (p.offset_s + p.drift * static_cast<double>(since_start) / p.rate_hz) * p.rate_hz;
+}
+
+constexpr double kLongestLag = 480'000;
+
 } // namespace
 
 Result<SampleAttack> SampleAttack::create(SampleAttackParams params, std::uint64_t seed) {
@@ -72,6 +79,26 @@ Result<SampleAttack> SampleAttack::create(SampleAttackParams params, std::uint64
     if (params.kind == SampleAttackParams::Kind::replay && (params.delay < 1 || params.delay > 10'000'000)) {
         return bad("replay needs a delay of at least one sample");
     }
+    if (params.times > 1 && params.every < params.until - params.from) {
+        return bad("its windows overlap", "every_s is from one start to the next, at least until_s - from_s");
+    }
+    if (params.spacing == SampleAttackParams::Spacing::random && (params.times > 1 || params.above_a)) {
+        return bad("single samples are drawn from one window that is known beforehand",
+                   "leave `repeat` and `when` out, or alter every sample");
+    }
+    if (params.kind == SampleAttackParams::Kind::clock) {
+        double const end = lag(params, params.until - params.from);
+        if (lag(params, 0) < 0 || end < 0) {
+            return bad("its clock would show samples that are still to come",
+                       "offset_us and drift_us_per_s of at least 0, or attack the other end");
+        }
+        if (std::max(lag(params, 0), end) > kLongestLag) {
+            return bad("its clock is too far behind", "at most 100 s at 4800 Hz");
+        }
+    }
+    if (params.kind == SampleAttackParams::Kind::recording && params.recording.empty()) {
+        return bad("its recording has no samples");
+    }
     if (params.kind == SampleAttackParams::Kind::masquerade && !(params.tau_s > 0)) {
         return bad("the time constant of the offset must be positive");
     }
@@ -79,26 +106,35 @@ Result<SampleAttack> SampleAttack::create(SampleAttackParams params, std::uint64
 }
 
 SampleAttack::SampleAttack(SampleAttackParams params, std::uint64_t seed)
-    : params_{std::move(params)}, random_{seed, params_.name} {
+    : params_{std::move(params)},
+      window_{{params_.from, params_.until, params_.every, params_.times, params_.ramp, params_.above_a.has_value()}},
+      random_{seed, params_.name} {
     if (params_.spacing == SampleAttackParams::Spacing::random) {
         chosen_ = choose(random_, params_.from, params_.until, params_.count, params_.min_gap);
     }
     if (params_.kind == SampleAttackParams::Kind::replay) {
         past_.resize(static_cast<std::size_t>(params_.delay));
+    } else if (params_.kind == SampleAttackParams::Kind::clock) {
+        double const most = std::max(lag(params_, 0), lag(params_, params_.until - params_.from));
+        past_.resize(static_cast<std::size_t>(most) + 4);
     }
 }
 
-bool SampleAttack::due(std::int64_t index) {
-    if (index < params_.from || index >= params_.until) {
-        return false;
+/// The start of the window when the sample is to be altered.
+std::optional<std::int64_t> SampleAttack::due(std::int64_t index, Abc const& true_a) {
+    for (std::size_t p = 0; p < 3 && params_.above_a; ++p) {
+        if ((params_.channels & (1U << p)) != 0 && std::fabs(true_a[p]) > *params_.above_a) {
+            window_.trigger(index);
+        }
     }
-    if (params_.spacing == SampleAttackParams::Spacing::every) {
-        return true;
+    auto const start = window_.start(index);
+    if (!start || params_.spacing == SampleAttackParams::Spacing::every) {
+        return start;
     }
     while (next_chosen_ < chosen_.size() && chosen_[next_chosen_] < index) {
         ++next_chosen_;
     }
-    return next_chosen_ < chosen_.size() && chosen_[next_chosen_] == index;
+    return next_chosen_ < chosen_.size() && chosen_[next_chosen_] == index ? start : std::nullopt;
 }
 
 double SampleAttack::draw(double true_a) {
@@ -109,9 +145,33 @@ double SampleAttack::draw(double true_a) {
     return x < hole_low ? x : x + (hole_high - hole_low);
 }
 
-double SampleAttack::fake(std::int64_t index, std::size_t phase, double true_a) {
+/// The current so long ago, through the four samples around that instant (at the newest end, through the last four).
+double SampleAttack::late(std::int64_t index, std::int64_t start, std::size_t phase, double true_a) const {
+    double const behind = lag(params_, index - start);
+    auto const newest = std::max<std::int64_t>(static_cast<std::int64_t>(behind) - 1, 0); // of the four, counted back
+    if (static_cast<std::size_t>(newest) + 3 > past_filled_) {
+        return true_a; // not heard for that long yet
+    }
+    double out = 0;
+    for (std::int64_t i = 0; i < 4; ++i) {
+        std::int64_t const back = newest + i;
+        auto const at = static_cast<std::size_t>(static_cast<std::int64_t>(past_next_) +
+                                                 static_cast<std::int64_t>(past_.size()) - back) %
+                        past_.size();
+        double weight = 1;
+        for (std::int64_t j = 0; j < 4; ++j) {
+            if (j != i) {
+                weight *= (behind - static_cast<double>(newest + j)) / static_cast<double>(i - j);
+            }
+        }
+        out += weight * (back == 0 ? true_a : past_[at][phase]);
+    }
+    return out;
+}
+
+double SampleAttack::fake(std::int64_t index, std::int64_t start, std::size_t phase, double true_a) {
     using Kind = SampleAttackParams::Kind;
-    double const t = static_cast<double>(index - params_.from) / params_.rate_hz;
+    double const t = static_cast<double>(index - start) / params_.rate_hz;
     switch (params_.kind) {
     case Kind::random:
         return draw(true_a);
@@ -130,25 +190,32 @@ double SampleAttack::fake(std::int64_t index, std::size_t phase, double true_a) 
         return true_a + params_.peak_a * (elementary::cos(kTwoPi * params_.frequency_hz * t + angle) -
                                           elementary::cos(angle) * elementary::exp(-t / params_.tau_s));
     }
+    case Kind::clock:
+        return late(index, start, phase, true_a);
+    case Kind::recording:
+        return params_.recording[static_cast<std::size_t>(index - start) % params_.recording.size()][phase];
     }
     return true_a;
 }
 
 SampleAttack::Outcome SampleAttack::apply(std::int64_t index, Abc const& true_a) {
     Outcome out{true_a, 0};
-    if (due(index)) {
+    auto const start = due(index, true_a);
+    if (start) {
+        double const strength = window_.strength(*start, index);
         for (std::size_t p = 0; p < 3; ++p) {
             if ((params_.channels & (1U << p)) == 0) {
                 continue;
             }
-            out.sent_a[p] = fake(index, p, true_a[p]);
+            double const whole = fake(index, *start, p, true_a[p]);
+            out.sent_a[p] = params_.ramp > 0 ? true_a[p] + strength * (whole - true_a[p]) : whole;
             if (out.sent_a[p] != true_a[p]) {
                 out.altered = static_cast<std::uint8_t>(out.altered | (1U << p));
             }
         }
         altered_ += out.altered != 0 ? 1U : 0U;
     }
-    if (index < params_.from) {
+    if (!window_.acts(index)) {
         before_ = true_a;
     }
     if (!past_.empty()) {

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "agents/attacker/attack_window.hpp"
 #include "common/random.hpp"
 #include "common/result.hpp"
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,11 +27,16 @@ struct SampleAttackParams {
         freeze,     ///< the last true value before the attack
         masquerade, ///< a fault that is not there: + peak_a (cos(w t + angle) - cos(angle) e^(-t/tau)), zero at the
                     ///< start
+        clock,      ///< a clock that runs behind: the current of offset_s + drift * t ago, under the count of now
+        recording,  ///< what was recorded elsewhere, from its first sample on, again and again
     };
     std::string name;
     Kind kind{Kind::random};
-    std::uint8_t channels{1};       ///< bit 0: phase a, 1: b, 2: c
-    std::int64_t from{0}, until{0}; ///< sample indices; `until` is not included
+    std::uint8_t channels{1};        ///< bit 0: phase a, 1: b, 2: c
+    std::int64_t from{0}, until{0};  ///< sample indices; `until` is not included
+    std::int64_t every{0}, times{1}; ///< the window again, so many times in all
+    std::int64_t ramp{0};            ///< samples from the truth to the full fake
+    std::optional<double> above_a;   ///< begins within the window when an attacked current is larger
 
     enum class Spacing { every, random };
     Spacing spacing{Spacing::every}; ///< every: all samples of the window; random: `count` single ones
@@ -40,6 +47,8 @@ struct SampleAttackParams {
     double bias_a{0}, factor{1}, ramp_per_cycle{0};
     std::int64_t delay{160};
     double peak_a{0}, angle_deg{0}, tau_s{0.02};
+    double offset_s{0}, drift{0}; ///< clock
+    std::vector<Abc> recording;   ///< A, at rate_hz
     double rate_hz{4800}, frequency_hz{60};
 };
 
@@ -71,15 +80,17 @@ class SampleAttack {
 
   private:
     SampleAttack(SampleAttackParams params, std::uint64_t seed);
-    [[nodiscard]] bool due(std::int64_t index);
-    [[nodiscard]] double fake(std::int64_t index, std::size_t phase, double true_a);
+    [[nodiscard]] std::optional<std::int64_t> due(std::int64_t index, Abc const& true_a);
+    [[nodiscard]] double fake(std::int64_t index, std::int64_t start, std::size_t phase, double true_a);
+    [[nodiscard]] double late(std::int64_t index, std::int64_t start, std::size_t phase, double true_a) const;
     [[nodiscard]] double draw(double true_a);
 
     SampleAttackParams params_;
+    AttackWindow window_;
     Random random_;
     std::vector<std::int64_t> chosen_;
     std::size_t next_chosen_{0};
-    std::vector<Abc> past_; ///< ring of the last `delay` true samples
+    std::vector<Abc> past_; ///< ring of the last true samples: `delay` of them, or what the slowest clock needs
     std::size_t past_next_{0}, past_filled_{0};
     Abc before_{};
     std::uint64_t altered_{0};

@@ -4,19 +4,16 @@
 
 #include "agents/attacker/anticipation.hpp"
 #include "agents/attacker/attack_config.hpp"
+#include "agents/attacker/wire_attack.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/streams/stream.hpp"
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
 namespace gridspace::attacker {
-
-using Emit = std::function<void(std::span<std::uint8_t const> frame)>; ///< a frame to be sent
-using Tell = std::function<void(Label const&)>;                        ///< an altered value
 
 /// An attack on the values of one stream of sampled values. Pure: frames and times are given to it. No allocation per
 /// frame.

@@ -112,8 +112,7 @@ class CommandAttack final : public TopicAttack {
   public:
     CommandAttack(bus::Node& node, AttackConfig const& config, AttackerSettings const& settings)
         : node_{node}, config_{config},
-          attack_{*config.goose, std::llround(config.from_s.to_double() * 1e9),
-                  std::llround(config.until_s.to_double() * 1e9), static_cast<std::uint64_t>(settings.seed)} {}
+          attack_{*config.goose, times_in_ns(config), static_cast<std::uint64_t>(settings.seed)} {}
     Result<void> open() {
         auto reader = node_.reader<TripCommand>(config_.topic.name);
         auto writer = node_.writer<TripCommand>(config_.topic.name);
@@ -189,7 +188,7 @@ Result<std::unique_ptr<TopicAttack>> make_topic_attack(bus::Node& node, AttackCo
                                                        AttackerSettings const& settings) {
     auto const type = settings.topic_types.find(config.topic.name);
     std::string const name = type == settings.topic_types.end() ? "" : type->second;
-    if (name == "LineCurrents" && !config.goose) {
+    if (name == "LineCurrents" && !config.goose && !config.frames) {
         return opened<CurrentsAttack>(node, config, settings);
     }
     if (name == "TripCommand" && config.goose) {

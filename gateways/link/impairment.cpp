@@ -18,6 +18,9 @@ constexpr double kNoBound = 1e12;
 constexpr std::array kKeys{
     Key{"loss_percent", &Impairments::loss_percent, 0, 100},
     Key{"loss_burst", &Impairments::loss_burst, 1, 1e6},
+    Key{"to_bad_percent", &Impairments::to_bad_percent, 0, 100},
+    Key{"to_good_percent", &Impairments::to_good_percent, 0, 100},
+    Key{"bad_loss_percent", &Impairments::bad_loss_percent, 0, 100},
     Key{"delay_us", &Impairments::delay_us, 0, 1e9},
     Key{"jitter_us", &Impairments::jitter_us, 0, 1e9},
     Key{"rate_mbps", &Impairments::rate_mbps, 0, kNoBound},
@@ -79,8 +82,9 @@ std::int64_t absolute_index(std::uint16_t smp_cnt, double rate_hz, std::int64_t 
 
 Impairment::Impairment(ImpairmentPlan plan, std::uint64_t seed, std::string_view name)
     : plan_{std::move(plan)}, now_{plan_.first}, loss_{seed, fmt::format("{}.loss", name)},
-      jitter_{seed, fmt::format("{}.jitter", name)}, duplication_{seed, fmt::format("{}.duplication", name)},
-      reordering_{seed, fmt::format("{}.reordering", name)}, corruption_{seed, fmt::format("{}.corruption", name)} {
+      line_{seed, fmt::format("{}.line", name)}, jitter_{seed, fmt::format("{}.jitter", name)},
+      duplication_{seed, fmt::format("{}.duplication", name)}, reordering_{seed, fmt::format("{}.reordering", name)},
+      corruption_{seed, fmt::format("{}.corruption", name)} {
     held_.reserve(iec61850::kMaxLength + 18);
     damaged_.reserve(iec61850::kMaxLength + 18);
 }
@@ -116,7 +120,14 @@ SampleImpairment const* Impairment::impairment_of(std::size_t stream, PassingFra
     return it == plan_.samples.end() ? nullptr : &*it;
 }
 
+/// E. N. Gilbert (1960), E. O. Elliott (1963): a line with two states, each with its share of lost frames.
 bool Impairment::is_lost() {
+    if (now_.to_bad_percent > 0 || bad_) {
+        bad_ = line_.chance((bad_ ? 100 - now_.to_good_percent : now_.to_bad_percent) / 100);
+        if (bad_ && line_.chance(now_.bad_loss_percent / 100)) {
+            return true;
+        }
+    }
     if (losing_ > 0) {
         --losing_;
         return true;

@@ -16,9 +16,12 @@ namespace gridspace::gateways {
 
 /// What a bad cable does, all of the time. Times are simulated.
 struct Impairments {
-    bool up{true};          ///< false: nothing passes
-    double loss_percent{0}; ///< share of the frames that are lost ...
-    double loss_burst{1};   ///< ... so many in a row
+    bool up{true};                ///< false: nothing passes
+    double loss_percent{0};       ///< share of the frames that are lost ...
+    double loss_burst{1};         ///< ... so many in a row
+    double to_bad_percent{0};     ///< Gilbert-Elliott: chance that a good line has turned bad, at each frame ...
+    double to_good_percent{10};   ///< ... that a bad one has turned good ...
+    double bad_loss_percent{100}; ///< ... and the share of the frames that a bad one loses
     double delay_us{0};
     double jitter_us{0}; ///< added to the delay, uniform from 0; the order stays
     double rate_mbps{0}; ///< bits of the line; 0: no limit
@@ -98,7 +101,8 @@ class Impairment final : public FrameHook {
     ImpairmentPlan plan_;
     Impairments now_;
     std::size_t next_change_{0};
-    Random loss_, jitter_, duplication_, reordering_, corruption_;
+    Random loss_, line_, jitter_, duplication_, reordering_, corruption_;
+    bool bad_{false};              ///< the state of the line
     std::int64_t losing_{0};       ///< frames of the present burst that are still to be lost
     std::int64_t last_out_ns_{0};  ///< of the newest frame: later ones do not overtake it
     std::int64_t line_free_ns_{0}; ///< with a rate

@@ -13,6 +13,11 @@ void describe_impairments(config::Fields& f, Impairments& i) {
     f.flag("up", i.up, {.doc = "false: nothing passes"});
     f.number("loss_percent", i.loss_percent, {.doc = "share of the frames that are lost", .min = 0, .max = 100});
     f.number("loss_burst", i.loss_burst, {.doc = "so many in a row", .min = 1, .max = 1e6});
+    f.number("to_bad_percent", i.to_bad_percent,
+             {.doc = "Gilbert-Elliott: chance, at each frame, that a good line turns bad", .min = 0, .max = 100});
+    f.number("to_good_percent", i.to_good_percent, {.doc = "and that a bad one turns good", .min = 0, .max = 100});
+    f.number("bad_loss_percent", i.bad_loss_percent,
+             {.doc = "share of the frames that a bad line loses", .min = 0, .max = 100});
     f.number("delay_us", i.delay_us,
              {.doc = "delay of every frame; in lockstep rounded up to the time grid", .min = 0, .max = 1e9});
     f.number("jitter_us", i.jitter_us,

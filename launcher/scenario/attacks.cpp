@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/attacks.hpp"
 
+#include "agents/attacker/frame_forger.hpp"
 #include "agents/attacker/goose_forger.hpp"
 #include "agents/attacker/sv_forger.hpp"
 #include "common/text.hpp"
@@ -47,12 +48,14 @@ void check_attacker(Scenario const& s, AttackConfig const& a, Diagnostics& diagn
 
 /// Where the man in the middle sits: the host is completed from a process, and frames of the stream must pass there.
 void check_place(Scenario const& s, AttackConfig& a, Diagnostics& diagnostics) {
-    bool const alters_only = a.goose && (a.goose->kind == GooseKind::grayhole || a.goose->kind == GooseKind::stretch);
+    bool const alters_only =
+        (a.goose && (a.goose->kind == GooseKind::grayhole || a.goose->kind == GooseKind::stretch)) ||
+        (a.frames && a.frames->kind != attacker::FrameAttackParams::Kind::flood);
     if (a.place == AttackConfig::Place::second_publisher) {
         if (alters_only) {
             diagnostics.error(
                 a.name.where,
-                fmt::format("attack '{}' alters messages on their way, and sits beside the publisher", a.name.name),
+                fmt::format("attack '{}' alters what is on its way, and sits beside the publisher", a.name.name),
                 "place: {between: [HOST, LINK]}", width(a.name));
         }
         return;
@@ -111,7 +114,8 @@ void check_stream(Scenario const& s, AttackConfig const& a, Diagnostics& diagnos
         diagnostics.error(a.stream.where,
                           fmt::format("attack '{}' is on '{}', a stream of kind {}", a.name.name, a.stream.name,
                                       smv ? "smv" : "goose"),
-                          smv ? "such an attack has `value`" : "such an attack has `message`", width(a.stream));
+                          smv ? "such an attack has `value` or `frames`" : "such an attack has `message`",
+                          width(a.stream));
         return;
     }
     if (a.until_s <= a.from_s) {
@@ -121,7 +125,11 @@ void check_stream(Scenario const& s, AttackConfig const& a, Diagnostics& diagnos
     auto const complain = [&](Error const& error) {
         diagnostics.error(a.name.where, error.message, error.remedy, width(a.name));
     };
-    if (smv) {
+    if (a.frames) {
+        if (auto const made = attacker::FrameForger::create(*stream, a, 0); !made) {
+            complain(made.error());
+        }
+    } else if (smv) {
         if (auto const made = attacker::SvForger::create(*stream, a, frequency_hz, 0); !made) {
             complain(made.error());
         }
@@ -146,7 +154,7 @@ void check_topic(Scenario const& s, AttackConfig const& a, Diagnostics& diagnost
         }
         unknown(a.topic, fmt::format("attack '{}' is on the topic of line currents or trip commands", a.name.name),
                 names, diagnostics);
-    } else if ((type == "TripCommand") != a.goose.has_value()) {
+    } else if ((type == "TripCommand") != a.goose.has_value() || a.frames) {
         diagnostics.error(
             a.topic.where, fmt::format("attack '{}' is on '{}', a topic of type {}", a.name.name, a.topic.name, type),
             type == "TripCommand" ? "such an attack has `message`" : "such an attack has `value`", width(a.topic));

@@ -51,8 +51,10 @@ Result<void> write_labels(RunSource const& run, fs::path const& file) {
                                              [&](auto const& a) { return a.name.name == attack.name; });
             bool const has_phases = config == run.attacks.end() || !config->goose;
             out.row("{},{},{},{},{},{},{}", target, label.index,
-                    has_phases && label.channel < 3 ? std::string(1, "abc"[label.channel]) : "", attack.name,
-                    attack.kind, shortest(label.true_value), shortest(label.sent_value));
+                    !has_phases         ? ""
+                    : label.channel < 3 ? std::string(1, "abc"[label.channel])
+                                        : "frame",
+                    attack.name, attack.kind, shortest(label.true_value), shortest(label.sent_value));
         }
     }
     return out.close();

@@ -7,7 +7,8 @@
 
 #include <array>
 #include <string_view>
-#include <unordered_set>
+#include <unordered_map>
+#include <vector>
 
 namespace gridspace::dataset {
 
@@ -27,24 +28,38 @@ class FrameLabels {
     [[nodiscard]] Label of_sample(std::string const& stream, std::int64_t index,
                                   std::array<double, 3> const& currents_a) const;
 
-    /// Messages that a man in the middle alters are found by comparison: all frames of a capture have to be shown once
-    /// before the first question, where this says so.
+    /// What a man in the middle does to messages and frames is found by comparison: all frames of a capture have to be
+    /// shown once before the first question, where this says so.
     [[nodiscard]] bool has_to_learn() const { return !altered_on_the_way_.empty(); }
-    void learn(std::string const& interface, iec61850::Octets frame);
+    void learn(std::string const& interface, double time_s, iec61850::Octets frame);
     /// A message: forged when it came from the port of an attacker whose target it is within the attack's time; altered
     /// when it left a cable with an attacker in it as no message had come into it.
     [[nodiscard]] Label of_message(std::string const& stream, std::string const& interface, double time_s,
                                    iec61850::Octets frame) const;
+    /// A frame of sampled values whose attack leaves the currents alone: forged when it came from the port of an
+    /// attacker; altered, a copy or late when it left a cable with an attacker in it as none had come into it, more
+    /// often, or later. To be asked once for each frame, in the order of the capture.
+    [[nodiscard]] Label of_frame(std::string const& stream, std::string const& interface, double time_s,
+                                 iec61850::Octets frame);
 
   private:
     struct Place {
         std::string attack, stream;
-        std::string port; ///< "process_bus/evil"
+        bool frames{false}; ///< of sampled values
+        std::string port;   ///< "process_bus/evil"
         double from_s{0}, until_s{0};
     };
+    struct CameIn {
+        double time_s{0};
+        bool went_on{false};
+    };
+    [[nodiscard]] Place const* from_beside(std::string const& stream, std::string const& interface, double time_s,
+                                           bool frames) const;
+
     RunSource const& run_;
     std::vector<Place> beside_, altered_on_the_way_;
-    std::unordered_set<std::size_t> came_in_; ///< hashes of messages on the publisher's side of such an attacker
+    /// By hash: what came in on the publisher's side of such an attacker, in the order of time.
+    std::unordered_map<std::size_t, std::vector<CameIn>> came_in_;
 };
 
 } // namespace gridspace::dataset

@@ -55,7 +55,7 @@ class Exporter {
     Result<ExportedRun> all(std::function<void(std::uint64_t)> const& progress) {
         if (labels_.has_to_learn()) {
             auto const learnt = read([&](pcapng::Frame const& frame, std::string const& interface) {
-                labels_.learn(interface, frame.octets);
+                labels_.learn(interface, 1e-9 * static_cast<double>(simulated_ns(frame)), frame.octets);
                 return Result<void>{};
             });
             if (!learnt) {
@@ -158,7 +158,7 @@ class Exporter {
         std::uint16_t const ethertype = iec61850::ethertype_of(frame.octets);
         if (ethertype == iec61850::kSvEthertype && iec61850::decode_sv(frame.octets, *sv_)) {
             protocol = "smv";
-            label = take_samples(vantage, at, stream);
+            label = take_samples(vantage, at, frame.octets, stream);
         } else if (ethertype == iec61850::kGooseEthertype && iec61850::decode_goose(frame.octets, goose_)) {
             protocol = "goose";
             label = take_message(vantage, at, frame.octets, stream);
@@ -174,8 +174,10 @@ class Exporter {
         return copy(vantage, frame, interface, label);
     }
 
-    FrameLabels::Label take_samples(Vantage& vantage, Captured const& at, std::string& stream) {
-        FrameLabels::Label out;
+    FrameLabels::Label take_samples(Vantage& vantage, Captured const& at, iec61850::Octets octets,
+                                    std::string& stream) {
+        FrameLabels::Label out, whole;
+        bool asked = false;
         for (iec61850::Asdu const& asdu : sv_->view()) {
             std::string const id = wire::visible(asdu.sv_id);
             auto const known = by_name_.find({true, id});
@@ -183,11 +185,16 @@ class Exporter {
             if (known == by_name_.end() || (vantage.smv.size() >= kMostStreams && !vantage.smv.contains(id))) {
                 continue; // nobody has described it: its frames are counted, and it has no features
             }
+            if (!asked) { // a frame has one sender, whatever it carries
+                asked = true;
+                whole = labels_.of_frame(stream, at.interface, 1e-9 * static_cast<double>(at.time_ns), octets);
+            }
             auto features = vantage.smv.find(id);
             if (features == vantage.smv.end()) {
                 features = vantage.smv.emplace(id, SampleFeatures::of(*known->second, run_.frequency_hz)).first;
             }
-            FrameLabels::Label const label = features->second.take(at, sv_->header, asdu, labels_, vantage.samples);
+            FrameLabels::Label const label =
+                features->second.take(at, sv_->header, asdu, labels_, whole, vantage.samples);
             out = label.altered() ? label : out;
         }
         return out;

@@ -50,13 +50,15 @@ SampleFeatures::Accepted const* SampleFeatures::accepted(std::int64_t index) con
 }
 
 FrameLabels::Label SampleFeatures::take(Captured const& at, iec61850::FrameHeader const& header,
-                                        iec61850::Asdu const& asdu, FrameLabels const& labels, CsvFile& out) {
+                                        iec61850::Asdu const& asdu, FrameLabels const& labels,
+                                        FrameLabels::Label const& whole, CsvFile& out) {
     double const time_s = 1e-9 * static_cast<double>(at.time_ns);
     auto const second = std::llround(time_s - asdu.smp_cnt / rate_hz_);
     std::int64_t const index = std::llround(static_cast<double>(second) * rate_hz_) + asdu.smp_cnt;
     bool const has_currents = reader_ && asdu.sample.size() == reader_->sample_octets();
     relay::Abc const i = has_currents ? reader_->read(header, asdu).i_a : relay::Abc{};
-    FrameLabels::Label const label = has_currents ? labels.of_sample(name_, index, i) : FrameLabels::Label{};
+    FrameLabels::Label const of_currents = has_currents ? labels.of_sample(name_, index, i) : FrameLabels::Label{};
+    FrameLabels::Label const& label = of_currents.altered() ? of_currents : whole;
 
     Accepted const *const one = accepted(index - 1), *const two = accepted(index - 2);
     bool const has_kink = has_currents && one != nullptr && two != nullptr;

@@ -57,6 +57,10 @@ TEST(AttackConfig, ReadsEachKindOfValueAndMessage) {
     EXPECT_EQ(kind_of("value: {factor: 2}").samples.kind, Kind::scale);
     EXPECT_EQ(kind_of("value: {ramp_per_cycle: 0.1}").samples.kind, Kind::ramp);
     EXPECT_EQ(kind_of("value: {freeze: true}").samples.kind, Kind::freeze);
+    EXPECT_EQ(kind_of("value: {clock: {offset_us: 200}}").samples.kind, Kind::clock);
+    EXPECT_EQ(kind_of("value: {recording: {file: x.csv}}").samples.kind, Kind::recording);
+    EXPECT_EQ(kind_of("frames: {kind: counter_jump, jump: 20}").frames->jump, 20);
+    EXPECT_EQ(kind_name(kind_of("frames: {kind: flood}")), "flood");
     EXPECT_EQ(kind_of("value: {masquerade: {peak_a: 90}}").samples.kind, Kind::masquerade);
     AttackConfig const replay = kind_of("value: {replay_s: 1/30}");
     EXPECT_EQ(make_sample_attack(replay, {"Ia", "Ib", "Ic"}, 4800, 60, 1)->params().delay, 160);
@@ -81,6 +85,47 @@ TEST(AttackConfig, NamesMistakesWithTheirPlace) {
               std::string::npos);
     EXPECT_NE(error_of("count: 400, ", "").find("random spacing needs it"), std::string::npos);
     EXPECT_NE(error_of("min_gap", "min_gapp").find("min_gap"), std::string::npos);
+}
+
+TEST(AttackConfig, ReadsWindowsThatRepeatGrowAndWait) {
+    config::Diagnostics diagnostics;
+    auto const attacks =
+        read("attacks:\n  x:\n    by: attacker\n    place: {between: [a, b]}\n    target: {stream: S}\n"
+             "    window: {from_s: 1, until_s: 2, repeat: {every_s: 3, times: 4}, ramp_s: 0.5, when: "
+             "{above_a: 30}}\n    value: {bias_a: 1}\n",
+             diagnostics);
+    ASSERT_TRUE(diagnostics.ok()) << diagnostics.render();
+    EXPECT_EQ(attacks[0].end_s(), 11);
+    AttackTimes const expected{1'000'000'000, 2'000'000'000, 3'000'000'000, 4, 500'000'000, true};
+    EXPECT_EQ(times_in_ns(attacks[0]), expected);
+    auto const sut = make_sample_attack(attacks[0], {"Ia", "Ib", "Ic"}, 4800, 60, 7);
+    ASSERT_TRUE(sut);
+    EXPECT_EQ(sut->params().every, 14'400);
+    EXPECT_EQ(sut->params().ramp, 2400);
+}
+
+TEST(AttackConfig, RefusesWhatFitsTogetherNowhere) {
+    auto const refused = [&](std::string const& window, std::string const& what) {
+        config::Diagnostics diagnostics;
+        read("attacks:\n  x:\n    by: attacker\n    place: {between: [a, b]}\n    target: {stream: S}\n    window: "
+             "{from_s: "
+             "1, until_s: 2" +
+                 window + "}\n    " + what + "\n",
+             diagnostics);
+        return !diagnostics.ok();
+    };
+    EXPECT_FALSE(refused("", "value: {bias_a: 1}"));
+    EXPECT_TRUE(refused(", repeat: {every_s: 0.5, times: 2}", "value: {bias_a: 1}"));
+    EXPECT_TRUE(refused(", when: {said: true}", "value: {bias_a: 1}"));
+    EXPECT_TRUE(refused(", when: {above_a: 1}", "message: {kind: grayhole}"));
+    EXPECT_TRUE(refused(", when: {}", "value: {bias_a: 1}"));
+    EXPECT_TRUE(refused(", ramp_s: 0.1", "message: {kind: grayhole}"));
+    EXPECT_TRUE(refused(", ramp_s: 0.1", "frames: {kind: drop}"));
+    EXPECT_FALSE(refused(", ramp_s: 0.1", "frames: {kind: delay, delay_us: 100}"));
+    EXPECT_TRUE(refused("", "frames: {kind: delay}"));
+    EXPECT_TRUE(refused("", "frames: {kind: counter_jump}"));
+    EXPECT_TRUE(refused("", "value: {clock: {}}"));
+    EXPECT_TRUE(refused("", "value: {bias_a: 1}\n    frames: {kind: drop}"));
 }
 
 } // namespace

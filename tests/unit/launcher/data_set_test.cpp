@@ -124,12 +124,50 @@ TEST(FrameLabels, AMessageThatLeavesTheCableOfAManInTheMiddleAsNoneHadComeIntoIt
     genuine[13] = 0xB8;
     std::vector<std::uint8_t> altered = genuine;
     altered.back() = 1;
-    sut.learn("bus/ied:evil", genuine);
-    sut.learn("bus/ied", altered); // that is where it leaves
+    sut.learn("bus/ied:evil", 0.5, genuine);
+    sut.learn("bus/ied", 0.5, altered); // that is where it leaves
     EXPECT_FALSE(sut.of_message("TRIP", "bus/ied", 0.5, genuine).altered());
     EXPECT_TRUE(sut.of_message("TRIP", "bus/ied", 0.5, altered).altered());
     EXPECT_FALSE(sut.of_message("TRIP", "bus/ied", 1.5, altered).altered()) << "behind the attack";
     EXPECT_FALSE(sut.of_message("OTHER", "bus/ied", 0.5, altered).altered());
+}
+
+TEST(FrameLabels, FramesThatAreAlteredHeldBackOrCopiedOnTheWayAreToldFromThoseThatPass) {
+    RunSource run;
+    attacker::AttackConfig attack;
+    attack.name.name = "frames";
+    attack.stream.name = "SMV";
+    attack.place = attacker::AttackConfig::Place::between;
+    attack.between.resize(2);
+    attack.between[0].name = "mu";
+    attack.between[1].name = "bus";
+    attack.until_s = Rational{2};
+    attack.frames.emplace();
+    run.attacks.push_back(attack);
+    attack.name.name = "flood";
+    attack.place = attacker::AttackConfig::Place::second_publisher;
+    attack.by.name = "attacker";
+    run.attacks.push_back(attack);
+    run.host_of["attacker"] = "evil";
+    FrameLabels sut{run};
+    std::vector<std::uint8_t> genuine(60);
+    genuine[12] = 0x88; // sampled values
+    genuine[13] = 0xBA;
+    std::vector<std::uint8_t> altered = genuine;
+    altered.back() = 1;
+    sut.learn("bus/mu:evil", 0.5, genuine);
+    sut.learn("bus/mu:evil", 1.5, genuine); // the same again, a second later
+    EXPECT_FALSE(sut.of_frame("SMV", "bus/mu", 0.5, genuine).altered());
+    EXPECT_EQ(sut.of_frame("SMV", "bus/mu", 0.5001, genuine).attack, "frames") << "a copy";
+    EXPECT_FALSE(sut.of_frame("SMV", "bus/mu", 1.5, genuine).altered());
+    EXPECT_TRUE(sut.of_frame("SMV", "bus/mu", 0.6, altered).altered());
+    EXPECT_FALSE(sut.of_frame("SMV", "bus/mu", 2.6, altered).altered()) << "behind the attack";
+    EXPECT_FALSE(sut.of_frame("SMV", "bus/mu:evil", 0.6, altered).altered()) << "inside of the cable";
+    EXPECT_FALSE(sut.of_frame("OTHER", "bus/mu", 0.6, altered).altered());
+    EXPECT_EQ(sut.of_frame("SMV", "bus/evil", 0.6, genuine).attack, "flood");
+    FrameLabels late{run};
+    late.learn("bus/mu:evil", 0.5, genuine);
+    EXPECT_TRUE(late.of_frame("SMV", "bus/mu", 0.503, genuine).altered()) << "held back for 3 ms";
 }
 
 TEST(CsvFile, TimesAreExactAndTextsKeepTheirCell) {

@@ -66,6 +66,36 @@ TEST(Impairment, LetsEverythingPassWhenThereIsNone) {
     EXPECT_EQ(out.frames.begin()->second, numbered(0));
 }
 
+/// Lost frames, and the mean length of a run of them.
+std::pair<double, double> losses(Impairments const& impairments, int frames = 200'000) {
+    Impairment sut{{impairments, {}, {}, {}, {}}, 5, "cable"};
+    int lost = 0, bursts = 0;
+    bool before = false;
+    for (int i = 0; i < frames; ++i) {
+        Outcome out;
+        sut.pass({numbered(0), 0}, out);
+        bool const gone = out.frames.empty();
+        lost += gone ? 1 : 0;
+        bursts += gone && !before ? 1 : 0;
+        before = gone;
+    }
+    return {static_cast<double>(lost) / frames, bursts == 0 ? 0 : static_cast<double>(lost) / bursts};
+}
+
+TEST(Impairment, ALineWithTwoStatesLosesWhatGilbertAndElliottSay) {
+    // Bad for p / (p + r) of the time, 1 / r frames each time.
+    auto const [share, burst] = losses({.to_bad_percent = 1, .to_good_percent = 20});
+    EXPECT_NEAR(share, 0.01 / 0.21, 0.004);
+    EXPECT_NEAR(burst, 5, 0.3);
+    auto const [half, shorter] = losses({.to_bad_percent = 1, .to_good_percent = 20, .bad_loss_percent = 50});
+    EXPECT_NEAR(half, share / 2, 0.004);
+    EXPECT_LT(shorter, 2.5);
+    auto const [more, unused] = losses({.loss_percent = 2, .to_bad_percent = 1, .to_good_percent = 20});
+    EXPECT_NEAR(more, share + 0.02 * (1 - share), 0.005);
+    EXPECT_EQ(losses({.to_good_percent = 20}).first, 0) << "a line that never turns bad";
+    EXPECT_EQ(losses({.to_bad_percent = 1, .to_good_percent = 20}), (std::pair{share, burst})) << "seeded";
+}
+
 TEST(Impairment, LosesTheWantedShareInBurstsOfTheWantedLength) {
     for (double const burst : {1.0, 8.0}) {
         constexpr int kFrames = 200'000;
