@@ -23,7 +23,7 @@ namespace {
 using ids::Situation;
 
 struct Options {
-    std::int64_t faults{120}, healthy{20}, attacks{100}, seed{1};
+    std::int64_t faults{120}, healthy{20}, attacks{100}, seed{1}, timings{0};
     int threads{2};
     std::filesystem::path config{"configs/ids/bench.yaml"}, models{"configs/models"};
 };
@@ -86,6 +86,72 @@ std::string percentiles(std::vector<double> v) {
     return fmt::format("{:.2f} / {:.2f} / {:.2f}", at(0.5), at(0.95), v.back());
 }
 
+/// A masquerade that begins so long after a disturbance that both ends see: for how long it inherits the permission.
+int print_timings(Options const& o, ids::Model const& model, ids::DetectorParams const& detector,
+                  relay::RelayParams const& relay, std::span<ids::LineWaveform const> disturbed, double nominal_peak_a,
+                  ids::TrainingConfig const& config) {
+    constexpr double kLongestMs = 20;
+    std::vector<ids::LineWaveform const*> runs;
+    for (ids::LineWaveform const& w : disturbed) {
+        if (w.event >= 0 && w.situation != Situation::quiet && w.situation != Situation::swing) {
+            runs.push_back(&w);
+        }
+    }
+    if (runs.empty()) {
+        return stop({ExitCode::usage, "there is no disturbance to wait for: --healthy", {}});
+    }
+    struct Trial {
+        Situation situation{Situation::quiet};
+        double after_ms{0};
+        bool trips{false};
+    };
+    std::vector<Trial> trials(static_cast<std::size_t>(o.timings));
+    double const ms = 1000 / config.rate_hz;
+    ids::for_each_chunk(trials.size(), o.threads, [&](std::size_t k) {
+        ids::LineWaveform const& w = *runs[k % runs.size()];
+        auto const offset =
+            static_cast<std::int64_t>(static_cast<double>(k) * kLongestMs / ms / static_cast<double>(trials.size()));
+        auto const all = ids::attack_catalogue(nominal_peak_a, config.rate_hz, config.frequency_hz, w.event + offset,
+                                               static_cast<std::int64_t>(w.size()));
+        auto const attack =
+            std::find_if(all.begin(), all.end(), [](auto const& a) { return a.name == "masquerade_5"; });
+        auto const outcome = run_trial(model, detector, relay, w, &*attack, k);
+        bool const without = run_trial(model, detector, relay, w, nullptr, k).trip >= 0;
+        trials[k] = {w.situation, static_cast<double>(offset) * ms, outcome.trip >= 0 && !without};
+    });
+    fmt::print(
+        "\nA masquerade of 5 p.u. at one end, {} timings up to {} ms after a disturbance; supervise, block: trips "
+        "in %, by how long after it began\n\n| after | ",
+        trials.size(), kLongestMs);
+    std::vector<double> const edges{0, 1.25, 2.5, 5, 7.5, 10, kLongestMs};
+    for (std::size_t b = 0; b + 1 < edges.size(); ++b) {
+        fmt::print("{} to {} ms | ", edges[b], edges[b + 1]);
+    }
+    fmt::print("last that tripped |\n|---|");
+    for (std::size_t b = 0; b < edges.size(); ++b) {
+        fmt::print("---|");
+    }
+    fmt::print("\n");
+    for (auto const situation : {Situation::load_step, Situation::line_trip, Situation::generator_trip,
+                                 Situation::external_3ph, Situation::external_1ph}) {
+        fmt::print("| {} |", ids::name_of(situation));
+        double last = -1;
+        for (std::size_t b = 0; b + 1 < edges.size(); ++b) {
+            std::uint64_t of = 0, tripped = 0;
+            for (Trial const& t : trials) {
+                if (t.situation == situation && t.after_ms >= edges[b] && t.after_ms < edges[b + 1]) {
+                    ++of;
+                    tripped += t.trips ? 1U : 0U;
+                    last = t.trips ? std::max(last, t.after_ms) : last;
+                }
+            }
+            fmt::print(" {:.0f} of {} |", ids::share_of(tripped, of).percent, of);
+        }
+        fmt::print(" {} |\n", last < 0 ? std::string{"none"} : fmt::format("{:.2f} ms", last));
+    }
+    return 0;
+}
+
 int main_function(Options const& o) {
     config::Diagnostics diagnostics;
     auto config = ids::load_training_config(o.config, diagnostics);
@@ -137,6 +203,15 @@ int main_function(Options const& o) {
                faults.size(), disturbed.size(), quiet.size(), o.seed, grid.network.filename().string());
 
     double const ms = 1000 / config->rate_hz;
+    if (o.timings > 0) {
+        Design const& d = *std::find_if(all_designs->begin(), all_designs->end(),
+                                        [](Design const& design) { return design.name == "supervise, block"; });
+        auto const detector = ids::make_detector_params(d.config, d.model, config->rate_hz, config->frequency_hz);
+        return detector ? print_timings(o, d.model, *detector,
+                                        relay_params(relay::ElementParams::Kind::phasor, grid.nominal_peak_a, cycle),
+                                        disturbed, grid.nominal_peak_a, *config)
+                        : stop(detector.error());
+    }
     for (auto const kind : {relay::ElementParams::Kind::phasor, relay::ElementParams::Kind::rms}) {
         relay::RelayParams const relay = relay_params(kind, grid.nominal_peak_a, cycle);
         fmt::print("\n## {} element, pickup {:.2f} A\n\n",
@@ -146,7 +221,7 @@ int main_function(Options const& o) {
                    "|---|---|---|---|---|---|---|---|\n",
                    disturbed.size());
         std::vector<std::int64_t> unguarded(faults.size(), -1);
-        std::vector<std::vector<std::string>> attack_cells;
+        std::vector<std::vector<std::string>> attack_cells, alarm_cells;
         for (Design const& d : *all_designs) {
             auto const detector = ids::make_detector_params(d.config, d.model, config->rate_hz, config->frequency_hz);
             if (!detector) {
@@ -192,12 +267,17 @@ int main_function(Options const& o) {
             std::size_t const kinds =
                 ids::attack_catalogue(grid.nominal_peak_a, config->rate_hz, config->frequency_hz, start, length).size();
             std::vector<std::vector<char>> trips(kinds, std::vector<char>(quiet.size()));
+            std::vector<std::vector<double>> alarms_ms(kinds, std::vector<double>(quiet.size(), -1));
             ids::for_each_chunk(quiet.size(), o.threads, [&](std::size_t run) {
                 auto const attacks = ids::attack_catalogue(grid.nominal_peak_a, config->rate_hz, config->frequency_hz,
                                                            start + static_cast<std::int64_t>(run * 37) % cycle, length);
                 for (std::size_t a = 0; a < attacks.size(); ++a) {
-                    trips[a][run] =
-                        run_trial(d.model, *detector, relay, quiet[run], &attacks[a], seed + run).trip >= 0 ? 1 : 0;
+                    ids::TrialOutcome const outcome =
+                        run_trial(d.model, *detector, relay, quiet[run], &attacks[a], seed + run);
+                    trips[a][run] = outcome.trip >= 0 ? 1 : 0;
+                    if (outcome.alarm >= 0) {
+                        alarms_ms[a][run] = static_cast<double>(outcome.alarm - attacks[a].from.from) * ms;
+                    }
                 }
             });
             std::vector<std::string> cells;
@@ -206,24 +286,37 @@ int main_function(Options const& o) {
                     "{:.0f}", share(static_cast<std::uint64_t>(std::count(t.begin(), t.end(), 1)), t.size())));
             }
             attack_cells.push_back(std::move(cells));
+            cells.clear();
+            for (std::vector<double>& delays_ms : alarms_ms) {
+                std::erase(delays_ms, -1);
+                std::sort(delays_ms.begin(), delays_ms.end());
+                cells.push_back(delays_ms.empty() ? "0"
+                                                  : fmt::format("{:.0f}, {:.1f}", share(delays_ms.size(), quiet.size()),
+                                                                delays_ms[delays_ms.size() / 2]));
+            }
+            alarm_cells.push_back(std::move(cells));
         }
         auto const attacks = ids::attack_catalogue(grid.nominal_peak_a, config->rate_hz, config->frequency_hz, 0, 1);
-        fmt::print("\nFalse trips in % of {} runs:\n\n| attack |", quiet.size());
-        for (Design const& d : *all_designs) {
-            fmt::print(" {} |", d.name);
-        }
-        fmt::print("\n|---|");
-        for (std::size_t k = 0; k < all_designs->size(); ++k) {
-            fmt::print("---|");
-        }
-        fmt::print("\n");
-        for (std::size_t a = 0; a < attacks.size(); ++a) {
-            fmt::print("| {} |", attacks[a].name);
-            for (auto const& cells : attack_cells) {
-                fmt::print(" {} |", cells[a]);
+        auto const table = [&](std::vector<std::vector<std::string>> const& cells) {
+            for (Design const& d : *all_designs) {
+                fmt::print(" {} |", d.name);
+            }
+            fmt::print("\n|---|");
+            for (std::size_t k = 0; k < all_designs->size(); ++k) {
+                fmt::print("---|");
+            }
+            for (std::size_t a = 0; a < attacks.size(); ++a) {
+                fmt::print("\n| {} |", attacks[a].name);
+                for (auto const& of_design : cells) {
+                    fmt::print(" {} |", of_design[a]);
+                }
             }
             fmt::print("\n");
-        }
+        };
+        fmt::print("\nFalse trips in % of {} runs:\n\n| attack |", quiet.size());
+        table(attack_cells);
+        fmt::print("\nAlarmed, % of {} runs, and after how many ms (median):\n\n| attack |", quiet.size());
+        table(alarm_cells);
         std::fflush(stdout);
     }
     return 0;
@@ -238,6 +331,8 @@ int main(int argc, char** argv) {
     app.add_option("--faults", o.faults)->check(CLI::Range(3, 100'000));
     app.add_option("--healthy", o.healthy)->check(CLI::Range(1, 100'000));
     app.add_option("--attacks", o.attacks)->check(CLI::Range(1, 100'000));
+    app.add_option("--timings", o.timings, "instead: so many masquerades timed after disturbances")
+        ->check(CLI::Range(0, 1'000'000));
     app.add_option("--seed", o.seed)->check(CLI::NonNegativeNumber);
     app.add_option("--threads", o.threads)->check(CLI::Range(1, 256));
     app.add_option("--config", o.config, "a training configuration with data.simulated");

@@ -50,6 +50,9 @@ void describe(config::Fields& f, DetectorConfig& config) {
         s.number("delay_ms", config.delay_ms, {.doc = "how long such a pickup has to last", .min = 0, .max = 1000});
         s.number("kirchhoff_percent", config.kirchhoff_percent,
                  {.doc = "difference of the two ends that counts, of the larger peak", .max = 100, .above = 0});
+        s.number(
+            "class_percent", config.class_percent,
+            {.doc = "standing difference that the measuring chain may make, of the larger peak", .min = 0, .max = 30});
     });
     f.choice<Guard>("guard", config.guard, {{"both", Guard::both}, {"from", Guard::from}, {"to", Guard::to}},
                     {.doc = "paper, hold_off: the streams whose samples are replaced"});
@@ -91,6 +94,8 @@ Result<DetectorParams> make_detector_params(DetectorConfig const& config, Model 
     s.kirchhoff_clean = cycles(0.5);
     s.armed_within = seconds(0.1);
     s.hold_samples = cycles(2);
+    out.standing.cycle = cycles(1);
+    out.standing.class_percent = config.class_percent;
     // A fixed threshold flags noise now and then, so that one flag is no evidence.
     s.weak_end_count = config.of == Of::adaptive ? 1 : s.burst_count;
     out.guard_from = config.guard != DetectorConfig::Guard::to;

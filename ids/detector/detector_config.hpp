@@ -18,7 +18,7 @@ struct DetectorConfig {
     double percent{2}, nominal_peak_a{0}, sigmas{6}, ceiling_percent{4.5};
     std::int64_t hold_off_samples{8};
     SupervisorParams::OnUnconfirmed on_unconfirmed{SupervisorParams::OnUnconfirmed::delay};
-    double delay_ms{20}, kirchhoff_percent{3};
+    double delay_ms{20}, kirchhoff_percent{3}, class_percent{11};
     enum class Guard { both, from, to } guard{Guard::both};
     std::string verdicts; ///< topic; empty: none
 };

@@ -23,12 +23,13 @@ int flags(StreamVerdict const& v) {
 } // namespace
 
 std::string alarm_names(Alarms alarms) {
-    static constexpr std::array<std::pair<Alarm, char const*>, 6> kNames{{{kFlagged, "flagged"},
+    static constexpr std::array<std::pair<Alarm, char const*>, 7> kNames{{{kFlagged, "flagged"},
                                                                           {kOneEnd, "one_end"},
                                                                           {kUnconfirmed, "unconfirmed"},
                                                                           {kNoise, "noise"},
                                                                           {kLockedOut, "locked_out"},
-                                                                          {kNotArmed, "not_armed"}}};
+                                                                          {kNotArmed, "not_armed"},
+                                                                          {kMeasuringChain, "measuring_chain"}}};
     std::string out;
     for (auto const& [bit, name] : kNames) {
         if ((alarms & bit) != 0) {
@@ -39,7 +40,8 @@ std::string alarm_names(Alarms alarms) {
 }
 
 LineDetector::LineDetector(Model const& model, DetectorParams const& params)
-    : params_{params}, from_{model, params.guard}, to_{model, params.guard}, supervisor_{params.supervisor} {}
+    : params_{params}, from_{model, params.guard}, to_{model, params.guard}, supervisor_{params.supervisor},
+      standing_{params.standing} {}
 
 LineVerdict const& LineDetector::step(std::int64_t index, EndInput const& from, EndInput const& to, bool picked_up) {
     StreamVerdict const& f = from.usable ? from_.step(index, from.i_a) : from_.step_lost(index, from.i_a);
@@ -58,8 +60,14 @@ LineVerdict const& LineDetector::step(std::int64_t index, EndInput const& from, 
         in.from_flags = flags(f);
         in.to_flags = flags(t);
         double const limit = params_.supervisor.kirchhoff_percent / 100 * std::max(from_.base_a(), to_.base_a());
+        Abc remaining = verdict_.difference_a;
+        if (in.usable) {
+            bool const disturbed = in.from_flags > 0 && in.to_flags > 0;
+            remaining = standing_.step(
+                {index, verdict_.difference_a, from.i_a, std::max(from_.base_a(), to_.base_a()), limit, disturbed});
+        }
         for (std::size_t p = 0; p < 3; ++p) {
-            bool const differs = !(std::fabs(verdict_.difference_a[p]) <= limit);
+            bool const differs = !(std::fabs(remaining[p]) <= limit);
             in.differs = in.differs || differs;
             in.same_phase_alone = in.same_phase_alone || (differs && f.phases[p].flagged != t.phases[p].flagged);
         }
@@ -81,6 +89,7 @@ Alarms LineDetector::present_alarms(bool picked_up) {
     SupervisorParams const& s = params_.supervisor;
     if (params_.guard.mode == Mode::supervise) {
         out |= supervisor_.suspicious() ? static_cast<Alarms>(kOneEnd) : 0U;
+        out |= standing_.beyond_classes() || standing_.moved() ? static_cast<Alarms>(kMeasuringChain) : 0U;
         out |= supervisor_.armed() ? 0U : static_cast<Alarms>(kNotArmed);
         out |= picked_up && !supervisor_.confirmed() ? static_cast<Alarms>(kUnconfirmed) : 0U;
     } else {
@@ -101,6 +110,7 @@ void LineDetector::restart() {
     from_.restart();
     to_.restart();
     supervisor_.restart();
+    standing_.restart();
     verdict_ = {};
     noisy_ = false;
     last_flag_ = INT64_MIN / 4;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "ids/detector/standing_difference.hpp"
 #include "ids/detector/stream_guard.hpp"
 #include "ids/detector/supervisor.hpp"
 
@@ -17,7 +18,9 @@ enum Alarm : std::uint32_t {
     kUnconfirmed = 1U << 2U, ///< supervise: the relay picked up and the trip is withheld
     kNoise = 1U << 3U,       ///< the forecast error has grown so much that small forgeries would hide in it
     kNotArmed = 1U << 5U,    ///< supervise: the two ends have differed for 0.1 s, so no fault can be confirmed
-    kLockedOut = 1U << 4U,   ///< paper: more than half of the last 0.1 s was replaced; the relay sees forecasts
+    kMeasuringChain =
+        1U << 6U,          ///< supervise: what the ends differ by all the time is beyond the accuracy classes, or moves
+    kLockedOut = 1U << 4U, ///< paper: more than half of the last 0.1 s was replaced; the relay sees forecasts
 };
 using Alarms = std::uint32_t;
 [[nodiscard]] std::string alarm_names(Alarms alarms); ///< "one_end, noise"
@@ -25,6 +28,7 @@ using Alarms = std::uint32_t;
 struct DetectorParams {
     GuardParams guard;
     SupervisorParams supervisor;
+    StandingParams standing;
     bool along_the_line{true}; ///< both CTs count from the `from` end to the `to` end; false: both into the line
     bool guard_from{true}, guard_to{true}; ///< paper, hold_off: streams whose samples are replaced
 };
@@ -60,6 +64,7 @@ class LineDetector {
     [[nodiscard]] StreamGuard const& from() const { return from_; }
     [[nodiscard]] StreamGuard const& to() const { return to_; }
     [[nodiscard]] Supervisor const& supervisor() const { return supervisor_; }
+    [[nodiscard]] StandingDifference const& standing() const { return standing_; }
     [[nodiscard]] std::uint64_t alarms() const { return alarms_; } ///< times the alarm rose
     [[nodiscard]] DetectorParams const& params() const { return params_; }
 
@@ -69,6 +74,7 @@ class LineDetector {
     DetectorParams params_;
     StreamGuard from_, to_;
     Supervisor supervisor_;
+    StandingDifference standing_;
     LineVerdict verdict_;
     std::int64_t last_flag_{INT64_MIN / 4};
     std::uint64_t alarms_{0};

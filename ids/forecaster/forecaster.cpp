@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ids/forecaster/forecaster.hpp"
 
-#include "common/elementary.hpp"
+#include "ids/forecaster/squash.hpp"
 
 #include <algorithm>
 #include <array>
@@ -94,9 +94,7 @@ void Forecaster<Real>::forecast(Real const* history, Real* next) {
             add_up<1>(layer.columns.data() + o, layer.outputs, a_.data(), layer.inputs, &layer.bias[o], &b_[o]);
         }
         if (layer.squash) {
-            for (o = 0; o < layer.outputs; ++o) {
-                b_[o] = elementary::tanh(b_[o]);
-            }
+            squash(b_.data(), layer.outputs);
         }
         std::swap(a_, b_);
     }

@@ -63,6 +63,16 @@ void print_json(score::VerdictScore const& s, IdsScoreArguments const& a) {
                                   {"seen", attack.score.seen},
                                   {"delay_ms", attack.delay_ms ? Json(*attack.delay_ms) : Json(nullptr)}});
     }
+    out["kinds"] = Json::array();
+    for (auto const& kind : s.kinds) {
+        out["kinds"].push_back({{"kind", kind.kind},
+                                {"attacks", kind.attacks},
+                                {"seen", kind.seen},
+                                {"altered", kind.recall.of},
+                                {"recall_percent", kind.recall.percent},
+                                {"low_percent", kind.recall.low_percent},
+                                {"high_percent", kind.recall.high_percent}});
+    }
     for (auto const& point : q.roc) {
         out["roc"].push_back({{"threshold", point.threshold},
                               {"false_positive_rate", point.false_positive_rate},
@@ -104,6 +114,12 @@ void print_text(score::VerdictScore const& s, IdsScoreArguments const& a) {
         fmt::print("{:<22}{:<16}{:<16}{:>10}{:>12.4g}{:>18}\n", attack.score.attack, attack.kind, attack.target,
                    attack.score.labels, attack.score.detected.percent,
                    attack.delay_ms ? fmt::format("{:.3f}", *attack.delay_ms) : "never");
+    }
+    fmt::print("\n{:<22}{:>10}{:>10}{:>10}{:>12}   95 % (binomial)\n", "kind", "attacks", "seen", "altered",
+               "recall, %");
+    for (auto const& kind : s.kinds) {
+        fmt::print("{:<22}{:>10}{:>10}{:>10}{:>12.4g}   {:.4g} to {:.4g} %\n", kind.kind, kind.attacks, kind.seen,
+                   kind.recall.of, kind.recall.percent, kind.recall.low_percent, kind.recall.high_percent);
     }
     for (auto const& [attack, labels] : s.messages_not_judged) {
         fmt::print("note: '{}' altered {} messages; only samples are judged\n", attack, labels);

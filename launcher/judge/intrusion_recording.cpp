@@ -62,7 +62,7 @@ void read_labels(std::span<std::byte const> data, OnLabel const& on_label) {
     label.attack = cdr.text();
     label.kind = cdr.text();
     label.target = cdr.text();
-    (void)cdr.number<std::int64_t>();
+    label.sent_ns = cdr.number<std::int64_t>();
     auto const count = cdr.number<std::uint32_t>();
     for (std::uint32_t i = 0; i < count; ++i) {
         label.index = static_cast<std::int64_t>(cdr.number<std::uint64_t>());

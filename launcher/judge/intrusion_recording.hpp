@@ -32,8 +32,9 @@ struct IntrusionRecording {
     struct Label {
         std::string attack, kind, target;
         std::int64_t index{0};
-        std::uint8_t channel{0};
+        std::uint8_t channel{0}; ///< 3: the whole frame
         double true_value{0}, sent_value{0};
+        std::int64_t sent_ns{0}; ///< when the last of its message was
     };
     std::vector<Track> tracks; ///< by detector and stream
     std::vector<Label> labels;

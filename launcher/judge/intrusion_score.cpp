@@ -227,6 +227,7 @@ void score_relay(IntrusionScore& out, Node::Entry const& process, Node const& sc
                  SignalStore const& signals, std::vector<LoggedEvent> const& events, double end_s) {
     IntrusionScore::Relay r;
     r.relay = process.key;
+    r.watched = process.value.find("ids") != nullptr;
     Node const* currents = process.value.find("currents");
     r.from_stream = text_of(currents, "from");
     r.to_stream = text_of(currents, "to");
@@ -256,8 +257,8 @@ void score_relay(IntrusionScore& out, Node::Entry const& process, Node const& sc
             };
             auto const with = first(r.trips), without = first(r.trips_without);
             if (with != r.trips.end() && without != r.trips_without.end()) {
-                r.added_ms =
-                    std::max(r.added_ms.value_or(-1e9), static_cast<double>(*with - *without) / r.rate_hz * 1e3);
+                r.added_each_ms.push_back(static_cast<double>(*with - *without) / r.rate_hz * 1e3);
+                r.added_ms = std::max(r.added_ms.value_or(-1e9), r.added_each_ms.back());
             }
         }
     }
@@ -276,7 +277,7 @@ IntrusionScore score_intrusion(IntrusionRecording recording, Node const& scenari
     find_unjudged(out);
     if (Node const* processes = scenario.find("processes")) {
         for (Node::Entry const& p : processes->entries) {
-            if (text_of(&p.value, "program") == "gridspace-relay" && p.value.find("ids") != nullptr) {
+            if (text_of(&p.value, "program") == "gridspace-relay" && p.value.find("currents") != nullptr) {
                 score_relay(out, p, scenario, network, signals, events, end_s);
             }
         }
@@ -312,6 +313,9 @@ void add_intrusion_signals(IntrusionScore const& score, double end_s, SignalStor
         }
     }
     for (IntrusionScore::Relay const& r : score.relays) {
+        if (!r.watched) {
+            continue;
+        }
         std::string const prefix = "ids." + r.relay + ".";
         add(prefix + "false_trips", "", static_cast<double>(r.with.false_trips));
         add(prefix + "false_trips_without", "", static_cast<double>(r.without.false_trips));

@@ -36,14 +36,16 @@ struct IntrusionScore {
     };
     std::vector<Unjudged> unjudged; ///< attacks on what no detector watches
 
-    struct Relay { ///< a relay with a detector
+    struct Relay {           ///< of a line
+        bool watched{false}; ///< it has a detector
         std::string relay, from_stream, to_stream, line;
         double rate_hz{0};
         std::vector<double> faults_s; ///< on its line
         std::vector<std::int64_t> trips,
             trips_without; ///< sample indices: as it was, and of the same relay on the raw samples
         ids::TripScore with, without;
-        std::optional<double> added_ms; ///< longest, of the faults on which both tripped; nothing when there is none
+        std::optional<double> added_ms;    ///< longest, of the faults on which both tripped; nothing when there is none
+        std::vector<double> added_each_ms; ///< of each such fault
         std::uint64_t alarms{0}, false_alarms{0}; ///< false: nothing was forged on its streams within 5 ms before
     };
     std::vector<Relay> relays;

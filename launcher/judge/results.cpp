@@ -135,6 +135,15 @@ Result<void> add_intrusion(fs::path const& folder, Results& out) {
     }
     out.intrusion = std::move(*score);
     add_intrusion_signals(out.intrusion, out.outcome.simulated_s, out.signals);
+    config::Diagnostics unread;
+    auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", unread);
+    if (scenario && scenario->find("attacks") != nullptr && scenario->find("attacks")->is_map()) {
+        fs::path const file = folder / "network.yaml";
+        auto const network = fs::exists(file) ? config::load_yaml(file, unread) : std::nullopt;
+        out.consequences = find_consequences(out.intrusion, *scenario, network ? *network : config::Node::map(),
+                                             out.signals, out.outcome.simulated_s);
+        add_consequence_signals(*out.consequences, out.outcome.simulated_s, out.signals);
+    }
     return {};
 }
 

@@ -4,6 +4,7 @@
 
 #include "launcher/folder/event_log.hpp"
 #include "launcher/folder/run_outcome.hpp"
+#include "launcher/judge/consequences.hpp"
 #include "launcher/judge/counters.hpp"
 #include "launcher/judge/expectation.hpp"
 #include "launcher/judge/intrusion_score.hpp"
@@ -46,10 +47,11 @@ struct Results {
     CounterGaps counter_gaps;   ///< what counters of processes that were killed or started again do not hold
     /// What bus.pcapng says, read where a declared stream has no counters of its own or these have a gap.
     std::optional<wire::CaptureStatistics> capture;
-    IntrusionScore intrusion;          ///< of detectors and attacks, where there were some
-    std::string scheduling;            ///< of the processes, in real time
-    std::vector<std::string> comtrade; ///< disturbance records in RUN/comtrade
-    std::vector<std::string> notes;    ///< what the user should know
+    IntrusionScore intrusion;                 ///< of detectors and attacks, where there were some
+    std::optional<Consequences> consequences; ///< of attacks
+    std::string scheduling;                   ///< of the processes, in real time
+    std::vector<std::string> comtrade;        ///< disturbance records in RUN/comtrade
+    std::vector<std::string> notes;           ///< what the user should know
 
     [[nodiscard]] bool passed() const; ///< no expectation failed that is not advisory
     /// The exit code of `gridspace run`: that of the run, or 1 when an expectation failed.

@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace gridspace::launcher {
@@ -15,6 +16,12 @@ std::string percent(ids::Share const& s) {
     }
     return fmt::format("{:.3g} % ({} of {}; 95 %: {:.2g} to {:.2g} %)", s.percent, s.count, s.of, s.low_percent,
                        s.high_percent);
+}
+
+std::string share(std::uint64_t of_these, std::uint64_t others) {
+    return of_these + others == 0 ? "-"
+                                  : fmt::format("{:.3g} %", 100.0 * static_cast<double>(of_these) /
+                                                                static_cast<double>(of_these + others));
 }
 
 std::string instants(std::vector<std::int64_t> const& trips, double rate_hz) {
@@ -32,15 +39,16 @@ std::vector<ReportTable> detector_tables(IntrusionScore const& score) {
     if (!score.streams.empty()) {
         ReportTable t{"Detectors: verdicts against the truth (phase-samples)",
                       {"detector", "stream", "forged, flagged", "forged, not flagged", "genuine, flagged",
-                       "genuine, not flagged", "false positives", "open loop", "samples of three phases with one",
-                       "open loop"},
+                       "genuine, not flagged", "precision", "recall", "false positives", "open loop",
+                       "samples of three phases with one", "open loop"},
                       {}};
         for (IntrusionScore::Stream const& s : score.streams) {
             t.rows.push_back({escape_markup(s.detector), escape_markup(s.stream),
                               std::to_string(s.score.true_positives), std::to_string(s.score.false_negatives),
                               std::to_string(s.score.false_positives), std::to_string(s.score.true_negatives),
-                              percent(s.score.false_positive), percent(s.score.open_false_positive), percent(s.packets),
-                              percent(s.open_packets)});
+                              share(s.score.true_positives, s.score.false_positives),
+                              share(s.score.true_positives, s.score.false_negatives), percent(s.score.false_positive),
+                              percent(s.score.open_false_positive), percent(s.packets), percent(s.open_packets)});
         }
         out.push_back(std::move(t));
     }
@@ -63,12 +71,15 @@ std::vector<ReportTable> detector_tables(IntrusionScore const& score) {
         }
         out.push_back(std::move(t));
     }
-    if (!score.relays.empty()) {
+    if (std::any_of(score.relays.begin(), score.relays.end(), [](auto const& r) { return r.watched; })) {
         ReportTable t{"Relays with a detector: trips against the faults that really were",
                       {"relay", "line", "faults", "tripped", "blocked or late", "false trips", "trips",
                        "the same relay without a detector", "added by the detector", "alarms (false)"},
                       {}};
         for (IntrusionScore::Relay const& r : score.relays) {
+            if (!r.watched) {
+                continue;
+            }
             std::string faults;
             for (double const at : r.faults_s) {
                 faults += (faults.empty() ? "" : ", ") + shortest(at) + " s";
@@ -83,6 +94,37 @@ std::vector<ReportTable> detector_tables(IntrusionScore const& score) {
         out.push_back(std::move(t));
     }
     return out;
+}
+
+std::vector<ReportTable> consequence_tables(Consequences const& c) {
+    auto const power = [](double kw) { return fmt::format("{:.3g} kW", kw); };
+    auto const energy = [](double wh) { return fmt::format("{:.3g} Wh", wh); };
+    ReportTable sum{"What the attacks did to the grid", {"", ""}, {}};
+    sum.rows.push_back({"trips lost", fmt::format("{} of {} faults", c.lost, c.faults)});
+    sum.rows.push_back({"trips late", c.compared == 0 ? "not judged: no relay with a detector tripped on a fault"
+                                                      : fmt::format("{} of {}", c.late, c.compared)});
+    sum.rows.push_back({"trips without a fault", std::to_string(c.false_trips)});
+    sum.rows.push_back(
+        {"load not served, at most", c.loads.empty() ? "not recorded: load.*.p_kw" : power(c.load_not_served_kw)});
+    sum.rows.push_back({"energy not served", c.loads.empty() ? "-" : energy(c.energy_not_served_wh)});
+    for (Consequences::Load const& load : c.loads) {
+        if (load.not_served_wh > 0) {
+            sum.rows.push_back(
+                {"load " + escape_markup(load.load), fmt::format("{} of {}, {}", power(load.most_not_served_kw),
+                                                                 power(load.asked_kw), energy(load.not_served_wh))});
+        }
+    }
+    for (std::string const& load : c.loads.empty() ? std::vector<std::string>{} : c.unknown) {
+        sum.rows.push_back({"load " + escape_markup(load), "not judged"});
+    }
+    for (Consequences::Alarm const& alarm : c.alarms) {
+        sum.rows.push_back({"first alarm of " + escape_markup(alarm.attack),
+                            fmt::format("{:.2f} ms after its start, by {}", alarm.delay_ms, escape_markup(alarm.by))});
+    }
+    for (std::string const& attack : c.not_alarmed) {
+        sum.rows.push_back({"first alarm of " + escape_markup(attack), "none"});
+    }
+    return {std::move(sum)};
 }
 
 } // namespace gridspace::launcher

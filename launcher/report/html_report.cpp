@@ -221,7 +221,8 @@ Result<fs::path> write_html_report(Results const& r) {
     std::for_each(figures->begin(), rest, [&](std::string const& drawing) { body += drawing; });
     body += expectations(r);
     for (auto const& tables :
-         {make_tables(settings, r), detector_tables(r.intrusion), wire_timing_tables(timing, published_of(scenario))}) {
+         {make_tables(settings, r), r.consequences ? consequence_tables(*r.consequences) : std::vector<ReportTable>{},
+          detector_tables(r.intrusion), wire_timing_tables(timing, published_of(scenario))}) {
         for (ReportTable const& t : tables) {
             body += html_table(t);
         }

@@ -95,6 +95,24 @@ std::string summary_json(Results const& r) {
                  {"processes", processes},
                  {"topics", topics},
                  {"comtrade", r.comtrade}};
+    if (r.consequences) {
+        Consequences const& c = *r.consequences;
+        Json alarms = Json::object();
+        for (Consequences::Alarm const& alarm : c.alarms) {
+            alarms[alarm.attack] = {{"by", alarm.by}, {"delay_ms", alarm.delay_ms}};
+        }
+        for (std::string const& attack : c.not_alarmed) {
+            alarms[attack] = nullptr;
+        }
+        bool const known = !c.loads.empty();
+        summary["consequences"] = {{"faults", c.faults},
+                                   {"trips_lost", c.lost},
+                                   {"trips_late", c.compared == 0 ? Json(nullptr) : Json(c.late)},
+                                   {"trips_false", c.false_trips},
+                                   {"load_not_served_kw", known ? Json(c.load_not_served_kw) : Json(nullptr)},
+                                   {"energy_not_served_wh", known ? Json(c.energy_not_served_wh) : Json(nullptr)},
+                                   {"alarms", alarms}};
+    }
     config::Diagnostics unread;
     auto const scenario = config::load_yaml(r.folder / "scenario.resolved.yaml", unread);
     if (auto const timing = scenario ? measure_wire_timing(r, *scenario) : WireTiming{}; !timing.empty()) {

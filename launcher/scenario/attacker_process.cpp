@@ -8,6 +8,7 @@
 #include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 
 namespace gridspace::launcher {
@@ -107,6 +108,18 @@ class AttackerProcess final : public ProcessSettings {
                 out.push_back({prefix + name, "%", 0});
             }
             out.push_back({prefix + "delay_ms", "ms", 0});
+            out.push_back({prefix + "alarmed", "", 0});
+            out.push_back({prefix + "alarm_ms", "ms", 0});
+        }
+        bool const first = std::find_if(s.processes.begin(), s.processes.end(), [&](Process const& p) {
+                               return p.program.name == process.program.name;
+                           })->name == process.name;
+        if (first && !config_.labels.empty()) { // of the run, whoever attacks
+            for (char const* name : {"trips_lost", "trips_late", "trips_false"}) {
+                out.push_back({std::string{"consequence."} + name, "", 0});
+            }
+            out.push_back({"consequence.load_not_served_kw", "kW", 0});
+            out.push_back({"consequence.energy_not_served_wh", "Wh", 0});
         }
         return out;
     }
@@ -121,6 +134,12 @@ class AttackerProcess final : public ProcessSettings {
                 Node between = Node::sequence();
                 between.items = {Node::scalar(a->between[0].name), Node::scalar(a->between[1].name)};
                 attack.find("place")->set("between", std::move(between));
+            }
+            if (!a->recording.empty()) { // the process reads its settings from somewhere else
+                attack.find("value")
+                    ->find("recording")
+                    ->set("file",
+                          Node::quoted_text(std::filesystem::absolute(a->recording).lexically_normal().string()));
             }
             attacks.set(a->name.name, std::move(attack));
             if (Node const* all = s.resolved.find("streams"); all != nullptr && !a->stream.empty()) {

@@ -14,6 +14,9 @@ constexpr double kBlockS = 0.1;
 std::map<SampleKey, std::string> altered_samples(Truth const& truth, bool by_phase) {
     std::map<SampleKey, std::string> out; ///< and by which attack
     for (auto const& label : truth.labels) {
+        if (by_phase && label.channel > 2) {
+            continue; // the frame was attacked and no current: verdicts by phase do not speak of it
+        }
         out.emplace(SampleKey{label.target, label.index, by_phase ? label.channel : std::uint8_t{0}}, label.attack);
     }
     return out;
@@ -73,6 +76,19 @@ VerdictScore score_verdicts(Truth const& truth, Verdicts verdicts, bool others_a
             delay = 1e3 * static_cast<double>(attack.delay_samples) / truth.extent.rates_hz.at(label.target);
         }
         out.attacks.push_back({label.kind, label.target, delay, std::move(attack)});
+    }
+    std::map<std::string, VerdictScore::Kind> kinds;
+    for (VerdictScore::Attack const& attack : out.attacks) {
+        VerdictScore::Kind& kind =
+            kinds.try_emplace(attack.kind, VerdictScore::Kind{attack.kind, 0, 0, {}}).first->second;
+        ++kind.attacks;
+        kind.seen += attack.score.seen ? 1U : 0U;
+        kind.recall.count += attack.score.detected.count;
+        kind.recall.of += attack.score.detected.of;
+    }
+    for (auto& [name, kind] : kinds) {
+        kind.recall = ids::share_of(kind.recall.count, kind.recall.of);
+        out.kinds.push_back(std::move(kind));
     }
     return out;
 }

@@ -20,6 +20,12 @@ struct VerdictScore {
         ids::AttackScore score;
     };
     std::vector<Attack> attacks;
+    struct Kind { ///< all attacks of a kind together
+        std::string kind;
+        std::uint64_t attacks{0}, seen{0}; ///< seen: at least one altered sample was flagged
+        ids::Share recall;                 ///< of the altered samples
+    };
+    std::vector<Kind> kinds; ///< by name
     std::map<std::string, std::uint64_t> messages_not_judged;
 };
 /// `others_are_genuine`: samples of the run without a row count as verdict 0 (a list of alarms).

@@ -294,7 +294,7 @@ TEST(Supervisor, InDelayModeALastingForgeryTripsAfterTwentyMilliseconds) {
 }
 
 TEST(Supervisor, SaysWithin100MsThatAStandingDifferenceKeepsItFromConfirmingFaults) {
-    for (double const ratio : {1.0, 1.02, 1.05}) { // of a current transformer; 2 % is within the limit of 3 %
+    for (double const ratio : {1.0, 1.05, 1.15}) { // of a current transformer; up to 11 % are taken away
         LineWaveform const w = synthesise(quiet_grid(), Situation::quiet, 3, 1);
         Protection sut{params(Mode::supervise)};
         std::int64_t said = -1, usable = -1;
@@ -311,7 +311,7 @@ TEST(Supervisor, SaysWithin100MsThatAStandingDifferenceKeepsItFromConfirmingFaul
             }
         }
         ASSERT_GE(usable, 0);
-        if (ratio > 1.03) {
+        if (ratio > 1.11) {
             EXPECT_GE(said, 0);
             EXPECT_LE(said - usable, 480);
         } else {

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ids/forecaster/forecaster.hpp"
 #include "ids/forecaster/model_file.hpp"
+#include "ids/forecaster/squash.hpp"
 
 #include "common/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <limits>
 
@@ -170,6 +172,31 @@ TEST(Model, RefusesNumbersThatAreNotFinite) {
     EXPECT_TRUE(check(m));
     m.layers[1].bias[0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(check(m));
+}
+
+TEST(Squash, TwoAtOnceHaveTheSameBitsAsOneByOne) {
+    Random random{5};
+    std::vector<double> values{0.0,
+                               -0.0,
+                               1e-300,
+                               -1e-9,
+                               19.999,
+                               -19.999,
+                               20,
+                               -20,
+                               30,
+                               -1e300,
+                               std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::quiet_NaN()};
+    for (int i = 0; i < 100'001; ++i) {
+        values.push_back(random.normal() * (i % 3 == 0 ? 8 : 0.7));
+    }
+    std::vector<double> sut = values;
+    squash(sut.data(), sut.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        double const expected = elementary::tanh(values[i]);
+        EXPECT_EQ(std::memcmp(&sut[i], &expected, sizeof expected), 0) << values[i];
+    }
 }
 
 } // namespace

@@ -84,8 +84,36 @@ TEST(VerdictScore, CountsWhatHasNoVerdictAsMissedAndFindsTheDelay) {
     EXPECT_DOUBLE_EQ(*s.quality.recall.value, 2.0 / 5);
     EXPECT_DOUBLE_EQ(*s.quality.f1.value, 0.5);
     EXPECT_NEAR(*s.attacks.at(0).delay_ms, 2 / 4.8, 1e-9);
+    ASSERT_EQ(s.kinds.size(), 1U);
+    EXPECT_EQ(s.kinds[0].kind, "bias");
+    EXPECT_EQ(s.kinds[0].seen, 1U);
+    EXPECT_EQ(s.kinds[0].recall.count, 2U);
+    EXPECT_EQ(s.kinds[0].recall.of, 5U);
     auto const whole = score_verdicts(attacked(100, 105), *verdicts, true, 1);
     EXPECT_EQ(whole.quality.true_negatives, 4800U - 5 - 1);
+}
+
+TEST(VerdictScore, RecallIsSaidByKindOfAttack) {
+    auto verdicts = parse("stream,sample,phase,verdict\nA,100,a,1\nA,101,a,0\nA,200,a,0\nA,201,a,0\nA,300,a,1\n");
+    Truth truth;
+    truth.extent = kExtent;
+    auto const label = [&](char const* attack, char const* kind, std::int64_t index, std::uint8_t channel) {
+        truth.labels.push_back({attack, kind, "A", index, channel, 1, 2});
+    };
+    label("one", "bias", 100, 0);
+    label("one", "bias", 101, 0);
+    label("two", "bias", 200, 0);
+    label("slow", "ramp", 201, 0);
+    label("frames", "synch", 300, 3); // no current was altered, and verdicts by phase are about currents
+    auto const s = score_verdicts(truth, *verdicts, false, 1);
+    ASSERT_EQ(s.kinds.size(), 3U);
+    EXPECT_EQ(s.kinds[0].attacks, 2U);
+    EXPECT_EQ(s.kinds[0].seen, 1U);
+    EXPECT_NEAR(s.kinds[0].recall.percent, 100.0 / 3, 1e-9);
+    EXPECT_EQ(s.kinds[1].kind, "ramp");
+    EXPECT_EQ(s.kinds[1].recall.count, 0U);
+    EXPECT_EQ(s.quality.true_positives, 1U);
+    EXPECT_EQ(s.quality.false_positives, 1U);
 }
 
 /// Random scores with ties: altered ones are higher on the whole.

@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/judge/consequences.hpp"
+
+#include "common/config/fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <vector>
+
+namespace gridspace::launcher {
+namespace {
+
+using config::Node;
+
+/// A trip that comes more than a sample of 4800 Hz behind that of the relay without a detector is late.
+constexpr double kLateMs = 0.21;
+constexpr double kServed = 0.5;
+/// Labels of messages come in blocks of this length.
+constexpr double kBlockS = 0.01;
+
+std::optional<double> number_at(Node const* map, std::string_view key) {
+    Node const* value = map == nullptr ? nullptr : map->find(key);
+    return value == nullptr ? std::nullopt : config::number_of(*value);
+}
+
+/// What a load asks for: from an instant on, kW at 1 p.u. Nothing when a profile or an agent decides about it.
+std::optional<std::map<std::int64_t, double>> demand(Node const& load, std::string const& name, Node const& scenario) {
+    auto const p_kw = number_at(&load, "p_kw");
+    if (!p_kw || load.find("scale") != nullptr) {
+        return std::nullopt;
+    }
+    struct Change {
+        double at_s{0};
+        std::optional<double> p_kw;
+        std::optional<bool> connected;
+    };
+    std::vector<Change> changes;
+    if (Node const* events = scenario.find("events"); events != nullptr && events->is_map()) {
+        for (Node::Entry const& event : events->entries) {
+            auto const at_s = number_at(&event.value, "at_s");
+            auto const names = [&](std::string_view key) {
+                Node const* element = event.value.find(key);
+                return element != nullptr && element->text == name;
+            };
+            if (at_s) {
+                auto const set = number_at(event.value.find("set"), "loads." + name + ".p_kw");
+                changes.push_back({*at_s, set,
+                                   names("disconnect") ? std::optional{false}
+                                   : names("connect")  ? std::optional{true}
+                                                       : std::nullopt});
+            }
+        }
+    }
+    std::stable_sort(changes.begin(), changes.end(), [](auto const& a, auto const& b) { return a.at_s < b.at_s; });
+    std::map<std::int64_t, double> out{{0, *p_kw}};
+    double wanted = *p_kw;
+    bool connected = true; // a load that the scenario takes away asks for nothing
+    for (Change const& change : changes) {
+        wanted = change.p_kw.value_or(wanted);
+        connected = change.connected.value_or(connected);
+        out[std::llround(change.at_s * 1e9)] = connected ? wanted : 0;
+    }
+    return out;
+}
+
+/// kW that the load does not get, at each instant at which its power was recorded.
+std::vector<double> not_served(SignalSeries const& p_kw, std::map<std::int64_t, double> const& asked) {
+    std::vector<double> out;
+    for (std::size_t i = 0; i < p_kw.values.size(); ++i) {
+        double const wanted = std::prev(asked.upper_bound(std::max<std::int64_t>(p_kw.times_ns[i], 0)))->second;
+        out.push_back(p_kw.values[i] < kServed * wanted ? wanted - std::max(p_kw.values[i], 0.0) : 0);
+    }
+    return out;
+}
+
+void judge_loads(Consequences& out, Node const& scenario, Node const& network, SignalStore const& signals,
+                 double end_s) {
+    Node const* loads = network.find("loads");
+    if (loads == nullptr || !loads->is_map()) {
+        return;
+    }
+    std::map<std::int64_t, double> sum; ///< kW of all; the loads are recorded at the same instants
+    for (Node::Entry const& load : loads->entries) {
+        auto const p_kw = signals.find("load." + load.key + ".p_kw");
+        auto const asked = demand(load.value, load.key, scenario);
+        if (!asked || p_kw == signals.end() || p_kw->second.values.empty()) {
+            out.unknown.push_back(load.key);
+            continue;
+        }
+        Consequences::Load judged{load.key, asked->rbegin()->second, 0, 0};
+        std::vector<double> const missing = not_served(p_kw->second, *asked);
+        auto const& times = p_kw->second.times_ns;
+        for (std::size_t i = 0; i < missing.size(); ++i) {
+            double const until_ns = i + 1 < times.size() ? static_cast<double>(times[i + 1]) : end_s * 1e9;
+            judged.not_served_wh += missing[i] * 1e3 * std::max(until_ns - static_cast<double>(times[i]), 0.0) / 3600e9;
+            judged.most_not_served_kw = std::max(judged.most_not_served_kw, missing[i]);
+            out.load_not_served_kw = std::max(out.load_not_served_kw, sum[times[i]] += missing[i]);
+        }
+        out.energy_not_served_wh += judged.not_served_wh;
+        out.loads.push_back(std::move(judged));
+    }
+}
+
+void judge_trips(Consequences& out, IntrusionScore const& score) {
+    for (IntrusionScore::Relay const& r : score.relays) {
+        out.faults += r.with.real_faults;
+        out.lost += r.with.late_or_blocked;
+        out.false_trips += r.with.false_trips;
+        out.compared += r.added_each_ms.size();
+        out.late += static_cast<std::uint64_t>(std::count_if(r.added_each_ms.begin(), r.added_each_ms.end(),
+                                                             [](double added) { return added > kLateMs; }));
+    }
+}
+
+/// When each attack altered something for the first time.
+std::map<std::string, double> beginnings(IntrusionScore const& score, Node const& scenario) {
+    std::map<std::string, double> rates, out;
+    if (Node const* streams = scenario.find("streams"); streams != nullptr && streams->is_map()) {
+        for (Node::Entry const& s : streams->entries) {
+            if (Node const* kind = s.value.find("kind"); kind != nullptr && kind->text == "smv") {
+                rates[s.key] = number_at(&s.value, "rate_hz").value_or(4800);
+            }
+        }
+    }
+    Node const* attacks = scenario.find("attacks");
+    for (IntrusionRecording::Label const& label : score.recording.labels) {
+        auto const rate = rates.find(label.target);
+        double at_s = 0;
+        if (rate != rates.end()) {
+            at_s = static_cast<double>(label.index) / rate->second;
+        } else {
+            Node const* window = attacks == nullptr || attacks->find(label.attack) == nullptr
+                                     ? nullptr
+                                     : attacks->find(label.attack)->find("window");
+            at_s =
+                std::max(number_at(window, "from_s").value_or(0), 1e-9 * static_cast<double>(label.sent_ns) - kBlockS);
+        }
+        auto const [known, is_new] = out.try_emplace(label.attack, at_s);
+        known->second = is_new ? at_s : std::min(known->second, at_s);
+    }
+    return out;
+}
+
+void judge_alarms(Consequences& out, IntrusionScore const& score, Node const& scenario, SignalStore const& signals) {
+    for (auto const& [attack, from_s] : beginnings(score, scenario)) {
+        Consequences::Alarm first{attack, "", 0};
+        for (auto const& [name, series] : signals) {
+            bool const is_alarm =
+                (name.starts_with("ids.") || name.starts_with("first_line.")) && name.ends_with(".alarm");
+            if (!is_alarm) {
+                continue;
+            }
+            bool before = false;
+            for (std::size_t i = 0; i < series.values.size(); ++i) {
+                bool const up = series.values[i] != 0;
+                double const delay_ms = 1e3 * (1e-9 * static_cast<double>(series.times_ns[i]) - from_s);
+                if (up && !before && delay_ms >= 0) {
+                    if (first.by.empty() || delay_ms < first.delay_ms) {
+                        first.by = name.substr(0, name.size() - std::string_view{".alarm"}.size());
+                        first.delay_ms = delay_ms;
+                    }
+                    break;
+                }
+                before = up;
+            }
+        }
+        if (first.by.empty()) {
+            out.not_alarmed.push_back(attack);
+        } else {
+            out.alarms.push_back(std::move(first));
+        }
+    }
+}
+
+} // namespace
+
+Consequences find_consequences(IntrusionScore const& score, Node const& scenario, Node const& network,
+                               SignalStore const& signals, double end_s) {
+    Consequences out;
+    judge_trips(out, score);
+    judge_loads(out, scenario, network, signals, end_s);
+    judge_alarms(out, score, scenario, signals);
+    return out;
+}
+
+void add_consequence_signals(Consequences const& c, double end_s, SignalStore& signals) {
+    auto const add = [&](std::string const& name, std::string const& unit, double value) {
+        signals[name] = {unit, {std::llround(end_s * 1e9)}, {value}};
+    };
+    add("consequence.trips_lost", "", static_cast<double>(c.lost));
+    add("consequence.trips_late", "", static_cast<double>(c.late));
+    add("consequence.trips_false", "", static_cast<double>(c.false_trips));
+    if (!c.loads.empty()) {
+        add("consequence.load_not_served_kw", "kW", c.load_not_served_kw);
+        add("consequence.energy_not_served_wh", "Wh", c.energy_not_served_wh);
+    }
+    for (Consequences::Alarm const& alarm : c.alarms) {
+        add("score." + alarm.attack + ".alarmed", "", 1);
+        add("score." + alarm.attack + ".alarm_ms", "ms", alarm.delay_ms);
+    }
+    for (std::string const& attack : c.not_alarmed) {
+        add("score." + attack + ".alarmed", "", 0);
+    }
+}
+
+} // namespace gridspace::launcher

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "launcher/judge/intrusion_score.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gridspace::launcher {
+
+/// What an attacked run did to the grid, beside what detectors found of it.
+struct Consequences {
+    std::uint64_t faults{0}, lost{0}, false_trips{0};
+    std::uint64_t compared{0},
+        late{0}; ///< faults on which the same relay without a detector tripped too; later than it
+
+    struct Load {
+        std::string load;
+        double asked_kw{0};           ///< at the end of the run, at 1 p.u.
+        double most_not_served_kw{0}; ///< largest
+        double not_served_wh{0};
+    };
+    std::vector<Load> loads;          ///< whose power was recorded and whose demand is known
+    std::vector<std::string> unknown; ///< loads that are not judged
+    double load_not_served_kw{0};     ///< largest of their sum
+    double energy_not_served_wh{0};
+
+    struct Alarm { ///< the first alarm of an attack, whoever raised it
+        std::string attack, by;
+        double delay_ms{0};
+    };
+    std::vector<Alarm> alarms;
+    std::vector<std::string> not_alarmed; ///< attacks during which nobody raised an alarm
+};
+
+/// While a load gets less than half of what it asks for (its power at 1 p.u., with what events have set), all that it
+/// does not get is not served. A load in the dark is; one at 0.9 p.u. is not.
+[[nodiscard]] Consequences find_consequences(IntrusionScore const& score, config::Node const& scenario,
+                                             config::Node const& network, SignalStore const& signals, double end_s);
+
+/// Adds it as signals with one value: consequence.trips_lost …, score.ATTACK.alarm_ms.
+void add_consequence_signals(Consequences const& consequences, double end_s, SignalStore& signals);
+
+} // namespace gridspace::launcher

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "launcher/judge/consequences.hpp"
+
+#include "common/config/yaml.hpp"
+
+#include <gtest/gtest.h>
+
+namespace gridspace::launcher {
+namespace {
+
+config::Node yaml(std::string const& text) {
+    config::Diagnostics diagnostics;
+    auto out = config::parse_yaml(text, config::make_source("x.yaml", text), diagnostics);
+    EXPECT_TRUE(out) << diagnostics.render();
+    return out ? *out : config::Node::map();
+}
+
+constexpr std::int64_t kS = 1'000'000'000;
+
+config::Node const& network() {
+    static config::Node const out = yaml("loads: {L1: {bus: B, p_kw: 4}, L2: {bus: B, p_kw: 2, scale: day}}\n");
+    return out;
+}
+
+/// A load of 4 kW that gets `kw` from 10 s to 20 s of 30.
+SignalStore supplied(double kw) {
+    return {{"load.L1.p_kw", {"kW", {0, 10 * kS, 20 * kS}, {3.9, kw, 3.9}}}};
+}
+
+TEST(Consequences, ALoadInTheDarkIsNotServed) {
+    auto const sut = find_consequences({}, yaml("attacks: {}\n"), network(), supplied(0), 30);
+    EXPECT_DOUBLE_EQ(sut.load_not_served_kw, 4);
+    EXPECT_NEAR(sut.energy_not_served_wh, 4000.0 * 10 / 3600, 1e-9);
+    ASSERT_EQ(sut.loads.size(), 1U);
+    EXPECT_EQ(sut.loads[0].load, "L1");
+    EXPECT_EQ(sut.unknown, std::vector<std::string>{"L2"}) << "a profile decides what it asks for";
+}
+
+TEST(Consequences, ALoadAtALowVoltageIsServed) {
+    EXPECT_EQ(find_consequences({}, yaml("attacks: {}\n"), network(), supplied(2.4), 30).energy_not_served_wh, 0);
+    EXPECT_GT(find_consequences({}, yaml("attacks: {}\n"), network(), supplied(1.9), 30).energy_not_served_wh, 0);
+}
+
+TEST(Consequences, WhatTheScenarioTakesAwayIsNotMissed) {
+    char const* const off = "events: {off: {at_s: 10, disconnect: L1}, on: {at_s: 20, connect: L1}}\n";
+    EXPECT_EQ(find_consequences({}, yaml(off), network(), supplied(0), 30).energy_not_served_wh, 0);
+    char const* const more = "events: {more: {at_s: 10, set: {loads.L1.p_kw: 8}}}\n";
+    auto const sut = find_consequences({}, yaml(more), network(), supplied(3.9), 30);
+    EXPECT_NEAR(sut.load_not_served_kw, 4.1, 1e-9) << "less than half of what it asks for now";
+    EXPECT_NEAR(sut.energy_not_served_wh, 4100.0 * 20 / 3600, 1e-9);
+}
+
+TEST(Consequences, NothingIsSaidAboutLoadsThatNobodyRecorded) {
+    auto const sut = find_consequences({}, yaml("attacks: {}\n"), network(), {}, 30);
+    EXPECT_TRUE(sut.loads.empty());
+    SignalStore signals;
+    add_consequence_signals(sut, 30, signals);
+    EXPECT_FALSE(signals.contains("consequence.energy_not_served_wh"));
+    EXPECT_TRUE(signals.contains("consequence.trips_lost"));
+}
+
+IntrusionScore::Relay relay(std::uint64_t faults, std::uint64_t lost, std::vector<double> added_ms) {
+    IntrusionScore::Relay out;
+    out.with.real_faults = faults;
+    out.with.late_or_blocked = lost;
+    out.with.false_trips = 1;
+    out.added_each_ms = std::move(added_ms);
+    return out;
+}
+
+TEST(Consequences, TripsOfAllRelaysAreCounted) {
+    IntrusionScore score;
+    score.relays = {relay(3, 1, {0, 0.2}), relay(2, 0, {20, 0.22})};
+    auto const sut = find_consequences(score, yaml("attacks: {}\n"), network(), {}, 30);
+    EXPECT_EQ(sut.faults, 5U);
+    EXPECT_EQ(sut.lost, 1U);
+    EXPECT_EQ(sut.late, 2U);
+    EXPECT_EQ(sut.compared, 4U);
+    EXPECT_EQ(sut.false_trips, 2U);
+}
+
+TEST(Consequences, AnAlarmCountsFromTheFirstThingThatWasAltered) {
+    IntrusionScore score;
+    auto const label = [&](char const* attack, char const* target, std::int64_t index, std::int64_t sent_ns) {
+        IntrusionRecording::Label out;
+        out.attack = attack;
+        out.target = target;
+        out.index = index;
+        out.sent_ns = sent_ns;
+        score.recording.labels.push_back(out);
+    };
+    label("values", "S", 480, 0);
+    label("values", "S", 500, 0);
+    label("messages", "G", 0, 2 * kS + 5'000'000);
+    label("silent", "S", 4800 * 29, 0);
+    auto const scenario = yaml("streams: {S: {kind: smv, rate_hz: 4800}, G: {kind: goose}}\n"
+                               "attacks: {messages: {window: {from_s: 1.999}}}\n");
+    SignalStore const signals{
+        {"ids.r.alarm", {"", {0, kS / 20, kS / 10 + 5'000'000, kS / 5}, {0, 1, 0, 1}}},
+        {"first_line.b.alarm", {"", {0, 2 * kS}, {0, 1}}},
+        {"ids.r.alarms", {"", {0, kS / 10 + 1'000'000}, {0, 1}}},
+    };
+    auto const sut = find_consequences(score, scenario, network(), signals, 30);
+    ASSERT_EQ(sut.alarms.size(), 2U);
+    EXPECT_EQ(sut.alarms[0].attack, "messages");
+    EXPECT_EQ(sut.alarms[0].by, "first_line.b");
+    EXPECT_NEAR(sut.alarms[0].delay_ms, 1, 1e-6) << "messages: not before the window, and not later than 10 ms";
+    EXPECT_EQ(sut.alarms[1].attack, "values");
+    EXPECT_NEAR(sut.alarms[1].delay_ms, 100, 1e-6) << "the alarm that was up before is none of this attack";
+    EXPECT_EQ(sut.not_alarmed, std::vector<std::string>{"silent"});
+}
+
+} // namespace
+} // namespace gridspace::launcher
