@@ -18,6 +18,9 @@ using config::Node;
 /// A trip that comes more than a sample of 4800 Hz behind that of the relay without a detector is late.
 constexpr double kLateMs = 0.21;
 constexpr double kServed = 0.5;
+/// A trip or an opening so long after a fault is still its own.
+constexpr double kBelongsWithinS = 0.5;
+constexpr double kOpen = 1; ///< of a position, as IEC 61850-7-3 counts
 /// Labels of messages come in blocks of this length.
 constexpr double kBlockS = 0.01;
 
@@ -109,9 +112,50 @@ void judge_trips(Consequences& out, IntrusionScore const& score) {
         out.faults += r.with.real_faults;
         out.lost += r.with.late_or_blocked;
         out.false_trips += r.with.false_trips;
+        for (double const fault_s : r.faults_s) {
+            auto const trip = std::find_if(r.trips_s.begin(), r.trips_s.end(),
+                                           [&](double t) { return t >= fault_s && t <= fault_s + kBelongsWithinS; });
+            if (trip != r.trips_s.end()) {
+                out.slowest_trip_ms = std::max(out.slowest_trip_ms.value_or(0), 1e3 * (*trip - fault_s));
+            }
+        }
         out.compared += r.added_each_ms.size();
         out.late += static_cast<std::uint64_t>(std::count_if(r.added_each_ms.begin(), r.added_each_ms.end(),
                                                              [](double added) { return added > kLateMs; }));
+    }
+}
+
+/// Breakers that opened although no fault was there and the scenario did not open them: whoever commanded it.
+void judge_openings(Consequences& out, Node const& scenario, SignalStore const& signals) {
+    Node const* events = scenario.find("events");
+    auto const has_reason = [&](std::string const& breaker, double at_s) {
+        if (events == nullptr || !events->is_map()) {
+            return false;
+        }
+        return std::any_of(events->entries.begin(), events->entries.end(), [&](Node::Entry const& event) {
+            auto const since_s = number_at(&event.value, "at_s");
+            if (!since_s || at_s < *since_s || at_s > *since_s + kBelongsWithinS) {
+                return false;
+            }
+            Node const* open = event.value.find("open");
+            return event.value.find("apply_fault") != nullptr ||
+                   (open != nullptr &&
+                    (open->text == breaker || std::any_of(open->items.begin(), open->items.end(),
+                                                          [&](Node const& name) { return name.text == breaker; })));
+        });
+    };
+    constexpr std::string_view kBefore = "breaker.", kBehind = ".position";
+    for (auto const& [name, series] : signals) {
+        if (!name.starts_with(kBefore) || !name.ends_with(kBehind)) {
+            continue;
+        }
+        std::string const breaker = name.substr(kBefore.size(), name.size() - kBefore.size() - kBehind.size());
+        for (std::size_t i = 1; i < series.values.size(); ++i) {
+            bool const opens = series.values[i] == kOpen && series.values[i - 1] != kOpen;
+            if (opens && !has_reason(breaker, 1e-9 * static_cast<double>(series.times_ns[i]))) {
+                out.opened_without_fault.push_back(breaker);
+            }
+        }
     }
 }
 
@@ -181,6 +225,7 @@ Consequences find_consequences(IntrusionScore const& score, Node const& scenario
                                SignalStore const& signals, double end_s) {
     Consequences out;
     judge_trips(out, score);
+    judge_openings(out, scenario, signals);
     judge_loads(out, scenario, network, signals, end_s);
     judge_alarms(out, score, scenario, signals);
     return out;
@@ -193,6 +238,10 @@ void add_consequence_signals(Consequences const& c, double end_s, SignalStore& s
     add("consequence.trips_lost", "", static_cast<double>(c.lost));
     add("consequence.trips_late", "", static_cast<double>(c.late));
     add("consequence.trips_false", "", static_cast<double>(c.false_trips));
+    add("consequence.openings_false", "", static_cast<double>(c.opened_without_fault.size()));
+    if (c.slowest_trip_ms) {
+        add("consequence.slowest_trip_ms", "ms", *c.slowest_trip_ms);
+    }
     if (!c.loads.empty()) {
         add("consequence.load_not_served_kw", "kW", c.load_not_served_kw);
         add("consequence.energy_not_served_wh", "Wh", c.energy_not_served_wh);

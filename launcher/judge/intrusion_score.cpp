@@ -245,6 +245,11 @@ void score_relay(IntrusionScore& out, Node::Entry const& process, Node const& sc
         faults.push_back({std::llround(at * r.rate_hz), std::llround(until * r.rate_hz) + 1});
     }
     r.trips = trips_of(r.relay, events, r.rate_hz);
+    for (LoggedEvent const& e : events) {
+        if (e.source == r.relay && e.event == "trip") {
+            r.trips_s.push_back(e.time_s);
+        }
+    }
     r.with = ids::score_trips(faults, r.trips);
     auto const params = params_of(process.value, network, to_ct, r.rate_hz);
     if (from != nullptr && to != nullptr && params) {

@@ -42,7 +42,8 @@ struct IntrusionScore {
         double rate_hz{0};
         std::vector<double> faults_s; ///< on its line
         std::vector<std::int64_t> trips,
-            trips_without; ///< sample indices: as it was, and of the same relay on the raw samples
+            trips_without;           ///< sample indices: as it was, and of the same relay on the raw samples
+        std::vector<double> trips_s; ///< when it gave them
         ids::TripScore with, without;
         std::optional<double> added_ms;    ///< longest, of the faults on which both tripped; nothing when there is none
         std::vector<double> added_each_ms; ///< of each such fault

@@ -103,7 +103,14 @@ std::vector<ReportTable> consequence_tables(Consequences const& c) {
     sum.rows.push_back({"trips lost", fmt::format("{} of {} faults", c.lost, c.faults)});
     sum.rows.push_back({"trips late", c.compared == 0 ? "not judged: no relay with a detector tripped on a fault"
                                                       : fmt::format("{} of {}", c.late, c.compared)});
+    sum.rows.push_back(
+        {"slowest trip", c.slowest_trip_ms ? fmt::format("{:.2f} ms after its fault", *c.slowest_trip_ms) : "-"});
     sum.rows.push_back({"trips without a fault", std::to_string(c.false_trips)});
+    std::string opened;
+    for (std::string const& breaker : c.opened_without_fault) {
+        opened += (opened.empty() ? "" : ", ") + escape_markup(breaker);
+    }
+    sum.rows.push_back({"breakers opened without a fault", opened.empty() ? "none" : opened});
     sum.rows.push_back(
         {"load not served, at most", c.loads.empty() ? "not recorded: load.*.p_kw" : power(c.load_not_served_kw)});
     sum.rows.push_back({"energy not served", c.loads.empty() ? "-" : energy(c.energy_not_served_wh)});

@@ -109,6 +109,8 @@ std::string summary_json(Results const& r) {
                                    {"trips_lost", c.lost},
                                    {"trips_late", c.compared == 0 ? Json(nullptr) : Json(c.late)},
                                    {"trips_false", c.false_trips},
+                                   {"slowest_trip_ms", number_or_null(c.slowest_trip_ms)},
+                                   {"opened_without_fault", c.opened_without_fault},
                                    {"load_not_served_kw", known ? Json(c.load_not_served_kw) : Json(nullptr)},
                                    {"energy_not_served_wh", known ? Json(c.energy_not_served_wh) : Json(nullptr)},
                                    {"alarms", alarms}};

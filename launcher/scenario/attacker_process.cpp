@@ -115,9 +115,10 @@ class AttackerProcess final : public ProcessSettings {
                                return p.program.name == process.program.name;
                            })->name == process.name;
         if (first && !config_.labels.empty()) { // of the run, whoever attacks
-            for (char const* name : {"trips_lost", "trips_late", "trips_false"}) {
+            for (char const* name : {"trips_lost", "trips_late", "trips_false", "openings_false"}) {
                 out.push_back({std::string{"consequence."} + name, "", 0});
             }
+            out.push_back({"consequence.slowest_trip_ms", "ms", 0});
             out.push_back({"consequence.load_not_served_kw", "kW", 0});
             out.push_back({"consequence.energy_not_served_wh", "Wh", 0});
         }

@@ -80,6 +80,30 @@ TEST(Consequences, TripsOfAllRelaysAreCounted) {
     EXPECT_EQ(sut.false_trips, 2U);
 }
 
+TEST(Consequences, TheSlowestTripCountsFromItsFault) {
+    IntrusionScore score;
+    score.relays = {relay(2, 0, {})};
+    score.relays[0].faults_s = {1, 2};
+    score.relays[0].trips_s = {0.9, 1.002, 2.025};
+    auto const sut = find_consequences(score, yaml("attacks: {}\n"), network(), {}, 30);
+    ASSERT_TRUE(sut.slowest_trip_ms);
+    EXPECT_NEAR(*sut.slowest_trip_ms, 25, 1e-9);
+    score.relays[0].trips_s = {0.9, 1.7};
+    EXPECT_FALSE(find_consequences(score, yaml("attacks: {}\n"), network(), {}, 30).slowest_trip_ms);
+}
+
+TEST(Consequences, ABreakerThatOpensWithoutAFaultIsNamed) {
+    auto const position = [](std::int64_t opens_ms) { return SignalSeries{"", {0, opens_ms * 1'000'000}, {2, 1}}; };
+    SignalStore const signals{{"breaker.CB1.position", position(1100)},
+                              {"breaker.CB2.position", position(900)},
+                              {"breaker.CB3.position", position(2001)},
+                              {"breaker.CB4.position", position(2001)},
+                              {"breaker.CB5.position", {"", {0}, {1}}}};
+    auto const scenario = yaml("events: {fault: {at_s: 1, apply_fault: {line: L}}, off: {at_s: 2, open: [CB3]}}\n");
+    auto const sut = find_consequences({}, scenario, network(), signals, 30);
+    EXPECT_EQ(sut.opened_without_fault, (std::vector<std::string>{"CB2", "CB4"}));
+}
+
 TEST(Consequences, AnAlarmCountsFromTheFirstThingThatWasAltered) {
     IntrusionScore score;
     auto const label = [&](char const* attack, char const* target, std::int64_t index, std::int64_t sent_ns) {
