@@ -177,13 +177,13 @@ class Maker {
         }
         bool const measures = std::any_of(mappings.entries.begin(), mappings.entries.end(),
                                           [](Node::Entry const& m) { return m.value.find("from") != nullptr; });
-        if (!mappings.entries.empty()) {
-            add_process(name, measures, std::move(mappings), apart ? Node::map() : std::move(subscriptions));
-            played.processes.push_back(name);
-        }
-        if (!subscriptions.entries.empty()) {
+        if (apart) {
+            add_process(name, measures, std::move(mappings), Node::map());
             add_process(hearing, false, Node::map(), std::move(subscriptions));
-            played.processes.push_back(hearing);
+            played.processes = {name, hearing};
+        } else {
+            add_process(name, measures, std::move(mappings), std::move(subscriptions));
+            played.processes = {name};
         }
         out_.ieds.push_back(std::move(played));
     }
