@@ -164,7 +164,7 @@ void verify_sv_92le(benchmark::State& state, CodeAlgorithm algorithm) {
 }
 
 /// A tenth of a second of 64 streams of 4800 Hz, each with keys of its own, in the order in which their frames come:
-/// judged, decoded and counted as a subscriber does. `core_percent`: of a processor, were it to go on so.
+/// judged, decoded and counted as a subscriber does. All 64 together have 307,200 frames a second.
 void authenticated_streams(benchmark::State& state, CodeAlgorithm algorithm) {
     constexpr std::size_t kStreams = 64, kInstants = 480;
     struct Stream {
@@ -221,8 +221,6 @@ void authenticated_streams(benchmark::State& state, CodeAlgorithm algorithm) {
         }
         next = next + 1 == kStreams * kInstants ? 0 : next + 1;
     }
-    state.counters["core_percent"] = benchmark::Counter(
-        1.0 / (100.0 * kStreams * 4800), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 BENCHMARK(encode_sv_three_floats);
