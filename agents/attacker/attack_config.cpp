@@ -228,6 +228,10 @@ void describe_attack(config::Fields& f, AttackConfig& a) {
     if (a.goose) {
         a.goose->said = said;
     }
+    if (frames && f.has("samples")) {
+        f.error("samples", "an attack on frames acts on all of its window",
+                "leave it out; `frames: {kind: drop}` has a share");
+    }
     if (a.above_a && goose) {
         f.error("window", "messages have no currents", "when: {said: true}");
     } else if (said && !goose) {

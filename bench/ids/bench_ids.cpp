@@ -217,7 +217,7 @@ int main_function(Options const& o) {
         fmt::print("\n## {} element, pickup {:.2f} A\n\n",
                    kind == relay::ElementParams::Kind::rms ? "rms (Eq. 5-6)" : "phasor", relay.element.pickup_a);
         fmt::print("| detector | trips on faults, % | delay ms, median / p95 / max | added ms | trips before the fault "
-                   "| false trips, % of {} | alarms, % | locked out, % |\n"
+                   "| false trips, % of {} | alarms (but for noise), % | locked out, % |\n"
                    "|---|---|---|---|---|---|---|---|\n",
                    disturbed.size());
         std::vector<std::int64_t> unguarded(faults.size(), -1);
@@ -232,7 +232,7 @@ int main_function(Options const& o) {
                 outcomes[k] = run_trial(d.model, *detector, relay, recordings[k], nullptr, seed);
             });
             std::vector<double> delays, added;
-            std::uint64_t tripped = 0, early = 0, false_trips = 0, alarms = 0, locked = 0, possible = 0;
+            std::uint64_t tripped = 0, early = 0, false_trips = 0, alarms = 0, locked = 0, possible = 0, forgery = 0;
             for (std::size_t k = 0; k < faults.size(); ++k) {
                 std::int64_t const trip = outcomes[k].trip, event = faults[k].event;
                 bool const right = trip >= event;
@@ -253,13 +253,14 @@ int main_function(Options const& o) {
             for (std::size_t k = faults.size(); k < outcomes.size(); ++k) {
                 false_trips += outcomes[k].trip >= 0 ? 1U : 0U;
                 alarms += outcomes[k].alarms > 0 ? 1U : 0U;
+                forgery += outcomes[k].alarm >= 0 ? 1U : 0U;
                 locked += outcomes[k].locked_out ? 1U : 0U;
             }
             auto const share = [](std::uint64_t n, std::uint64_t of) { return ids::share_of(n, of).percent; };
-            fmt::print("| {} | {:.1f} of {} | {} | {} | {} | {:.1f} | {:.1f} | {:.1f} |\n", d.name,
+            fmt::print("| {} | {:.1f} of {} | {} | {} | {} | {:.1f} | {:.1f} ({:.1f}) | {:.1f} |\n", d.name,
                        share(tripped, possible), possible, percentiles(delays), percentiles(added), early,
                        share(false_trips, disturbed.size()), share(alarms, disturbed.size()),
-                       share(locked, disturbed.size()));
+                       share(forgery, disturbed.size()), share(locked, disturbed.size()));
             std::fflush(stdout);
 
             std::int64_t const start = 18 * cycle,

@@ -29,8 +29,8 @@ TrialOutcome run_trial(Model const& model, DetectorParams const& detector_params
         Abc const i_from = from ? from->apply(index, w.from[k]).sent_a : w.from[k];
         Abc const i_to = to ? to->apply(index, w.to[k]).sent_a : w.to[k];
         LineVerdict const& v = detector.step(index, {i_from, true}, {i_to, true}, relay.output().pickup);
-        bool const attacked = attack != nullptr && index >= attack->from.from;
-        out.alarm = out.alarm < 0 && attacked && (v.alarms & ~static_cast<Alarms>(kNoise)) != 0 ? index : out.alarm;
+        bool const counts = attack == nullptr || index >= attack->from.from;
+        out.alarm = out.alarm < 0 && counts && (v.alarms & ~static_cast<Alarms>(kNoise)) != 0 ? index : out.alarm;
         relay::LineSample sample{index, {}, {}};
         sample.from.i_a = v.from_accepted_a;
         sample.to.i_a = v.to_accepted_a;

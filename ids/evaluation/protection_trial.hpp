@@ -16,7 +16,7 @@ struct TrialOutcome {
     std::int64_t trip{-1};
     std::int64_t pickup{-1};
     std::uint64_t alarms{0};
-    std::int64_t alarm{-1}; ///< the first one at or after the attack's start, but for that of noise
+    std::int64_t alarm{-1}; ///< the first one, of an attack at or after its start, but for that of noise
     bool locked_out{false}; ///< at the end
 };
 

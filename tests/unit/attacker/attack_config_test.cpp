@@ -122,6 +122,7 @@ TEST(AttackConfig, RefusesWhatFitsTogetherNowhere) {
     EXPECT_TRUE(refused(", ramp_s: 0.1", "message: {kind: grayhole}"));
     EXPECT_TRUE(refused(", ramp_s: 0.1", "frames: {kind: drop}"));
     EXPECT_FALSE(refused(", ramp_s: 0.1", "frames: {kind: delay, delay_us: 100}"));
+    EXPECT_TRUE(refused("", "samples: {spacing: random, count: 2}\n    frames: {kind: drop}"));
     EXPECT_TRUE(refused("", "frames: {kind: delay}"));
     EXPECT_TRUE(refused("", "frames: {kind: counter_jump}"));
     EXPECT_TRUE(refused("", "value: {clock: {}}"));
