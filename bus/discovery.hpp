@@ -36,6 +36,8 @@ struct EndpointQos {
     bool by_source_timestamp{false}; ///< destination order
     std::vector<Representation> representations{Representation::xcdr1}; ///< a writer uses the first; never empty
     double latency_budget_s{0};
+
+    friend bool operator==(EndpointQos const&, EndpointQos const&) = default;
 };
 
 /// A reader or writer of somebody else's.

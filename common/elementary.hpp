@@ -23,20 +23,12 @@ namespace gridspace::elementary {
 /// (y, x) as std::atan2, within 4 units in the last place.
 [[nodiscard]] double atan2(double y, double x);
 
-/// Hyperbolic tangent, inline because a network asks it for every neuron. Real is double or float.
-template <class Real>
-[[nodiscard]] inline Real tanh(Real x);
-
-template <>
-[[nodiscard]] inline double tanh(double x) {
-    // tanh(x) = m / (m + 2) with m = e^(2x) - 1; e^(2x) = 2^k e^r, |r| <= ln(2)/2.
-    double const y = 2 * x;
-    if (!(std::fabs(y) < 40)) {
-        return x > 0 ? 1.0 : x < 0 ? -1.0 : x; // NaN stays NaN
-    }
-    double const k = std::floor(y * 1.4426950408889634 + 0.5);
-    double const r = (y - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;
-    double p = 1.0 / 6227020800.0;
+/// The rest of tanh where k = floor(y / ln(2) + 1/2) and scale = 2^k are known, y = 2 x: m / (m + 2) with m = e^y - 1
+/// and e^y = 2^k e^r, |r| <= ln(2)/2. V is double, or several of them in one register.
+template <class V>
+[[nodiscard]] inline V tanh_of(V y, V k, V scale) {
+    V const r = (y - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;
+    V p = V{} + 1.0 / 6227020800.0;
     p = p * r + 1.0 / 479001600.0;
     p = p * r + 1.0 / 39916800.0;
     p = p * r + 1.0 / 3628800.0;
@@ -49,11 +41,30 @@ template <>
     p = p * r + 1.0 / 6.0;
     p = p * r + 0.5;
     p = p * r * r + r; // e^r - 1
-    std::uint64_t const bits = static_cast<std::uint64_t>(static_cast<std::int64_t>(k) + 1023) << 52;
-    double scale = 0;
-    std::memcpy(&scale, &bits, sizeof scale);
-    double const m = (scale - 1) + scale * p;
+    V const m = (scale - 1) + scale * p;
     return m / (m + 2);
+}
+
+/// 2^k as a double; k is whole, from -1022 to 1023.
+[[nodiscard]] inline double power_of_two(std::int64_t k) {
+    std::uint64_t const bits = static_cast<std::uint64_t>(k + 1023) << 52;
+    double out = 0;
+    std::memcpy(&out, &bits, sizeof out);
+    return out;
+}
+
+/// Hyperbolic tangent, inline because a network asks it for every neuron. Real is double or float.
+template <class Real>
+[[nodiscard]] inline Real tanh(Real x);
+
+template <>
+[[nodiscard]] inline double tanh(double x) {
+    double const y = 2 * x;
+    if (!(std::fabs(y) < 40)) {
+        return x > 0 ? 1.0 : x < 0 ? -1.0 : x; // NaN stays NaN
+    }
+    double const k = std::floor(y * 1.4426950408889634 + 0.5);
+    return tanh_of(y, k, power_of_two(static_cast<std::int64_t>(k)));
 }
 
 template <>

@@ -60,7 +60,7 @@ build() {
 # programs_are_current [FOR]: whether no source is newer than the last complete build of the programs, or of those FOR a scenario.
 programs_are_current() {
   local stamp="$root/build/release/.programs_built${1:+_for_$1}"
-  [ -f "$stamp" ] || return 1
+  [ -x "$root/build/release/bin/gridspace${1:+-runner}" ] && [ -f "$stamp" ] || return 1
   [ -z "$(find "$root" -path "$root/build" -prune -o -path "$root/.git" -prune -o -path "$root/runs" -prune -o -path "*/node_modules" -prune -o \
     -path "$root/tests" -prune -o -path "$root/docs" -prune -o -path "$root/configs" -prune -o \
     \( -name '*.cpp' -o -name '*.hpp' -o -name '*.idl' -o -name '*.in' -o -name '*.cmake' -o -name 'CMake*' -o -name '*.ts' -o -name '*.tsx' -o -name '*.css' -o -name '*.html' -o -name '*.js' \) \
@@ -74,7 +74,7 @@ ensure_programs() { ensure_programs_for ""; }
 ensure_programs_for() {
   local scenario=$1 for=""
   [ -z "$scenario" ] || for=$(readlink -f "$scenario" | md5sum | cut -c1-16)
-  programs_are_current || { [ -n "$for" ] && programs_are_current "$for"; } && return 0
+  programs_are_current "$for" && return 0
   if [ ! -w "$root" ] || { [ -e "$root/build" ] && [ ! -w "$root/build" ]; }; then
     [ -x "$root/build/release/bin/gridspace" ] && return 0 # somebody else's tree: use what they built
     say "$root is not writable for you and holds no build"
@@ -86,7 +86,7 @@ ensure_programs_for() {
   mkdir -p "$root/build"
   (
     flock 9
-    programs_are_current && exit 0
+    programs_are_current "$for" && exit 0
     first=$([ -x "$root/build/release/bin/gridspace" ] || echo yes)
     [ -z "$first" ] || say "building what ${scenario:-Gridspace} needs: once, some minutes"
     began=$(mktemp "$root/build/.began.XXXX")

@@ -33,7 +33,7 @@ std::vector<std::uint8_t> CallTable::draw(std::size_t octets) {
 
 std::array<std::uint8_t, 16> CallTable::random_octets() {
     std::array<std::uint8_t, 16> out{};
-    std::generate(out.begin(), out.end(), [&] { return static_cast<std::uint8_t>(random_.next()); });
+    std::ranges::copy(draw(out.size()), out.begin());
     return out;
 }
 

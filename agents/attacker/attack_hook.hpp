@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -78,10 +79,11 @@ class AttackHook final : public gateways::FrameHook {
         }
         Running& attack = *chain_[place];
         attack.now_ns = time_ns;
-        Emit const emit = [&](auto altered) {
+        auto const hand_on_altered = [&](std::span<std::uint8_t const> altered) {
             std::int64_t const later = attack.messages ? attack.messages->delay_ns() : 0;
             hand_on(place + 1, altered, time_ns, delay_ns + later, out);
         };
+        Emit const emit = std::cref(hand_on_altered); // what is captured would be allocated for each frame
         if (attack.values) {
             attack.values->pass(octets, time_ns, emit, attack.tell);
         } else {

@@ -49,12 +49,11 @@ class AttackWindow {
         if (times_.waits) {
             return std::nullopt;
         }
-        for (std::int64_t k = 0; k < times_.times; ++k) {
-            if (std::int64_t const begin = times_.from + k * times_.every; begin >= now) {
-                return begin;
-            }
+        if (now <= times_.from) {
+            return times_.from;
         }
-        return std::nullopt;
+        std::int64_t const k = times_.every <= 0 ? times_.times : (now - times_.from + times_.every - 1) / times_.every;
+        return k < times_.times ? std::optional{times_.from + k * times_.every} : std::nullopt;
     }
     /// 0 to 1.
     [[nodiscard]] double strength(std::int64_t start, std::int64_t now) const {

@@ -4,6 +4,7 @@
 
 #include "agents/attacker/sv_forger.hpp"
 #include "gateways/iec61850/ber.hpp"
+#include "gateways/iec61850/sample_index.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,11 +17,6 @@ using Kind = FrameAttackParams::Kind;
 constexpr std::uint8_t kSmpCnt = 0x82, kSmpSynch = 0x85; ///< IEC 61850-9-2, table 14
 constexpr std::uint8_t kWholeFrame = 3;                  ///< channel of a label
 constexpr std::size_t kSourceAt = 6;
-
-std::int64_t index_of(std::uint16_t smp_cnt, double rate_hz, std::int64_t time_ns) {
-    double const second = static_cast<double>(time_ns) / 1e9 - static_cast<double>(smp_cnt) / rate_hz;
-    return std::llround(std::round(second) * rate_hz) + smp_cnt;
-}
 
 } // namespace
 
@@ -38,12 +34,11 @@ Result<std::unique_ptr<FrameForger>> FrameForger::create(streams::Stream const& 
     auto out = std::unique_ptr<FrameForger>{new FrameForger{stream, config, seed}};
     if (config.above_a) {
         for (std::string const& phase : phase_channels(stream)) {
-            auto const slot = *out->layout_.index_of(phase);
+            auto const slot = *out->target_.layout().index_of(phase);
             bool const wanted = config.channels.empty() || std::find(config.channels.begin(), config.channels.end(),
                                                                      phase) != config.channels.end();
             if (wanted) {
-                bool const counts = iec61850::is_integer(out->layout_.slots()[slot].leaf.type); // milliamperes
-                out->watched_.emplace_back(slot, counts ? 1e-3 : 1.0);
+                out->watched_.emplace_back(slot, out->target_.amperes(slot));
             }
         }
         if (out->watched_.empty()) {
@@ -54,27 +49,17 @@ Result<std::unique_ptr<FrameForger>> FrameForger::create(streams::Stream const& 
 }
 
 FrameForger::FrameForger(streams::Stream const& stream, AttackConfig const& config, std::uint64_t seed)
-    : sv_id_{stream.sv_id}, layout_{stream.data_set}, rate_hz_{stream.rate_hz.to_double()}, above_a_{config.above_a},
+    : target_{stream}, rate_hz_{stream.rate_hz.to_double()}, above_a_{config.above_a},
       attack_{*config.frames, times_in_ns(config), seed}, in_cable_{config.place == AttackConfig::Place::between},
       spoof_{config.spoof} {
     buffer_.reserve(2048);
     newest_.reserve(iec61850::kMaxAsdus);
 }
 
-bool FrameForger::is_target(iec61850::Octets frame) {
-    if (!iec61850::decode_sv(frame, decoded_)) {
-        return false;
-    }
-    auto const asdus = decoded_.view();
-    return !asdus.empty() && std::all_of(asdus.begin(), asdus.end(), [&](iec61850::Asdu const& a) {
-        return a.sv_id == sv_id_ && a.sample.size() == layout_.sample_octets();
-    });
-}
-
 void FrameForger::look_for_condition(std::int64_t time_ns) {
     for (iec61850::Asdu const& asdu : decoded_.view()) {
         for (auto const& [slot, scale] : watched_) {
-            if (std::fabs(layout_.read(slot, asdu.sample).number() * scale) > *above_a_) {
+            if (std::fabs(target_.layout().read(slot, asdu.sample).number() * scale) > *above_a_) {
                 attack_.trigger(time_ns);
             }
         }
@@ -113,7 +98,7 @@ double FrameForger::altered(iec61850::Asdu const& asdu) {
 
 void FrameForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) {
     delay_ns_ = 0;
-    if (time_ns < 0 || !is_target(frame)) {
+    if (time_ns < 0 || !target_.decode(frame, decoded_)) {
         if (emit) {
             emit(frame);
         }
@@ -127,7 +112,7 @@ void FrameForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const&
         buffer_.assign(frame.begin(), frame.end());
         newest_.clear();
         for (iec61850::Asdu const& asdu : decoded_.view()) {
-            newest_.push_back(index_of(asdu.smp_cnt, rate_hz_, time_ns));
+            newest_.push_back(iec61850::absolute_index(asdu.smp_cnt, rate_hz_, time_ns));
         }
         copies_ = 0;
     }
@@ -146,7 +131,8 @@ void FrameForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const&
     }
     bool acted = false;
     for (iec61850::Asdu const& asdu : decoded_.view()) {
-        Label label{index_of(asdu.smp_cnt, rate_hz_, time_ns), kWholeFrame, 1, 0}; // dropped: one, and none
+        Label label{iec61850::absolute_index(asdu.smp_cnt, rate_hz_, time_ns), kWholeFrame, 1,
+                    0}; // dropped: one, and none
         if (kind == Kind::delay) {
             label.true_a = 0;
             label.sent_a = static_cast<double>(outcome.delay_ns) * 1e-9;

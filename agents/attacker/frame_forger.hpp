@@ -4,9 +4,8 @@
 
 #include "agents/attacker/attack_config.hpp"
 #include "agents/attacker/frame_attack.hpp"
+#include "agents/attacker/sv_target.hpp"
 #include "agents/attacker/wire_attack.hpp"
-#include "gateways/iec61850/sv_layout.hpp"
-#include "gateways/streams/stream.hpp"
 
 #include <atomic>
 #include <memory>
@@ -31,14 +30,12 @@ class FrameForger final : public WireAttack {
 
   private:
     FrameForger(streams::Stream const& stream, AttackConfig const& config, std::uint64_t seed);
-    [[nodiscard]] bool is_target(iec61850::Octets frame);
     void look_for_condition(std::int64_t time_ns);
     /// Writes a number of so many octets behind its tag in the ASDU; false when it is not there in that size.
     [[nodiscard]] bool rewrite(iec61850::Asdu const& asdu, std::uint8_t tag, std::size_t octets, std::uint64_t value);
     [[nodiscard]] double altered(iec61850::Asdu const& asdu);
 
-    std::string sv_id_;
-    iec61850::SvLayout layout_;
+    SvTarget target_;
     double rate_hz_;
     std::vector<std::pair<std::size_t, double>> watched_; ///< slots of the attacked currents, and their scale
     std::optional<double> above_a_;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/attacker/sv_forger.hpp"
 
+#include "gateways/iec61850/sample_index.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -36,60 +38,44 @@ Result<std::unique_ptr<SvForger>> SvForger::create(streams::Stream const& stream
     }
     auto out = std::unique_ptr<SvForger>{new SvForger{stream, config, std::move(*attack), std::move(*frame)}};
     for (std::size_t p = 0; p < 3; ++p) {
-        out->slots_[p] = *out->layout_.index_of(phases[p]);
-        out->scales_[p] =
-            iec61850::is_integer(out->layout_.slots()[out->slots_[p]].leaf.type) ? 1e-3 : 1.0; // milliamperes
+        out->slots_[p] = *out->target_.layout().index_of(phases[p]);
+        out->scales_[p] = out->target_.amperes(out->slots_[p]);
     }
     return out;
 }
 
 SvForger::SvForger(streams::Stream const& stream, AttackConfig const& config, SampleAttack attack,
                    iec61850::SvTemplate frame)
-    : sv_id_{stream.sv_id}, layout_{stream.data_set}, rate_hz_{stream.rate_hz.to_double()}, anticipation_{attack},
-      attack_{std::move(attack)}, template_{std::move(frame)}, spoof_{config.spoof} {
+    : target_{stream}, rate_hz_{stream.rate_hz.to_double()}, anticipation_{attack}, attack_{std::move(attack)},
+      template_{std::move(frame)}, spoof_{config.spoof} {
     buffer_.reserve(2048);
-    last_sample_.resize(layout_.sample_octets());
-}
-
-bool SvForger::is_target(iec61850::Octets frame) {
-    if (!iec61850::decode_sv(frame, decoded_)) {
-        return false;
-    }
-    auto const asdus = decoded_.view();
-    return !asdus.empty() && std::all_of(asdus.begin(), asdus.end(), [&](iec61850::Asdu const& a) {
-        return a.sv_id == sv_id_ && a.sample.size() == layout_.sample_octets();
-    });
+    last_sample_.resize(target_.layout().sample_octets());
 }
 
 Abc SvForger::read(iec61850::Octets sample) const {
     Abc out;
     for (std::size_t p = 0; p < 3; ++p) {
-        out[p] = layout_.read(slots_[p], sample).number() * scales_[p];
+        out[p] = target_.layout().read(slots_[p], sample).number() * scales_[p];
     }
     return out;
 }
 
 double SvForger::write(std::size_t phase, double value_a, std::span<std::uint8_t> sample) const {
-    auto const type = layout_.slots()[slots_[phase]].leaf.type;
+    auto const type = target_.layout().slots()[slots_[phase]].leaf.type;
     auto const value = iec61850::Value::from_number(type, value_a / scales_[phase]);
-    layout_.write(slots_[phase], value, sample);
+    target_.layout().write(slots_[phase], value, sample);
     return value.number() * scales_[phase];
 }
 
-std::int64_t SvForger::index_of(std::uint16_t smp_cnt, std::int64_t time_ns) const {
-    double const second = static_cast<double>(time_ns) / 1e9 - static_cast<double>(smp_cnt) / rate_hz_;
-    return std::llround(std::round(second) * rate_hz_) + smp_cnt;
-}
-
 void SvForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) {
-    if (time_ns < 0 || !is_target(frame)) {
+    if (time_ns < 0 || !target_.decode(frame, decoded_)) {
         emit(frame);
         return;
     }
     buffer_.assign(frame.begin(), frame.end());
     bool altered = false;
     for (iec61850::Asdu const& asdu : decoded_.view()) {
-        std::int64_t const index = index_of(asdu.smp_cnt, time_ns);
+        std::int64_t const index = iec61850::absolute_index(asdu.smp_cnt, rate_hz_, time_ns);
         Abc const true_a = read(asdu.sample);
         SampleAttack::Outcome outcome = attack_.apply(index, true_a);
         std::span<std::uint8_t> const sample{buffer_.data() + (asdu.sample.data() - frame.data()), asdu.sample.size()};
@@ -106,11 +92,11 @@ void SvForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& em
 }
 
 void SvForger::hear(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) {
-    if (time_ns < 0 || !is_target(frame)) {
+    if (time_ns < 0 || !target_.decode(frame, decoded_)) {
         return;
     }
     for (iec61850::Asdu const& asdu : decoded_.view()) {
-        anticipation_.real(index_of(asdu.smp_cnt, time_ns), read(asdu.sample), tell);
+        anticipation_.real(iec61850::absolute_index(asdu.smp_cnt, rate_hz_, time_ns), read(asdu.sample), tell);
         std::copy(asdu.sample.begin(), asdu.sample.end(), last_sample_.begin());
     }
     if (spoof_) {

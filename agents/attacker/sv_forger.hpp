@@ -4,9 +4,8 @@
 
 #include "agents/attacker/anticipation.hpp"
 #include "agents/attacker/attack_config.hpp"
+#include "agents/attacker/sv_target.hpp"
 #include "agents/attacker/wire_attack.hpp"
-#include "gateways/iec61850/sv_layout.hpp"
-#include "gateways/streams/stream.hpp"
 
 #include <atomic>
 #include <memory>
@@ -38,15 +37,12 @@ class SvForger {
   private:
     SvForger(streams::Stream const& stream, AttackConfig const& config, SampleAttack attack,
              iec61850::SvTemplate frame);
-    [[nodiscard]] bool is_target(iec61850::Octets frame);
     [[nodiscard]] Abc read(iec61850::Octets sample) const;
     /// Writes one current; what a receiver reads of it.
     double write(std::size_t phase, double value_a, std::span<std::uint8_t> sample) const;
-    [[nodiscard]] std::int64_t index_of(std::uint16_t smp_cnt, std::int64_t time_ns) const;
     void forge_next(Emit const& emit);
 
-    std::string sv_id_;
-    iec61850::SvLayout layout_;
+    SvTarget target_;
     std::array<std::size_t, 3> slots_{};
     std::array<double, 3> scales_{};
     double rate_hz_;

@@ -24,14 +24,10 @@ void describe(config::Fields& f, std::vector<SubscriptionConfig>& subscriptions)
           });
 }
 
-namespace {
-
-bool is_signal(iec61850::BasicType type) {
+bool can_be_watched(iec61850::BasicType type) {
     return iec61850::is_number(type) || type == iec61850::BasicType::boolean || type == iec61850::BasicType::position ||
            type == iec61850::BasicType::enumerated;
 }
-
-} // namespace
 
 void check_subscriptions(std::vector<SubscriptionConfig> const& subscriptions,
                          std::vector<streams::Stream> const& streams, config::Diagnostics& diagnostics) {
@@ -60,7 +56,7 @@ void check_subscriptions(std::vector<SubscriptionConfig> const& subscriptions,
                 }
                 error(member, fmt::format("stream '{}' has no member '{}'", stream->name.name, member.name),
                       spelling_hint(member.name, all));
-            } else if (!is_signal(found->type)) {
+            } else if (!can_be_watched(found->type)) {
                 error(member,
                       fmt::format("'{}' is {}: a signal is a number", member.name, iec61850::type_name(found->type)),
                       "its quality is in `quality` already");

@@ -21,6 +21,9 @@ struct SubscriptionConfig {
 };
 void describe(config::Fields& f, std::vector<SubscriptionConfig>& subscriptions);
 
+/// Whether a member of this type is a signal: a number, or counted like one.
+[[nodiscard]] bool can_be_watched(iec61850::BasicType type);
+
 /// Everything that is wrong, at its place in the file.
 void check_subscriptions(std::vector<SubscriptionConfig> const& subscriptions,
                          std::vector<streams::Stream> const& streams, config::Diagnostics& diagnostics);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/link/impairment.hpp"
 
+#include "gateways/iec61850/sample_index.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -75,11 +77,6 @@ std::vector<std::string> impairment_keys() {
     return out;
 }
 
-std::int64_t absolute_index(std::uint16_t smp_cnt, double rate_hz, std::int64_t time_ns) {
-    double const in_second_s = static_cast<double>(smp_cnt) / rate_hz;
-    return std::llround((std::round(static_cast<double>(time_ns) / 1e9 - in_second_s) + in_second_s) * rate_hz);
-}
-
 Impairment::Impairment(ImpairmentPlan plan, std::uint64_t seed, std::string_view name)
     : plan_{std::move(plan)}, now_{plan_.first}, loss_{seed, fmt::format("{}.loss", name)},
       line_{seed, fmt::format("{}.line", name)}, jitter_{seed, fmt::format("{}.jitter", name)},
@@ -112,7 +109,8 @@ SampleImpairment const* Impairment::impairment_of(std::size_t stream, PassingFra
     if (!wanted || !iec61850::decode_sv(frame.octets, decoded_) || decoded_.count == 0) {
         return nullptr;
     }
-    std::int64_t const first = absolute_index(decoded_.asdus[0].smp_cnt, plan_.marks[stream].rate_hz, frame.time_ns);
+    std::int64_t const first =
+        iec61850::absolute_index(decoded_.asdus[0].smp_cnt, plan_.marks[stream].rate_hz, frame.time_ns);
     std::int64_t const last = first + decoded_.count - 1;
     auto const it = std::find_if(plan_.samples.begin(), plan_.samples.end(), [&](SampleImpairment const& d) {
         return d.stream == stream && last >= d.first && first < d.first + d.count;

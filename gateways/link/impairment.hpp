@@ -112,7 +112,4 @@ class Impairment final : public FrameHook {
     Counters counters_;
 };
 
-/// The index of a sample since simulated time 0 from its counter and about when it was seen (half a second either way).
-[[nodiscard]] std::int64_t absolute_index(std::uint16_t smp_cnt, double rate_hz, std::int64_t time_ns);
-
 } // namespace gridspace::gateways

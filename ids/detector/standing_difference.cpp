@@ -148,7 +148,8 @@ void StandingDifference::look_for_movement(Phase& phase, double base_a) {
     }
     // Charging current does not go with the load: within the classes the share may change as the load does.
     double const by_load = params_.class_percent / 100 * std::min(std::fabs(1 - current_a / phase.reference_a), 1.0);
-    double const off = std::hypot(share.re - phase.reference.re, share.im - phase.reference.im);
+    double const off_re = share.re - phase.reference.re, off_im = share.im - phase.reference.im;
+    double const off = std::sqrt(off_re * off_re + off_im * off_im); // the same bits everywhere, unlike std::hypot
     double const percent =
         100 / base_a *
         std::max(std::max(off - by_load, 0.0) * current_a, std::fabs(direct_a - phase.reference_direct_a));

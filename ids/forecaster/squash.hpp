@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 namespace gridspace::ids {
 
@@ -21,27 +20,9 @@ inline DoublePair tanh_of_pair(DoublePair x) {
         auto whole = static_cast<std::int64_t>(t[i]); // floor() is a call where there is no instruction for it
         whole -= static_cast<double>(whole) > t[i] ? 1 : 0;
         k[i] = static_cast<double>(whole);
-        std::uint64_t const bits = static_cast<std::uint64_t>(whole + 1023) << 52;
-        double power = 0;
-        std::memcpy(&power, &bits, sizeof power);
-        scale[i] = power;
+        scale[i] = elementary::power_of_two(whole);
     }
-    DoublePair const r = (y - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;
-    DoublePair p = DoublePair{} + 1.0 / 6227020800.0;
-    p = p * r + 1.0 / 479001600.0;
-    p = p * r + 1.0 / 39916800.0;
-    p = p * r + 1.0 / 3628800.0;
-    p = p * r + 1.0 / 362880.0;
-    p = p * r + 1.0 / 40320.0;
-    p = p * r + 1.0 / 5040.0;
-    p = p * r + 1.0 / 720.0;
-    p = p * r + 1.0 / 120.0;
-    p = p * r + 1.0 / 24.0;
-    p = p * r + 1.0 / 6.0;
-    p = p * r + 0.5;
-    p = p * r * r + r;
-    DoublePair const m = (scale - 1) + scale * p;
-    return m / (m + 2);
+    return elementary::tanh_of(y, k, scale);
 }
 
 /// The hyperbolic tangent of each of them, as elementary::tanh has it.

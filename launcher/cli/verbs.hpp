@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-/// The verbs of `gridspace`. Each is a file that adds it to the command line and holds what it does; main.cpp has the
-/// table of them.
+/// The verbs of `gridspace`. Each is a file that adds it to the command line and holds what it does; all_verbs.cpp has
+/// the table of them.
 namespace gridspace::cli {
 
 using command_line::Command;

@@ -81,12 +81,12 @@ class ExecSettings final : public ProcessSettings {
     }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         if (time_ == Time::real) {
-            for (char const* key : {"sends", "receives"}) {
+            for (char const* key : {"sends", "receives", "dds_domain"}) {
                 if (Node const* written = process.node.find(key)) {
                     diagnostics.error(
                         written->where,
-                        fmt::format("process '{}' declares what it {}, and lives in real time", process.name.name, key),
-                        "`sends` and `receives` are for `time: simulated`");
+                        fmt::format("process '{}' has `{}`, and lives in real time", process.name.name, key),
+                        "`sends`, `receives` and `dds_domain` are for `time: simulated`");
                 }
             }
             return;

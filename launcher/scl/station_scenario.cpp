@@ -3,6 +3,7 @@
 #include "launcher/scl/station_scenario.hpp"
 
 #include "common/text.hpp"
+#include "gateways/gateway/subscription_config.hpp"
 #include "launcher/scl/stream_fields.hpp"
 
 #include <algorithm>
@@ -274,11 +275,8 @@ class Maker {
         for (iec61850::Leaf const& leaf : iec61850::leaves_of(stream.data_set)) {
             bool const wanted = std::find(one.members.begin(), one.members.end(),
                                           leaf.name.substr(0, leaf.name.find('.'))) != one.members.end();
-            bool const number = iec61850::is_number(leaf.type) || leaf.type == iec61850::BasicType::boolean ||
-                                leaf.type == iec61850::BasicType::position ||
-                                leaf.type == iec61850::BasicType::enumerated;
             bool const fits = prefix.size() + name.size() + leaf.name.size() + 7 <= kLongestSignal;
-            if (block.goose && wanted && number && fits) { // samples are in the capture
+            if (block.goose && wanted && gateways::can_be_watched(leaf.type) && fits) { // samples are in the capture
                 watch.push_back(leaf.name);
             }
         }

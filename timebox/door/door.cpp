@@ -20,7 +20,6 @@
 #include <string_view>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <tuple>
 
 namespace gridspace::timebox {
 namespace {
@@ -37,14 +36,6 @@ struct Lane {
     std::vector<std::unique_ptr<bus::RawReader>> readers;
     std::vector<std::unique_ptr<bus::RawWriter>> writers;
 };
-
-bool alike(bus::EndpointQos const& a, bus::EndpointQos const& b) {
-    auto const tied = [](bus::EndpointQos const& q) {
-        return std::tie(q.reliable, q.durability, q.deadline_s, q.liveliness, q.lease_s, q.exclusive, q.partitions,
-                        q.scope, q.coherent, q.ordered, q.by_source_timestamp, q.representations, q.latency_budget_s);
-    };
-    return tied(a) == tied(b);
-}
 
 class Door final : bus::DiscoveryObserver {
   public:
@@ -128,7 +119,7 @@ class Door final : bus::DiscoveryObserver {
                          endpoint.keyed ? " with a key" : "", lane.topic.type, lane.topic.keyed ? " with a key" : "");
             return {};
         }
-        if (std::ranges::any_of(lane.opened, [&](bus::EndpointQos const& q) { return alike(q, endpoint.qos); })) {
+        if (std::ranges::find(lane.opened, endpoint.qos) != lane.opened.end()) {
             return {};
         }
         lane.opened.push_back(endpoint.qos);

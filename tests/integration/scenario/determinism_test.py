@@ -1,13 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """The same scenario gives the same recording at any speed, beside anything; another scenario does not."""
-import os
-import signal
-import subprocess
-import sys
 import unittest
 
-from harness import BASE, CASE_1, EXPECTATION, OK, ScenarioTest, gridspace
+from harness import BASE, CASE_1, EXPECTATION, OK, ScenarioTest, busy_loops, gridspace
 
 TWO_HOURS = [*BASE, "--until", "2h", "--set", "expect=~"]
 
@@ -40,13 +36,8 @@ class Determinism(ScenarioTest):
         alone = self.run_to_end("alone", TWO_HOURS)
         paced = self.run_to_end("paced", [*TWO_HOURS, "--speed", "3000"])
         self.assert_identical(alone, paced)
-        busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * (os.cpu_count() or 2))]
-        try:
+        with busy_loops():
             loaded = self.run_to_end("loaded", TWO_HOURS)
-        finally:
-            for process in busy:
-                process.send_signal(signal.SIGKILL)
-                process.wait()
         self.assert_identical(alone, loaded)
         loopback = self.run_to_end("loopback", [*TWO_HOURS, "--no-namespaces"])
         self.assert_identical(alone, loopback)

@@ -3,7 +3,6 @@
 """The bus is open: an agent in C over CycloneDDS, built from our IDL only, is a full member of the lockstep clock."""
 import os
 import signal
-import subprocess
 import unittest
 
 from harness import BASE, CHILD_DIED, SOURCE, ScenarioTest, processes_of_session
@@ -16,11 +15,7 @@ SHORT = [*BASE, "--until", "4000s", "--set", "expect=~"]
 
 class ForeignAgent(ScenarioTest):
     def build(self):
-        folder = self.folder / "agent"
-        for command in (["cmake", "-S", EXAMPLE, "-B", folder], ["cmake", "--build", folder]):
-            done = subprocess.run(command, capture_output=True, text=True, timeout=90)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        return ["--set", f"processes.ev4.command=[{folder}/c_ev_agent, EV4, '24', '5']"]
+        return ["--set", f"processes.ev4.command=[{self.cmake_build(EXAMPLE)}/c_ev_agent, EV4, '24', '5']"]
 
     def test_results_are_those_of_our_own_agent(self):
         agent = self.build()

@@ -13,6 +13,7 @@ import queue
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -46,6 +47,18 @@ OK, EXPECTATION, USAGE, ENVIRONMENT, CHILD_DIED, STALL, INTERRUPTED = 0, 1, 2, 3
 # Case 1 without what a test does not need: no dashboard. `PACED`: slow enough to be caught in the middle.
 BASE = ["--set", "processes.monitor=~"]
 PACED = BASE + ["--speed", "3600"]
+
+
+@contextlib.contextmanager
+def busy_loops():
+    """Two for each processor."""
+    loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * (os.cpu_count() or 2))]
+    try:
+        yield
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
 
 
 def gridspace(*arguments, timeout=HANG_S, **kwargs):
@@ -192,6 +205,14 @@ class ScenarioTest(unittest.TestCase):
         self.assertEqual(ended, code, run.stderr())
         self.assertEqual(run.left_over(), {}, "left behind")
         return run
+
+    def cmake_build(self, source):
+        """Builds an example with CMake: its build folder."""
+        folder = self.folder / "build"
+        for command in (["cmake", "-S", source, "-B", folder], ["cmake", "--build", folder]):
+            done = subprocess.run(command, capture_output=True, text=True, timeout=90)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return folder
 
     def write(self, name, text):
         file = self.folder / name

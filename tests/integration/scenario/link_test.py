@@ -1,12 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """A process in the cable between a host and a switch (gridspace-link), in lockstep."""
-import os
-import subprocess
-import sys
 import unittest
 
-from harness import OK, SHORT_CASE_2, SOURCE, ScenarioTest
+from harness import OK, SHORT_CASE_2, SOURCE, ScenarioTest, busy_loops
 from pcapng_file import Capture
 
 PASS_THROUGH = """---
@@ -77,13 +74,8 @@ class Link(ScenarioTest):
             self.assertEqual(frames, (other.folder / "bus.pcapng").read_bytes())
             code, said = self.compare(four, other, "--signals", "breaker.*,relay.*,ct.*")
             self.assertEqual(code, OK, said)
-        busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * (os.cpu_count() or 2))]
-        try:
+        with busy_loops():
             loaded = self.run_to_end("loaded", short, scenario=bad)
-        finally:
-            for process in busy:
-                process.kill()
-                process.wait()
         self.assert_identical(four, loaded)
         self.assertEqual(frames, (loaded.folder / "bus.pcapng").read_bytes())
         seed = self.run_to_end("other_seed", [*short, "--seed", "2"], scenario=bad)

@@ -2,8 +2,6 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 """DDS programs that know nothing of lockstep: one takes part in case 1 by way of the door, two talk to each other over a link; runs repeat."""
-import contextlib
-import os
 import pathlib
 import re
 import shutil
@@ -12,7 +10,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "scenario"))
-from harness import BASE, OK, SOURCE, USAGE, ScenarioTest, gridspace
+from harness import BASE, OK, SOURCE, USAGE, ScenarioTest, busy_loops, gridspace
 
 EXAMPLE = SOURCE / "examples/agents/dds_charger"
 SCENARIO = EXAMPLE / "ev_charging_dds.yaml"
@@ -44,24 +42,9 @@ processes:
 """
 
 
-@contextlib.contextmanager
-def busy_loops():
-    loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * (os.cpu_count() or 2))]
-    try:
-        yield
-    finally:
-        for loop in loops:
-            loop.kill()
-            loop.wait()
-
-
 class Dds(ScenarioTest):
-    def build(self):
-        folder = self.folder / "build"
-        for command in (["cmake", "-S", EXAMPLE, "-B", folder], ["cmake", "--build", folder]):
-            done = subprocess.run(command, capture_output=True, text=True, timeout=90)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.charger = folder / "charger"
+    def build_charger(self):
+        self.charger = self.cmake_build(EXAMPLE) / "charger"
 
     def command(self, amperes=AMPERES, until_percent=45):
         return ["--set", f"processes.ev4.command=[{self.charger}, EV4, '{amperes}', '{until_percent}', '{PERIOD_S}']"]
@@ -87,7 +70,7 @@ class Dds(ScenarioTest):
         return [tuple(map(float, m.groups())) for m in lines if m]
 
     def test_a_program_that_knows_nothing_of_lockstep_charges_a_vehicle_of_case_1_the_same_each_time(self):
-        self.build()
+        self.build_charger()
         run, again = (self.run_to_end(name, [*SHORT, *self.command()], SCENARIO) for name in ("first", "second"))
         with busy_loops():
             loaded = self.run_to_end("loaded", [*SHORT, *self.command()], SCENARIO)
@@ -122,7 +105,7 @@ class Dds(ScenarioTest):
             self.assertNotEqual(self.compare(run, other)[0], OK)
 
     def test_what_it_wrote_is_counted_in_its_ledger_and_told(self):
-        self.build()
+        self.build_charger()
         run = self.run_to_end("run", [*BASE, "--until", "400s", "--set", "expect=~", *self.command()], SCENARIO)
         told = {e["source"]: e["text"] for e in run.events() if e["event"] == "topics"}
         given, taken = map(int, re.match(r"(\d+) samples given to the program, (\d+) taken from it$", told["ev4"]).groups())
@@ -132,7 +115,7 @@ class Dds(ScenarioTest):
         self.assertEqual(samples["requests"], 3 * 2 + taken)
 
     def test_a_type_that_is_not_the_scenarios_is_named(self):
-        self.build()
+        self.build_charger()
         generated = self.folder / "build/ev_charging.c"
         text = generated.read_text()
         self.assertIn('"ChargingRequest"', text)

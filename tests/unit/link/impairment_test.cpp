@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "gateways/iec61850/sample_index.hpp"
 #include "gateways/link/impairment.hpp"
 
 #include "gateways/iec61850/sv_publisher.hpp"
@@ -250,11 +251,11 @@ TEST(Impairment, LeavesStreamsAloneThatAreNotMeant) {
 }
 
 TEST(AbsoluteIndex, FollowsFromTheCounterAndHalfASecondsKnowledgeOfTime) {
-    EXPECT_EQ(absolute_index(0, 4800, 120'000), 0);
-    EXPECT_EQ(absolute_index(4799, 4800, 999'900'000), 4799);
-    EXPECT_EQ(absolute_index(4799, 4800, 1'400'000'000), 4799);
-    EXPECT_EQ(absolute_index(3, 4800, 5'000'700'000), 24'003);
-    EXPECT_EQ(absolute_index(3, 4800, 4'600'000'000), 24'003);
+    EXPECT_EQ(iec61850::absolute_index(0, 4800, 120'000), 0);
+    EXPECT_EQ(iec61850::absolute_index(4799, 4800, 999'900'000), 4799);
+    EXPECT_EQ(iec61850::absolute_index(4799, 4800, 1'400'000'000), 4799);
+    EXPECT_EQ(iec61850::absolute_index(3, 4800, 5'000'700'000), 24'003);
+    EXPECT_EQ(iec61850::absolute_index(3, 4800, 4'600'000'000), 24'003);
 }
 
 TEST(ImpairmentKeys, AreCheckedByName) {
