@@ -242,7 +242,7 @@ time.sleep(100)
         self.assertIn("process 'own' waits for frames of 'mu21' on 'process_bus', and both are on the host 'mu21'", out + err)
         code, out, err = gridspace("validate", self.write("one.yaml", one("[sleep, '1']", ", sends: [smv]").replace("time: simulated, ", "")))
         self.assertEqual(code, USAGE)
-        self.assertIn("declares what it sends, and lives in real time", out + err)
+        self.assertIn("process 'own' has `sends`, and lives in real time", out + err)
 
 
 if __name__ == "__main__":
