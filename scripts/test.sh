@@ -102,18 +102,23 @@ grown() {
   [ -n "$before" ] && [ $(($2 * 4)) -gt $((before * 5)) ] && [ "$2" -gt $((before + 10)) ] && echo "$1 grew from $before to $2 s"
 }
 
-names=() rows=() seconds=() growth=() worst=0
+# processors: the ticks that all processors have worked and those that they have been there for, since the machine started.
+processors() { awk '$1 == "cpu" { print $2 + $3 + $4 + $7 + $8, $2 + $3 + $4 + $5 + $6 + $7 + $8 + $9 }' /proc/stat; }
+
+names=() rows=() seconds=() busy=() growth=() worst=0
 for tier in "${tiers[@]}"; do
   printf '\n== %s\n' "$tier"
   note="" began=$SECONDS verdict=passed
   : >"$times"
+  read -r worked_before there_before < <(processors)
   "tier_$tier" || { verdict=FAILED worst=1; }
   case $note in 'NOT RUN'*) verdict=NOT_RUN ;; esac
   took=$((SECONDS - began))
+  read -r worked there < <(processors)
   if [ "$(wc -l <"$times")" -gt 1 ]; then
     echo "slowest:$(sort -rn "$times" | head -n 20 | awk '$1 >= 1 { printf "%s %s %.0f s", sep, $2, $1; sep = "," }')"
   fi
-  names+=("$tier") seconds+=("$took") rows+=("$verdict|$note")
+  names+=("$tier") seconds+=("$took") busy+=($((100 * (worked - worked_before) / (there > there_before ? there - there_before : 1)))) rows+=("$verdict|$note")
   [ "$verdict" != passed ] || mapfile -t -O "${#growth[@]}" growth < <(grown "$tier" "$took")
   echo "$(date -u +%FT%TZ),$commit,$tier,$verdict,$took" >>"$history"
   printf '%-15s %-7s %5d s  %s\n' "$tier" "$verdict" "$took" "$note"
@@ -125,7 +130,7 @@ total=0 passed=0 not_run=0
 for took in "${seconds[@]}"; do total=$((total + took)); done
 for i in "${!names[@]}"; do
   case ${rows[i]} in passed*) passed=$((passed + 1)) ;; NOT_RUN*) not_run=$((not_run + 1)) ;; esac
-  printf '%-15s %-7s %5d s %3d %%  %s\n' "${names[i]}" "${rows[i]%%|*}" "${seconds[i]}" $((total > 0 ? 100 * seconds[i] / total : 0)) "${rows[i]#*|}"
+  printf '%-15s %-7s %5d s %3d %%  busy %3d %%  %s\n' "${names[i]}" "${rows[i]%%|*}" "${seconds[i]}" $((total > 0 ? 100 * seconds[i] / total : 0)) "${busy[i]}" "${rows[i]#*|}"
 done
 [ "${#growth[@]}" -eq 0 ] || printf '%s\n' "${growth[@]}"
 printf 'total %d s (load %s on %s processors; earlier runs: build/test_history.csv)\n' "$SECONDS" "$(cut -d' ' -f1 /proc/loadavg)" "$(nproc)"

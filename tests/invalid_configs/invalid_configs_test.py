@@ -116,7 +116,8 @@ def main():
         for problem in check(file):
             print(f"{file.name}: {problem}")
             failed += 1
-    stray = [f.name for f in HERE.glob("*.expected") if f.with_suffix("").name not in {c.name for c in cases()}]
+    known = {f.name for f in cases()}
+    stray = [f.name for f in HERE.glob("*.expected") if f.with_suffix("").name not in known]
     if stray:
         print(f"expected texts without a file: {stray}")
         failed += 1
