@@ -65,7 +65,7 @@ tier_integration() { unsteady_may_be=yes run_ctest release -L integration -j $((
 
 tier_scenarios() { run_scenarios release --tier short; }
 
-tier_slow() { unsteady_may_be=yes run_ctest release -L slow -j $(($(nproc) + 1)); }
+tier_slow() { unsteady_may_be=yes run_ctest release -L slow -j $((2 * $(nproc))); }
 
 tier_more_scenarios() { run_scenarios release --tier all; }
 

@@ -23,7 +23,7 @@ HERE, THERE = "10.9.0.1", "10.9.0.2"
 DOMAIN_THERE = 9
 EPOCH = "2019-12-01T09:00:00Z"
 # Half an hour of case 1, slowly enough that a busy machine answers within the controller's patience.
-SPEED, UNTIL_S = 120, 3600
+SPEED, UNTIL_S = 120, 1800
 SOC_AT_START = 30.0
 
 
@@ -203,7 +203,7 @@ class TwoSites(ScenarioTest):
         totals = {e["topic"]: e for e in there.seen if e["event"] == "total"}
         self.assertEqual(set(totals), {"simulation_clock", "bus_measurements", "requests"})
         for total in totals.values():
-            self.assertGreater(total["samples"], 8, total)
+            self.assertGreaterEqual(total["samples"], 4, total)  # a request each six minutes
             self.assertEqual((total["refused"], total["dropped"]), (0, 0), total)
 
     def test_what_is_not_allowed_does_not_pass_and_the_car_stays_empty(self):

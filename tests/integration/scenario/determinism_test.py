@@ -3,65 +3,42 @@
 """The same scenario gives the same recording at any speed, beside anything; another scenario does not."""
 import unittest
 
-from harness import BASE, CASE_1, EXPECTATION, OK, ScenarioTest, busy_loops, gridspace
+from harness import BASE, EXPECTATION, OK, ScenarioTest, busy_loops, gridspace
 
-TWO_HOURS = [*BASE, "--until", "2h", "--set", "expect=~"]
+HOUR = [*BASE, "--until", "1h", "--set", "expect=~"]
 
 
 class Determinism(ScenarioTest):
-    def test_case_1_meets_all_its_expectations(self):
-        run = self.run_to_end("run", BASE)
-        summary = run.summary()
-        self.assertEqual(summary["scenario"], "ev_charging")
-        self.assertEqual(summary["mode"], "lockstep")
-        self.assertEqual(summary["simulated_s"], 28800)
-        self.assertEqual(summary["exit"], OK)
-        expectations = {e["name"]: e for e in summary["expectations"]}
-        self.assertEqual(set(expectations), {"ev1_done_h", "ev2_done_h", "ev3_done_h", "ev4_done_h", "v_min_pu", "v_max_pu",
-                                             "b1_highest", "b3_lowest", "b4_held_up", "mcca_curtailed"})
-        for name, e in expectations.items():
-            self.assertTrue(e["pass"], f"{name}: {e}")
-            for key in ("value", "unit", "low", "high"):
-                self.assertIn(key, e)
-        published = {"ev1_done_h": 4.2, "ev2_done_h": 6.2, "ev3_done_h": 7.0, "ev4_done_h": 5.1}
-        for name, hours in published.items():
-            self.assertEqual(expectations[name]["unit"], "h")
-            self.assertAlmostEqual(expectations[name]["value"], hours, delta=0.1)
-        self.assertEqual({p["name"] for p in summary["processes"]}, {"sim", "ev1", "ev2", "ev3", "ev4", "mcca", "recorder"})
-        samples = {t["name"]: t["samples"] for t in summary["topics"]}
-        self.assertEqual(samples["bus_measurements"], 4 * 28801)  # every bus at every step and at the start
-        self.assertGreaterEqual(samples["requests"], 4 * 80)
-
     def test_pace_load_and_isolation_do_not_change_a_sample(self):
-        alone = self.run_to_end("alone", TWO_HOURS)
-        paced = self.run_to_end("paced", [*TWO_HOURS, "--speed", "3000"])
+        alone = self.run_to_end("alone", HOUR)
+        paced = self.run_to_end("paced", [*HOUR, "--speed", "3000"])
         self.assert_identical(alone, paced)
         with busy_loops():
-            loaded = self.run_to_end("loaded", TWO_HOURS)
+            loaded = self.run_to_end("loaded", HOUR)
         self.assert_identical(alone, loaded)
-        loopback = self.run_to_end("loopback", [*TWO_HOURS, "--no-namespaces"])
+        loopback = self.run_to_end("loopback", [*HOUR, "--no-namespaces"])
         self.assert_identical(alone, loopback)
 
     def test_two_runs_side_by_side_are_each_identical_to_one_alone(self):
-        alone = self.run_to_end("alone", TWO_HOURS)
+        alone = self.run_to_end("alone", HOUR)
         for isolation in ([], ["--no-namespaces"]):
-            together = [self.start(f"{name}{len(isolation)}", [*TWO_HOURS, *isolation]) for name in ("left", "right")]
+            together = [self.start(f"{name}{len(isolation)}", [*HOUR, *isolation]) for name in ("left", "right")]
             for run in together:
                 self.assertEqual(run.finish(), OK, run.stderr())
                 self.assertEqual(run.left_over(), {})
                 self.assert_identical(alone, run)
 
     def test_ticks_of_a_quarter_and_one_second_give_the_same_requests_decisions_and_states(self):
-        second = self.run_to_end("second", TWO_HOURS)
-        quarter = self.run_to_end("quarter", [*TWO_HOURS, "--set", "clock.tick_s=0.25"])
+        second = self.run_to_end("second", HOUR)
+        quarter = self.run_to_end("quarter", [*HOUR, "--set", "clock.tick_s=0.25"])
         self.assertIn("ticks differ", self.assert_identical(second, quarter))
         self.assertEqual(self.compare(second, quarter, "--signals", "bus.*,ev.*,agent.*")[0], OK)
         code, out, err = gridspace("compare", second.folder, second.folder / "data.mcap")  # a file alone does not say its tick
         self.assertEqual((code, out.split(":")[0]), (OK, "identical"), out + err)
 
     def test_another_parameter_is_seen_by_compare_and_within_its_tolerance_not(self):
-        one = self.run_to_end("one", TWO_HOURS)
-        other = self.run_to_end("other", [*TWO_HOURS, "--set", "processes.mcca.rules.curtail_factor=0.7501"])
+        one = self.run_to_end("one", HOUR)
+        other = self.run_to_end("other", [*HOUR, "--set", "processes.mcca.rules.curtail_factor=0.7501"])
         code, said = self.compare(one, other)
         self.assertEqual(code, EXPECTATION, said)
         self.assertRegex(said, r"first divergence at [0-9.]+ s: decisions of mcca")
