@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ids/forecaster/forecaster.hpp"
 
+#include "ids/forecaster/double_pairs.hpp"
 #include "ids/forecaster/squash.hpp"
 
 #include <algorithm>
@@ -36,18 +37,35 @@ Real peak_of(Real const* values, std::size_t count, Real least) {
     return std::ranges::max(peaks);
 }
 
-/// `n` neurons side by side, each in a register: its bias, and its inputs in their order.
-template <std::size_t n, class Real>
-void add_up(Real const* column, std::size_t stride, Real const* inputs, std::size_t count, Real const* bias,
-            Real* out) {
-    std::array<Real, n> sums;
-    std::copy_n(bias, n, sums.begin());
-    for (std::size_t i = 0; i < count; ++i, column += stride) {
-        for (std::size_t k = 0; k < n; ++k) {
-            sums[k] += inputs[i] * column[k];
+/// As many neurons side by side as fit, from neuron `o` on: of each its bias, and its inputs in their order. The sums
+/// of one neuron wait for each other, so the more of them at once the better, as long as there are registers.
+template <std::size_t pairs, class Dense>
+[[gnu::flatten]] void add_up_pairs(Dense const& layer, double const* inputs, std::size_t& o, double* out) {
+    for (; o + 2 * pairs <= layer.outputs; o += 2 * pairs) {
+        auto sums = DoublePairs<pairs>::from(layer.bias.data() + o);
+        double const* column = layer.columns.data() + o;
+        for (std::size_t i = 0; i < layer.inputs; ++i, column += layer.outputs) {
+            sums = sums + DoublePairs<pairs>::from(column) * inputs[i];
         }
+        sums.to(out + o);
     }
-    std::copy_n(sums.begin(), n, out);
+}
+
+template <class Real, class Dense>
+void add_up(Dense const& layer, Real const* inputs, Real* out) {
+    std::size_t o = 0;
+    if constexpr (sizeof(Real) == sizeof(double)) {
+        add_up_pairs<5>(layer, inputs, o, out);
+        add_up_pairs<1>(layer, inputs, o, out);
+    }
+    for (; o < layer.outputs; ++o) {
+        Real sum = layer.bias[o];
+        Real const* column = layer.columns.data() + o;
+        for (std::size_t i = 0; i < layer.inputs; ++i, column += layer.outputs) {
+            sum += inputs[i] * *column;
+        }
+        out[o] = sum;
+    }
 }
 
 } // namespace
@@ -82,17 +100,9 @@ void Forecaster<Real>::forecast(Real const* history, Real* next) {
     std::size_t const count = static_cast<std::size_t>(window_) * static_cast<std::size_t>(channels_);
     Real const scale = scale_by_peak_ ? peak_of(history, count, scale_a_) : scale_a_;
     Real const inverse = 1 / scale;
-    for (std::size_t i = 0; i < count; ++i) {
-        a_[i] = history[i] * inverse;
-    }
+    std::transform(history, history + count, a_.data(), [inverse](Real value) { return value * inverse; });
     for (Dense const& layer : layers_) {
-        std::size_t o = 0;
-        for (; o + kTogether <= layer.outputs; o += kTogether) {
-            add_up<kTogether>(layer.columns.data() + o, layer.outputs, a_.data(), layer.inputs, &layer.bias[o], &b_[o]);
-        }
-        for (; o < layer.outputs; ++o) {
-            add_up<1>(layer.columns.data() + o, layer.outputs, a_.data(), layer.inputs, &layer.bias[o], &b_[o]);
-        }
+        add_up(layer, a_.data(), b_.data());
         if (layer.squash) {
             squash(b_.data(), layer.outputs);
         }

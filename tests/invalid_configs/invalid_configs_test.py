@@ -94,9 +94,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--accept", action="store_true", help="write what is said now as what is expected")
     parser.add_argument("--list", action="store_true")
-    parser.add_argument("names", nargs="*", help="only these files; `valid` for the negative control")
+    parser.add_argument("names", nargs="*", help="only files whose names begin so; `valid` for the negative control")
     arguments = parser.parse_args()
-    chosen = [f for f in cases() if not arguments.names or f.name in arguments.names]
+    chosen = [f for f in cases() if not arguments.names or f.name.startswith(tuple(arguments.names))]
     if arguments.list:
         print("\n".join(f.name for f in chosen))
         return 0
@@ -122,7 +122,7 @@ def main():
         print(f"expected texts without a file: {stray}")
         failed += 1
     print(f"{len(chosen)} invalid files, {failed} problems")
-    return 1 if failed or not (chosen or arguments.names) else 0
+    return 1 if failed or not (chosen or "valid" in arguments.names) else 0
 
 
 if __name__ == "__main__":
