@@ -35,6 +35,10 @@ TEST(MessageCode, AgreesWithTheHmacVectorsOfRfc4231) {
               octets("b0344c61d8db38535ca8afceaf0bf12b881dc200c9833da726e9376c2e32cff7"));
     EXPECT_EQ(computed(CodeKind::hmac_sha256, std::vector<std::uint8_t>(20, 0xaa), std::vector<std::uint8_t>(50, 0xdd)),
               octets("773ea91e36800e46854db8ebd09181a72959098b3ef8c122d9635514ced565fe"));
+    EXPECT_EQ(computed(CodeKind::hmac_sha256, std::vector<std::uint8_t>(131, 0xaa), // longer than a block
+                       octets("54657374205573696e67204c6172676572205468616e20426c6f636b2d53697a65204b6579202d2048617368"
+                              "204b6579204669727374")),
+              octets("60e431591ee0b67f0d8a26aacbf5b77f8e0bc6213728c5140546040f0ee37f54"));
     EXPECT_EQ(computed(CodeKind::hmac_sha256, octets("0102030405060708090a0b0c0d0e0f10111213141516171819"),
                        std::vector<std::uint8_t>(50, 0xcd)),
               octets("82558a389a443c0ea4cc819899f2083a85f0faa3e578f8077a2e3ff46729665b"));
