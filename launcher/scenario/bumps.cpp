@@ -65,15 +65,23 @@ Node way_settings(Way const& way) {
     return node;
 }
 
-std::vector<WireUse> with_pieces(Scenario const& scenario, Process const& process, std::vector<WireUse> uses,
-                                 bool sent) {
+/// The piece of cable into which a host sends on a link, or from which it receives.
+std::string piece_of(std::vector<PlacedBump> const& bumps, std::string const& host, std::string const& link,
+                     bool sent) {
+    bool const cut = std::ranges::any_of(bumps, [&](PlacedBump const& bump) {
+        return bump.host == host && bump.link == link && (sent ? bump.from_host : bump.to_host).has_value();
+    });
+    return !cut ? link : sent ? piece_from(host, link) : piece_to(host, link);
+}
+
+std::vector<WireUse> with_pieces(std::vector<PlacedBump> const& bumps, Process const& process,
+                                 std::vector<WireUse> uses, bool sent) {
     for (WireUse& use : uses) {
         if (!use.at_switch) {
-            use.link = sent ? piece_sent_on(scenario, process.host.name, use.link)
-                            : piece_received_on(scenario, process.host.name, use.link);
+            use.link = piece_of(bumps, process.host.name, use.link, sent);
         }
     }
-    for (PlacedBump const& bump : placed_bumps(scenario)) {
+    for (PlacedBump const& bump : bumps) {
         if (bump.process != process.name.name) {
             continue;
         }
@@ -139,25 +147,21 @@ std::vector<PlacedBump> placed_bumps(Scenario const& scenario) {
 }
 
 std::string piece_sent_on(Scenario const& scenario, std::string const& host, std::string const& link) {
-    auto const all = placed_bumps(scenario);
-    bool const cut = std::any_of(all.begin(), all.end(),
-                                 [&](PlacedBump const& c) { return c.host == host && c.link == link && c.from_host; });
-    return cut ? piece_from(host, link) : link;
+    return piece_of(placed_bumps(scenario), host, link, true);
 }
 
 std::string piece_received_on(Scenario const& scenario, std::string const& host, std::string const& link) {
-    auto const all = placed_bumps(scenario);
-    bool const cut = std::any_of(all.begin(), all.end(),
-                                 [&](PlacedBump const& c) { return c.host == host && c.link == link && c.to_host; });
-    return cut ? piece_to(host, link) : link;
+    return piece_of(placed_bumps(scenario), host, link, false);
 }
 
-std::vector<WireUse> wires_sent(Scenario const& scenario, Process const& process) {
-    return with_pieces(scenario, process, process.settings->sends(scenario, process), true);
+std::vector<WireUse> wires_sent(Scenario const& scenario, Process const& process,
+                                std::vector<PlacedBump> const& bumps) {
+    return with_pieces(bumps, process, process.settings->sends(scenario, process), true);
 }
 
-std::vector<WireUse> wires_received(Scenario const& scenario, Process const& process) {
-    return with_pieces(scenario, process, process.settings->receives(scenario, process), false);
+std::vector<WireUse> wires_received(Scenario const& scenario, Process const& process,
+                                    std::vector<PlacedBump> const& bumps) {
+    return with_pieces(bumps, process, process.settings->receives(scenario, process), false);
 }
 
 Node bump_settings(Scenario const& scenario, Process const& process) {

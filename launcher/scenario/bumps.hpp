@@ -33,9 +33,12 @@ struct PlacedBump {
 [[nodiscard]] std::string piece_sent_on(Scenario const& scenario, std::string const& host, std::string const& link);
 [[nodiscard]] std::string piece_received_on(Scenario const& scenario, std::string const& host, std::string const& link);
 
-/// What a process sends and receives, by pieces of cable, the frames that it passes on included.
-[[nodiscard]] std::vector<WireUse> wires_sent(Scenario const& scenario, Process const& process);
-[[nodiscard]] std::vector<WireUse> wires_received(Scenario const& scenario, Process const& process);
+/// What a process sends and receives, by pieces of cable, the frames that it passes on included. `bumps`: all of the
+/// scenario.
+[[nodiscard]] std::vector<WireUse> wires_sent(Scenario const& scenario, Process const& process,
+                                              std::vector<PlacedBump> const& bumps);
+[[nodiscard]] std::vector<WireUse> wires_received(Scenario const& scenario, Process const& process,
+                                                  std::vector<PlacedBump> const& bumps);
 
 /// `bumps:` of the settings of a process (gateways/bump_in_the_wire/bump_config.hpp).
 [[nodiscard]] config::Node bump_settings(Scenario const& scenario, Process const& process);

@@ -19,9 +19,21 @@ namespace {
 using config::Diagnostics;
 using config::Node;
 
+/// What each process sends and receives, asked once: everybody is compared with everybody.
+struct Wires {
+    explicit Wires(Scenario const& scenario) : bumps{placed_bumps(scenario)} {
+        for (Process const& process : scenario.processes) {
+            sent.push_back(wires_sent(scenario, process, bumps));
+            received.push_back(wires_received(scenario, process, bumps));
+        }
+    }
+    std::vector<PlacedBump> bumps;
+    std::vector<std::vector<WireUse>> sent, received; ///< in the order of the processes
+};
+
 /// The host whose cable to the switch a process sends into, or receives from.
-std::string cable_of(Scenario const& scenario, Process const& process, WireUse const& use, bool sent) {
-    for (PlacedBump const& bump : placed_bumps(scenario)) {
+std::string cable_of(Wires const& wires, Process const& process, WireUse const& use, bool sent) {
+    for (PlacedBump const& bump : wires.bumps) {
         for (auto const* way : {&bump.from_host, &bump.to_host}) {
             if (bump.process == process.name.name && way->has_value() &&
                 (sent ? (*way)->out : (*way)->in) == use.link) {
@@ -34,19 +46,36 @@ std::string cable_of(Scenario const& scenario, Process const& process, WireUse c
 
 /// What comes from a cable does not go back into it: who sits in it, and takes what the switch gives, hears nothing of
 /// what goes into the switch there.
-bool is_not_heard(Scenario const& scenario, Process const& sender, WireUse const& sent, Process const& receiver,
-                  WireUse const& received) {
+bool is_not_heard(Scenario const& scenario, Wires const& wires, Process const& sender, WireUse const& sent,
+                  Process const& receiver, WireUse const& received) {
+    if (sender.host == receiver.host || received.at_switch) {
+        return false;
+    }
     bool const through_switch =
         std::ranges::any_of(scenario.links, [&](Link const& link) { return link.name.name == received.link; });
-    return !received.at_switch && through_switch &&
-           cable_of(scenario, sender, sent, true) == cable_of(scenario, receiver, received, false) &&
-           sender.host != receiver.host;
+    return through_switch && cable_of(wires, sender, sent, true) == cable_of(wires, receiver, received, false);
 }
 
-/// Members that write a topic which `member` reads, or that send frames where it listens; the simulator apart.
-std::vector<std::string> sources_of(Dataflow const& flow, Scenario const& scenario, std::string const& member,
-                                    bool triggering_only) {
-    std::set<std::string> out;
+/// Members that send frames where a process listens.
+void add_senders(Scenario const& scenario, Wires const& wires, std::size_t receiver, std::set<std::string>& out) {
+    Process const& process = scenario.processes[receiver];
+    for (WireUse const& received : wires.received[receiver]) {
+        for (std::size_t i = 0; i < scenario.processes.size(); ++i) {
+            Process const& sender = scenario.processes[i];
+            bool const heard = std::ranges::any_of(wires.sent[i], [&](WireUse const& use) {
+                return use.link == received.link && use.ethertype == received.ethertype &&
+                       !is_not_heard(scenario, wires, sender, use, process, received);
+            });
+            if (heard && i != receiver && sender.settings->is_member()) {
+                out.insert(sender.name.name);
+            }
+        }
+    }
+}
+
+/// Members that write a topic which `member` reads; the simulator apart.
+void add_writers(Dataflow const& flow, Scenario const& scenario, std::string const& member, bool triggering_only,
+                 std::set<std::string>& out) {
     for (auto const& [topic, readers] : flow.readers) {
         for (Dataflow::Endpoint const& reader : readers) {
             if (reader.process != member || (triggering_only && !reader.use.triggers)) {
@@ -57,27 +86,12 @@ std::vector<std::string> sources_of(Dataflow const& flow, Scenario const& scenar
                 continue;
             }
             for (Dataflow::Endpoint const& writer : writers->second) {
-                Process const* process = scenario.find_process(writer.process);
-                if (writer.process != member && process->settings->is_member()) {
+                if (writer.process != member && scenario.find_process(writer.process)->settings->is_member()) {
                     out.insert(writer.process);
                 }
             }
         }
     }
-    Process const* process = scenario.find_process(member);
-    for (WireUse const& received : wires_received(scenario, *process)) {
-        for (Process const& sender : scenario.processes) {
-            std::vector<WireUse> const sent = wires_sent(scenario, sender);
-            bool const heard = std::any_of(sent.begin(), sent.end(), [&](WireUse const& use) {
-                return use.link == received.link && use.ethertype == received.ethertype &&
-                       !is_not_heard(scenario, sender, use, *process, received);
-            });
-            if (heard && &sender != process && sender.settings->is_member()) {
-                out.insert(sender.name.name);
-            }
-        }
-    }
-    return {out.begin(), out.end()};
 }
 
 Node name_list(std::vector<std::string> const& names) {
@@ -143,14 +157,19 @@ std::vector<std::string> other_members(Scenario const& scenario, Process const& 
 
 /// A frame goes to the switch and does not come back to the host that sent it: who waits for it there waits for ever.
 void check_hosts_of_frames(Scenario const& scenario, Diagnostics& diagnostics) {
-    for (Process const& receiver : scenario.processes) {
-        for (WireUse const& received : wires_received(scenario, receiver)) {
-            for (Process const& sender : scenario.processes) {
-                std::vector<WireUse> const sent = wires_sent(scenario, sender);
-                bool const heard = std::any_of(sent.begin(), sent.end(), [&](WireUse const& use) {
+    Wires const wires{scenario};
+    for (std::size_t r = 0; r < scenario.processes.size(); ++r) {
+        Process const& receiver = scenario.processes[r];
+        for (WireUse const& received : wires.received[r]) {
+            for (std::size_t i = 0; i < scenario.processes.size(); ++i) {
+                Process const& sender = scenario.processes[i];
+                if (i == r || sender.host != receiver.host || received.at_switch) {
+                    continue;
+                }
+                bool const heard = std::ranges::any_of(wires.sent[i], [&](WireUse const& use) {
                     return use.link == received.link && use.ethertype == received.ethertype;
                 });
-                if (heard && &sender != &receiver && sender.host == receiver.host && !received.at_switch) {
+                if (heard) {
                     diagnostics.error(receiver.name.where,
                                       fmt::format("process '{}' waits for frames of '{}' on '{}', and both are on the "
                                                   "host '{}'",
@@ -179,14 +198,30 @@ Dataflow dataflow(Scenario const& scenario) {
         }
     }
     Process const* simulator = scenario.simulator();
-    for (Process const& process : scenario.processes) {
+    std::set<std::string> feeding; // write what the simulator reads
+    for (TopicUse const& use :
+         simulator == nullptr ? std::vector<TopicUse>{} : simulator->settings->reads(scenario, *simulator)) {
+        if (auto const writers = flow.writers.find(use.topic); writers != flow.writers.end()) {
+            for (Dataflow::Endpoint const& writer : writers->second) {
+                feeding.insert(writer.process);
+            }
+        }
+    }
+    Wires const wires{scenario};
+    for (std::size_t i = 0; i < scenario.processes.size(); ++i) {
+        Process const& process = scenario.processes[i];
         if (!process.settings->is_member() || joins_when_it_likes(scenario, process)) {
             continue;
         }
         bus::MemberPlan plan;
         plan.name = process.name.name;
-        plan.upstream = sources_of(flow, scenario, plan.name, false);
-        plan.triggered_by = sources_of(flow, scenario, plan.name, true);
+        std::set<std::string> triggering;
+        add_senders(scenario, wires, i, triggering);
+        std::set<std::string> upstream = triggering;
+        add_writers(flow, scenario, plan.name, true, triggering);
+        add_writers(flow, scenario, plan.name, false, upstream);
+        plan.triggered_by.assign(triggering.begin(), triggering.end());
+        plan.upstream.assign(upstream.begin(), upstream.end());
         if (process.program.name ==
             "gridspace-recorder") { // it keeps the acknowledgements of those too who only listen
             plan.upstream = other_members(scenario, process);
@@ -198,15 +233,7 @@ Dataflow dataflow(Scenario const& scenario) {
                 }
             }
         }
-        if (simulator != nullptr) {
-            for (TopicUse const& use : simulator->settings->reads(scenario, *simulator)) {
-                auto const writers = flow.writers.find(use.topic);
-                plan.feeds_simulator =
-                    plan.feeds_simulator || (writers != flow.writers.end() &&
-                                             std::any_of(writers->second.begin(), writers->second.end(),
-                                                         [&](auto const& w) { return w.process == plan.name; }));
-            }
-        }
+        plan.feeds_simulator = feeding.contains(plan.name);
         flow.members.push_back(std::move(plan));
     }
     std::sort(flow.members.begin(), flow.members.end(), [](auto const& a, auto const& b) { return a.name < b.name; });
