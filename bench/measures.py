@@ -152,7 +152,7 @@ def python_agent(build: Build) -> Iterator[Figure]:
 def simulated_time(build: Build) -> Iterator[Figure]:
     """A call that is held in simulated time, beside the same in real time."""
     for call, real, held in re.findall(r"^(\w+) +([\d.]+) +([\d.]+)$", build.output("bench/bench_timebox"), re.MULTILINE):
-        yield Figure(call, f"a held {call}", float(held), "us", False, float(real), "real time")
+        yield Figure(call, "the kernel's bare stop, below which no held call can be" if call == "stop" else f"a held {call}", float(held), "us", False, float(real), "real time")
 
 
 MEASURES: dict[str, Callable[[Build], Iterator[Figure]]] = {

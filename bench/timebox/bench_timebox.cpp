@@ -2,18 +2,28 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What a call costs a program in simulated time, beside the same program in real time: a look at the clock, a sleep
-// that is over at once, a poll of a pipe that holds something. The same executable is the program.
+// that is over at once, a poll of a pipe that holds something. The same executable is the program. The last line is
+// what the kernel takes for a stop of a tracer that does nothing: no held call can take less.
 //     bench_timebox [CALLS]
 #include "timebox/box.hpp"
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <ctime>
 #include <fmt/format.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <poll.h>
+#include <sched.h>
 #include <string>
 #include <string_view>
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
 
@@ -57,6 +67,41 @@ int program(std::string_view kind, long calls) {
     return 0;
 }
 
+void stay_on_one_processor() {
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(::sched_getcpu()), &one);
+    ::sched_setaffinity(0, sizeof one, &one);
+}
+
+/// So many calls that stop for a tracer, in a program beside it on one processor; the tracer lets each go on.
+bool bare_stops(long calls) {
+    pid_t const child = ::fork();
+    if (child == 0) {
+        sock_filter filter[]{BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+                             BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_getppid, 0, 1),
+                             BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRACE),
+                             BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)};
+        sock_fprog const all{std::size(filter), filter};
+        bool const ready = ::ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) == 0 &&
+                           ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && ::raise(SIGSTOP) == 0 &&
+                           ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &all) == 0;
+        for (long i = 0; ready && i < calls; ++i) {
+            ::syscall(SYS_getppid);
+        }
+        ::_exit(ready ? 0 : 1);
+    }
+    int status = 0;
+    if (::waitpid(child, &status, 0) != child || !WIFSTOPPED(status) ||
+        ::ptrace(PTRACE_SETOPTIONS, child, nullptr, PTRACE_O_TRACESECCOMP | PTRACE_O_EXITKILL) != 0) {
+        return false;
+    }
+    do {
+        ::ptrace(PTRACE_CONT, child, nullptr, nullptr);
+    } while (::waitpid(child, &status, 0) == child && WIFSTOPPED(status));
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
 /// Microseconds a call, median of five; the start is taken off.
 template <class Run>
 double cost_us(long calls, Run&& run) {
@@ -95,5 +140,14 @@ int main(int argc, char** argv) {
         double const native = cost_us(calls, [&](long n) { (void)program(kind.name, n); });
         fmt::print("{:<8} {:>16.3f} {:>20.3f}\n", kind.name, native, boxed);
     }
-    return 0;
+    stay_on_one_processor();
+    bool stopped = true;
+    double const bare = cost_us(calls, [&](long n) { stopped = bare_stops(n) && stopped; });
+    double const native = cost_us(calls, [](long n) {
+        for (long i = 0; i < n; ++i) {
+            ::syscall(SYS_getppid);
+        }
+    });
+    fmt::print("{:<8} {:>16.3f} {:>20.3f}\n", "stop", native, bare);
+    return stopped ? 0 : 1;
 }
