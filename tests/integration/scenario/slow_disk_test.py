@@ -17,7 +17,7 @@ class SlowDisk(ScenarioTest):
 
     def test_the_simulator_does_not_wait_for_the_disk(self):
         """Longer than its patience with a member."""
-        run = self.run_to_end("run", [*BASE, "--until", "600s", "--set", "expect=~", "--set", "clock.member_timeout_s=6"], CASE_1, OK, self.prefix(8))
+        run = self.run_to_end("run", [*BASE, "--until", "600s", "--set", "expect=~", "--set", "clock.member_timeout_s=10"], CASE_1, OK, self.prefix(13))
         self.assert_recording_complete(run)
 
     def test_deadlines_that_are_raised_or_removed_are_so_at_the_end_too(self):
