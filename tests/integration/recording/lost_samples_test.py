@@ -54,7 +54,7 @@ class LostSamples(ScenarioTest):
         run.wait_for_time(0.5)
         recorder = run.pid_of("recorder")
         os.kill(recorder, signal.SIGSTOP)
-        run.wait_for_time(2)
+        run.wait_for_time(run.latest_time(0.5) + 1.5)
         os.kill(recorder, signal.SIGCONT)
         self.assertGreater(self.check_accounts(run, until_s), 0)
 

@@ -127,6 +127,15 @@ class Run:
     def wait_for_time(self, time_s):
         return self.wait_for(lambda line: line.get("time_s", -1) >= time_s and "speed" in line, f"t = {time_s} s")
 
+    def latest_time(self, at_least_s):
+        """The simulated time that it has told of last: who was not scheduled for a while has a queue of old lines to read."""
+        latest_s = self.wait_for_time(at_least_s)["time_s"]
+        with contextlib.suppress(queue.Empty):
+            while (line := self.lines.get_nowait()) is not None:
+                latest_s = max(latest_s, line.get("time_s", 0))
+            self.lines.put(None)
+        return latest_s
+
     def pid_of(self, name):
         """The process `name` of the scenario, "supervisor", or "launcher"."""
         if name == "launcher":
