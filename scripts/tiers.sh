@@ -61,7 +61,7 @@ tier_build() { configure release -DGRIDSPACE_TESTS=ON ${everything:+-DGRIDSPACE_
 
 tier_unit() { run_ctest release -L unit; }
 
-tier_integration() { unsteady_may_be=yes run_ctest release -L integration -j $((3 * $(nproc))); } # they wait for each other more than they compute
+tier_integration() { unsteady_may_be=yes run_ctest release -L integration -j $((2 * $(nproc))); } # they wait for each other more than they compute
 
 tier_scenarios() { run_scenarios release --tier short; }
 
