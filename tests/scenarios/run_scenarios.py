@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the shipped scenarios by their README command, as many at once as there are processors, and judges each by its exit code.
+"""Runs the shipped scenarios by their README command, one more at once than there are processors, and judges each by its exit code.
 
 scenarios.json beside this file says for each
   exit       what must come out (1 where the failing expectation is the test)
@@ -99,7 +99,7 @@ def main():
     parser.add_argument("--tier", default="short", choices=("short", "all", "long", "arm64"))
     parser.add_argument("--sanitizer", action="store_true", help="those that are marked so, once, whatever their tier")
     parser.add_argument("--only", metavar="NAME", help="this scenario and no other, whatever its tier")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="how many at once (default: as many as processors)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() + 1, help="how many at once (default: one more than processors: each waits a little)")
     parser.add_argument("--keep", type=pathlib.Path, help="leave the folders of failed runs here")
     arguments = parser.parse_args()
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Case study 1 over its eight hours: the published hours of charging, and what the summary says of the run."""
+"""Case study 1 over its eight hours: the published hours of charging, what the summary says of the run, and the same once more."""
 import unittest
 
 from harness import BASE, OK, ScenarioTest
@@ -29,6 +29,7 @@ class Case1(ScenarioTest):
         samples = {t["name"]: t["samples"] for t in summary["topics"]}
         self.assertEqual(samples["bus_measurements"], 4 * 28801)  # every bus at every step and at the start
         self.assertGreaterEqual(samples["requests"], 4 * 80)
+        self.assert_identical(run, self.run_to_end("again", BASE))
 
 
 if __name__ == "__main__":
