@@ -88,7 +88,7 @@ Result<std::unique_ptr<StreamEnds>> StreamEnds::open(bus::Node& node, gateways::
         }
     }
     if (!held.empty() && !node.lockstep()) {
-        auto pacer = gateways::SamplePacer::create(out->wire_, std::move(held));
+        auto pacer = gateways::SamplePacer::create(out->wire_, *out->port_, std::move(held));
         if (!pacer) {
             return std::unexpected{pacer.error()};
         }

@@ -60,7 +60,7 @@ Result<void> Gateway::prepare() {
         }
     }
     if (!held.empty()) {
-        auto pacer = SamplePacer::create(settings_.wire, std::move(held));
+        auto pacer = SamplePacer::create(settings_.wire, *port_, std::move(held));
         if (!pacer) {
             return std::unexpected{pacer.error()};
         }

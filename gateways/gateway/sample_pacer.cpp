@@ -28,24 +28,21 @@ void sleep_until(std::int64_t ns) {
 
 } // namespace
 
-SamplePacer::SamplePacer(WireConfig const& wire, std::vector<ZeroOrderHoldSink*> streams, ethernet::Port port)
-    : port_{std::move(port)} {
+SamplePacer::SamplePacer(WireConfig const& wire, std::vector<ZeroOrderHoldSink*> streams, FrameSender sender)
+    : sender_{std::move(sender)} {
     Rational const speed = Rational::parse(shortest(wire.speed)).value_or(Rational{1});
     for (ZeroOrderHoldSink* sink : streams) {
         streams_.push_back({sink, sink->stream().rate_hz * speed, std::nullopt});
     }
 }
 
-Result<std::unique_ptr<SamplePacer>> SamplePacer::create(WireConfig const& wire,
+Result<std::unique_ptr<SamplePacer>> SamplePacer::create(WireConfig const& wire, WirePort& port,
                                                          std::vector<ZeroOrderHoldSink*> streams) {
-    ethernet::PortOptions options;
-    options.interface = wire.interface;
-    options.receive = false;
-    auto port = ethernet::Port::open(options);
-    if (!port) {
-        return std::unexpected{port.error()};
+    auto sender = FrameSender::open(wire, port.sequence());
+    if (!sender) {
+        return std::unexpected{sender.error()};
     }
-    return std::unique_ptr<SamplePacer>{new SamplePacer{wire, std::move(streams), std::move(*port)}};
+    return std::unique_ptr<SamplePacer>{new SamplePacer{wire, std::move(streams), std::move(*sender)}};
 }
 
 SamplePacer::~SamplePacer() {
@@ -105,7 +102,7 @@ void SamplePacer::loop() {
                     count += frames[count].empty() ? 0 : 1;
                 }
             }
-            port_.send(std::span{frames}.first(count));
+            sender_.send(std::span{frames}.first(count));
         }
         for (Paced& stream : streams_) {
             if (stream.schedule) {
@@ -114,7 +111,7 @@ void SamplePacer::loop() {
         }
         if (now - looked > kLookAfterNs) {
             looked = now;
-            port_.maintain();
+            sender_.maintain();
         }
     }
 }

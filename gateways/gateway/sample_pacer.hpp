@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gateways/gateway/sample_sink.hpp"
+#include "gateways/port/frame_sender.hpp"
 
 #include <atomic>
 #include <thread>
@@ -15,8 +16,8 @@ namespace gridspace::gateways {
 /// smpCnt is skipped or repeated.
 class SamplePacer {
   public:
-    /// `streams` must outlive it.
-    [[nodiscard]] static Result<std::unique_ptr<SamplePacer>> create(WireConfig const& wire,
+    /// `port` and `streams` must outlive it.
+    [[nodiscard]] static Result<std::unique_ptr<SamplePacer>> create(WireConfig const& wire, WirePort& port,
                                                                      std::vector<ZeroOrderHoldSink*> streams);
     ~SamplePacer();
     SamplePacer(SamplePacer const&) = delete;
@@ -26,7 +27,7 @@ class SamplePacer {
     void start(std::int64_t zero_unix_ns);
 
   private:
-    SamplePacer(WireConfig const& wire, std::vector<ZeroOrderHoldSink*> streams, ethernet::Port port);
+    SamplePacer(WireConfig const& wire, std::vector<ZeroOrderHoldSink*> streams, FrameSender sender);
     void loop();
 
     struct Paced {
@@ -37,7 +38,7 @@ class SamplePacer {
     [[nodiscard]] std::int64_t begin_due(std::int64_t now_ns);
 
     std::vector<Paced> streams_;
-    ethernet::Port port_;
+    FrameSender sender_;
     std::int64_t zero_ns_{0}; ///< on the monotonic clock
     std::atomic<bool> stop_{false};
     std::thread thread_;

@@ -112,14 +112,11 @@ Result<std::unique_ptr<IndexedSink>> IndexedSink::create(GatewayContext const& c
     if (context.node.lockstep() || route.config.sending == MappingConfig::Sending::on_arrival) {
         return out;
     }
-    ethernet::PortOptions options;
-    options.interface = context.wire.interface;
-    options.receive = false;
-    auto port = ethernet::Port::open(options);
-    if (!port) {
-        return std::unexpected{port.error()};
+    auto own = FrameSender::open(context.wire, context.port.sequence());
+    if (!own) {
+        return std::unexpected{own.error()};
     }
-    raw->port_ = std::make_unique<ethernet::Port>(std::move(*port));
+    raw->frames_ = std::make_unique<FrameSender>(std::move(*own));
     ScheduledSender::Params params;
     params.rate_hz = raw->stream().rate_hz.to_double() * context.wire.speed;
     params.buffer_s = route.config.buffer_ms / 1e3;
@@ -130,10 +127,10 @@ Result<std::unique_ptr<IndexedSink>> IndexedSink::create(GatewayContext const& c
         [raw](std::int64_t index, std::span<std::uint8_t const> sample) {
             if (auto const full = raw->fill(index, sample); !full.empty()) {
                 raw->departs(index);
-                raw->port_->send(full);
+                raw->frames_->send(full);
             }
         },
-        [raw] { raw->port_->maintain(); });
+        [raw] { raw->frames_->maintain(); });
     return out;
 }
 

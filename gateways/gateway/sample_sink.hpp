@@ -8,6 +8,7 @@
 #include "gateways/gateway/sink.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_publisher.hpp"
+#include "gateways/port/frame_sender.hpp"
 
 #include <atomic>
 
@@ -74,8 +75,8 @@ class IndexedSink final : public SampleSink {
     [[nodiscard]] std::int64_t taken_unix_ns(std::int64_t index) override;
     std::vector<std::uint8_t> sample_;
     bool zero_is_known_{false};
-    std::uint64_t missed_{0};              ///< of an index below 0; lockstep: of ticks in which this process was paused
-    std::unique_ptr<ethernet::Port> port_; ///< of the sender's thread
+    std::uint64_t missed_{0};             ///< of an index below 0; lockstep: of ticks in which this process was paused
+    std::unique_ptr<FrameSender> frames_; ///< of the sender's thread
     std::unique_ptr<ScheduledSender> sender_; ///< real time, scheduled; last: its thread uses what stands above
 };
 

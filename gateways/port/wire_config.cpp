@@ -9,12 +9,22 @@
 
 namespace gridspace::gateways {
 
+namespace {
+
+void describe_place(config::Fields& w, WirePlace& place) {
+    w.text("link", place.link, {.doc = "name of the link"});
+    w.text("receive_link", place.receive_link,
+           {.doc = "name of the piece of cable that frames come from, when something sits in it"});
+    w.text("interface", place.interface, {.doc = "network interface", .required = true});
+}
+
+} // namespace
+
 void describe_wire(config::Fields& f, WireConfig& wire) {
     f.object("wire", {.doc = "its port", .required = true}, [&](config::Fields& w) {
-        w.text("link", wire.link, {.doc = "name of the link"});
-        w.text("receive_link", wire.receive_link,
-               {.doc = "name of the piece of cable that frames come from, when something sits in it"});
-        w.text("interface", wire.interface, {.doc = "network interface", .required = true});
+        describe_place(w, wire);
+        w.object("prp_lan_b", {.doc = "its port on network B, of a doubly attached node (PRP)"},
+                 [&](config::Fields& b) { describe_place(b, wire.lan_b.emplace()); });
         w.number("speed", wire.speed, {.doc = "of the simulation clock, in real time", .above = 0});
     });
     config::Node node;

@@ -2,37 +2,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "bus/wire.hpp"
-#include "gateways/ethernet/port.hpp"
-#include "gateways/port/arrival_clock.hpp"
+#include "gateways/port/attachment.hpp"
 #include "gateways/port/frame_authentication.hpp"
-#include "gateways/port/wire_config.hpp"
-
-#include <array>
-#include <atomic>
-#include <map>
-#include <memory>
-#include <mutex>
-#include <thread>
+#include "gateways/prp/duplicate_discard.hpp"
 
 namespace gridspace::gateways {
 
-/// A process's place on a link: the socket, and the simulation clock behind it. In lockstep a frame carries its
-/// simulated send time in the ledger and is seen in the tick that contains it; in real time it is seen when it arrives.
+/// A process's place on the wire: on one link, or on two as a doubly attached node of PRP (IEC 62439-3), which sends
+/// each frame on both and gets the copy that comes first.
 class WirePort {
   public:
     struct Ethertypes {
         std::vector<std::uint16_t> send, receive;
         bool authenticate{true}; ///< false: whoever it is, the keys are not its own
     };
-    /// Opens the interface. Before Node::start; must not outlive the node.
+    /// Opens the interfaces. Before Node::start; must not outlive the node.
     [[nodiscard]] static Result<std::unique_ptr<WirePort>> open(bus::Node& node, WireConfig const& config,
                                                                 Ethertypes const& ethertypes);
     ~WirePort();
     WirePort(WirePort const&) = delete;
     WirePort& operator=(WirePort const&) = delete;
 
-    [[nodiscard]] iec61850::Mac const& mac() const { return sender_.mac(); }
+    /// Its address; a doubly attached node has the same one on both networks.
+    [[nodiscard]] iec61850::Mac const& mac() const { return links_.front()->mac(); }
 
     /// Hands a frame to the kernel, with its code when its stream is authenticated. `at`: its simulated send time, in
     /// lockstep, where what belongs to a tick goes together, before the acknowledgement.
@@ -50,11 +42,15 @@ class WirePort {
     /// out: after a stall of this process what came in time waits in the kernel, and who runs first is chance.
     void drain();
 
-    /// Looks after the link; cheap, call it in every round.
+    /// Looks after the links; cheap, call it in every round.
     void maintain();
-    [[nodiscard]] ethernet::PortCounters sent_counters() { return sender_.counters(); }
+    /// Of the first link; `sent` counts a frame once.
+    [[nodiscard]] ethernet::PortCounters sent_counters() { return links_.front()->sent_counters(); }
     /// Received frames that the kernel had to drop, as of the last look, or that found no room here.
     [[nodiscard]] std::uint64_t dropped() const;
+
+    /// Of its redundancy control trailers: who sends beside it (FrameSender) takes numbers from it too.
+    [[nodiscard]] std::atomic<std::uint16_t>& sequence() { return sequence_; }
 
     /// What `gateways/iec61850` decodes.
     [[nodiscard]] static iec61850::Octets octets(bus::WireFrame const& frame) {
@@ -62,29 +58,29 @@ class WirePort {
     }
 
   private:
-    WirePort(bus::Node& node, ethernet::Port sender) : node_{node}, sender_{std::move(sender)} {}
-    void receive_loop();
-    void maintain_receiver();
+    explicit WirePort(bus::Node& node) : node_{node} {}
+    void send_redundantly(std::span<std::uint8_t const> frame, SimTime at);
+    /// What came on either network, first copies only, in the order of their times.
+    std::span<bus::WireFrame const* const> take_redundant(std::uint16_t ethertype);
     void flush(); ///< lockstep
 
     bus::Node& node_;
-    ethernet::Port sender_;
-    std::unique_ptr<ethernet::Port> receiver_; ///< but for waiting, under receiving_
-    std::mutex receiving_;
-    ArrivalClock arrivals_{ArrivalClock::steady_ns()};
-    std::array<ethernet::ReceivedFrame, 64> batch_;
     std::unique_ptr<FrameAuthentication> authentication_;
-    std::mutex signing_;
+    std::mutex sending_;
     std::vector<bus::WireFrame const*> genuine_;
-    std::map<std::uint16_t, std::unique_ptr<bus::WireWriter>> writers_;
-    std::map<std::uint16_t, std::unique_ptr<bus::WireReader>> readers_;
-    std::vector<std::uint8_t> outgoing_; ///< lockstep: the frames of the tick so far, one behind the other
-    std::vector<std::size_t> outgoing_ends_;
-    std::vector<iec61850::Octets> frames_;
-    std::atomic<bool> stop_{false};
-    std::atomic<std::uint64_t> dropped_{0};
+    // of a doubly attached node
+    prp::DuplicateDiscard discard_;
+    std::atomic<std::uint16_t> sequence_{0};
+    std::vector<std::uint8_t> with_trailer_;
+    struct Arrival {
+        bus::WireFrame const* frame{nullptr};
+        prp::Lan lan{prp::Lan::a};
+    };
+    std::vector<Arrival> arrivals_;
+    std::vector<bus::WireFrame const*> firsts_;
+    std::size_t outgoing_{0}; ///< lockstep: octets that wait for flush()
     std::chrono::steady_clock::time_point maintained_;
-    std::thread thread_;
+    std::vector<std::unique_ptr<Attachment>> links_; ///< one, or networks A and B
 };
 
 } // namespace gridspace::gateways

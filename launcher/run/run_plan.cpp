@@ -155,8 +155,8 @@ std::optional<std::uint64_t> capabilities(Scenario const& scenario, Process cons
     if (plan.run_on.kind != RunOn::Kind::native && plan.run_on.kind != RunOn::Kind::qemu_user) {
         return std::nullopt;
     }
-    std::vector<WireUse> const received = process.settings->receives(scenario, process);
-    bool const raw_frames = !process.settings->sends(scenario, process).empty() || !received.empty() ||
+    std::vector<WireUse> const received = frames_received(scenario, process);
+    bool const raw_frames = !frames_sent(scenario, process).empty() || !received.empty() ||
                             !process.settings->bumps(scenario, process).empty() || !process.interface.empty();
     bool const elsewhere = !plan.networks.empty() || std::any_of(received.begin(), received.end(),
                                                                  [](WireUse const& use) { return use.at_switch; });

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/attacks.hpp"
+#include "launcher/scenario/wire_use.hpp"
 
 #include "agents/attacker/frame_forger.hpp"
 #include "agents/attacker/goose_forger.hpp"
@@ -217,8 +218,7 @@ bool stream_passes(Scenario const& scenario, std::string const& stream, std::str
         if (process.settings == nullptr || process.host.name != host || process.program.name == "gridspace-attacker") {
             return false;
         }
-        std::vector<WireUse> const uses =
-            sent ? process.settings->sends(scenario, process) : process.settings->receives(scenario, process);
+        std::vector<WireUse> const uses = sent ? frames_sent(scenario, process) : frames_received(scenario, process);
         return std::any_of(uses.begin(), uses.end(),
                            [&](WireUse const& use) { return use.stream == stream && use.link == link; });
     });

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/bumps.hpp"
+#include "launcher/scenario/wire_use.hpp"
 
 #include "common/text.hpp"
 #include "gateways/ethernet/boxed_ip.hpp"
@@ -32,8 +33,7 @@ std::vector<std::uint16_t> ethertypes_of(Scenario const& scenario, std::string c
         if (process.settings == nullptr || process.host.name != host) {
             continue;
         }
-        for (WireUse const& use :
-             sent ? process.settings->sends(scenario, process) : process.settings->receives(scenario, process)) {
+        for (WireUse const& use : sent ? frames_sent(scenario, process) : frames_received(scenario, process)) {
             if (use.link == link && !use.at_switch && std::find(out.begin(), out.end(), use.ethertype) == out.end()) {
                 out.push_back(use.ethertype);
             }
@@ -156,12 +156,12 @@ std::string piece_received_on(Scenario const& scenario, std::string const& host,
 
 std::vector<WireUse> wires_sent(Scenario const& scenario, Process const& process,
                                 std::vector<PlacedBump> const& bumps) {
-    return with_pieces(bumps, process, process.settings->sends(scenario, process), true);
+    return with_pieces(bumps, process, frames_sent(scenario, process), true);
 }
 
 std::vector<WireUse> wires_received(Scenario const& scenario, Process const& process,
                                     std::vector<PlacedBump> const& bumps) {
-    return with_pieces(bumps, process, process.settings->receives(scenario, process), false);
+    return with_pieces(bumps, process, frames_received(scenario, process), false);
 }
 
 Node bump_settings(Scenario const& scenario, Process const& process) {

@@ -4,6 +4,7 @@
 
 #include "launcher/scenario/addresses.hpp"
 #include "launcher/scenario/bumps.hpp"
+#include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ bool has_frames(Scenario const& scenario, std::string const& link) {
         if (process.settings == nullptr) {
             return false;
         }
-        auto const uses = process.settings->sends(scenario, process);
+        auto const uses = frames_sent(scenario, process);
         return std::any_of(uses.begin(), uses.end(), [&](WireUse const& use) { return use.link == link; });
     });
 }

@@ -5,6 +5,7 @@
 #include "common/text.hpp"
 #include "launcher/judge/expectation.hpp"
 #include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -145,8 +146,8 @@ Node monitored_run(Scenario const& scenario, std::string const& folder) {
                 wires.items.push_back(std::move(node));
             }
         };
-        add(process.settings->sends(scenario, process), true);
-        add(process.settings->receives(scenario, process), false);
+        add(frames_sent(scenario, process), true);
+        add(frames_received(scenario, process), false);
     }
     run.set("processes", std::move(processes));
     run.set("wires", std::move(wires));

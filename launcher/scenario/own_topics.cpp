@@ -9,6 +9,7 @@
 #include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/wire_use.hpp"
 
 #include <algorithm>
 #include <array>
@@ -155,9 +156,9 @@ void check_own_topics(Scenario const& scenario, Diagnostics& diagnostics) {
         }
         std::vector<TopicUse> const writes = process.settings->writes(scenario, process);
         // The library counts the streams of a program that describes itself.
-        bool const counts_streams = dynamic_cast<DeclaredSettings const*>(process.settings.get()) != nullptr &&
-                                    (!process.settings->sends(scenario, process).empty() ||
-                                     !process.settings->receives(scenario, process).empty());
+        bool const counts_streams =
+            dynamic_cast<DeclaredSettings const*>(process.settings.get()) != nullptr &&
+            (!frames_sent(scenario, process).empty() || !frames_received(scenario, process).empty());
         for (TopicUse const& use : writes) {
             if (std::find(kFramework.begin(), kFramework.end(), use.topic) != kFramework.end() ||
                 (use.topic == "stream_statistics" && is_own_program(process) && !counts_streams)) {

@@ -31,8 +31,8 @@ using config::Diagnostics;
 using config::Fields;
 using config::Node;
 
-constexpr std::array<std::string_view, 11> kCommonKeys{"program", "host",      "qos",     "run_on", "ssh",    "cpu",
-                                                       "link",    "interface", "capture", "label",  "comment"};
+constexpr std::array<std::string_view, 12> kCommonKeys{"program", "host", "qos",       "run_on",  "ssh",   "cpu",
+                                                       "link",    "prp",  "interface", "capture", "label", "comment"};
 
 /// A name must be among `names`, or it is an error with the nearest spelling.
 bool check_name(Ref const& ref, std::vector<std::string> const& names, std::string const& what,

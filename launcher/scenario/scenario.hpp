@@ -50,6 +50,7 @@ struct Process {
     std::optional<std::int64_t> cpu;
     std::string interface;
     Ref link;                 ///< on which it exchanges raw frames, where the host is plugged into several
+    std::vector<Ref> prp;     ///< instead of `link`: networks A and B of a doubly attached node
     std::vector<Ref> capture; ///< links whose frames are recorded
     config::Node node;        ///< everything that was written about it, defaults included
     std::unique_ptr<ProcessSettings> settings;

@@ -11,6 +11,7 @@
 #include "launcher/scenario/installation.hpp"
 #include "launcher/scenario/own_topics.hpp"
 #include "launcher/scenario/run_on.hpp"
+#include "launcher/scenario/wire_use.hpp"
 #include "sim/app/engine_factory.hpp"
 #include "sim/powerflow/power_flow.hpp"
 
@@ -200,7 +201,7 @@ void check_publishers(Scenario const& s, Diagnostics& diagnostics) {
         if (!process.settings || process.program.name == "gridspace-attacker") {
             continue;
         }
-        for (WireUse const& use : process.settings->sends(s, process)) {
+        for (WireUse const& use : frames_sent(s, process)) {
             auto const [first, alone] = publishers.try_emplace(use.stream, &process);
             if (!use.stream.empty() && !alone && first->second != &process) {
                 diagnostics.warning(
@@ -211,7 +212,7 @@ void check_publishers(Scenario const& s, Diagnostics& diagnostics) {
                     static_cast<int>(process.name.name.size()));
             }
         }
-        for (WireUse const& use : process.settings->receives(s, process)) {
+        for (WireUse const& use : frames_received(s, process)) {
             subscribers.try_emplace(use.stream, &process);
         }
     }
@@ -235,8 +236,8 @@ void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
         config::Node const* written = process.node.find("interface");
         config::SourceMark const where = written == nullptr ? process.name.where : written->where;
         int const width = static_cast<int>(process.interface.size());
-        bool const raw = process.is_foreign() || !process.settings->sends(s, process).empty() ||
-                         !process.settings->receives(s, process).empty();
+        bool const raw =
+            process.is_foreign() || !frames_sent(s, process).empty() || !frames_received(s, process).empty();
         if (!raw || process.program.name == "gridspace-recorder") {
             diagnostics.error(where,
                               fmt::format("process '{}' exchanges no raw frames, and has the interface '{}'",

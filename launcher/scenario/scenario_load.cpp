@@ -113,6 +113,7 @@ void describe_process(Fields& f, Process& p) {
     f.reference(
         "link", p.link,
         {.doc = "the link on which it exchanges raw frames; needed where the host is plugged into several without IP"});
+    f.references("prp", p.prp, {.doc = "instead of `link`: networks A and B of a doubly attached node (IEC 62439-3)"});
     f.references(
         "capture", p.capture,
         {.doc =

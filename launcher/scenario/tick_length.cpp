@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 #include "launcher/scenario/scenario.hpp"
+#include "launcher/scenario/wire_use.hpp"
 #include "sim/gateway/gateway_config.hpp"
 
 #include <algorithm>
@@ -109,7 +110,7 @@ class Loops {
 /// Frames that a member sends on one link in one sample of its streams, at most.
 Rational frames_per_second(Scenario const& scenario, Process const& process) {
     Rational out{0};
-    for (WireUse const& use : process.settings->sends(scenario, process)) {
+    for (WireUse const& use : frames_sent(scenario, process)) {
         streams::Stream const* const stream = streams::find_stream(scenario.streams, use.stream);
         if (stream != nullptr && stream->rate_hz > Rational{0}) {
             out = out + stream->rate_hz / Rational{stream->samples_per_frame};

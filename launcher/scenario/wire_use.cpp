@@ -30,11 +30,79 @@ std::vector<std::string> links_of(Scenario const& scenario, Process const& proce
     return out;
 }
 
+/// Of a doubly attached node also on network B.
+std::vector<WireUse> on_both(Process const& process, std::vector<WireUse> uses) {
+    std::size_t const alone = process.prp.size() < 2 ? 0 : uses.size();
+    for (std::size_t i = 0; i < alone; ++i) {
+        if (uses[i].link == process.prp[0].name && !uses[i].at_switch) {
+            uses.push_back(uses[i]);
+            uses.back().link = process.prp[1].name;
+        }
+    }
+    return uses;
+}
+
+void check_prp(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+    auto const wrong = [&](Ref const& at, std::string_view what, std::string const& hint) {
+        diagnostics.error(at.where, fmt::format("process '{}' {}", process.name.name, what), hint,
+                          static_cast<int>(at.name.size()));
+    };
+    Ref const& a = process.prp.front();
+    Ref const& b = process.prp.back();
+    if (!process.link.empty() || !process.interface.empty()) {
+        wrong(a, fmt::format("has `prp` and `{}`", process.link.empty() ? "interface" : "link"),
+              "leave one of them out");
+    }
+    if (process.prp.size() != 2 || a == b.name) {
+        wrong(a, "is not on two networks", "prp: [the link that is network A, the one that is network B]");
+    }
+    if (process.is_foreign() && !process.settings->is_daemon()) {
+        wrong(a, "is a program of its own, which would have to speak PRP itself", "a process of ours, or a `link`");
+    }
+    if (process.run_on != "native" && process.run_on != "qemu-user") {
+        wrong(a, fmt::format("runs on {}, where it has one cable", process.run_on), "run_on: native, or a `link`");
+    }
+    auto const all = links_of(scenario, process, false);
+    for (Ref const& link : process.prp) {
+        if (std::find(all.begin(), all.end(), link.name) == all.end()) {
+            wrong(link,
+                  fmt::format("exchanges raw frames on '{}', and host '{}' is not plugged into it", link.name,
+                              process.host.name),
+                  all.empty() ? "" : fmt::format("it is plugged into {}", join(all, ", ")));
+        }
+    }
+}
+
+/// Link and interface of a place on a link; on a link of the scenario.
+config::Node place_settings(Scenario const& scenario, Process const& process, std::string const& link) {
+    config::Node node = config::Node::map();
+    std::string const sent_on = piece_sent_on(scenario, process.host.name, link),
+                      received_on = piece_received_on(scenario, process.host.name, link);
+    node.set("link", config::Node::quoted_text(sent_on));
+    if (received_on != sent_on) {
+        node.set("receive_link", config::Node::quoted_text(received_on));
+    }
+    for (Port const& port : plan_ports(scenario)) {
+        if (port.host == process.host.name && port.link == link) {
+            node.set("interface", config::Node::quoted_text(port.interface));
+        }
+    }
+    return node;
+}
+
 } // namespace
 
+std::vector<WireUse> frames_sent(Scenario const& scenario, Process const& process) {
+    return on_both(process, process.settings->sends(scenario, process));
+}
+
+std::vector<WireUse> frames_received(Scenario const& scenario, Process const& process) {
+    return on_both(process, process.settings->receives(scenario, process));
+}
+
 std::string raw_link(Scenario const& scenario, Process const& process) {
-    if (!process.link.empty()) {
-        return process.link.name;
+    if (!process.link.empty() || !process.prp.empty()) {
+        return process.prp.empty() ? process.link.name : process.prp.front().name;
     }
     for (bool const without_ip : {true, false}) {
         if (auto const links = links_of(scenario, process, without_ip); links.size() == 1) {
@@ -45,6 +113,10 @@ std::string raw_link(Scenario const& scenario, Process const& process) {
 }
 
 void check_raw_link(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+    if (!process.prp.empty()) {
+        check_prp(scenario, process, diagnostics);
+        return;
+    }
     if (!process.interface.empty()) {
         return; // outside of all links
     }
@@ -66,25 +138,15 @@ void check_raw_link(Scenario const& scenario, Process const& process, config::Di
 }
 
 config::Node wire_settings(Scenario const& scenario, Process const& process) {
-    config::Node node = config::Node::map();
-    std::string const link = raw_link(scenario, process);
+    config::Node node = place_settings(scenario, process, raw_link(scenario, process));
     if (scenario.clock.mode == bus::ClockMode::realtime && scenario.clock.speed > 0) {
         node.set("speed", config::Node::scalar(shortest(scenario.clock.speed)));
     }
-    std::string const sent_on = piece_sent_on(scenario, process.host.name, link),
-                      received_on = piece_received_on(scenario, process.host.name, link);
-    node.set("link", config::Node::quoted_text(sent_on));
-    if (received_on != sent_on) {
-        node.set("receive_link", config::Node::quoted_text(received_on));
-    }
     if (!process.interface.empty()) {
         node.set("interface", config::Node::quoted_text(process.interface));
-        return node;
     }
-    for (Port const& port : plan_ports(scenario)) {
-        if (port.host == process.host.name && port.link == link) {
-            node.set("interface", config::Node::quoted_text(port.interface));
-        }
+    if (process.prp.size() == 2) {
+        node.set("prp_lan_b", place_settings(scenario, process, process.prp.back().name));
     }
     return node;
 }
@@ -105,8 +167,8 @@ void check_samples_on_steps(Scenario const& s, streams::Stream const& stream, Re
 
 bool has_raw_frames(Scenario const& scenario) {
     return std::any_of(scenario.processes.begin(), scenario.processes.end(), [&](Process const& process) {
-        return process.settings != nullptr && (!process.settings->sends(scenario, process).empty() ||
-                                               !process.settings->receives(scenario, process).empty());
+        return process.settings != nullptr &&
+               (!frames_sent(scenario, process).empty() || !frames_received(scenario, process).empty());
     });
 }
 

@@ -9,10 +9,14 @@
 
 namespace gridspace::launcher {
 
-/// The link on which a process exchanges raw frames: its `link`, or the only one of its host that carries no IP, or the
-/// only one at all. Empty when that is not clear (check_raw_link says so).
+/// The link on which a process exchanges raw frames: its `link`, network A of its `prp`, or the only one of its host
+/// that carries no IP, or the only one at all. Empty when that is not clear (check_raw_link says so).
 [[nodiscard]] std::string raw_link(Scenario const& scenario, Process const& process);
 void check_raw_link(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics);
+
+/// What a process sends and receives, on every network that it is attached to (`prp`). It must have settings.
+[[nodiscard]] std::vector<WireUse> frames_sent(Scenario const& scenario, Process const& process);
+[[nodiscard]] std::vector<WireUse> frames_received(Scenario const& scenario, Process const& process);
 
 /// `wire:` of the settings of a process with raw frames: link, interface and MAC address of its port.
 [[nodiscard]] config::Node wire_settings(Scenario const& scenario, Process const& process);

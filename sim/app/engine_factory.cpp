@@ -6,6 +6,7 @@
 #include "sim/emt/emt_engine.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/phasor/phasor_engine.hpp"
+#include "sim/runtime/tap_changing_engine.hpp"
 
 namespace gridspace::sim {
 
@@ -30,7 +31,9 @@ std::optional<Network> load_simulated_network(SimulationConfig const& simulation
     return read_network(*root, diagnostics);
 }
 
-Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, Network network, TimeBase base) {
+namespace {
+
+Result<std::unique_ptr<Engine>> make_solver(SimulationConfig const& simulation, Network network, TimeBase base) {
     if (simulation.solver == SolverKind::emt) {
         return emt::make_emt_engine(std::move(network),
                                     {base, base.nearest(simulation.step_s), start_hour_of_day(simulation)});
@@ -38,6 +41,14 @@ Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, 
     phasor::PhasorOptions options{.time_base = base, .start_hour_of_day = start_hour_of_day(simulation)};
     options.fixed_step_s = simulation.fixed_step ? simulation.step_s.to_double() : 0;
     return phasor::make_phasor_engine(std::move(network), options);
+}
+
+} // namespace
+
+Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, Network network, TimeBase base) {
+    auto solver = make_solver(simulation, network, base);
+    return solver ? Result<std::unique_ptr<Engine>>{with_tap_changers(std::move(*solver), network, base)}
+                  : std::move(solver);
 }
 
 std::vector<SignalDef> engine_signals(SimulationConfig const& simulation, Network const& network) {

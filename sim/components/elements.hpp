@@ -8,6 +8,7 @@
 #include "sim/components/ct/ct.hpp"
 #include "sim/components/ev/ev.hpp"
 #include "sim/components/generator/generator.hpp"
+#include "sim/components/induction_machine/induction_machine.hpp"
 #include "sim/components/line/line.hpp"
 #include "sim/components/load/load.hpp"
 #include "sim/components/machine/machine.hpp"
@@ -41,6 +42,7 @@ struct Elements {
     std::vector<Ev> evs;
     std::vector<Battery> batteries;
     std::vector<ShuntCapacitor> shunt_capacitors;
+    std::vector<InductionMachine> induction_machines;
     std::vector<BreakerType> breaker_types;
     std::vector<Breaker> breakers;
     std::vector<CtType> ct_types;
@@ -68,6 +70,7 @@ void for_each_kind(E& elements, Visit const& visit) {
     visit(elements.evs);
     visit(elements.batteries);
     visit(elements.shunt_capacitors);
+    visit(elements.induction_machines);
     visit(elements.breaker_types);
     visit(elements.breakers);
     visit(elements.ct_types);

@@ -62,6 +62,13 @@ Result<void> EmtEngine::initialise() {
 }
 
 Result<void> EmtEngine::initialise_unbalanced() {
+    for (std::size_t i = 0; i < parts_.one_ports.size(); ++i) {
+        if (parts_.one_ports[i].norton >= 0) { // it starts from the positive sequence alone
+            return fail(ExitCode::usage,
+                        fmt::format("{} cannot start in an unbalanced network", owner_of(*one_ports_[i])),
+                        "make loads and line types alike in their phases, or take it out");
+        }
+    }
     ThreePhaseOptions options;
     options.start_hour_of_day = options_.start_hour_of_day;
     auto const flow = solve_three_phase(network_, SwitchState{network_}, options);

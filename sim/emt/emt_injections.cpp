@@ -29,7 +29,7 @@ std::vector<EmtEngine::BusPhases> EmtEngine::start_injections(std::vector<BusPha
         NetworkCircuit::Injection const& injection = parts_.injections[i];
         double const peak = parts_.bus_peak_v[injection.bus];
         BusPhases v = bus_v[injection.bus];
-        converters_.emplace_back(network_.frequency_hz, peak, injection.max_peak_a, injection.ceases);
+        converters_.emplace_back(network_.frequency_hz, peak, injection.max_peak_a, injection.rules);
         phase_currents_.emplace_back(network_.frequency_hz, peak);
         if (injection.by_phase) {
             PhaseFollowing::Powers power;

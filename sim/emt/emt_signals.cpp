@@ -172,6 +172,11 @@ void EmtEngine::one_port_signals() {
         };
         if (PowerModel const* model = model_of(parts)) {
             add(model);
+            auto const injection = static_cast<std::size_t>(parts.injection);
+            if (parts_.injections[injection].shows_share) {
+                signal(prefix + ".in_service_share", "p.u.",
+                       [this, injection] { return converters_[injection].share(); });
+            }
         }
         if (parts.norton >= 0) {
             add(static_cast<NortonElement const*>(

@@ -11,16 +11,17 @@ namespace {
 /// Below this share of nominal voltage the current no longer rises to hold the power.
 constexpr double kMinVoltage = 0.5;
 
-// When a source ceases and comes back (grid_following.hpp): p.u., shares of nominal frequency, seconds.
-constexpr double kUnfitBelow = 0.5, kUnfitAbove = 1.2, kUnfitFrequency = 0.1, kUnfitS = 0.16;
-constexpr double kFitBelow = 1.1, kFitAbove = 0.88, kFitFrequency = 0.01, kFitS = 0.2, kRampS = 0.4;
 constexpr double kDead = 0.05; ///< p.u.: nothing to lock on
 
 } // namespace
 
-GridFollowing::GridFollowing(double frequency_hz, double nominal_peak_v, double max_peak_a, bool ceases)
-    : pll_{frequency_hz}, nominal_{nominal_peak_v}, max_peak_a_{max_peak_a}, frequency_hz_{frequency_hz},
-      ceases_{ceases} {}
+GridFollowing::GridFollowing(double frequency_hz, double nominal_peak_v, double max_peak_a,
+                             std::optional<GridRules> rules)
+    : pll_{frequency_hz}, nominal_{nominal_peak_v}, max_peak_a_{max_peak_a}, frequency_hz_{frequency_hz} {
+    if (rules) {
+        watch_.emplace(std::move(*rules));
+    }
+}
 
 std::complex<double> GridFollowing::reference(std::complex<double> power) const {
     std::complex<double> i = std::conj(power) / (1.5 * std::max(voltage_, kMinVoltage * nominal_));
@@ -46,44 +47,30 @@ void GridFollowing::step(Space const& v, std::complex<double> power, double h) {
         return;
     }
     voltage_ += (std::sqrt(v.alpha * v.alpha + v.beta * v.beta) - voltage_) * h / (kVoltageLagS + h);
-    if (ceases_) {
-        watch_grid(h);
+    if (watch_) {
+        watch_->step(voltage_pu(), pll_.frequency_hz() / frequency_hz_ - 1, h);
+        if (ceased() && voltage_pu() < kDead) {
+            pll_.rest();
+        }
     }
-    std::complex<double> const wanted = ceased_ ? 0 : reference(power);
-    current_ += ((share_ < 1 ? share_ * wanted : wanted) - current_) * (h / (kCurrentLagS + h));
-}
-
-void GridFollowing::watch_grid(double h) {
-    double const v = voltage_pu(), off = std::abs(pll_.frequency_hz() / frequency_hz_ - 1);
-    outside_s_ = v < kUnfitBelow || v > kUnfitAbove || off > kUnfitFrequency ? outside_s_ + h : 0;
-    inside_s_ = v > kFitAbove && v < kFitBelow && off < kFitFrequency ? inside_s_ + h : 0;
-    if (outside_s_ >= kUnfitS) {
-        ceased_ = true;
-        share_ = 0;
-    } else if (ceased_ && !stands_by_ && inside_s_ >= kFitS) {
-        ceased_ = false;
-    }
-    if (ceased_ && v < kDead) {
-        pll_.rest();
-    }
-    share_ = ceased_ ? 0 : std::min(1.0, share_ + h / kRampS);
+    std::complex<double> const wanted = ceased() ? 0 : reference(power);
+    current_ += ((share() < 1 ? share() * wanted : wanted) - current_) * (h / (kCurrentLagS + h));
 }
 
 void GridFollowing::resume(std::complex<double> v) {
     (void)start(v, 0);
     tripped_ = false;
-    wait_for_grid();
+    if (watch_) {
+        watch_->wait_for_grid();
+    }
 }
 
 void GridFollowing::stand_by(bool on) {
     stands_by_ = on;
-    wait_for_grid();
-}
-
-void GridFollowing::wait_for_grid() {
-    ceased_ = ceases_ || stands_by_;
-    share_ = ceased_ ? 0 : 1;
-    outside_s_ = inside_s_ = 0;
+    if (watch_) {
+        watch_->hold(on);
+        watch_->wait_for_grid();
+    }
 }
 
 void GridFollowing::trip() {

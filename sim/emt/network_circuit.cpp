@@ -162,7 +162,8 @@ class Builder final : private CircuitFace {
         }
     }
 
-    void converter(OnePort const& e, double rating_kva, std::unique_ptr<PowerModel> model) override {
+    void converter(OnePort const& e, double rating_kva, std::unique_ptr<PowerModel> model,
+                   std::optional<RideThrough> const& ride_through) override {
         NetworkCircuit::OnePortParts& parts = own();
         double const voltage_v = n_.buses[parts.bus].voltage_v;
         // Its filter leaves a path for what is not its current; the converter draws what the filter gives.
@@ -171,13 +172,18 @@ class Builder final : private CircuitFace {
                          same(filter_kvar * 1e3 / (voltage_v * voltage_v) / (2 * std::numbers::pi * n_.frequency_hz)));
         c_.flows(parts.breaker, Kind::capacitor, c_.capacitors.size() - 1, 1);
         double const max_peak_a = kConverterOverload * 2 * rating_kva * 1e3 / (3 * out_.bus_peak_v[parts.bus]);
-        parts.injection = inject(
-            {parts.bus, parts.node, parts.breaker, max_peak_a, filter_kvar, false, e.kind().feeds, std::move(model)});
+        std::optional<GridRules> rules;
+        if (e.kind().feeds) {
+            rules = ride_through ? ride_through->rules(n_.frequency_hz) : GridRules::usual();
+        }
+        parts.injection = inject({parts.bus, parts.node, parts.breaker, max_peak_a, filter_kvar, false,
+                                  std::move(rules), ride_through.has_value(), std::move(model)});
     }
 
     void beyond_star(OnePort const&, std::unique_ptr<PowerModel> model) override {
         NetworkCircuit::OnePortParts& parts = own();
-        parts.injection = inject({parts.bus, parts.node, parts.breaker, 0, 0, unbalanced_, false, std::move(model)});
+        parts.injection =
+            inject({parts.bus, parts.node, parts.breaker, 0, 0, unbalanced_, {}, false, std::move(model)});
     }
 
     int inject(NetworkCircuit::Injection injection) {

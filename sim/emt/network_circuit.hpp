@@ -4,6 +4,7 @@
 
 #include "common/result.hpp"
 #include "sim/circuit/circuit.hpp"
+#include "sim/components/faces/ride_through.hpp"
 #include "sim/network/network.hpp"
 
 #include <map>
@@ -29,9 +30,10 @@ struct NetworkCircuit {
         std::size_t bus{0};
         int node{0}, breaker{0};
         double max_peak_a{0};
-        double filter_kvar{0}; ///< what its filter gives at nominal voltage
-        bool by_phase{false};  ///< holds powers phase by phase, not of the positive sequence
-        bool ceases{false};    ///< gives nothing where no grid holds its bus
+        double filter_kvar{0};            ///< what its filter gives at nominal voltage
+        bool by_phase{false};             ///< holds powers phase by phase, not of the positive sequence
+        std::optional<GridRules> rules{}; ///< of a source: it gives nothing where no grid holds its bus
+        bool shows_share{false};          ///< they are configured: its share of the current is a signal
         std::unique_ptr<PowerModel> model;
     };
 

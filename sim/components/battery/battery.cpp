@@ -26,6 +26,11 @@ void Battery::fields(Fields& f) {
         "control", control,
         {{"grid_following", BatteryControl::grid_following}, {"grid_forming", BatteryControl::grid_forming}},
         {.doc = "gives its powers to the voltage that is there, or is a voltage and holds an island"});
+    describe_ride_through(f, ride_through);
+    if (forms() && ride_through) {
+        f.error("ride_through", fmt::format("'{}' is grid-forming: it holds the voltage itself", name.name),
+                "leave it out");
+    }
     bool given = false;
     f.object("grid_forming", {.doc = "of a virtual synchronous machine, p.u. on rating_kva"}, [&](Fields& g) {
         given = true;
@@ -221,7 +226,7 @@ void Battery::circuit(CircuitFace& face) const {
         face.norton(*this, forming::waveform(*this, face));
         return;
     }
-    face.converter(*this, rating_kva, std::make_unique<BatteryPower>(*this, face.scale(scale)));
+    face.converter(*this, rating_kva, std::make_unique<BatteryPower>(*this, face.scale(scale)), ride_through);
 }
 
 } // namespace gridspace::sim

@@ -43,6 +43,7 @@ struct Battery final : OnePort {
     Ref scale; ///< profile that multiplies p
     BatteryControl control{BatteryControl::grid_following};
     GridForming forming;
+    std::optional<RideThrough> ride_through;
     double frequency_setpoint_hz{0}; ///< set in a run
 
     [[nodiscard]] bool forms() const { return control == BatteryControl::grid_forming; }
@@ -56,6 +57,9 @@ struct Battery final : OnePort {
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;
     void check(ElementCheck& check) const override { check.profile(scale); }
+    [[nodiscard]] std::string_view unseen_by_phasors() const override {
+        return ride_through ? "the ride-through of" : "";
+    }
     [[nodiscard]] bool earthed(Surroundings const&) const override { return true; } // its filter
     [[nodiscard]] Complex sequence_pu(Sequence sequence, Surroundings const& around) const override;
     void power_flow(PowerFlowFace& face) const override;

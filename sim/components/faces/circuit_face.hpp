@@ -4,6 +4,7 @@
 
 #include "sim/circuit/circuit.hpp"
 #include "sim/components/faces/element.hpp"
+#include "sim/components/faces/ride_through.hpp"
 #include "sim/engine/engine.hpp"
 
 #include <array>
@@ -46,7 +47,8 @@ class CircuitFace : public Surroundings {
     /// Impedances to earth that draw these powers at nominal voltage, kVA.
     virtual void star_by_phase(OnePort const& element, std::array<Complex, 3> const& kva) = 0;
     /// An averaged converter with its filter. 0 kVA: nothing limits its current.
-    virtual void converter(OnePort const& element, double rating_kva, std::unique_ptr<PowerModel> model) = 0;
+    virtual void converter(OnePort const& element, double rating_kva, std::unique_ptr<PowerModel> model,
+                           std::optional<RideThrough> const& ride_through = {}) = 0;
     /// What the element draws beyond the star that it has already; phase by phase in an unbalanced network.
     virtual void beyond_star(OnePort const& element, std::unique_ptr<PowerModel> model) = 0;
     /// An ideal voltage, p.u. of the nominal one of its bus, behind a resistance and inductance (none: 0).

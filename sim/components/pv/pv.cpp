@@ -16,6 +16,7 @@ void Pv::fields(Fields& f) {
     f.number("rating_kva", rating_kva, not_negative("apparent power that it cannot exceed; 0: no limit"));
     f.number("power_factor", power_factor, at_most_one("of the inverter"));
     f.reference("scale", scale, {.doc = "profile of the sun"});
+    describe_ride_through(f, ride_through);
 }
 
 Complex Pv::power_kva(double sun) const {
@@ -86,7 +87,7 @@ std::unique_ptr<PhasorInjection> Pv::phasor(Surroundings const& around) const {
 }
 
 void Pv::circuit(CircuitFace& face) const {
-    face.converter(*this, inverter_kva(), std::make_unique<PvPower>(*this, face.scale(scale)));
+    face.converter(*this, inverter_kva(), std::make_unique<PvPower>(*this, face.scale(scale)), ride_through);
 }
 
 } // namespace gridspace::sim

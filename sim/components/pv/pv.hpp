@@ -21,9 +21,10 @@ struct Pv final : OnePort {
                                 .feeds = true,
                                 .commands = kConverter,
                                 .settable = kSettable};
-    double p_kw{0}, rating_kva{0};                           ///< at full sun; 0: no limit
-    double power_factor{1};                                  ///< takes reactive power
-    Ref scale;                                               ///< profile of the sun
+    double p_kw{0}, rating_kva{0}; ///< at full sun; 0: no limit
+    double power_factor{1};        ///< takes reactive power
+    Ref scale;                     ///< profile of the sun
+    std::optional<RideThrough> ride_through;
     std::optional<double> p_limit_kw, q_kvar, irradiance_pu; ///< set in a run
 
     /// Power into the network at a value of the profile, kVA.
@@ -34,6 +35,9 @@ struct Pv final : OnePort {
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;
     void check(ElementCheck& check) const override { check.profile(scale); }
+    [[nodiscard]] std::string_view unseen_by_phasors() const override {
+        return ride_through ? "the ride-through of" : "";
+    }
     [[nodiscard]] bool earthed(Surroundings const&) const override { return true; } // its filter
     void power_flow(PowerFlowFace& face) const override { face.inject(bus, power_kva(face.scale(scale))); }
     [[nodiscard]] std::unique_ptr<PhasorInjection> phasor(Surroundings const& around) const override;

@@ -3,6 +3,7 @@
 #include "sim/components/transformer/transformer.hpp"
 
 #include "common/text.hpp"
+#include "sim/components/bus/bus.hpp"
 #include "sim/components/faces/shared_checks.hpp"
 
 #include <cmath>
@@ -37,9 +38,22 @@ void Transformer::fields(Fields& f) {
                     "give magnetising_percent");
         }
     });
+    f.object("tap_changer", {.doc = "on load, with its voltage regulator"}, [&](Fields& t) {
+        TapChanger& changer = tap_changer.emplace();
+        changer.fields(t);
+        changer.neutral_ratio = tap_ratio;
+        tap_ratio = changer.ratio(changer.position);
+        if (saturation) {
+            t.error("", fmt::format("transformer '{}' saturates, and its ratio cannot change in a run", name.name),
+                    "leave out `saturation` or `tap_changer`");
+        }
+    });
 }
 
 void Transformer::check(ElementCheck& check) const {
+    if (tap_changer && !tap_changer->bus.empty()) {
+        check.exists(Bus::kKind, tap_changer->bus);
+    }
     double const percent = std::hypot(r_percent, x_percent), base_kva = check.around().base_kva();
     if (r_percent == 0 && x_percent == 0) {
         check.wrong("has no short-circuit impedance",

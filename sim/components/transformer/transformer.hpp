@@ -4,6 +4,7 @@
 
 #include "sim/components/faces/number_specs.hpp"
 #include "sim/components/faces/two_port.hpp"
+#include "sim/components/transformer/tap_changer.hpp"
 
 namespace gridspace::sim {
 
@@ -36,6 +37,7 @@ struct Transformer final : TwoPort {
     double charging_percent{0};    ///< total shunt susceptance, half at each winding, of the rating
     using Saturation = TransformerSaturation;
     std::optional<Saturation> saturation;
+    std::optional<TapChanger> tap_changer; ///< tap_ratio is then that of its position
 
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "gateways/port/frame_sender.hpp"
+
+#include <algorithm>
+
+namespace gridspace::gateways {
+
+Result<FrameSender> FrameSender::open(WireConfig const& wire, std::atomic<std::uint16_t>& sequence) {
+    FrameSender out{sequence};
+    for (WirePlace const* place : wire.places()) {
+        ethernet::PortOptions options;
+        options.interface = place->interface;
+        options.receive = false;
+        auto port = ethernet::Port::open(options);
+        if (!port) {
+            return std::unexpected{port.error()};
+        }
+        out.ports_.push_back(std::move(*port));
+    }
+    return out;
+}
+
+void FrameSender::send(std::span<iec61850::Octets const> frames) {
+    if (ports_.size() == 1) {
+        ports_.front().send(frames);
+        return;
+    }
+    auto const first = sequence_->fetch_add(static_cast<std::uint16_t>(frames.size()), std::memory_order_relaxed);
+    for (std::size_t k = 0; k < ports_.size(); ++k) {
+        auto& buffers = with_trailer_[k];
+        buffers.resize(std::max(buffers.size(), frames.size()));
+        batch_.clear();
+        for (std::size_t i = 0; i < frames.size(); ++i) {
+            prp::write_with_trailer(
+                frames[i], {static_cast<std::uint16_t>(first + i), k == 0 ? prp::Lan::a : prp::Lan::b}, buffers[i]);
+            batch_.emplace_back(buffers[i]);
+        }
+        ports_[k].send(batch_);
+    }
+}
+
+void FrameSender::maintain() {
+    for (ethernet::Port& port : ports_) {
+        port.maintain();
+    }
+}
+
+} // namespace gridspace::gateways

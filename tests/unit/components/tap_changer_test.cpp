@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "common/config/yaml.hpp"
+#include "sim/emt/emt_engine.hpp"
+#include "sim/network/network_config.hpp"
+#include "sim/phasor/phasor_engine.hpp"
+#include "sim/powerflow/power_flow.hpp"
+#include "sim/runtime/tap_changing_engine.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+/// A transformer that holds the voltage of a load on its secondary side.
+namespace gridspace::sim {
+namespace {
+
+TimeBase const kBase{Rational{1, 12000}};
+
+std::string changer(std::string const& more = "") {
+    return "tap_changer: {bandwidth_percent: 2, delay_s: 0.5, next_delay_s: 0.2, step_percent: 1.25" + more + "}";
+}
+
+config::Diagnostics read(std::string const& tap_changer, Network& out, std::string const& more = "") {
+    std::string const text = fmt::format(
+        "gridspace_network: 1\nname: t\nbase: {{frequency_hz: 60, power_kva: 1000}}\n"
+        "buses: {{A: {{voltage_v: 10000}}, B: {{voltage_v: 400}}}}\nsources: {{S: {{bus: A, r_ohm: 0.5, l_mh: 5}}}}\n"
+        "transformers: {{T: {{from: A, to: B, rating_kva: 1000, r_percent: 1, x_percent: 6, {}{}}}}}\n"
+        "loads: {{L: {{bus: B, p_kw: 100, power_factor: 0.9, model: constant_impedance}}}}\n",
+        tap_changer, more);
+    config::Diagnostics diagnostics;
+    auto const root = config::parse_yaml(text, config::make_source("n.yaml", text), diagnostics);
+    if (auto network = read_network(*root, diagnostics)) {
+        out = *network;
+    }
+    return diagnostics;
+}
+
+Network network(std::string const& tap_changer) {
+    Network n;
+    auto const diagnostics = read(tap_changer, n);
+    EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
+    return n;
+}
+
+class Grid {
+  public:
+    Grid(std::string const& solver, Network const& n) {
+        auto made = solver == "emt" ? emt::make_emt_engine(n, {kBase, SimSpan{1}, 0})
+                                    : phasor::make_phasor_engine(n, {.time_base = kBase});
+        EXPECT_TRUE(made.has_value());
+        engine_ = with_tap_changers(std::move(*made), n, kBase);
+        EXPECT_TRUE(engine_->initialise().has_value());
+    }
+    void set(std::string const& path, double value) {
+        EXPECT_TRUE(engine_->apply(SetParameter{path, value}).has_value());
+    }
+    void until(double s) {
+        constexpr double kStepS = 0.005;
+        while (t_ < s - 1e-9) {
+            t_ += kStepS;
+            ASSERT_TRUE(engine_->advance(SimTime{} + SimSpan{std::llround(t_ * 12000)}).has_value());
+        }
+    }
+    [[nodiscard]] double value(std::string const& name) const {
+        std::size_t const i = engine_->find_signal(name);
+        EXPECT_LT(i, engine_->signals().size()) << name;
+        return i < engine_->signals().size() ? engine_->value(i) : std::nan("");
+    }
+    [[nodiscard]] double position() const { return value("transformer.T.tap_position"); }
+    [[nodiscard]] double v() const { return value("bus.B.v_pu"); }
+
+  private:
+    std::unique_ptr<Engine> engine_;
+    double t_{0};
+};
+
+class TapChangerIn : public testing::TestWithParam<char const*> {};
+INSTANTIATE_TEST_SUITE_P(Solver, TapChangerIn, testing::Values("phasor", "emt"));
+
+TEST_P(TapChangerIn, BringsTheVoltageBackIntoItsBandStepByStep) {
+    Network n = network(changer());
+    Grid sut{GetParam(), n};
+    sut.until(1);
+    EXPECT_EQ(sut.position(), 0);
+    sut.set("loads.L.demand_pu", 7); // 700 kW: about 4 % lower
+    sut.until(1.48);
+    EXPECT_LT(sut.v(), 0.99);
+    EXPECT_EQ(sut.position(), 0) << "the first step after 0.5 s";
+    sut.until(1.52);
+    EXPECT_EQ(sut.position(), 1);
+    sut.until(1.68);
+    EXPECT_EQ(sut.position(), 1) << "the next after 0.2 s more";
+    sut.until(1.72);
+    EXPECT_EQ(sut.position(), 2);
+    sut.until(5);
+    EXPECT_GT(sut.v(), 0.99);
+    EXPECT_LT(sut.v(), 1.01);
+    double const settled = sut.position();
+    // The power flow with that position and load finds the same voltage.
+    Network other = network(changer(fmt::format(", position: {}", settled)));
+    other.loads[0].demand_pu = 7;
+    auto const flow = solve_power_flow(other, SwitchState{other});
+    ASSERT_TRUE(flow.has_value());
+    EXPECT_NEAR(sut.v(), std::abs(flow->buses[1].v), 1e-4);
+    sut.set("loads.L.demand_pu", 0.5);
+    sut.until(12);
+    EXPECT_LT(sut.position(), settled) << "and down again";
+    EXPECT_NEAR(sut.v(), 1, 0.0101);
+}
+
+TEST_P(TapChangerIn, StaysAtItsLimitAndWhereTheVoltageIsGone) {
+    Grid limited{GetParam(), network(changer(", highest: 1"))};
+    limited.set("loads.L.demand_pu", 7);
+    limited.until(4);
+    EXPECT_EQ(limited.position(), 1);
+    Grid dark{GetParam(), network(changer())};
+    dark.set("sources.S.voltage_pu", 0.5);
+    dark.until(4);
+    EXPECT_EQ(dark.position(), 0);
+}
+
+TEST(TapRegulator, ADeviationThatEndsBeginsItsTimeAnew) {
+    TapChanger data;
+    data.delay_s = 10;
+    TapRegulator sut{data, false};
+    EXPECT_FALSE(sut.step(0.95, 9));
+    EXPECT_FALSE(sut.step(1.0, 1));
+    EXPECT_FALSE(sut.step(0.95, 9));
+    EXPECT_TRUE(sut.step(0.95, 1));
+    EXPECT_EQ(sut.position(), 1);
+    TapRegulator reversed{data, true};
+    EXPECT_TRUE(reversed.step(0.95, 10));
+    EXPECT_EQ(reversed.position(), -1) << "its bus is at `from`";
+}
+
+TEST(TapChanger, WhatCannotWorkIsAnError) {
+    Network n;
+    EXPECT_EQ(read(changer(", position: 9"), n).errors(), 1);
+    EXPECT_EQ(read("tap_changer: {bandwidth_percent: 1, step_percent: 1.25}", n).errors(), 1) << "it would hunt";
+    EXPECT_EQ(read(changer(", bus: Z"), n).errors(), 1);
+    EXPECT_EQ(read(changer(), n, ", magnetising_percent: 1, saturation: {knee_pu: 1.2}").errors(), 1);
+}
+
+} // namespace
+} // namespace gridspace::sim
