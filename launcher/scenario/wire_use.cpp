@@ -53,7 +53,7 @@ void check_prp(Scenario const& scenario, Process const& process, config::Diagnos
         wrong(a, fmt::format("has `prp` and `{}`", process.link.empty() ? "interface" : "link"),
               "leave one of them out");
     }
-    if (process.prp.size() != 2 || a == b.name) {
+    if (process.prp.size() != 2 || a.name == b.name) {
         wrong(a, "is not on two networks", "prp: [the link that is network A, the one that is network B]");
     }
     if (process.is_foreign() && !process.settings->is_daemon()) {

@@ -23,6 +23,15 @@ ELSEWHERE = {
     "base.power_kva",                                        # p.u. of results only
 }
 
+# Times of seconds, and voltages that this network does not have: tests/unit/components, ride_through and tap_changer.
+ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries") for key in (
+    "category", "restore_s", "cease.below_pu", "cease.above_pu",
+    *(f"enter_service.{k}" for k in ("delay_s", "ramp_s", "voltage_min_pu", "voltage_max_pu", "frequency_min_hz", "frequency_max_hz")),
+    *(f"trip.{e}.{k}" for e in ("ov2", "ov1", "uv1", "uv2") for k in ("voltage_pu", "after_s")),
+    *(f"trip.{e}.{k}" for e in ("of2", "of1", "uf1", "uf2") for k in ("frequency_hz", "after_s")))}
+ELSEWHERE |= {f"transformers.tap_changer.{key}" for key in (
+    "bus", "voltage_pu", "bandwidth_percent", "delay_s", "next_delay_s", "step_percent", "position", "lowest", "highest", "block_below_pu")}
+
 BUS = {"voltage_v": 400}
 NETWORK = {
     "gridspace_network": 1, "name": "n", "base": {"frequency_hz": 50, "power_kva": 100},
@@ -69,6 +78,8 @@ NETWORK = {
               "D3": {"bus": "E", "p_kw": 3, "power_factor": 0.9, "model": "zip", "zip_p": [0.2, 0.3, 0.5], "zip_q": [0.5, 0.3, 0.2]},
               "D4": {"bus": "H", "p_kw": 3, "model": "dc_constant_power"}, "D5": {"bus": "F", "p_kw": 1}},
     "shunts": {"C1": {"bus": "C", "p_kw": 0.5, "q_kvar": 2}},
+    "induction_machines": {"I1": {"bus": "C", "rating_kva": 3, "load_kw": 1.5, "load_exponent": 1, "inertia_h_s": 0.3, "state": "running",
+                                  "constants_pu": {"rs": 0.02, "xs": 0.09, "xm": 2.6, "rr": 0.02, "xr": 0.15, "rr2": 0.1, "xr2": 0.06}}},
     "pv": {"P1": {"bus": "D", "p_kw": 5, "rating_kva": 5, "power_factor": 0.95, "scale": "s"}},
     "evs": {"E1": {"bus": "C", "capacity_kwh": 0.0001, "battery_v": 360, "max_current_a": 15, "efficiency": 0.9,
                    "soc_start_percent": 20, "soc_stop_percent": 60, "current_lag_s": 0.002}},
@@ -143,6 +154,10 @@ CHANGES = {
     "loads.D2.exponent_p": 1.5, "loads.D2.exponent_q": 2.5, "loads.D2.lag_s": 0.02, "loads.D2.scale": "s",
     "loads.D3.zip_p": [0.5, 0.3, 0.2], "loads.D3.zip_q": [0.2, 0.3, 0.5],
     "shunts.C1.bus": "D", "shunts.C1.p_kw": 1, "shunts.C1.q_kvar": 3,
+    "induction_machines.I1.bus": "B", "induction_machines.I1.rating_kva": 4, "induction_machines.I1.load_kw": 2,
+    "induction_machines.I1.load_exponent": 2, "induction_machines.I1.inertia_h_s": 0.5, "induction_machines.I1.state": "stopped",
+    **{f"induction_machines.I1.constants_pu.{k}": v for k, v in
+       {"rs": 0.03, "xs": 0.1, "xm": 3, "rr": 0.03, "xr": 0.2, "rr2": 0.2, "xr2": 0.08}.items()},
     "pv.P1.bus": "C", "pv.P1.p_kw": 4, "pv.P1.rating_kva": 4, "pv.P1.power_factor": 0.9, "pv.P1.scale": "p",
     "evs.E1.bus": "D", "evs.E1.capacity_kwh": 0.0002, "evs.E1.battery_v": 300, "evs.E1.max_current_a": 12, "evs.E1.efficiency": 0.8,
     "evs.E1.soc_start_percent": 30, "evs.E1.soc_stop_percent": 25, "evs.E1.current_lag_s": 0.004,
