@@ -38,6 +38,7 @@ pv: {Pv: {bus: C, p_kw: 8, rating_kva: 10}}
 evs: {Ev: {bus: C, capacity_kwh: 24, battery_v: 360, max_current_a: 15, soc_start_percent: 20}}
 batteries: {Battery: {bus: C, capacity_kwh: 20, rating_kva: 20, p_kw: 1}}
 shunt_capacitors: {Bank: {bus: C, q_kvar: 5, rated_kv: 0.4}}
+induction_machines: {Motor: {bus: C, rating_kva: 3, load_kw: 1, inertia_h_s: 0.5, constants_pu: {rs: 0.02, xs: 0.09, xm: 2.6, rr: 0.03, xr: 0.09}}}
 )";
 
 Network network(std::string_view text = kNetwork) {
