@@ -242,6 +242,9 @@ bool Port::send(Octets frame) noexcept {
 }
 
 std::size_t Port::send(std::span<Octets const> frames) noexcept {
+    if (frames.size() == 1) {
+        return send(frames.front()) ? 1 : 0;
+    }
     Impl& impl = *impl_;
     std::size_t taken = 0, at = 0;
     while (at < frames.size() && !impl.lanes.empty()) {

@@ -32,8 +32,7 @@ void FrameSender::send(std::span<iec61850::Octets const> frames) {
         buffers.resize(std::max(buffers.size(), frames.size()));
         batch_.clear();
         for (std::size_t i = 0; i < frames.size(); ++i) {
-            prp::write_with_trailer(
-                frames[i], {static_cast<std::uint16_t>(first + i), k == 0 ? prp::Lan::a : prp::Lan::b}, buffers[i]);
+            prp::write_with_trailer(frames[i], {static_cast<std::uint16_t>(first + i), prp::kLans[k]}, buffers[i]);
             batch_.emplace_back(buffers[i]);
         }
         ports_[k].send(batch_);

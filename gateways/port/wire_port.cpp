@@ -39,7 +39,7 @@ WirePort::~WirePort() {
     if (links_.size() < 2) {
         return;
     }
-    for (prp::Lan const lan : {prp::Lan::a, prp::Lan::b}) {
+    for (prp::Lan const lan : prp::kLans) {
         prp::LanCounters const& n = discard_.counters(lan);
         log::info(
             "PRP, network {}: {} frames received, {} of them before their other copy, {} of singly attached nodes{}",
@@ -76,7 +76,7 @@ std::span<bus::WireFrame const* const> WirePort::take_redundant(std::uint16_t et
     arrivals_.clear();
     for (std::size_t k = 0; k < links_.size(); ++k) {
         for (bus::WireFrame const* const frame : links_[k]->take(ethertype)) {
-            arrivals_.push_back({frame, k == 0 ? prp::Lan::a : prp::Lan::b});
+            arrivals_.push_back({frame, prp::kLans[k]});
         }
     }
     WireClock const clock{node_};
@@ -112,7 +112,7 @@ std::span<bus::WireFrame const* const> WirePort::take(std::uint16_t ethertype) {
 void WirePort::send_redundantly(std::span<std::uint8_t const> frame, SimTime at) {
     std::uint16_t const sequence = sequence_.fetch_add(1, std::memory_order_relaxed);
     for (std::size_t k = 0; k < links_.size(); ++k) {
-        prp::write_with_trailer(frame, {sequence, k == 0 ? prp::Lan::a : prp::Lan::b}, with_trailer_);
+        prp::write_with_trailer(frame, {sequence, prp::kLans[k]}, with_trailer_);
         links_[k]->send(with_trailer_, at);
     }
 }

@@ -4,6 +4,7 @@
 
 #include "gateways/iec61850/octets.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -19,6 +20,7 @@ inline constexpr std::uint16_t kSuffix = 0x88FB;
 inline constexpr std::size_t kTrailerOctets = 6;
 
 enum class Lan : std::uint8_t { a = 0xA, b = 0xB };
+inline constexpr std::array kLans{Lan::a, Lan::b};
 
 /// The redundancy control trailer at the end of a frame: sequence number, 4 bits of network, 12 bits of size, suffix.
 struct RedundancyTrailer {

@@ -226,6 +226,22 @@ void check_publishers(Scenario const& s, Diagnostics& diagnostics) {
     }
 }
 
+bool exchanges_raw_frames(Scenario const& s, Process const& process) {
+    return process.is_foreign() || !frames_sent(s, process).empty() || !frames_received(s, process).empty();
+}
+
+/// Two networks are for who exchanges frames; who does is asked by check_raw_link().
+void check_doubly_attached(Scenario const& s, Diagnostics& diagnostics) {
+    for (Process const& process : s.processes) {
+        if (!process.prp.empty() && process.settings != nullptr && !exchanges_raw_frames(s, process)) {
+            diagnostics.error(process.prp.front().where,
+                              fmt::format("process '{}' exchanges no raw frames, and has `prp`", process.name.name),
+                              "`prp:` is for devices on a process bus",
+                              static_cast<int>(process.prp.front().name.size()));
+        }
+    }
+}
+
 /// Real interfaces instead of the scenario's links.
 void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
     std::map<std::string, Process const*> users;
@@ -236,9 +252,7 @@ void check_interfaces(Scenario const& s, Diagnostics& diagnostics) {
         config::Node const* written = process.node.find("interface");
         config::SourceMark const where = written == nullptr ? process.name.where : written->where;
         int const width = static_cast<int>(process.interface.size());
-        bool const raw =
-            process.is_foreign() || !frames_sent(s, process).empty() || !frames_received(s, process).empty();
-        if (!raw || process.program.name == "gridspace-recorder") {
+        if (!exchanges_raw_frames(s, process) || process.program.name == "gridspace-recorder") {
             diagnostics.error(where,
                               fmt::format("process '{}' exchanges no raw frames, and has the interface '{}'",
                                           process.name.name, process.interface),
@@ -291,6 +305,7 @@ void check_scenario(Scenario& s, Diagnostics& diagnostics) {
     check_times(s, diagnostics);
     check_programs(s, diagnostics);
     check_addresses(s, diagnostics);
+    check_doubly_attached(s, diagnostics);
     check_interfaces(s, diagnostics);
     bool const simulates = check_physics(s, diagnostics);
     check_attacks(s, diagnostics);

@@ -101,8 +101,11 @@ std::vector<WireUse> frames_received(Scenario const& scenario, Process const& pr
 }
 
 std::string raw_link(Scenario const& scenario, Process const& process) {
-    if (!process.link.empty() || !process.prp.empty()) {
-        return process.prp.empty() ? process.link.name : process.prp.front().name;
+    if (!process.prp.empty()) {
+        return process.prp.front().name;
+    }
+    if (!process.link.empty()) {
+        return process.link.name;
     }
     for (bool const without_ip : {true, false}) {
         if (auto const links = links_of(scenario, process, without_ip); links.size() == 1) {

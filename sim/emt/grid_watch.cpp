@@ -22,18 +22,16 @@ void GridWatch::step(double v, double f, double h) {
     inside_s_ = rules_.fit.within(v, f) ? inside_s_ + h : 0;
     if (trips) {
         ceased_ = true;
-        share_ = 0;
     } else if (ceased_ && !held_ && inside_s_ >= rules_.fit_s) {
         ceased_ = false;
         ramp_s_ = rules_.ramp_s;
     }
     momentary_s_ = rules_.momentary && rules_.momentary->left(v, f) ? momentary_s_ + h : 0;
-    if (momentary_s_ >= kResponseS && !ceased_ && share_ > 0) {
-        share_ = 0;
+    bool const pauses = momentary_s_ >= kResponseS;
+    if (pauses && share_ == 1) { // who was still entering service goes on along that ramp
         ramp_s_ = rules_.restore_s;
     }
-    bool const stays = ceased_ || momentary_s_ >= kResponseS;
-    share_ = stays ? 0 : std::min(1.0, share_ + h / ramp_s_);
+    share_ = ceased_ || pauses ? 0 : std::min(1.0, share_ + h / ramp_s_);
 }
 
 void GridWatch::wait_for_grid() {

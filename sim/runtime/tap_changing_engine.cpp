@@ -3,6 +3,7 @@
 #include "sim/runtime/tap_changing_engine.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace gridspace::sim {
 namespace {
@@ -16,26 +17,19 @@ class TapChangingEngine final : public Engine {
                 continue;
             }
             config::Ref const& bus = t.tap_changer->bus.empty() ? t.to : t.tap_changer->bus;
-            TapRegulator const regulator{*t.tap_changer, bus.name == t.from.name};
-            units_.push_back({"transformers." + t.name.name + ".tap_ratio", *t.tap_changer, regulator, regulator,
+            units_.push_back({"transformers." + t.name.name + ".tap_ratio",
+                              TapRegulator{*t.tap_changer, bus.name == t.from.name},
                               inner_->find_signal("bus." + bus.name + ".v_pu")});
             signals_.push_back({signal_prefix(t) + ".tap_position", ""});
         }
     }
 
-    [[nodiscard]] Result<void> initialise() override {
-        for (Unit& unit : units_) {
-            unit.regulator = unit.at_start;
-            unit.due = false;
-        }
-        now_ = {};
-        return inner_->initialise();
-    }
+    [[nodiscard]] Result<void> initialise() override { return inner_->initialise(); }
     [[nodiscard]] Result<void> advance(SimTime until) override {
         for (Unit& unit : units_) {
             if (unit.due) {
                 unit.due = false;
-                if (auto ok = inner_->apply(SetParameter{unit.path, unit.data.ratio(unit.regulator.position())}); !ok) {
+                if (auto ok = inner_->apply(SetParameter{unit.path, unit.regulator.ratio()}); !ok) {
                     return ok;
                 }
             }
@@ -50,7 +44,14 @@ class TapChangingEngine final : public Engine {
         }
         return {};
     }
-    [[nodiscard]] Result<void> apply(Action const& action) override { return inner_->apply(action); }
+    [[nodiscard]] Result<void> apply(Action const& action) override {
+        auto const* set = std::get_if<SetParameter>(&action);
+        if (set != nullptr && std::ranges::any_of(units_, [&](Unit const& unit) { return unit.path == set->path; })) {
+            return fail(ExitCode::usage, fmt::format("'{}' cannot be set: its tap changer does that", set->path),
+                        "leave out `tap_changer`, or the event");
+        }
+        return inner_->apply(action);
+    }
     [[nodiscard]] std::vector<SignalDef> const& signals() const override { return signals_; }
     [[nodiscard]] double value(std::size_t signal) const override {
         std::size_t const inner = signals_.size() - units_.size();
@@ -73,8 +74,7 @@ class TapChangingEngine final : public Engine {
   private:
     struct Unit {
         std::string path;
-        TapChanger data;
-        TapRegulator at_start, regulator;
+        TapRegulator regulator;
         std::size_t voltage; ///< signal
         bool due{false};     ///< its step takes effect now
     };

@@ -4,6 +4,8 @@
 
 #include "sim/components/faces/number_specs.hpp"
 
+#include <fmt/format.h>
+
 namespace gridspace::sim {
 
 using namespace elements;
@@ -90,15 +92,22 @@ void RideThrough::fields(Fields& f) {
         optional_number(e, "frequency_max_hz", fit_max_hz, "of a fit grid");
     });
     Defaults const d = defaults(category);
-    auto const ordered = [&](std::string_view what, double low, double high) {
-        if (low > high) {
-            f.error("trip", std::string{what} + " in the wrong order",
+    auto const ordered = [&](std::string_view lower, std::optional<double> low, std::string_view higher,
+                             std::optional<double> high) {
+        if (low && high && *low > *high) {
+            f.error("", fmt::format("{} ({:.4g}) is above {} ({:.4g})", lower, *low, higher, *high),
                     "uv2 <= uv1 < ov1 <= ov2, uf2 <= uf1 < of1 <= of2");
         }
     };
-    ordered("uv2 and uv1 are", uv2.at.value_or(d.uv2.at), uv1.at.value_or(d.uv1.at));
-    ordered("uv1 and ov1 are", uv1.at.value_or(d.uv1.at), ov1.at.value_or(d.ov1.at));
-    ordered("ov1 and ov2 are", ov1.at.value_or(d.ov1.at), ov2.at.value_or(d.ov2.at));
+    double const uv1_pu = uv1.at.value_or(d.uv1.at), ov1_pu = ov1.at.value_or(d.ov1.at);
+    ordered("uv2", uv2.at.value_or(d.uv2.at), "uv1", uv1_pu);
+    ordered("uv1", uv1_pu, "ov1", ov1_pu);
+    ordered("ov1", ov1_pu, "ov2", ov2.at.value_or(d.ov2.at));
+    ordered("uf2", uf2.at, "uf1", uf1.at); // the defaults go with the nominal frequency, which is not known here
+    ordered("uf1", uf1.at, "of1", of1.at);
+    ordered("of1", of1.at, "of2", of2.at);
+    ordered("voltage_min_pu", fit_min_pu, "voltage_max_pu", fit_max_pu);
+    ordered("frequency_min_hz", fit_min_hz, "frequency_max_hz", fit_max_hz);
 }
 
 GridRules RideThrough::rules(double nominal_hz) const {

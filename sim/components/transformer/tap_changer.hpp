@@ -33,6 +33,7 @@ class TapRegulator {
     TapRegulator(TapChanger const& data, bool reversed) : data_{data}, reversed_{reversed}, position_{data.position} {}
 
     [[nodiscard]] std::int64_t position() const { return position_; }
+    [[nodiscard]] double ratio() const { return data_.ratio(position_); }
     /// A voltage (p.u.) that lasted for h; true: the position has changed.
     bool step(double v, double h);
 

@@ -69,6 +69,7 @@ class Prp(ScenarioTest):
         for change, says in (("processes: {relay2: {prp: [lan_a]}}", "is not on two networks"),
                              ("processes: {relay2: {prp: [lan_a, lan_a]}}", "is not on two networks"),
                              ("processes: {relay2: {link: lan_a}}", "has `prp` and `link`"),
+                             ("processes: {sim: {prp: [lan_a, lan_b]}}", "exchanges no raw frames, and has `prp`"),
                              ("processes: {relay2: {prp: [lan_a, data_bus]}}", "is not plugged into it"),
                              ("processes: {relay2: {run_on: external}}", "runs on external")):
             code, out, err = gridspace("validate", self.write("wrong.yaml", WRONG.format(prp=PRP, change=change)))

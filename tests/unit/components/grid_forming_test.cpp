@@ -1,9 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "common/config/yaml.hpp"
-#include "sim/emt/emt_engine.hpp"
-#include "sim/network/network_config.hpp"
-#include "sim/phasor/phasor_engine.hpp"
+#include "tests/unit/components/element_fixture.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -22,11 +19,10 @@ Network network(std::string const& elements, bool good = true) {
                              "buses: {A: {voltage_v: 480}, B: {voltage_v: 480}}\n"
                              "lines: {L: {from: A, to: B, r_ohm: 0.01, l_mh: 0.05, r0_ohm: 0.03, l0_mh: 0.1}}\n" +
                              elements;
-    config::Diagnostics diagnostics;
-    auto const root = config::parse_yaml(text, config::make_source("n.yaml", text), diagnostics);
-    auto read = read_network(*root, diagnostics);
-    EXPECT_EQ(read.has_value(), good) << diagnostics.render();
-    return read.value_or(Network{});
+    Network n;
+    auto const diagnostics = read_text(text, n);
+    EXPECT_EQ(diagnostics.errors() == 0, good) << diagnostics.render();
+    return n;
 }
 
 std::string battery(std::string const& name, std::string const& bus, double kva, std::string const& keys) {
@@ -36,25 +32,13 @@ std::string battery(std::string const& name, std::string const& bus, double kva,
 std::string const kLoad = "loads: {D: {bus: B, p_kw: 60, q_kvar: 20, model: constant_impedance}}\n";
 std::string const kAlone = kLoad + "batteries:\n" + battery("G", "A", kRatedKva, "p_kw: 0");
 
-void must(Result<void> const& done) {
-    ASSERT_TRUE(done.has_value()) << describe(done.error());
-}
-
-double read(Engine const& engine, std::string const& name) {
-    std::size_t const i = engine.find_signal(name);
-    EXPECT_LT(i, engine.signals().size()) << name;
-    return i < engine.signals().size() ? engine.value(i) : std::nan("");
-}
-
 class GridFormingIn : public testing::TestWithParam<char const*> {
   protected:
     [[nodiscard]] bool waveform() const { return std::string_view{GetParam()} == "emt"; }
     std::unique_ptr<Engine> started(std::string const& elements) {
-        auto engine = waveform() ? emt::make_emt_engine(network(elements), {kBase, SimSpan{1}, 0})
-                                 : phasor::make_phasor_engine(network(elements), {.time_base = kBase});
-        EXPECT_TRUE(engine.has_value()) << (engine ? "" : describe(engine.error()));
-        must((*engine)->initialise());
-        return std::move(*engine);
+        auto engine = make(GetParam(), network(elements), kBase);
+        must(engine->initialise());
+        return engine;
     }
     static void until(Engine& sut, double t) { must(sut.advance(SimTime{} + SimSpan{std::llround(t * 24000)})); }
 };

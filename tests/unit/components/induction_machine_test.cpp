@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "common/config/yaml.hpp"
 #include "sim/components/induction_machine/induction_equations.hpp"
-#include "sim/emt/emt_engine.hpp"
-#include "sim/network/network_config.hpp"
-#include "sim/phasor/phasor_engine.hpp"
 #include "sim/powerflow/power_flow.hpp"
+#include "tests/unit/components/element_fixture.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -43,12 +40,7 @@ config::Diagnostics read(std::string const& machine, double volts, std::string c
                                          "buses: {{A: {{voltage_v: {}}}}}\nsources: {{S: {{bus: A{}}}}}\n{}"
                                          "induction_machines: {{M: {{bus: A, {}}}}}\n",
                                          volts, impedance, more, machine);
-    config::Diagnostics diagnostics;
-    auto const root = config::parse_yaml(text, config::make_source("n.yaml", text), diagnostics);
-    if (auto network = read_network(*root, diagnostics)) {
-        out = *network;
-    }
-    return diagnostics;
+    return read_text(text, out);
 }
 
 Network network(std::string const& machine, double volts, std::string const& impedance = "",
@@ -64,27 +56,10 @@ std::string machine(Nameplate const& n, double load_pu, std::string const& more 
                        n.h_s(), constants(n), more);
 }
 
-void must(Result<void> const& done) {
-    ASSERT_TRUE(done.has_value()) << describe(done.error());
-}
-
-std::unique_ptr<Engine> engine(std::string const& solver, Network const& n) {
-    auto made = solver == "emt" ? emt::make_emt_engine(n, {kBase, SimSpan{1}, 0})
-                                : phasor::make_phasor_engine(n, {.time_base = kBase});
-    EXPECT_TRUE(made.has_value()) << (made ? "" : describe(made.error()));
-    return std::move(*made);
-}
-
 std::unique_ptr<Engine> started(std::string const& solver, Network const& n) {
-    auto sut = engine(solver, n);
+    auto sut = make(solver, n, kBase);
     must(sut->initialise());
     return sut;
-}
-
-double read(Engine const& sut, std::string const& name) {
-    std::size_t const i = sut.find_signal(name);
-    EXPECT_LT(i, sut.signals().size()) << name;
-    return i < sut.signals().size() ? sut.value(i) : std::nan("");
 }
 
 void advance(Engine& sut, double to_s) {
@@ -269,7 +244,7 @@ TEST(InductionMachine, ALoadThatItCannotCarryIsAnErrorOfTheFileAndOfTheStart) {
     // At its nominal voltage it could, but not behind this source.
     for (char const* solver : {"phasor", "emt"}) {
         auto const weak =
-            engine(solver, network(machine(kLarge, 2, ", load_exponent: 0"), 2300, ", r_ohm: 0.2, l_mh: 8"));
+            make(solver, network(machine(kLarge, 2, ", load_exponent: 0"), 2300, ", r_ohm: 0.2, l_mh: 8"), kBase);
         auto const done = weak->initialise();
         ASSERT_FALSE(done.has_value()) << solver;
         EXPECT_NE(describe(done.error()).find("'M'"), std::string::npos) << describe(done.error());
@@ -277,8 +252,10 @@ TEST(InductionMachine, ALoadThatItCannotCarryIsAnErrorOfTheFileAndOfTheStart) {
 }
 
 TEST(InductionMachine, WaveformsOfAnUnbalancedNetworkRefuseIt) {
-    auto const sut = engine("emt", network(machine(kSmall, 0.5), 220, "",
-                                           "loads: {L: {bus: A, phase_p_kw: [1, 0, 0], phase_q_kvar: [0, 0, 0]}}\n"));
+    auto const sut = make("emt",
+                          network(machine(kSmall, 0.5), 220, "",
+                                  "loads: {L: {bus: A, phase_p_kw: [1, 0, 0], phase_q_kvar: [0, 0, 0]}}\n"),
+                          kBase);
     auto const done = sut->initialise();
     ASSERT_FALSE(done.has_value());
     EXPECT_NE(describe(done.error()).find("induction machine 'M'"), std::string::npos) << describe(done.error());

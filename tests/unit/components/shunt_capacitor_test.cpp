@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "common/config/yaml.hpp"
-#include "sim/emt/emt_engine.hpp"
 #include "sim/events/event.hpp"
-#include "sim/network/network_config.hpp"
-#include "sim/phasor/phasor_engine.hpp"
 #include "sim/powerflow/power_flow.hpp"
 #include "sim/powerflow/three_phase.hpp"
+#include "tests/unit/components/element_fixture.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -28,29 +25,16 @@ Network network(std::string const& state) {
                              "buses: {A: {voltage_v: 400}}\nsources: {S: {bus: A, r_ohm: 0.05, l_mh: 0.5}}\n"
                              "shunt_capacitors: {C: {bus: A, q_kvar: 60, rated_kv: 0.42, state: " +
                              state + "}}\n";
-    config::Diagnostics diagnostics;
-    auto const root = config::parse_yaml(text, config::make_source("n.yaml", text), diagnostics);
-    auto read = read_network(*root, diagnostics);
-    EXPECT_TRUE(read.has_value()) << diagnostics.render();
-    return read.value_or(Network{});
-}
-
-void must(Result<void> const& done) {
-    ASSERT_TRUE(done.has_value()) << describe(done.error());
-}
-
-double read(Engine const& engine, std::string const& name) {
-    std::size_t const i = engine.find_signal(name);
-    EXPECT_LT(i, engine.signals().size()) << name;
-    return i < engine.signals().size() ? engine.value(i) : std::nan("");
+    Network n;
+    auto const diagnostics = read_text(text, n);
+    EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
+    return n;
 }
 
 std::unique_ptr<Engine> started(std::string const& solver, std::string const& state) {
-    auto engine = solver == "emt" ? emt::make_emt_engine(network(state), {kBase, SimSpan{1}, 0})
-                                  : phasor::make_phasor_engine(network(state), {.time_base = kBase});
-    EXPECT_TRUE(engine.has_value()) << (engine ? "" : describe(engine.error()));
-    must((*engine)->initialise());
-    return std::move(*engine);
+    auto engine = make(solver, network(state), kBase);
+    must(engine->initialise());
+    return engine;
 }
 
 TEST(ShuntCapacitor, RaisesTheVoltageInBothPowerFlowsAsTheImpedanceSays) {

@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "common/config/yaml.hpp"
-#include "sim/emt/emt_engine.hpp"
-#include "sim/network/network_config.hpp"
-#include "sim/phasor/phasor_engine.hpp"
 #include "sim/powerflow/power_flow.hpp"
 #include "sim/runtime/tap_changing_engine.hpp"
+#include "tests/unit/components/element_fixture.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -21,24 +18,19 @@ std::string changer(std::string const& more = "") {
     return "tap_changer: {bandwidth_percent: 2, delay_s: 0.5, next_delay_s: 0.2, step_percent: 1.25" + more + "}";
 }
 
-config::Diagnostics read(std::string const& tap_changer, Network& out, std::string const& more = "") {
+config::Diagnostics read_transformer(std::string const& tap_changer, Network& out, std::string const& more = "") {
     std::string const text = fmt::format(
         "gridspace_network: 1\nname: t\nbase: {{frequency_hz: 60, power_kva: 1000}}\n"
         "buses: {{A: {{voltage_v: 10000}}, B: {{voltage_v: 400}}}}\nsources: {{S: {{bus: A, r_ohm: 0.5, l_mh: 5}}}}\n"
         "transformers: {{T: {{from: A, to: B, rating_kva: 1000, r_percent: 1, x_percent: 6, {}{}}}}}\n"
         "loads: {{L: {{bus: B, p_kw: 100, power_factor: 0.9, model: constant_impedance}}}}\n",
         tap_changer, more);
-    config::Diagnostics diagnostics;
-    auto const root = config::parse_yaml(text, config::make_source("n.yaml", text), diagnostics);
-    if (auto network = read_network(*root, diagnostics)) {
-        out = *network;
-    }
-    return diagnostics;
+    return read_text(text, out);
 }
 
 Network network(std::string const& tap_changer) {
     Network n;
-    auto const diagnostics = read(tap_changer, n);
+    auto const diagnostics = read_transformer(tap_changer, n);
     EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
     return n;
 }
@@ -46,29 +38,22 @@ Network network(std::string const& tap_changer) {
 class Grid {
   public:
     Grid(std::string const& solver, Network const& n) {
-        auto made = solver == "emt" ? emt::make_emt_engine(n, {kBase, SimSpan{1}, 0})
-                                    : phasor::make_phasor_engine(n, {.time_base = kBase});
-        EXPECT_TRUE(made.has_value());
-        engine_ = with_tap_changers(std::move(*made), n, kBase);
-        EXPECT_TRUE(engine_->initialise().has_value());
+        engine_ = with_tap_changers(make(solver, n, kBase), n, kBase);
+        must(engine_->initialise());
     }
-    void set(std::string const& path, double value) {
-        EXPECT_TRUE(engine_->apply(SetParameter{path, value}).has_value());
+    void set(std::string const& path, double value) { must(engine_->apply(SetParameter{path, value})); }
+    [[nodiscard]] bool refuses(std::string const& path, double value) {
+        return !engine_->apply(SetParameter{path, value}).has_value();
     }
     void until(double s) {
         constexpr double kStepS = 0.005;
         while (t_ < s - 1e-9) {
             t_ += kStepS;
-            ASSERT_TRUE(engine_->advance(SimTime{} + SimSpan{std::llround(t_ * 12000)}).has_value());
+            must(engine_->advance(SimTime{} + SimSpan{std::llround(t_ * 12000)}));
         }
     }
-    [[nodiscard]] double value(std::string const& name) const {
-        std::size_t const i = engine_->find_signal(name);
-        EXPECT_LT(i, engine_->signals().size()) << name;
-        return i < engine_->signals().size() ? engine_->value(i) : std::nan("");
-    }
-    [[nodiscard]] double position() const { return value("transformer.T.tap_position"); }
-    [[nodiscard]] double v() const { return value("bus.B.v_pu"); }
+    [[nodiscard]] double position() const { return read(*engine_, "transformer.T.tap_position"); }
+    [[nodiscard]] double v() const { return read(*engine_, "bus.B.v_pu"); }
 
   private:
     std::unique_ptr<Engine> engine_;
@@ -120,6 +105,12 @@ TEST_P(TapChangerIn, StaysAtItsLimitAndWhereTheVoltageIsGone) {
     EXPECT_EQ(dark.position(), 0);
 }
 
+TEST_P(TapChangerIn, NobodyElseSetsItsRatio) {
+    Grid sut{GetParam(), network(changer())}, without{GetParam(), network("")};
+    EXPECT_TRUE(sut.refuses("transformers.T.tap_ratio", 1.05));
+    EXPECT_FALSE(without.refuses("transformers.T.tap_ratio", 1.05));
+}
+
 TEST(TapRegulator, ADeviationThatEndsBeginsItsTimeAnew) {
     TapChanger data;
     data.delay_s = 10;
@@ -136,10 +127,11 @@ TEST(TapRegulator, ADeviationThatEndsBeginsItsTimeAnew) {
 
 TEST(TapChanger, WhatCannotWorkIsAnError) {
     Network n;
-    EXPECT_EQ(read(changer(", position: 9"), n).errors(), 1);
-    EXPECT_EQ(read("tap_changer: {bandwidth_percent: 1, step_percent: 1.25}", n).errors(), 1) << "it would hunt";
-    EXPECT_EQ(read(changer(", bus: Z"), n).errors(), 1);
-    EXPECT_EQ(read(changer(), n, ", magnetising_percent: 1, saturation: {knee_pu: 1.2}").errors(), 1);
+    EXPECT_EQ(read_transformer(changer(", position: 9"), n).errors(), 1);
+    EXPECT_EQ(read_transformer("tap_changer: {bandwidth_percent: 1, step_percent: 1.25}", n).errors(), 1)
+        << "it would hunt";
+    EXPECT_EQ(read_transformer(changer(", bus: Z"), n).errors(), 1);
+    EXPECT_EQ(read_transformer(changer(), n, ", magnetising_percent: 1, saturation: {knee_pu: 1.2}").errors(), 1);
 }
 
 } // namespace
