@@ -14,6 +14,7 @@ class ClockWatch {
   public:
     static constexpr std::int64_t kTolerableStep = 100'000'000; ///< what chrony corrects by running faster or slower
     static constexpr std::int64_t kTolerableOffset = 200'000'000;
+    static constexpr std::int64_t kTolerableLateness = 10'000'000'000; ///< of what comes from this very machine
     static constexpr int kSamples = 20; ///< a late sample looks like an offset; not all of so many are late,
     static constexpr std::int64_t kSpan = 3'000'000'000; ///< and not for so long: who gets no processor is late for all
 
@@ -33,6 +34,9 @@ class ClockWatch {
         std::int64_t const by = difference - *difference_;
         return std::llabs(by) > kTolerableStep ? std::optional{by} : std::nullopt;
     }
+
+    /// Who has the sender's own clock and seems to be ahead of it is only late: the machine is busy.
+    static bool is_lateness(std::int64_t ahead_ns) { return ahead_ns > 0 && ahead_ns < kTolerableLateness; }
 
     /// How far this machine's clock is ahead of a sender's, when enough of its samples have said so. To be told when
     /// each sample was sent and when it came.

@@ -8,6 +8,7 @@
 #include "bus/discovery_impl.hpp"
 #include "bus/endpoints_impl.hpp"
 #include "bus/local_addresses.hpp"
+#include "bus/machine.hpp"
 #include "bus/raw_access_impl.hpp"
 #include "bus/thread_ids.hpp"
 #include "common/log.hpp"
@@ -31,16 +32,14 @@ namespace {
 
 constexpr std::string_view kUserDataMark = "gridspace/1";
 
-/// A board that boots has its program before its address.
-
 std::string user_data_of(ParticipantOptions const& options) {
-    return fmt::format("{};process={};incarnation={};program={}", kUserDataMark, options.process, options.incarnation,
-                       options.program);
+    return fmt::format("{};process={};incarnation={};program={};machine={}", kUserDataMark, options.process,
+                       options.incarnation, options.program, this_machine());
 }
 
 /// A participant of another make may take part as a member: its entity name is then its process name.
 Peer peer_of(rtps::ParticipantProxyData const& data) {
-    Peer peer{std::string{data.m_participantName.c_str()}, 0, ""};
+    Peer peer{std::string{data.m_participantName.c_str()}, 0, "", ""};
     std::string const text{data.m_userData.begin(), data.m_userData.end()};
     if (!text.starts_with(kUserDataMark)) {
         return peer;
@@ -52,6 +51,8 @@ Peer peer_of(rtps::ParticipantProxyData const& data) {
             peer.incarnation = static_cast<std::uint32_t>(std::strtoul(part.c_str() + 12, nullptr, 10));
         } else if (part.starts_with("program=")) {
             peer.program = part.substr(8);
+        } else if (part.starts_with("machine=")) {
+            peer.machine = part.substr(8);
         }
     }
     return peer;

@@ -22,7 +22,8 @@ namespace gridspace::bus {
 struct Peer {
     std::string process;
     std::uint32_t incarnation{0};
-    std::string program; ///< empty for a participant that is not ours
+    std::string program;   ///< empty for a participant that is not ours
+    std::string machine{}; ///< where it runs, as this_machine() says it there; empty when it does not say
     friend bool operator==(Peer const&, Peer const&) = default;
 };
 

@@ -69,5 +69,17 @@ TEST(ClockWatch, TakesWhatWasKeptForALateJoinerForNoOffset) {
     }
 }
 
+TEST(ClockWatch, TakesWhatComesLateOnABusyMachineForNoOffsetOfItsOwnClock) {
+    ClockWatch sut;
+    std::optional<std::int64_t> ahead;
+    for (int i = 0; i < 1000 && !ahead; ++i) { // nobody can tell it from an offset by its times
+        ahead = sut.offset(kNow + i * 10 * kMs, kNow + i * 10 * kMs + 350 * kMs);
+    }
+    ASSERT_EQ(ahead, 350 * kMs);
+    EXPECT_TRUE(ClockWatch::is_lateness(*ahead));
+    EXPECT_FALSE(ClockWatch::is_lateness(-*ahead)); // nothing comes before it was sent
+    EXPECT_FALSE(ClockWatch::is_lateness(3600 * kSecond));
+}
+
 } // namespace
 } // namespace gridspace::bus
