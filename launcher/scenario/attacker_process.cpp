@@ -6,6 +6,7 @@
 #include "launcher/scenario/bumps.hpp"
 #include "launcher/scenario/wire_programs.hpp"
 #include "launcher/scenario/wire_use.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <filesystem>

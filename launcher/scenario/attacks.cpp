@@ -8,6 +8,7 @@
 #include "agents/attacker/sv_forger.hpp"
 #include "common/text.hpp"
 #include "sim/gateway/gateway_config.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

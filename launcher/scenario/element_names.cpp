@@ -3,6 +3,7 @@
 #include "launcher/scenario/element_names.hpp"
 
 #include "common/text.hpp"
+#include "sim/network/network.hpp"
 
 #include <optional>
 

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sim/network/network.hpp"
-
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace gridspace::sim {
+struct Network;
+}
 
 namespace gridspace::launcher {
 

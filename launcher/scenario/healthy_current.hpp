@@ -5,6 +5,10 @@
 #include "agents/relay/relay_program.hpp"
 #include "launcher/scenario/scenario.hpp"
 
+namespace gridspace::sim {
+struct Ct;
+}
+
 namespace gridspace::launcher {
 
 /// What a line relay would measure in the steady state before anything happens: the power flow of the network through

@@ -6,6 +6,7 @@
 #include "launcher/judge/expectation.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_use.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

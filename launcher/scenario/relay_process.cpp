@@ -8,6 +8,7 @@
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
 #include "launcher/scenario/wire_use.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

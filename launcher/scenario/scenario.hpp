@@ -13,7 +13,6 @@
 #include "launcher/scenario/security_settings.hpp"
 #include "sim/app/sim_config.hpp"
 #include "sim/events/event.hpp"
-#include "sim/network/network.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -21,6 +20,10 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+namespace gridspace::sim {
+struct Network;
+}
 
 namespace gridspace::launcher {
 
@@ -98,8 +101,8 @@ struct Scenario {
     std::string allow_attacks_on; ///< --allow-attacks-on: an interface that is not a virtual cable
     config::Node expect;
     ReportSettings report;
-    config::Node resolved; ///< the whole tree after merging
-    std::optional<sim::Network> network;
+    config::Node resolved;                       ///< the whole tree after merging
+    std::shared_ptr<sim::Network const> network; ///< as it is simulated; none when the scenario names none
 
     [[nodiscard]] Process const* find_process(std::string_view process) const;
     [[nodiscard]] Process const* simulator() const; ///< the one gridspace-sim

@@ -394,7 +394,9 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     scenario->resolved = std::move(*root);
     scenario->resolved.erase("defaults"); // they are in the processes now
     if (!scenario->simulation.network.empty()) {
-        scenario->network = sim::load_simulated_network(scenario->simulation, diagnostics);
+        if (auto network = sim::load_simulated_network(scenario->simulation, diagnostics)) {
+            scenario->network = std::make_shared<sim::Network const>(std::move(*network));
+        }
     }
     for (Process& process : scenario->processes) {
         if (process.settings != nullptr) {

@@ -11,6 +11,7 @@
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_use.hpp"
 #include "sim/gateway/gateway_config.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "sim/components/faces/element.hpp"
 #include "sim/engine/action.hpp"
-#include "sim/network/network.hpp"
 
 #include <optional>
 #include <span>
@@ -15,6 +15,8 @@
 /// The one table of what can be done to elements of the grid in a run: by `events:` at a time, by agents with a sample.
 /// docs/reference/actions.md is made from it.
 namespace gridspace::sim {
+
+struct Network;
 
 /// A kind of element, and what can be done to it.
 struct ActionKind : Kind {

@@ -3,6 +3,7 @@
 #include "sim/actions/action_table.hpp"
 
 #include "common/text.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

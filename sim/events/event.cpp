@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 #include "sim/actions/action_table.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <array>

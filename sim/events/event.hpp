@@ -5,7 +5,6 @@
 #include "common/config/fields.hpp"
 #include "common/rational.hpp"
 #include "sim/engine/action.hpp"
-#include "sim/network/network.hpp"
 
 #include <optional>
 #include <span>
@@ -14,6 +13,9 @@
 #include <vector>
 
 namespace gridspace::sim {
+
+using config::Ref;
+struct Network;
 
 /// One entry of a scenario's `events:`, physical or cyber. All of them stand on one timeline; file order decides at
 /// equal times.

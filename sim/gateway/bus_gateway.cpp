@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/gateway/bus_gateway.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <bus_gateway.h>

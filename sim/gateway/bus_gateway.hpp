@@ -5,7 +5,6 @@
 #include "bus/node.hpp"
 #include "sim/gateway/charging_orders.hpp"
 #include "sim/gateway/outbox.hpp"
-#include "sim/network/network.hpp"
 #include "sim/runtime/simulation.hpp"
 
 #include <functional>
@@ -17,6 +16,8 @@ struct BusMeasurement;
 struct ChargingDecision;
 
 namespace gridspace::sim {
+
+struct Network;
 
 /// The simulator's DDS gateway of one bus: bus_measurements out, decisions for the EVs at the bus in.
 class BusGateway {

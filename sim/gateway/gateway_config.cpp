@@ -3,6 +3,7 @@
 #include "sim/gateway/gateway_config.hpp"
 
 #include "common/text.hpp"
+#include "sim/network/network.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -4,12 +4,14 @@
 
 #include "common/config/fields.hpp"
 #include "common/rational.hpp"
-#include "sim/network/network.hpp"
 
 #include <cstdint>
 #include <vector>
 
 namespace gridspace::sim {
+
+using config::Ref;
+struct Network;
 
 /// `simulation.sampling`: instantaneous values for merging units.
 struct SamplingConfig {
