@@ -9,7 +9,7 @@
 declare -A group_purpose=(
   [build]="compiling Gridspace and running scenarios"
   [dashboard]="building the browser dashboard"
-  [test]="the tests and their judges (tshark, CycloneDDS)"
+  [test]="the tests and their judges (tshark, CycloneDDS, linuxptp)"
   [all]="sanitizer and fuzz builds, static analysis, ngspice as judge, Slurm"
   [bench]="measuring how fast it is"
   [e2e]="the dashboard in a browser"
@@ -22,7 +22,7 @@ declare -A group_packages=(
            libasio-dev liblwip-dev libtinyxml2-dev libeigen3-dev libsundials-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libboost-dev libzstd-dev
            liblz4-dev zlib1g-dev libminizip-dev libsqlite3-dev ip|iproute2 procps util-linux"
   [dashboard]="node|nodejs npm|npm"
-  [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark mosquitto mosquitto-clients libmodbus-dev python3|python3 python3-yaml python3-scipy python3-pandas python3-matplotlib python3-nbclient
+  [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark ptp4l|linuxptp mosquitto mosquitto-clients libmodbus-dev python3|python3 python3-yaml python3-scipy python3-pandas python3-matplotlib python3-nbclient
           python3-ipykernel sshd|openssh-server ssh|openssh-client setpriv|util-linux node|nodejs npm|npm"
   [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev slurmctld slurmd sbatch|slurm-client munge"
   [bench]="libbenchmark-dev ngspice python3|python3 python3-numpy"

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bus/node.hpp"
+#include "gateways/gateway/clock_follower.hpp"
 #include "gateways/port/wire_clock.hpp"
 #include "gateways/port/wire_port.hpp"
 
@@ -27,6 +28,7 @@ struct GatewayContext {
     WireConfig const& wire;
     WireClock clock;
     SimSpan latency;
+    ClockFollower const* follower{nullptr}; ///< what smpSynch is, instead of what the stream says; may be none
 
     /// Nanoseconds of the latency on the axis of the state machines; in real time it is what it is.
     [[nodiscard]] std::int64_t latency_ns() const {

@@ -29,6 +29,9 @@ Result<void> Gateway::work(bus::Tick const& tick) {
     if (tick.final) {
         finish(last_);
     }
+    if (follower_ != nullptr) {
+        follower_->work(last_.ns, last_.time);
+    }
     publish_counters(tick);
     publish_ages();
     port_->maintain();
@@ -36,7 +39,8 @@ Result<void> Gateway::work(bus::Tick const& tick) {
 }
 
 std::optional<std::chrono::steady_clock::time_point> Gateway::deadline() const {
-    return WireClock::wall(std::min(next_timer().value_or(INT64_MAX), clock_.now() + 1'000'000'000));
+    std::int64_t const asks = follower_ != nullptr ? follower_->deadline() : INT64_MAX;
+    return WireClock::wall(std::min({next_timer().value_or(INT64_MAX), asks, clock_.now() + 1'000'000'000}));
 }
 
 std::uint64_t Gateway::next_tick(bus::Tick const& tick) const {
@@ -94,6 +98,9 @@ void Gateway::begin(bus::Tick const& tick) {
     }
     if (first_line_ != nullptr) {
         first_line_->announce(tick.time);
+    }
+    if (follower_ != nullptr) {
+        follower_->announce(tick.time);
     }
     if (guest_ != nullptr) {
         guest_->announce(tick.time);

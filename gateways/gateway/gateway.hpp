@@ -78,6 +78,7 @@ class Gateway final : public bus::Member {
     bus::TickGrid grid_;
     WireClock clock_;
     std::unique_ptr<WirePort> port_;
+    std::unique_ptr<ClockFollower> follower_; ///< real time, where it is configured
     std::unique_ptr<GatewayContext> context_;
     std::vector<Route> routes_;
     std::map<std::string, std::unique_ptr<bus::CdrWriter>> writers_; ///< by topic

@@ -126,6 +126,7 @@ void describe(config::Fields& f, GatewayConfig& config) {
         config.mappings.push_back(std::move(mapping));
     });
     describe(f, config.subscriptions);
+    ptp::describe_ptp(f, config.ptp);
     f.fraction("latency_us", config.latency_us, {.doc = "lockstep: from input to output", .min = 0});
 }
 

@@ -5,6 +5,7 @@
 #include "common/rational.hpp"
 #include "gateways/first_line/first_line_config.hpp"
 #include "gateways/gateway/subscription_config.hpp"
+#include "gateways/ptp/ptp_config.hpp"
 
 #include <cstdint>
 #include <map>
@@ -79,6 +80,7 @@ struct MappingConfig {
 struct GatewayConfig {
     std::vector<MappingConfig> mappings;
     std::vector<SubscriptionConfig> subscriptions;
+    std::optional<ptp::PtpConfig> ptp;
     Rational latency_us{100}; ///< lockstep: from input to output
 };
 void describe(config::Fields& f, GatewayConfig& config);

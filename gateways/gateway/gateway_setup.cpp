@@ -40,6 +40,14 @@ Result<void> Gateway::prepare() {
     context_ = std::make_unique<GatewayContext>(
         GatewayContext{node_, *port_, settings_.wire, WireClock{node_},
                        node_.time_base().ceil(settings_.gateway.latency_us / Rational{1'000'000})});
+    if (settings_.gateway.ptp && !node_.lockstep()) { // in lockstep simulated time is the clock
+        auto follower = ClockFollower::create(node_, run_, *settings_.gateway.ptp);
+        if (!follower) {
+            return std::unexpected{follower.error()};
+        }
+        follower_ = std::move(*follower);
+        context_->follower = follower_.get();
+    }
     auto statistics = StatisticsPublisher::create(node_);
     if (!statistics) {
         return std::unexpected{statistics.error()};

@@ -25,6 +25,7 @@ void SampleSink::encode(std::span<std::uint8_t> sample) const {
 
 iec61850::Octets SampleSink::fill(std::int64_t index, std::span<std::uint8_t const> sample) {
     obey_clock_changes(index);
+    follow_clock();
     std::copy(sample.begin(), sample.end(), publisher_.sample(index).begin());
     if (shift_samples_ != 0) {
         std::int64_t const wrap = route_.to_stream->rate_hz.num();
@@ -72,9 +73,18 @@ void SampleSink::obey_clock_changes(std::int64_t index) {
         if (Rational{index} < change.at_s * route_.to_stream->rate_hz) {
             return;
         }
-        synch_ = change.synchronised ? route_.to_stream->smp_synch : iec61850::kNotSynchronised;
-        publisher_.set_synch(synch_);
+        clock_is_lost_ = !change.synchronised;
         shift_samples_ = change.synchronised ? 0 : change.shift_samples;
+    }
+}
+
+void SampleSink::follow_clock() {
+    std::uint8_t const synch = clock_is_lost_                 ? iec61850::kNotSynchronised
+                               : context_.follower != nullptr ? context_.follower->smp_synch()
+                                                              : route_.to_stream->smp_synch;
+    if (synch != synch_) {
+        synch_ = synch;
+        publisher_.set_synch(synch);
     }
 }
 

@@ -52,8 +52,10 @@ class SampleSink : public Sink {
 
   private:
     void obey_clock_changes(std::int64_t index);
+    void follow_clock();
     std::size_t next_clock_change_{0}; ///< on the thread that sends
     std::int64_t shift_samples_{0};
+    bool clock_is_lost_{false}; ///< by an event of the timeline
     std::uint8_t synch_;
     std::optional<std::int64_t> zero_unix_ns_; ///< real time: at simulated time 0; on the thread that sends
     std::atomic<std::uint64_t> sent_{0}, incomplete_{0};

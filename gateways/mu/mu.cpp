@@ -54,6 +54,7 @@ GatewayConfig table_of(MuConfig const& mu, std::vector<streams::Stream> const& s
     GatewayConfig out;
     out.mappings.push_back(std::move(mapping));
     out.latency_us = mu.latency_us;
+    out.ptp = mu.ptp;
     return out;
 }
 

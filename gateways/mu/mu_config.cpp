@@ -26,6 +26,7 @@ void describe(config::Fields& f, MuConfig& config) {
                       {.doc = "real time: at the exact sample rate behind a small buffer, or as soon as samples come"});
     f.number("buffer_ms", config.buffer_ms,
              {.doc = "real time, scheduled: how much later than the samples it sends", .min = 0, .max = 100});
+    ptp::describe_ptp(f, config.ptp);
     f.fraction("latency_us", config.latency_us, {.doc = "lockstep: from the sample to the frame", .min = 0});
 }
 

@@ -4,6 +4,7 @@
 
 #include "common/config/fields.hpp"
 #include "common/rational.hpp"
+#include "gateways/ptp/ptp_config.hpp"
 
 #include <array>
 #include <optional>
@@ -22,7 +23,8 @@ struct MuConfig {
     std::optional<std::array<std::string, 3>> voltages; ///< members that get the voltages
     [[nodiscard]] char const* type() const { return voltages ? "BaySamples" : "LineCurrents"; }
     enum class Sending { scheduled, on_arrival } sending{Sending::scheduled};
-    double buffer_ms{1.5};    ///< real time, scheduled: so much later than the first sample of all, to ride out jitter
+    double buffer_ms{1.5}; ///< real time, scheduled: so much later than the first sample of all, to ride out jitter
+    std::optional<ptp::PtpConfig> ptp;
     Rational latency_us{120}; ///< lockstep: from the sample to the frame
 };
 void describe(config::Fields& f, MuConfig& config);

@@ -99,6 +99,7 @@ class GatewaySettings final : public ProcessSettings {
             watched.emplace_back(again ? stream->name.name + "." + mapping.name.name : stream->name.name,
                                  stream->kind == streams::Kind::smv);
         }
+        add_clock_signals(s, process, config_.ptp, out);
         add_first_line_signals(s, process, {}, watched, out);
         for (Route const& route : routes_) {
             for (std::size_t const field : route.watched) {

@@ -82,12 +82,13 @@ class MergingUnitSettings final : public ProcessSettings {
     [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
         return {use_of(s, process, config_.to)};
     }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
         std::string const prefix = "publisher." + process.name.name + ".";
         std::vector<SignalUse> out{{prefix + "sent", "", 1}, {prefix + "late", "", 1}, {prefix + "underruns", "", 1}};
         for (char const* name : {"publish_age_ms", "wire_delay_ms"}) {
             out.push_back({"stream." + config_.to.name + "." + name, "ms", 0});
         }
+        add_clock_signals(s, process, config_.ptp, out);
         return out;
     }
     [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
@@ -140,6 +141,15 @@ class BreakerSettings final : public ProcessSettings {
 };
 
 } // namespace
+
+void add_clock_signals(Scenario const& s, Process const& process, std::optional<ptp::PtpConfig> const& ptp,
+                       std::vector<SignalUse>& out) {
+    if (ptp && s.clock.mode == bus::ClockMode::realtime) { // as ClockFollower makes them
+        std::string const prefix = "clock." + process.name.name + ".";
+        out.push_back({prefix + "smp_synch", "", 0});
+        out.push_back({prefix + "offset_us", "us", 0});
+    }
+}
 
 void add_first_line_signals(Scenario const& s, Process const& process, gateways::FirstLineConfig const& config,
                             std::vector<std::pair<std::string, bool>> const& streams, std::vector<SignalUse>& out) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gateways/first_line/first_line_config.hpp"
+#include "gateways/ptp/ptp_config.hpp"
 #include "launcher/scenario/program.hpp"
 
 #include <memory>
@@ -30,6 +31,10 @@ namespace gridspace::launcher {
 
 /// The topics on which signals are published.
 void add_signals(std::vector<TopicUse>& topics);
+
+/// Signals of a process that follows a PTP daemon.
+void add_clock_signals(Scenario const& s, Process const& process, std::optional<ptp::PtpConfig> const& ptp,
+                       std::vector<SignalUse>& out);
 
 /// Signals of the first-line rules: of a process's received streams, each with whether it is one of sampled values.
 void add_first_line_signals(Scenario const& s, Process const& process, gateways::FirstLineConfig const& config,

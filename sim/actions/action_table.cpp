@@ -42,7 +42,7 @@ std::vector<ActionKind> const& kinds() {
     return all;
 }
 
-ActionKind const* kind_where(std::string_view ActionKind::*word, std::string_view is) {
+ActionKind const* kind_where(std::string_view ActionKind::* word, std::string_view is) {
     auto const found = std::find_if(kinds().begin(), kinds().end(), [&](ActionKind const& k) { return k.*word == is; });
     return found == kinds().end() ? nullptr : &*found;
 }

@@ -13,6 +13,8 @@
     X(sv)      /* a frame: decoded, re-encoded, decoded again */                                    \
     X(goose)   /* a frame: decoded, given to a subscriber */                                        \
     X(routable) /* a datagram of R-GOOSE or R-SV: decoded, encoded, decoded again */                \
+    X(prp)     /* a frame with the trailer of redundant networks: read, written, read again */      \
+    X(ptp)     /* what a PTP daemon answers; the state of a clock */                                \
     X(ber)     /* allData: walked and read as every type */                                         \
     X(pcapng)  /* a capture file */                                                                 \
     X(streams) /* a `streams:` map as YAML text */                                                  \

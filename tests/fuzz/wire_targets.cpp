@@ -7,6 +7,8 @@
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
 #include "gateways/iec61850/sv_template.hpp"
+#include "gateways/prp/redundancy_trailer.hpp"
+#include "gateways/ptp/time_quality.hpp"
 #include "targets.hpp"
 
 #include <algorithm>
@@ -153,6 +155,29 @@ void goose(std::uint8_t const* data, std::size_t size) {
     subscriber.receive(message, 1);
     subscriber.expire(INT64_MAX);
     (void)subscriber.value(0);
+}
+
+void prp(std::uint8_t const* data, std::size_t size) {
+    Octets const frame{data, size};
+    auto const trailer = gridspace::prp::trailer_of(frame);
+    if (!trailer) {
+        return;
+    }
+    std::vector<std::uint8_t> again;
+    gridspace::prp::write_with_trailer(frame.first(size - gridspace::prp::kTrailerOctets), *trailer, again);
+    require(gridspace::prp::trailer_of(again) == trailer, "another trailer is read than was written");
+}
+
+void ptp(std::uint8_t const* data, std::size_t size) {
+    auto const response = gridspace::ptp::decode_response({data, size}, 0);
+    require(!response || response->time_status.has_value() != response->parent.has_value(),
+            "an answer to two questions");
+    gridspace::ptp::TimeQuality quality{{}};
+    for (std::int64_t now_ns = 0; response && now_ns < 10; ++now_ns) {
+        quality.hear(*response, now_ns);
+        (void)quality.look(now_ns);
+        require(quality.smp_synch() == 0, "half of what has to be known is enough");
+    }
 }
 
 void routable(std::uint8_t const* data, std::size_t size) {
