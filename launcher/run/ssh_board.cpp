@@ -196,8 +196,9 @@ class Board {
         if (trim(*there) == "there") {
             return name;
         }
-        auto const packed = run_limited(
-            {"tar", "-C", tree.string(), "--owner=0", "--group=0", "-czf", archive.string(), "bin", "lib"}, kCopy, {});
+        auto const packed = run_limited({"tar", "-C", tree.string(), "--owner=0", "--group=0", "-I", "gzip -1", "-cf",
+                                         archive.string(), "bin", "lib"},
+                                        kCopy, {});
         if (!packed) {
             return failed("copy", packed.error());
         }

@@ -47,9 +47,10 @@ for text in "$here/../../LICENSE" "$here/../../../doc/gridspace/LICENSE"; do # s
   [ ! -f "$text" ] || cp "$text" "$stage/licenses/gridspace"
 done
 [ -f "$stage/licenses/gridspace" ] || fail "the file LICENSE of Gridspace is missing" "is it installed completely?"
+owners=$(cd "$stage/lib" && for library in *; do printf '*/*-linux-gnu/%s\n' "$library"; done | xargs dpkg-query -S 2>/dev/null || true) # once: it reads all lists
 for library in "$stage"/lib/*; do
   library=$(basename "$library")
-  package=$(dpkg-query -S "*/*-linux-gnu/$library" 2>/dev/null | sed -n '1s/[:,].*//p')
+  package=$(printf '%s\n' "$owners" | awk -v file="/$library" 'substr($0, length($0) - length(file) + 1) == file { sub(/[:,].*/, ""); print; exit }')
   found=""
   for text in "$root/usr/share/doc/$package/copyright" "/usr/share/doc/$package/copyright"; do
     [ -z "$package" ] || [ ! -f "$text" ] || found=$text
@@ -127,6 +128,6 @@ script postrm <<POST
 POST
 chmod -R u=rwX,go=rX "$deb"
 find "$deb" -exec touch -d "@$seconds" {} +
-SOURCE_DATE_EPOCH=$seconds dpkg-deb --root-owner-group -Zxz --build "$deb" "$out/gridspace-${name}_$arch.deb" >/dev/null
+SOURCE_DATE_EPOCH=$seconds dpkg-deb --root-owner-group -Zxz -z2 --build "$deb" "$out/gridspace-${name}_$arch.deb" >/dev/null
 echo "$out/gridspace-${name}_$arch.tar.gz"
 echo "$out/gridspace-${name}_$arch.deb"

@@ -2,13 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """A board that nobody starts for us (`run_on: external`): `gridspace-relay --config …` alone, on interfaces that are plugged into the
 scenario's switches. The board is a network namespace that has what the README of its bundle asks for; needs root."""
+import functools
 import json
 import os
+import pathlib
 import queue
+import shutil
 import signal
 import subprocess
 import sys
 import tarfile
+import tempfile
 import time
 import unittest
 
@@ -59,11 +63,21 @@ class OwnBoard(ScenarioTest):
     def within(self, pid, command):
         subprocess.run(["nsenter", "-t", str(pid), "-n", "-m", "sh", "-ec", command], check=True, timeout=60)
 
+    @functools.cache
+    def bundle_of(name, text):
+        """The bundle of the relay in that scenario, once for all tests."""
+        folder = pathlib.Path(tempfile.mkdtemp())
+        unittest.addModuleCleanup(shutil.rmtree, folder)
+        (folder / "own_board.yaml").write_text(EXTERNAL.format(base=SHORT))
+        (folder / name).write_text(text)
+        code, _, err = gridspace("bundle", folder / name, "relay2", "--arch", "amd64", "--out", folder)
+        if code != OK:
+            raise AssertionError(err)
+        return folder / "gridspace-relay2_amd64.tar.gz"
+
     def install(self, scenario):
         """The bundle, and the interfaces that its README lists, each with a cable to the launcher's machine."""
-        code, _, err = gridspace("bundle", scenario, "relay2", "--arch", "amd64", "--out", self.folder)
-        self.assertEqual(code, OK, err)
-        archive = self.folder / "gridspace-relay2_amd64.tar.gz"
+        archive = OwnBoard.bundle_of(scenario.name, scenario.read_text())
         self.within(self.board, f"mount -t tmpfs none /srv && tar -C /srv -xf {archive}")
         readme = tarfile.open(archive).extractfile("gridspace-relay2/README").read().decode()
         listed = [line.split() for line in readme.splitlines() if line.startswith("    ") and line.split()[1:2] and ":" in line.split()[1]]
