@@ -47,7 +47,8 @@ for text in "$here/../../LICENSE" "$here/../../../doc/gridspace/LICENSE"; do # s
   [ ! -f "$text" ] || cp "$text" "$stage/licenses/gridspace"
 done
 [ -f "$stage/licenses/gridspace" ] || fail "the file LICENSE of Gridspace is missing" "is it installed completely?"
-owners=$(cd "$stage/lib" && for library in *; do printf '*/*-linux-gnu/%s\n' "$library"; done | xargs dpkg-query -S 2>/dev/null || true) # once: it reads all lists
+# Once for all of them: it reads the lists of all packages.
+owners=$(find "$stage/lib" -type f -printf "*/*-linux-gnu/%f\n" | xargs dpkg-query -S 2>/dev/null || true)
 for library in "$stage"/lib/*; do
   library=$(basename "$library")
   package=$(printf '%s\n' "$owners" | awk -v file="/$library" 'substr($0, length($0) - length(file) + 1) == file { sub(/[:,].*/, ""); print; exit }')
