@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 #
-# ./gridspace package [--arch amd64|arm64] [OUT]: Debian packages of what is committed, into OUT (build/packages): gridspace, gridspace-agents,
+# ./gridspace package [--arch amd64|arm64] [OUT]: Debian packages of what is committed, or of an unpacked release, into OUT (build/packages): gridspace, gridspace-agents,
 # libgridspace1, libgridspace-dev, python3-gridspace, gridspace-doc; for a foreign architecture those that boards need (agents and library).
 # The same commit gives the same octets, wherever it is built.
 set -euo pipefail
@@ -22,8 +22,9 @@ while [ $# -gt 0 ]; do
 done
 : "${arch:=$own}" "${out:=$root/build/packages}"
 [ "$arch" = "$own" ] || [ "$arch" = arm64 ] || { say "packages can be made for $own and arm64, not for $arch"; exit 2; }
-git -C "$root" rev-parse -q --verify HEAD >/dev/null || { say "packages are made of what is committed, and this is no git checkout"; exit 2; }
-[ -z "$(git -C "$root" status --porcelain)" ] || say "what is not committed is not in the packages"
+checkout=""
+[ ! -e "$root/.git" ] || checkout=yes
+[ -z "$checkout" ] || [ -z "$(git -C "$root" status --porcelain)" ] || say "what is not committed is not in the packages"
 
 ensure_packages build dashboard package
 options=(-b)
@@ -37,7 +38,11 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 tree=$work/gridspace-$version
 mkdir "$tree"
-git -C "$root" archive HEAD | tar -x -C "$tree"
+if [ -n "$checkout" ]; then
+  git -C "$root" archive HEAD | tar -x -C "$tree"
+else # an unpacked release: all but what was built in it
+  tar -c -C "$root" --exclude=./build . | tar -x -C "$tree"
+fi
 if [ "$arch" != "$own" ]; then # the root file system of the architecture, as for the boards' programs
   "$root/scripts/arm64.sh" sysroot
   mkdir -p "$tree/build" && ln -s "$(readlink -f "$root/build/arm64-sysroot")" "$tree/build/arm64-sysroot"

@@ -15,6 +15,7 @@ declare -A group_purpose=(
   [e2e]="the dashboard in a browser"
   [docs]="the documentation as a site"
   [package]="making Debian packages and trying them in a clean Debian"
+  [containers]="trying the packages in containers"
   [arm64]="cross-compiling for ARM64 and running it in emulation"
 )
 declare -A group_packages=(
@@ -29,6 +30,7 @@ declare -A group_packages=(
   [e2e]="chromium|chromium node|nodejs npm|npm"
   [docs]="mkdocs|mkdocs mkdocs-material"
   [package]="debhelper dh-python help2man lintian mmdebstrap dpkg-dev"
+  [containers]="podman|podman podman-compose|podman-compose mmdebstrap"
   [arm64]="g++-aarch64-linux-gnu qemu-user-static qemu-system-aarch64|qemu-system-arm cpio|cpio systemd-analyze|systemd readelf|binutils"
 )
 

@@ -15,7 +15,7 @@ source "$root/scripts/tiers.sh"
 
 contributor_tiers=(lint build unit integration scenarios)
 all_tiers=("${contributor_tiers[@]}" slow more_scenarios e2e arm64 sanitizers fuzz coverage tidy)
-long_tiers=(build long_tests long_scenarios long_sanitizers long_fuzz long_soak long_tidy long_packages)
+long_tiers=(build long_tests long_scenarios long_sanitizers long_fuzz long_soak long_tidy long_packages long_release)
 
 usage() {
   cat <<'EOT'
@@ -39,7 +39,8 @@ with --long, by command only
   long_scenarios  all scenarios in real time and the longest in lockstep
   long_sanitizers every short scenario under ASan and UBSan; bus and launcher under TSan
   long_fuzz       every fuzz target for ten minutes
-  long_packages   the Debian packages: made, installed in a clean Debian 12, used, replaced, removed; as root
+  long_packages   the Debian packages: made, installed in a clean Debian 12, used, replaced, removed; containers of them; as root
+  long_release    what is published of a version: a tarball, packages made of it twice, the same octets
   long_soak       an hour of protection.yaml in real time, a hundred starts of each scenario beside busy loops
   long_tidy       clang-tidy on everything
 EOT

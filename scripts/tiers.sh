@@ -147,7 +147,19 @@ tier_long_packages() {
   local log=$root/build/packages-tier.log status=0
   "$root/tests/packages/packages_test.sh" >"$log" 2>&1 || status=$?
   note=$(tail -n 1 "$log")
+  "$root/tests/packages/container_test.sh" >>"$log" 2>&1 || status=$?
+  note="$note; containers: $(tail -n 1 "$log")"
   [ "$status" -eq 0 ] || cat "$log"
+  return "$status"
+}
+
+tier_long_release() {
+  local log=$root/build/release-tier.log status=0 out
+  out=$(mktemp -d)
+  "$root/scripts/release.sh" --draft "$out" >"$log" 2>&1 || status=$?
+  note=$(grep -c '\.deb$' "$out/SHA256SUMS" 2>/dev/null)" packages, the same octets twice"
+  rm -rf "$out"
+  [ "$status" -eq 0 ] || { note="" && cat "$log"; }
   return "$status"
 }
 
