@@ -20,6 +20,25 @@ void read_governor(Fields& f, Governor& g) {
     f.number("tg_s", g.tg_s, not_negative("servo time constant"));
     f.number("tt_s", g.tt_s, not_negative("turbine time constant"));
     f.number("integral_ki", g.integral_ki, not_negative("integral gain; 0: droop only"));
+    f.number("gate_min_pu", g.gate_min_pu, any("lowest position of the servo"));
+    f.number("gate_max_pu", g.gate_max_pu, any("highest position of the servo"));
+    f.number("lead_s", g.lead_s, not_negative("lead time constant of the turbine (T2 of TGOV1)"));
+    f.number("damping_pu", g.damping_pu, not_negative("power that the turbine loses per p.u. of speed"));
+    f.object("load_limit", {.doc = "a gas turbine's, by the temperature of its exhaust (GAST)"}, [&](Fields& l) {
+        Governor::LoadLimit& limit = g.load_limit.emplace();
+        l.number("power_pu", limit.power_pu, positive("power that it can give for long (AT)"));
+        l.number("gain", limit.gain, not_negative("how hard it comes back to that (KT)"));
+        l.number("t_s", limit.t_s, positive("time constant of the temperature (T3)"));
+    });
+    if (g.lowest() >= g.highest()) {
+        f.error(
+            "gate_max_pu",
+            fmt::format("gate_max_pu = {} is not above gate_min_pu = {}", shortest(g.highest()), shortest(g.lowest())),
+            "a servo moves between the two");
+    }
+    if (g.lead_s > 0 && g.tt_s == 0) {
+        f.error("lead_s", "a lead needs the lag that it leads", "give `tt_s` too");
+    }
 }
 
 void read_constants(Fields& c, MachineType& t, bool full) {

@@ -12,4 +12,7 @@ namespace gridspace::sim::machines {
 /// Fails when the field voltage of the start is outside the limits of the regulator.
 [[nodiscard]] Result<void> check_field(std::string const& name, MachineData const& data, double efd);
 
+/// Fails when the power of the start is outside the limits of the governor.
+[[nodiscard]] Result<void> check_gate(std::string const& name, MachineData const& data, double power_pu);
+
 } // namespace gridspace::sim::machines

@@ -22,7 +22,8 @@ void soften(double& t) {
 
 State state_of(std::span<double const> x) {
     State s;
-    std::copy_n(x.begin(), s.size(), s.begin());
+    s.fill(0);
+    std::copy(x.begin(), x.end(), s.begin());
     return s;
 }
 
@@ -31,7 +32,7 @@ State state_of(std::span<double const> x) {
 class MachineInjection final : public PhasorInjection {
   public:
     MachineInjection(Machine const& machine, Surroundings const& around);
-    [[nodiscard]] std::size_t states() const override { return machines::kStates; }
+    [[nodiscard]] std::size_t states() const override { return machines::moving_states(data_); }
     void start(double t, Complex v, Complex s, std::span<double> x) override;
     Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
     [[nodiscard]] std::vector<SignalDef> signals() const override;
@@ -83,7 +84,7 @@ void MachineInjection::start(double, Complex v, Complex s, std::span<double> x) 
     Complex const i = v == Complex{} ? Complex{} : std::conj(s / to_network_ / v);
     auto const start = machines::steady_state(data_, v, i);
     set_ = start.set;
-    std::copy(start.x.begin(), start.x.end(), x.begin());
+    std::copy_n(start.x.begin(), x.size(), x.begin());
 }
 
 bool MachineInjection::set(double, std::string_view quantity, double value) {
@@ -134,11 +135,14 @@ Complex MachineInjection::flow(double, std::span<double const> states, Complex v
         double const target = data_.avr->ka * (set_.v_ref - x[machines::kVmeas]);
         d[machines::kEfd] = at_limit_ != 0 ? 0 : (target - x[machines::kEfd]) / data_.avr->ta_s;
     }
-    std::copy(d.begin(), d.end(), dx.begin());
+    std::copy_n(d.begin(), dx.size(), dx.begin());
     return s.i * to_network_;
 }
 
 Result<void> MachineInjection::check_start(std::span<double const> x) const {
+    if (auto ok = machines::check_gate(name_, data_, x[machines::kGate]); !ok) {
+        return ok;
+    }
     return has_event() ? machines::check_field(name_, data_, x[machines::kEfd]) : Result<void>{};
 }
 
@@ -189,7 +193,7 @@ double MachineInjection::value(std::size_t signal, double, std::span<double cons
     case 7:
         return power.imag();
     default:
-        return (data_.governor ? x[machines::kPower] : x[machines::kGate]) * data_.rating_kva;
+        return machines::mechanical_power(data_, x) * data_.rating_kva;
     }
 }
 

@@ -56,7 +56,8 @@ class MachineElement final : public emt::NortonElement, private MachineDynamics 
     [[nodiscard]] emt::ComplexPhaseMatrix steady_admittance(double speed) const override;
     void start(Complex v, Complex i, double speed) override;
     [[nodiscard]] Result<void> check_start() const override {
-        return machines::check_field(name_, data_, x_[machines::kEfd]);
+        auto const ok = machines::check_gate(name_, data_, x_[machines::kGate]);
+        return ok ? machines::check_field(name_, data_, x_[machines::kEfd]) : ok;
     }
     void use_step(double h) override;
     void forget_history() override { history_ = false; }
@@ -256,7 +257,7 @@ double MachineElement::value(std::size_t signal) const {
     case 7:
         return (v_.beta * i_.alpha - v_.alpha * i_.beta) * data_.rating_kva;
     case 8:
-        return (data_.governor ? x_[machines::kPower] : x_[machines::kGate]) * data_.rating_kva;
+        return machines::mechanical_power(data_, x_) * data_.rating_kva;
     default:
         return current_a(static_cast<int>(signal) - 9);
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace gridspace::sim::machines {
@@ -14,9 +15,43 @@ double lag(double target, double x, double t) {
     return t > 0 ? (target - x) / t : 0;
 }
 
-double turbine_target(MachineData const& d, Setpoints const& set, State const& x) {
+double wanted_power(MachineData const& d, Setpoints const& set, State const& x) {
     double const fast = set.governor == GovernorMode::fixed_power ? 0 : x[kSpeed] - set.w_ref;
     return set.p_ref - fast / (d.governor->droop_percent / 100) - x[kIntegral];
+}
+
+/// The most that the load limit lets through.
+double permitted_power(MachineData const& d, State const& x) {
+    auto const& limit = d.governor->load_limit;
+    return limit ? limit->power_pu + limit->gain * (limit->power_pu - x[kExhaust])
+                 : std::numeric_limits<double>::infinity();
+}
+
+double turbine_target(MachineData const& d, Setpoints const& set, State const& x) {
+    return std::min(wanted_power(d, set, x), permitted_power(d, x));
+}
+
+double gate(Governor const& g, State const& x) {
+    return std::clamp(x[kGate], g.lowest(), g.highest());
+}
+
+void governor_derivative(MachineData const& d, Setpoints const& set, State const& x, State& dx) {
+    Governor const& g = *d.governor;
+    double const target = turbine_target(d, set, x);
+    dx[kGate] = lag(target, x[kGate], g.tg_s);
+    if ((x[kGate] >= g.highest() && dx[kGate] > 0) || (x[kGate] <= g.lowest() && dx[kGate] < 0)) {
+        dx[kGate] = 0;
+    }
+    dx[kPower] = lag(gate(g, x), x[kPower], g.tt_s);
+    if (g.load_limit) {
+        dx[kExhaust] = lag(x[kPower], x[kExhaust], g.load_limit->t_s);
+    }
+    if (set.governor == GovernorMode::isochronous) {
+        double const by = x[kSpeed] - set.w_ref;
+        bool const winds_up = (by < 0 && wanted_power(d, set, x) > std::min(permitted_power(d, x), g.highest())) ||
+                              (by > 0 && wanted_power(d, set, x) < g.lowest());
+        dx[kIntegral] = winds_up ? 0 : g.integral_ki * by;
+    }
 }
 
 double field_target(MachineData const& d, Setpoints const& set, State const& x) {
@@ -43,6 +78,19 @@ Flux subtransient_flux(MachineData const& d, State const& x, double id, double i
     return flux;
 }
 
+std::size_t moving_states(MachineData const& d) {
+    return d.governor && d.governor->load_limit ? std::size_t{kStates} : std::size_t{kExhaust};
+}
+
+double mechanical_power(MachineData const& d, State const& x) {
+    if (!d.governor) {
+        return x[kGate];
+    }
+    Governor const& g = *d.governor;
+    double const at_once = g.lead_s > 0 ? g.lead_s / g.tt_s * (gate(g, x) - x[kPower]) : 0;
+    return x[kPower] + at_once - g.damping_pu * x[kSpeed];
+}
+
 double torque(MachineData const& d, State const& x, double id, double iq) {
     Flux const flux = subtransient_flux(d, x, id, iq);
     return flux.d * iq - flux.q * id; // the common reactance adds nothing
@@ -65,15 +113,11 @@ void derivative(MachineData const& d, Setpoints const& set, State const& x, doub
             }
         }
     }
-    dx[kGate] = dx[kPower] = dx[kIntegral] = 0;
+    dx[kGate] = dx[kPower] = dx[kIntegral] = dx[kExhaust] = 0;
     double mechanical = set.p_ref;
     if (d.governor) {
-        dx[kGate] = lag(turbine_target(d, set, x), x[kGate], d.governor->tg_s);
-        dx[kPower] = lag(x[kGate], x[kPower], d.governor->tt_s);
-        if (set.governor == GovernorMode::isochronous) {
-            dx[kIntegral] = d.governor->integral_ki * (x[kSpeed] - set.w_ref);
-        }
-        mechanical = x[kPower];
+        governor_derivative(d, set, x, dx);
+        mechanical = mechanical_power(d, x);
     }
     double const mechanical_torque = d.classical ? mechanical : mechanical / (1 + x[kSpeed]);
     dx[kSpeed] = (mechanical_torque - torque(d, x, id, iq) - d.damping * x[kSpeed]) / (2 * d.h);
@@ -94,6 +138,7 @@ void limit(MachineData const& d, Setpoints const& set, double v, State& x) {
         if (d.governor->tg_s == 0) {
             x[kGate] = turbine_target(d, set, x);
         }
+        x[kGate] = gate(*d.governor, x);
         if (d.governor->tt_s == 0) {
             x[kPower] = x[kGate];
         }
@@ -126,6 +171,7 @@ Start steady_state(MachineData const& d, std::complex<double> v, std::complex<do
     start.set.v_ref = x[kVmeas] + (d.avr ? x[kEfd] / d.avr->ka : 0);
     start.set.p_ref = torque(d, x, id, iq);
     x[kGate] = x[kPower] = start.set.p_ref;
+    x[kExhaust] = d.governor && d.governor->load_limit ? x[kPower] : 0;
     return start;
 }
 

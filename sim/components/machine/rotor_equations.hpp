@@ -26,6 +26,7 @@ enum StateIndex : std::size_t {
     kGate,     ///< governor servo
     kPower,    ///< turbine power
     kIntegral, ///< of the speed deviation
+    kExhaust,  ///< temperature of the exhaust as power: last, for only a load limit has it
     kStates
 };
 using State = std::array<double, kStates>;
@@ -48,6 +49,12 @@ struct Flux {
 
 /// Flux behind the reactance x2(): psi = flux - x2() i. `iq` and `id` matter only when the axes differ.
 [[nodiscard]] Flux subtransient_flux(MachineData const& data, State const& x, double id, double iq);
+
+/// How many of the states move.
+[[nodiscard]] std::size_t moving_states(MachineData const& data);
+
+/// Of the turbine; without a governor what the machine began with.
+[[nodiscard]] double mechanical_power(MachineData const& data, State const& x);
 
 /// Air-gap torque for stator currents.
 [[nodiscard]] double torque(MachineData const& data, State const& x, double id, double iq);

@@ -29,6 +29,8 @@ ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries")
     *(f"enter_service.{k}" for k in ("delay_s", "ramp_s", "voltage_min_pu", "voltage_max_pu", "frequency_min_hz", "frequency_max_hz")),
     *(f"trip.{e}.{k}" for e in ("ov2", "ov1", "uv1", "uv2") for k in ("voltage_pu", "after_s")),
     *(f"trip.{e}.{k}" for e in ("of2", "of1", "uf1", "uf2") for k in ("frequency_hz", "after_s")))}
+ELSEWHERE |= {f"{section}.governor.{key}" for section in ("machine_types", "machines") for key in (  # unit_components
+    "gate_min_pu", "gate_max_pu", "lead_s", "damping_pu", "load_limit.power_pu", "load_limit.gain", "load_limit.t_s")}
 ELSEWHERE |= {f"transformers.tap_changer.{key}" for key in (
     "bus", "voltage_pu", "bandwidth_percent", "delay_s", "next_delay_s", "step_percent", "position", "lowest", "highest", "block_below_pu")}
 
