@@ -30,7 +30,7 @@ declare -A group_packages=(
   [e2e]="chromium|chromium node|nodejs npm|npm"
   [docs]="mkdocs|mkdocs mkdocs-material"
   [package]="debhelper dh-python help2man lintian mmdebstrap dpkg-dev"
-  [containers]="podman|podman podman-compose|podman-compose mmdebstrap"
+  [containers]="podman|podman runc|runc golang-github-containernetworking-plugin-dnsname dnsmasq-base podman-compose|podman-compose mmdebstrap"
   [arm64]="g++-aarch64-linux-gnu qemu-user-static qemu-system-aarch64|qemu-system-arm cpio|cpio systemd-analyze|systemd readelf|binutils"
 )
 

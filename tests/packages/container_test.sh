@@ -38,6 +38,14 @@ if ! podman image exists "$base" && ! timeout 60 podman pull -q "$base" >/dev/nu
   podman import -q "$tree/base.tar" "$base" >/dev/null
 fi
 
+# No more than this machine permits; and a runtime that takes it where it has both versions of control groups.
+printf '[containers]\ndefault_ulimits = ["nofile=4096:4096", "nproc=4096:4096"]\n' >"$work/containers.conf"
+if [ -d /sys/fs/cgroup/unified ]; then
+  step "this machine has both versions of control groups, which crun refuses: runc"
+  printf '[engine]\nruntime = "runc"\ncgroup_manager = "cgroupfs"\n' >>"$work/containers.conf"
+  export BUILDAH_ISOLATION=chroot
+fi
+export CONTAINERS_CONF=$work/containers.conf
 mkdir "$work/packages"
 cp "${debs[@]}" "$work/packages/"
 podman build -q --network host -v /etc/apt/apt.conf.d:/etc/apt/apt.conf.d:ro -f "$root/packaging/Containerfile" -t "$name" "$work/packages" >"$work/build.log" 2>&1 || { cat "$work/build.log"; exit 1; }
@@ -60,10 +68,11 @@ chmod -R a+rX "$work/examples"
 cd "$work"
 GRIDSPACE_IMAGE=$name timeout 600 podman-compose -p "$name" -f packaging/two_sites.compose.yaml up -d >"$work/compose.log" 2>&1 || { cat "$work/compose.log"; exit 1; }
 code=$(timeout 600 podman wait "${name}_grid_1")
-[ "$code" = 0 ] || { podman logs "${name}_grid_1"; podman logs "${name}_site_1"; podman logs "${name}_agent_1"; exit 1; }
+[ "$code" = 0 ] || { podman logs "${name}_grid_1"; podman logs "${name}_agent_1"; exit 1; }
 test -s "$work/runs/two_sites/data.mcap" || { echo "no results of two sites"; exit 1; }
 ok "the compose file runs it on two sites"
 podman run --rm -v "$work/runs:/runs" "$name" info /runs/two_sites >"$work/info.txt"
-grep -q 'requests .*ev4' "$work/info.txt" || { cat "$work/info.txt"; exit 1; }
+requests=$(awk '$1 == "requests" { print $3 }' "$work/info.txt") # each of the four asks 81 times
+[ "${requests:-0}" -gt 270 ] || { cat "$work/info.txt"; podman logs "${name}_agent_1"; exit 1; }
 ok "and the agent of the other site has taken part"
 echo "$passed passed, 0 failed"
