@@ -25,7 +25,7 @@ void read_governor(Fields& f, Governor& g) {
     f.number("lead_s", g.lead_s, not_negative("lead time constant of the turbine (T2 of TGOV1)"));
     f.number("damping_pu", g.damping_pu, not_negative("power that the turbine loses per p.u. of speed"));
     f.object("load_limit", {.doc = "a gas turbine's, by the temperature of its exhaust (GAST)"}, [&](Fields& l) {
-        Governor::LoadLimit& limit = g.load_limit.emplace();
+        TurbineLoadLimit& limit = g.load_limit.emplace();
         l.number("power_pu", limit.power_pu, positive("power that it can give for long (AT)"));
         l.number("gain", limit.gain, not_negative("how hard it comes back to that (KT)"));
         l.number("t_s", limit.t_s, positive("time constant of the temperature (T3)"));

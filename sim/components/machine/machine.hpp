@@ -14,6 +14,11 @@ struct Avr {
     double efd_min_pu{0}, efd_max_pu{0};
 };
 
+/// AT, KT and T3 of GAST.
+struct TurbineLoadLimit {
+    double power_pu{1}, gain{2}, t_s{3};
+};
+
 /// Speed governor and turbine: TGOV1 with an integral, and with a load limit the gas turbine GAST. p.u. of the
 /// machine's rating.
 struct Governor {
@@ -23,10 +28,7 @@ struct Governor {
     std::optional<double> gate_min_pu, gate_max_pu; ///< of the servo; without: any
     double lead_s{0};                               ///< of the turbine: what of its power comes at once
     double damping_pu{0};                           ///< power that the turbine loses per p.u. of speed
-    struct LoadLimit {
-        double power_pu{1}, gain{2}, t_s{3}; ///< AT, KT, T3 of GAST
-    };
-    std::optional<LoadLimit> load_limit; ///< by the temperature of the exhaust
+    std::optional<TurbineLoadLimit> load_limit;     ///< by the temperature of the exhaust
 
     [[nodiscard]] double lowest() const { return gate_min_pu.value_or(-std::numeric_limits<double>::infinity()); }
     [[nodiscard]] double highest() const { return gate_max_pu.value_or(std::numeric_limits<double>::infinity()); }
