@@ -17,6 +17,13 @@ gridspace_cache() {
   fi
 }
 
+# debian_mirror: where this machine gets Debian's packages from.
+debian_mirror() {
+  local mirror
+  mirror=$(sed -nE 's/^(deb|URIs:) +(\[[^]]*\] )?(http[^ ]+).*/\3/p' /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | head -n 1 || true)
+  printf '%s\n' "${mirror:-http://deb.debian.org/debian}"
+}
+
 # cached FOLDER COMMAND...: the folder of the cache, made by COMMAND (called with the path of an empty folder beside it) where it is
 # not there yet. Whole or not at all, also with two at once: who comes second finds what the first has made.
 cached() {

@@ -6,6 +6,8 @@
 # a network. Makes a minbase tree, clones this repository (what is committed) into it, and runs the two commands of the README there, or COMMAND.
 set -euo pipefail
 root=$(dirname "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")")
+# shellcheck source=scripts/cache.sh
+source "$root/scripts/cache.sh"
 [ "$(id -u)" -eq 0 ] || { echo "run this as root: it makes a chroot" >&2; exit 3; }
 command -v mmdebstrap >/dev/null || { echo "mmdebstrap is missing: apt-get install mmdebstrap" >&2; exit 3; }
 
@@ -19,9 +21,8 @@ clean_up() {
 }
 trap clean_up EXIT
 
-mirror=$(sed -nE 's/^(deb|URIs:) +(\[[^]]*\] )?(http[^ ]+).*/\3/p' /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | head -n 1 || true)
 mmdebstrap --variant=minbase --include=git,ca-certificates bookworm "$tree" \
-  "deb ${mirror:-http://deb.debian.org/debian} bookworm main" "deb ${mirror:-http://deb.debian.org/debian} bookworm-updates main" \
+  "deb $(debian_mirror) bookworm main" "deb $(debian_mirror) bookworm-updates main" \
   "deb http://deb.debian.org/debian-security bookworm-security main"
 cp /etc/resolv.conf "$tree/etc/resolv.conf"
 # Whatever proxy or mirror this machine uses to reach the archives, the new one needs as well.

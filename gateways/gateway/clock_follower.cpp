@@ -7,7 +7,7 @@
 namespace gridspace::gateways {
 namespace {
 
-constexpr std::int64_t kAskEveryNs = 250'000'000;
+constexpr std::int64_t kAskEveryNs = 250'000'000; ///< and what is answered is heard when it asks next
 
 /// Where answers go to. The daemon reads the name as we wrote it: one that shares our folder may have a relative one,
 /// which is short enough whatever the run folder is.
@@ -41,30 +41,20 @@ Result<std::unique_ptr<ClockFollower>> ClockFollower::create(bus::Node& node, Da
 }
 
 void ClockFollower::work(std::int64_t now_ns, SimTime time) {
-    bool heard = false;
-    client_.hear([&](ptp::ManagementResponse const& response) {
-        quality_.hear(response, now_ns);
-        heard = true;
-    });
-    bool const asks = now_ns >= asks_at_ns_;
-    if (asks) {
-        asks_at_ns_ = now_ns + kAskEveryNs;
-        (void)client_.ask(ptp::ManagementId::time_status); // nobody there: it may come
-        (void)client_.ask(ptp::ManagementId::parent_data_set);
+    if (now_ns < asks_at_ns_) {
+        return; // a merging unit wakes up for every message of the simulator
     }
-    if (!heard && !asks) {
-        return;
-    }
+    asks_at_ns_ = now_ns + kAskEveryNs;
+    client_.hear([&](ptp::ManagementResponse const& response) { quality_.hear(response, now_ns); });
+    (void)client_.ask(ptp::ManagementId::time_status); // nobody there: it may come
+    (void)client_.ask(ptp::ManagementId::parent_data_set);
     bool const changed = quality_.look(now_ns);
     smp_synch_.store(quality_.smp_synch(), std::memory_order_relaxed);
     if (changed) {
         run_.status.event(node_.time_base().seconds(time), node_.config().process, "clock", quality_.text());
     }
-    if (changed || asks) {
-        std::array const row{static_cast<double>(quality_.smp_synch()),
-                             static_cast<double>(quality_.offset_ns()) / 1e3};
-        signals_->row(time, row);
-    }
+    std::array const row{static_cast<double>(quality_.smp_synch()), static_cast<double>(quality_.offset_ns()) / 1e3};
+    signals_->row(time, row);
 }
 
 } // namespace gridspace::gateways

@@ -67,30 +67,31 @@ bool TimeQuality::look(std::int64_t now_ns) {
     } else if (state_ != State::never) {
         state_ = now_ns - good_ns_ <= params_.holdover_ns ? State::holdover : State::lost;
         smp_synch_ = state_ == State::lost ? kNone : smp_synch_;
+    } else if (!told_ && now_ns - began_ns_.value_or(now_ns) >= kPatienceNs) {
+        told_ = true;
+        return true;
     }
+    began_ns_ = began_ns_.value_or(now_ns);
     return state_ != before || smp_synch_ != said_before;
 }
 
 std::string TimeQuality::text() const {
-    std::string const synch = fmt::format("smpSynch is {}", smp_synch_);
-    switch (state_) {
-    case State::never:
-        return "no PTP clock yet: " + synch;
-    case State::following:
-        return fmt::format("{} clock {} (class {}), {:.3f} us away: {}",
+    std::string const offset =
+        fmt::format("{:.3f} us", status_ ? static_cast<double>(status_->master_offset_ns) / 1e3 : 0);
+    if (state_ == State::following) {
+        return fmt::format("{} clock {} (class {}), {} away: smpSynch is {}",
                            status_->grandmaster_present ? "follows" : "is", text_of(parent_->grandmaster),
-                           parent_->clock_class, static_cast<double>(status_->master_offset_ns) / 1e3, synch);
-    case State::holdover:
-    case State::lost:
-        break;
+                           parent_->clock_class, offset, smp_synch_);
     }
-    bool const is_near = status_ && std::llabs(status_->master_offset_ns) <= params_.within_ns;
-    std::string const why =
-        !answers_                       ? "the PTP daemon does not answer"
-        : !status_->grandmaster_present ? "no grandmaster"
-        : is_near                       ? "its grandmaster sends no time"
-                  : fmt::format("{:.3f} us from its grandmaster", static_cast<double>(status_->master_offset_ns) / 1e3);
-    return fmt::format("{}, {}: {}", why, state_ == State::holdover ? "holdover" : "not synchronised any more", synch);
+    std::string const why = !answers_                       ? "the PTP daemon does not answer"
+                            : !status_->grandmaster_present ? "no grandmaster"
+                            : std::llabs(status_->master_offset_ns) > params_.within_ns
+                                ? offset + " from its grandmaster"
+                                : "its grandmaster sends no time";
+    char const* const then = state_ == State::holdover ? "holdover"
+                             : state_ == State::lost   ? "not synchronised any more"
+                                                       : "not synchronised yet";
+    return fmt::format("{}, {}: smpSynch is {}", why, then, smp_synch_);
 }
 
 } // namespace gridspace::ptp

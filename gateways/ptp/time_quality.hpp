@@ -19,12 +19,15 @@ class TimeQuality {
     };
     /// Of Sync messages, which come once a second or more often: without any, an offset is an old one.
     static constexpr std::int64_t kMeasuresWithinNs = 4'000'000'000;
+    /// Who has not been synchronised for so long since the first look is told of.
+    static constexpr std::int64_t kPatienceNs = 5'000'000'000;
     enum class State : std::uint8_t { never, following, holdover, lost };
 
     explicit TimeQuality(Params const& params) : params_{params} {}
 
     void hear(ManagementResponse const& response, std::int64_t now_ns);
-    /// Whatever was heard or not; true when state or smpSynch are others than at the last look.
+    /// Whatever was heard or not; true when there is something to tell: state or smpSynch are others than at the last
+    /// look, or it has not been synchronised within the patience.
     bool look(std::int64_t now_ns);
 
     [[nodiscard]] State state() const { return state_; }
@@ -45,7 +48,9 @@ class TimeQuality {
     std::int64_t status_ns_{0}, parent_ns_{0}; ///< when they were heard
     std::int64_t measured_ns_{0};              ///< when the offset was measured last
     std::int64_t good_ns_{0};                  ///< when it was synchronised last
+    std::optional<std::int64_t> began_ns_;     ///< the first look
     bool answers_{false};
+    bool told_{false}; ///< that there is no clock yet
     State state_{State::never};
     std::uint8_t smp_synch_{0};
 };

@@ -22,19 +22,20 @@ step() { printf '%s %s\n' "$(date -u +%T)" "$1"; }
 ok() { passed=$((passed + 1)); step "ok   $1"; }
 
 work=$(mktemp -d)
-name=gridspace-test-$$ base=docker.io/library/debian:bookworm-slim
+name=gridspace-test-$$ base=docker.io/library/debian:bookworm-slim stand_in=""
 clean_up() {
   (cd "$work" && podman-compose -p "$name" -f packaging/two_sites.compose.yaml down >/dev/null 2>&1) || true
-  podman rmi -f "$name" >/dev/null 2>&1 || true
+  podman rmi -f "$name" ${stand_in:+"$base"} >/dev/null 2>&1 || true
   rm -rf "$work"
 }
 trap clean_up EXIT
 
-slim_debian() { mmdebstrap --quiet --variant=minbase --include=ca-certificates bookworm "$1/base.tar" "deb $(sed -nE 's/^(deb|URIs:) +(\[[^]]*\] )?(http[^ ]+).*/\3/p' /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | head -n 1) bookworm main"; }
+slim_debian() { mmdebstrap --quiet --variant=minbase --include=ca-certificates bookworm "$1/base.tar" "deb $(debian_mirror) bookworm main"; }
 if ! podman image exists "$base" && ! timeout 60 podman pull -q "$base" >/dev/null 2>&1; then
   step "no registry: a Debian of mmdebstrap stands in for $base"
   tree=$(gridspace_cache)/container-test/$(sha256sum </etc/debian_version | cut -c 1-24)
   cached "$tree" slim_debian
+  stand_in=yes # it goes at the end: nobody shall take it for the real one
   podman import -q "$tree/base.tar" "$base" >/dev/null
 fi
 
@@ -48,6 +49,7 @@ fi
 export CONTAINERS_CONF=$work/containers.conf
 mkdir "$work/packages"
 cp "${debs[@]}" "$work/packages/"
+# apt's settings of this machine (a proxy) count inside too.
 podman build -q --network host -v /etc/apt/apt.conf.d:/etc/apt/apt.conf.d:ro -f "$root/packaging/Containerfile" -t "$name" "$work/packages" >"$work/build.log" 2>&1 || { cat "$work/build.log"; exit 1; }
 ok "the recipe makes an image of the packages"
 

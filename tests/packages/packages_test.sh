@@ -23,9 +23,7 @@ ok() { passed=$((passed + 1)); step "ok   $1"; }
 # A clean Debian with what the packages depend on, once for all runs of this user: its key is the dependencies themselves.
 depends=$(for deb in "${debs[@]}"; do dpkg-deb -f "$deb" Depends; done | tr ',' '\n' | sed -E 's/\(.*\)//; s/\|.*//; s/:any//; s/ //g' | grep -vE 'gridspace' | sort -u | paste -sd,)
 clean_debian() {
-  local mirror
-  mirror=$(sed -nE 's/^(deb|URIs:) +(\[[^]]*\] )?(http[^ ]+).*/\3/p' /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | head -n 1 || true)
-  mmdebstrap --quiet --variant=minbase --include="$depends,python3-numpy,g++,cmake,make" bookworm "$1/base.tar" "deb ${mirror:-http://deb.debian.org/debian} bookworm main"
+  mmdebstrap --quiet --variant=minbase --include="$depends,python3-numpy,g++,cmake,make" bookworm "$1/base.tar" "deb $(debian_mirror) bookworm main"
 }
 base=$(gridspace_cache)/packages-test/$(printf '%s' "$depends" "$(cat /etc/debian_version)" | sha256sum | cut -c 1-24)
 cached "$base" clean_debian

@@ -27,18 +27,14 @@ double permitted_power(MachineData const& d, State const& x) {
                  : std::numeric_limits<double>::infinity();
 }
 
-double turbine_target(MachineData const& d, Setpoints const& set, State const& x) {
-    return std::min(wanted_power(d, set, x), permitted_power(d, x));
-}
-
 double gate(Governor const& g, State const& x) {
     return std::clamp(x[kGate], g.lowest(), g.highest());
 }
 
 void governor_derivative(MachineData const& d, Setpoints const& set, State const& x, State& dx) {
     Governor const& g = *d.governor;
-    double const target = turbine_target(d, set, x);
-    dx[kGate] = lag(target, x[kGate], g.tg_s);
+    double const wanted = wanted_power(d, set, x), permitted = permitted_power(d, x);
+    dx[kGate] = lag(std::min(wanted, permitted), x[kGate], g.tg_s);
     if ((x[kGate] >= g.highest() && dx[kGate] > 0) || (x[kGate] <= g.lowest() && dx[kGate] < 0)) {
         dx[kGate] = 0;
     }
@@ -48,8 +44,7 @@ void governor_derivative(MachineData const& d, Setpoints const& set, State const
     }
     if (set.governor == GovernorMode::isochronous) {
         double const by = x[kSpeed] - set.w_ref;
-        bool const winds_up = (by < 0 && wanted_power(d, set, x) > std::min(permitted_power(d, x), g.highest())) ||
-                              (by > 0 && wanted_power(d, set, x) < g.lowest());
+        bool const winds_up = (by < 0 && wanted > std::min(permitted, g.highest())) || (by > 0 && wanted < g.lowest());
         dx[kIntegral] = winds_up ? 0 : g.integral_ki * by;
     }
 }
@@ -136,7 +131,7 @@ void limit(MachineData const& d, Setpoints const& set, double v, State& x) {
     }
     if (d.governor) {
         if (d.governor->tg_s == 0) {
-            x[kGate] = turbine_target(d, set, x);
+            x[kGate] = std::min(wanted_power(d, set, x), permitted_power(d, x));
         }
         x[kGate] = gate(*d.governor, x);
         if (d.governor->tt_s == 0) {

@@ -164,6 +164,18 @@ TEST_F(Quality, IsNoneFarFromTheGrandmasterAndWithoutMeasurements) {
     EXPECT_EQ(sut.text(), "its grandmaster sends no time, not synchronised any more: smpSynch is 0");
 }
 
+TEST_F(Quality, AClockThatDoesNotComeIsToldOfOnce) {
+    int told = 0;
+    for (std::int64_t const end = now + 4 * TimeQuality::kPatienceNs; now < end; now += 250 * kMs) {
+        told += sut.look(now) ? 1 : 0;
+        EXPECT_EQ(told, now - kSecond >= TimeQuality::kPatienceNs ? 1 : 0);
+    }
+    EXPECT_EQ(sut.text(), "the PTP daemon does not answer, not synchronised yet: smpSynch is 0");
+    after(kSecond, far_away(kSlaveStatus), kSlaveParent);
+    EXPECT_EQ(sut.text(), "65.792 us from its grandmaster, not synchronised yet: smpSynch is 0");
+    EXPECT_EQ(after(kSecond, kSlaveStatus, kSlaveParent), 2);
+}
+
 TEST_F(Quality, ChangesAreToldOnce) {
     hear(kSlaveStatus);
     EXPECT_FALSE(sut.look(now)) << "only half of it is known";
