@@ -16,6 +16,7 @@ declare -A group_purpose=(
   [docs]="the documentation as a site"
   [package]="making Debian packages and trying them in a clean Debian"
   [containers]="trying the packages in containers"
+  [languages]="programs in other languages in simulated time"
   [arm64]="cross-compiling for ARM64 and running it in emulation"
 )
 declare -A group_packages=(
@@ -31,6 +32,7 @@ declare -A group_packages=(
   [docs]="mkdocs|mkdocs mkdocs-material"
   [package]="debhelper dh-python help2man lintian mmdebstrap dpkg-dev"
   [containers]="podman|podman runc|runc golang-github-containernetworking-plugin-dnsname dnsmasq-base podman-compose|podman-compose mmdebstrap"
+  [languages]="go|golang-go rustc|rustc javac|default-jdk-headless"
   [arm64]="g++-aarch64-linux-gnu qemu-user-static qemu-system-aarch64|qemu-system-arm cpio|cpio systemd-analyze|systemd readelf|binutils"
 )
 

@@ -85,6 +85,7 @@ fi
 groups=(build dashboard test)
 if needs lint sanitizers fuzz tidy long_sanitizers long_fuzz long_tidy; then groups+=(all); fi
 if needs e2e; then groups+=(e2e); fi
+if needs long_tests; then groups+=(languages); fi
 ensure_packages "${groups[@]}" || exit
 mkdir -p "$root/build"
 exec 8>"$root/build/.test_lock"

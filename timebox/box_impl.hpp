@@ -52,6 +52,8 @@ struct Box::Impl {
     void wait_for_event();
     void check_patience();
     void gone(pid_t tid, Thread* t, int status);
+    /// Finds out who was killed while standing still: by the end of its process (0: of any), or by somebody's kill().
+    void look_for_killed(pid_t process);
     void stopped(Thread& t, int status);
     void go_on(Thread& t, Next next);
     void made(Thread const& by);

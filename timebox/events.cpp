@@ -25,6 +25,16 @@ pid_t process_of(pid_t tid) {
     return tid;
 }
 
+/// Whether a thread that ptrace has stopped still stands: nothing but its end makes it go on without us.
+bool stands(pid_t tid) {
+    std::ifstream file{fmt::format("/proc/{}/stat", tid)};
+    std::string line;
+    std::getline(file, line);
+    std::size_t const name_end = line.rfind(") ");
+    char const state = name_end == std::string::npos ? 'X' : line[name_end + 2];
+    return state == 't' || state == 'T';
+}
+
 } // namespace
 
 std::string name_of(pid_t process) {
@@ -156,7 +166,18 @@ void Box::Impl::gone(pid_t tid, Thread* t, int status) {
                 other.child_ended || (other.what != nullptr && other.what->treatment == Treatment::child);
         }
     }
+    pid_t const process = t->process;
     threads.remove_if([&](Thread const& x) { return x.tid == tid; });
+    look_for_killed(process); // exit_group() of this one is the end of all
+}
+
+void Box::Impl::look_for_killed(pid_t process) {
+    for (Thread& t : threads) {
+        bool const asked = process == 0 || t.process == process;
+        if (asked && t.tid != running && t.state != State::in_fork && !stands(t.tid)) {
+            t.dying = true;
+        }
+    }
 }
 
 void Box::Impl::stopped(Thread& t, int status) {
@@ -179,6 +200,7 @@ void Box::Impl::stopped(Thread& t, int status) {
         t.state = State::standing;
     } else if (event == PTRACE_EVENT_EXEC) {
         threads.remove_if([&](Thread const& x) { return x.process == t.process && x.tid != t.tid; });
+        t.dying = false; // when another thread did it, that one has the first one's number now
         table.forget_image(t.process);
         begin_image(t.tid);
         resume(t, Next::go);

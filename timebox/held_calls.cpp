@@ -67,6 +67,7 @@ constexpr std::array kCalls = std::to_array<HeldCall>({
     {SYS_kill, "kill", Treatment::kill},
     {SYS_tkill, "tkill", Treatment::kill},
     {SYS_tgkill, "tgkill", Treatment::kill},
+    {SYS_pidfd_send_signal, "pidfd_send_signal", Treatment::kill},
     {SYS_setsockopt, "setsockopt", Treatment::option},
     {SYS_socket, "socket", Treatment::packet},
     {SYS_bind, "bind", Treatment::packet},

@@ -86,7 +86,7 @@ void Box::Impl::exchange() {
 
 Thread* Box::Impl::choose() {
     SimulatedClock& clock = table.clock();
-    while (!error && !stop) {
+    while (main_alive && !error && !stop) {
         if (limit_ns && clock.now_ns() > *limit_ns) {
             return nullptr;
         }
@@ -96,6 +96,10 @@ Thread* Box::Impl::choose() {
             table.signalled().insert(process);
         });
         look_for_signals();
+        if (std::ranges::any_of(threads, &Thread::dying)) { // before anybody goes on, and before time does
+            wait_for_event();
+            continue;
+        }
         if (Thread* const t = first_ready()) {
             return t;
         }
@@ -145,6 +149,9 @@ void Box::Impl::look_for_signals() {
         return;
     }
     bool const anybody = table.signalled().contains(0);
+    if (anybody) {
+        look_for_killed(0);
+    }
     for (Thread& t : threads) {
         if (t.state == State::held && (anybody || table.signalled().contains(t.process))) {
             t.interrupted = table.has_signal(t);

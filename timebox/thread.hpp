@@ -23,7 +23,8 @@ struct Thread {
         held,     ///< in a call, see below
         in_fork,  ///< vfork: the kernel holds it until its child has a program of its own
     } state{State::standing};
-    int signal{0}; ///< to be delivered when it runs
+    int signal{0};     ///< to be delivered when it runs
+    bool dying{false}; ///< it has been killed where it stood; its end is yet to be told
 
     // The call that it is held in, or that is being tried:
     Call call;

@@ -183,7 +183,7 @@ class AttackerAgent final : public bus::Member {
         if (ethertypes.empty()) {
             return {};
         }
-        auto port = WirePort::open(node_, settings_.wire, {ethertypes, ethertypes, false});
+        auto port = WirePort::open(node_, settings_.wire, {ethertypes, ethertypes, false, false});
         if (!port) {
             return std::unexpected{port.error()};
         }

@@ -36,9 +36,9 @@ Result<ethernet::Port> open_port(bus::Node const& node, std::string const& inter
 
 /// IP of the kernels passes untouched.
 bool is_for_hooks(iec61850::Octets frame) {
-    std::uint16_t const ethertype = iec61850::ethertype_of(frame);
-    return ethertype == iec61850::kSvEthertype || ethertype == iec61850::kGooseEthertype ||
-           ethernet::is_boxed_ip(frame);
+    std::uint16_t const channel = ethernet::channel_of(frame);
+    return channel == iec61850::kSvEthertype || channel == iec61850::kGooseEthertype ||
+           channel == ethernet::kIpEthertype;
 }
 
 } // namespace
@@ -74,7 +74,7 @@ struct BumpInTheWire::Way final : FrameOutput {
 
     void depart(std::span<std::uint8_t const> octets, SimTime at) {
         if (node.lockstep()) {
-            auto const writer = writers.find(iec61850::ethertype_of(octets));
+            auto const writer = writers.find(ethernet::channel_of(octets));
             if (writer == writers.end()) {
                 node.fail_with({ExitCode::environment,
                                 fmt::format("a frame of ethertype {:#06x} that no receiver waits for",
@@ -187,12 +187,12 @@ struct BumpInTheWire::Impl {
         for (std::size_t n = 0; (n = side.port->receive(batch)) > 0;) {
             for (std::size_t i = 0; i < n; ++i) {
                 ethernet::ReceivedFrame const& frame = batch[i];
-                std::uint16_t const ethertype = iec61850::ethertype_of(frame.octets);
                 if (side.way->hook == nullptr || !is_for_hooks(frame.octets)) {
                     (void)side.opposite->send(frame.octets);
                 } else if (node.lockstep()) {
                     // Without a reader nobody of the run sends it: it has no place in simulated time.
-                    if (auto const reader = side.way->readers.find(ethertype); reader != side.way->readers.end()) {
+                    if (auto const reader = side.way->readers.find(ethernet::channel_of(frame.octets));
+                        reader != side.way->readers.end()) {
                         reader->second->push(std::as_bytes(frame.octets), frame.stamp_ns);
                     }
                 } else {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gateways/iec61850/frame.hpp"
+#include "gateways/iec61850/routable.hpp"
 
 #include <algorithm>
 #include <array>
@@ -31,6 +31,16 @@ inline constexpr std::uint8_t kMark = 0x80;
     constexpr std::size_t kSource = 6;
     return is_ip(frame) && std::equal(kRun.begin(), kRun.end(), frame.begin() + kSource) &&
            (frame[kSource + kMarkedOctet] & kMark) != 0;
+}
+
+/// The channel of the simulation clock that a frame belongs to: the ethertype of its messages, over UDP too, or IP for
+/// a program in simulated time; 0: IP of the kernels, which has none.
+[[nodiscard]] inline std::uint16_t channel_of(iec61850::Octets frame) {
+    if (is_boxed_ip(frame)) {
+        return kIpEthertype;
+    }
+    std::uint16_t const ethertype = iec61850::stream_ethertype(frame);
+    return ethertype == kIpEthertype ? std::uint16_t{0} : ethertype;
 }
 
 } // namespace gridspace::ethernet

@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/ethernet/frame_filter.hpp"
 
+#include "gateways/iec61850/routable.hpp"
+
 #include <algorithm>
 #include <linux/filter.h>
 
 namespace gridspace::ethernet {
 namespace {
 
-constexpr std::size_t kLongestList = 60; // a conditional jump reaches 255 instructions; a destination takes four
+constexpr std::uint32_t kWhole = 0x40000; // octets of a frame that are given: all
+constexpr std::size_t kLongestList = 60;  // a conditional jump reaches 255 instructions; a destination takes four
 
 bool is_vlan(std::uint16_t ethertype) {
     return ethertype == 0x8100 || ethertype == 0x88A8;
@@ -37,6 +40,27 @@ void one_of(std::vector<sock_filter>& out, std::vector<std::uint16_t> const& val
     out.push_back(give(0));
 }
 
+/// Takes UDP over IPv4 to the port of R-GOOSE and R-SV; the rest of the program decides about all else. X holds the
+/// octets of VLAN tags, before and after.
+void take_routable(std::vector<sock_filter>& out) {
+    constexpr std::uint32_t kIpv4 = 0x0800, kUdp = 17;
+    std::vector<sock_filter> const ip{load(BPF_B | BPF_IND, 23), // protocol
+                                      equal(kUdp, 0, 8),
+                                      load(BPF_B | BPF_IND, 14), // octets of the header, in words
+                                      {BPF_ALU | BPF_AND | BPF_K, 0, 0, 0xF},
+                                      {BPF_ALU | BPF_LSH | BPF_K, 0, 0, 2},
+                                      {BPF_ALU | BPF_ADD | BPF_X, 0, 0, 0},
+                                      {BPF_MISC | BPF_TAX, 0, 0, 0},
+                                      load(BPF_H | BPF_IND, 16), // destination port
+                                      equal(iec61850::kRoutablePort, 0, 1),
+                                      give(kWhole),
+                                      {BPF_LDX | BPF_MEM, 0, 0, 0}};
+    out.push_back({BPF_STX, 0, 0, 0});
+    out.push_back(load(BPF_H | BPF_IND, 12));
+    out.push_back(equal(kIpv4, 0, ip.size()));
+    out.insert(out.end(), ip.begin(), ip.end());
+}
+
 } // namespace
 
 bool FrameFilter::kernel_decides() const noexcept {
@@ -46,6 +70,12 @@ bool FrameFilter::kernel_decides() const noexcept {
 bool FrameFilter::matches(Octets frame) const noexcept {
     if (frame.size() < 14) {
         return empty();
+    }
+    if (sources && std::equal(sources->prefix.begin(), sources->prefix.end(), frame.begin() + 6) == sources->others) {
+        return false;
+    }
+    if (routable && !iec61850::routable_payload(frame).empty()) {
+        return true;
     }
     std::size_t at = 12;
     for (int tags = 0;
@@ -57,9 +87,6 @@ bool FrameFilter::matches(Octets frame) const noexcept {
     }
     if (!app_ids.empty() &&
         (frame.size() < at + 4 || !in(app_ids, iec61850::load_be<std::uint16_t>(frame.data() + at + 2)))) {
-        return false;
-    }
-    if (sources && std::equal(sources->prefix.begin(), sources->prefix.end(), frame.begin() + 6) == sources->others) {
         return false;
     }
     Mac destination;
@@ -84,6 +111,9 @@ std::vector<sock_filter> FrameFilter::program() const {
     out.push_back(equal(0x8100, 1, 0));
     out.push_back(equal(0x88A8, 0, 1));
     out.push_back({BPF_LDX | BPF_IMM, 0, 0, 4});
+    if (routable && !(ethertypes.empty() && app_ids.empty() && destinations.empty())) {
+        take_routable(out);
+    }
     if (!ethertypes.empty() && ethertypes.size() <= kLongestList) {
         out.push_back(load(BPF_H | BPF_IND, 12));
         one_of(out, ethertypes);
@@ -102,7 +132,7 @@ std::vector<sock_filter> FrameFilter::program() const {
         }
         out.push_back(give(0));
     }
-    out.push_back(give(0x40000));
+    out.push_back(give(kWhole));
     return out;
 }
 

@@ -25,6 +25,7 @@ struct FrameFilter {
         bool others{false};                 ///< all but these
     };
     std::optional<Sources> sources;
+    bool routable{false}; ///< also GOOSE and SV over UDP, whatever the lists say
 
     [[nodiscard]] bool empty() const noexcept {
         return ethertypes.empty() && app_ids.empty() && destinations.empty() && !sources;

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <net/if.h>
+#include <netinet/in.h>
 #include <sstream>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -26,8 +27,8 @@ bool fits(std::string const& name) {
     return !name.empty() && name.size() < IFNAMSIZ && name.find('\0') == std::string::npos;
 }
 
-bool query(std::string const& name, unsigned long request, ifreq& out) {
-    UniqueFd const socket{::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+bool query(std::string const& name, unsigned long request, ifreq& out, int family = AF_UNIX) {
+    UniqueFd const socket{::socket(family, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
     out = {};
     std::memcpy(out.ifr_name, name.c_str(), name.size() + 1);
     return socket && ::ioctl(socket.get(), request, &out) == 0;
@@ -98,6 +99,16 @@ Result<iec61850::Mac> interface_mac(std::string const& interface) {
     iec61850::Mac mac;
     std::copy_n(reinterpret_cast<std::uint8_t const*>(request.ifr_hwaddr.sa_data), 6, mac.octets.begin());
     return mac;
+}
+
+std::optional<std::array<std::uint8_t, 4>> interface_ipv4(std::string const& interface) {
+    ifreq request{};
+    if (!fits(interface) || !query(interface, SIOCGIFADDR, request, AF_INET)) {
+        return std::nullopt;
+    }
+    std::array<std::uint8_t, 4> out{};
+    std::memcpy(out.data(), &reinterpret_cast<sockaddr_in const&>(request.ifr_addr).sin_addr, out.size());
+    return out;
 }
 
 std::optional<std::uint64_t> interface_received(std::string const& interface) {

@@ -5,6 +5,7 @@
 #include "common/result.hpp"
 #include "gateways/iec61850/frame.hpp"
 
+#include <array>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -31,6 +32,8 @@ void wait_for_interface(std::string const& interface, std::chrono::milliseconds 
 /// The kernel's index of an interface. The error names it and lists those that there are.
 [[nodiscard]] Result<unsigned> interface_index(std::string const& interface);
 [[nodiscard]] Result<iec61850::Mac> interface_mac(std::string const& interface);
+/// Its first IPv4 address; nothing when it has none.
+[[nodiscard]] std::optional<std::array<std::uint8_t, 4>> interface_ipv4(std::string const& interface);
 [[nodiscard]] std::vector<std::string> interfaces();
 /// Frames of any kind that the interface has received since it was made; nothing when the kernel does not say.
 [[nodiscard]] std::optional<std::uint64_t> interface_received(std::string const& interface);

@@ -45,15 +45,19 @@ std::optional<Mac> Mac::parse(std::string_view text) {
     return mac;
 }
 
-std::uint16_t ethertype_of(Octets frame) noexcept {
-    std::size_t at = 12;
-    for (int tags = 0; tags < 3 && frame.size() >= at + 2; ++tags, at += 4) {
-        auto const ethertype = load_be<std::uint16_t>(frame.data() + at);
-        if (!is_vlan(ethertype)) {
-            return ethertype;
-        }
+std::size_t ethernet_header_octets(Octets frame) noexcept {
+    std::size_t at = 14;
+    for (int tags = 0; tags < 2 && frame.size() >= at && is_vlan(load_be<std::uint16_t>(frame.data() + at - 2));
+         ++tags) {
+        at += 4;
     }
-    return 0;
+    return at;
+}
+
+std::uint16_t ethertype_of(Octets frame) noexcept {
+    std::size_t const header = ethernet_header_octets(frame);
+    auto const ethertype = frame.size() < header ? std::uint16_t{0} : load_be<std::uint16_t>(frame.data() + header - 2);
+    return is_vlan(ethertype) ? std::uint16_t{0} : ethertype; // of a third tag
 }
 
 Decoded<void> decode_header(Octets frame, FrameHeader& out) noexcept {
@@ -95,22 +99,23 @@ Decoded<void> decode_header(Octets frame, FrameHeader& out) noexcept {
     return {};
 }
 
-void append_header(std::vector<std::uint8_t>& out, Address const& address, std::uint16_t ethertype) {
-    auto const number = [&](std::uint16_t value) {
-        out.push_back(static_cast<std::uint8_t>(value >> 8U));
-        out.push_back(static_cast<std::uint8_t>(value));
-    };
-    out.insert(out.end(), address.destination.octets.begin(), address.destination.octets.end());
-    out.insert(out.end(), address.source.octets.begin(), address.source.octets.end());
-    if (address.vlan) {
-        number(kVlanEthertype);
-        number(address.vlan->tci());
+void append_ethernet_header(std::vector<std::uint8_t>& out, Mac const& destination, Mac const& source,
+                            std::optional<VlanTag> const& vlan, std::uint16_t ethertype) {
+    append(out, destination.octets);
+    append(out, source.octets);
+    if (vlan) {
+        append_be(out, kVlanEthertype);
+        append_be(out, vlan->tci());
     }
-    number(ethertype);
-    number(address.app_id);
-    number(0);
-    number(address.simulated ? kSimulatedBit : 0);
-    number(0);
+    append_be(out, ethertype);
+}
+
+void append_header(std::vector<std::uint8_t>& out, Address const& address, std::uint16_t ethertype) {
+    append_ethernet_header(out, address.destination, address.source, address.vlan, ethertype);
+    append_be(out, address.app_id);
+    append_be(out, std::uint16_t{0});
+    append_be(out, address.simulated ? kSimulatedBit : std::uint16_t{0});
+    append_be(out, std::uint16_t{0});
 }
 
 } // namespace gridspace::iec61850

@@ -59,6 +59,9 @@ struct FrameHeader {
 /// Reads addresses, up to two VLAN tags and the eight octets behind the ethertype, which must be GOOSE's or SV's.
 [[nodiscard]] Decoded<void> decode_header(Octets frame, FrameHeader& out) noexcept;
 
+/// Octets up to and including the ethertype behind the VLAN tags, two at most; more than the frame has when it is too
+/// short.
+[[nodiscard]] std::size_t ethernet_header_octets(Octets frame) noexcept;
 /// The ethertype behind up to two VLAN tags; 0 when the frame is too short.
 [[nodiscard]] std::uint16_t ethertype_of(Octets frame) noexcept;
 
@@ -70,7 +73,10 @@ struct Address {
     bool simulated{false}; ///< S bit
 };
 
-/// Appends the header with Length 0; fill_length() completes it when the APDU stands behind.
+/// Appends addresses, tag and ethertype.
+void append_ethernet_header(std::vector<std::uint8_t>& out, Mac const& destination, Mac const& source,
+                            std::optional<VlanTag> const& vlan, std::uint16_t ethertype);
+/// Appends the header with Length 0, for who fills it in when the APDU stands behind.
 void append_header(std::vector<std::uint8_t>& out, Address const& address, std::uint16_t ethertype);
 /// Offset of APPID in a frame that append_header() began.
 [[nodiscard]] inline std::size_t app_id_offset(Address const& address) noexcept {

@@ -45,6 +45,8 @@ class GooseTemplate {
     Stored set(std::size_t leaf, Value const& value) noexcept;
 
     [[nodiscard]] Octets frame(GooseState const& state) noexcept;
+    /// Octets of the frame with the longest values.
+    [[nodiscard]] std::size_t longest_frame() const noexcept { return buffer_.size(); }
 
     void set_source(Mac const& source) noexcept;
 

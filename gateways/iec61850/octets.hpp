@@ -8,6 +8,7 @@
 #include <cstring>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace gridspace::iec61850 {
 
@@ -31,6 +32,16 @@ inline void store_be(std::uint8_t* to, T value) noexcept {
         value = std::byteswap(value);
     }
     std::memcpy(to, &value, sizeof value);
+}
+
+/// Appends an unsigned integer of sizeof(T) octets, most significant first.
+template <class T>
+inline void append_be(std::vector<std::uint8_t>& out, T value) {
+    out.resize(out.size() + sizeof(T));
+    store_be(out.data() + out.size() - sizeof(T), value);
+}
+inline void append(std::vector<std::uint8_t>& out, Octets octets) {
+    out.insert(out.end(), octets.begin(), octets.end());
 }
 
 /// An unsigned integer of 1 to 8 octets, most significant first.

@@ -118,15 +118,6 @@ Decoded<void> read_payload(Reader& in, RoutableFrame& out) noexcept {
     return {};
 }
 
-void append(std::vector<std::uint8_t>& out, std::uint64_t value, std::size_t octets) {
-    for (std::size_t i = octets; i-- > 0;) {
-        out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-    }
-}
-void append(std::vector<std::uint8_t>& out, Octets octets) {
-    out.insert(out.end(), octets.begin(), octets.end());
-}
-
 /// The one's complement sum of RFC 1071.
 std::uint32_t sum_of(Octets octets, std::uint32_t sum = 0) {
     for (std::size_t i = 0; i < octets.size(); ++i) {
@@ -184,31 +175,40 @@ Decoded<void> decode_routable(Octets datagram, RoutableFrame& out) noexcept {
     return {};
 }
 
-std::vector<std::uint8_t> encode_routable(SessionHeader const& session, std::span<RoutablePayload const> payloads) {
-    std::vector<std::uint8_t> user;
+void append_routable(SessionHeader const& session, std::span<RoutablePayload const> payloads,
+                     std::vector<std::uint8_t>& out) {
+    std::size_t user = 0;
     for (RoutablePayload const& payload : payloads) {
-        append(user, payload.goose ? kGoosePayload : kSvPayload, 1);
-        append(user, payload.simulated ? 1 : 0, 1);
-        append(user, payload.app_id, 2);
-        append(user, payload.apdu.size(), 2);
-        append(user, payload.apdu);
+        user += kPayloadHeader + payload.apdu.size();
     }
     std::size_t const common = kFixedHeader + session.initialisation_vector.size();
-    std::vector<std::uint8_t> out{1, kUnitData};
-    append(out, session.goose ? kGooseSession : kSvSession, 1);
-    append(out, common + 2, 1);
-    append(out, kCommonHeader, 1);
-    append(out, common, 1);
-    append(out, user.size(), 4);
-    append(out, session.spdu_number, 4);
-    append(out, session.version, 2);
-    append(out, session.time_of_current_key, 4);
-    append(out, session.time_to_next_key, 2);
-    append(out, session.key_id, 4);
-    append(out, session.initialisation_vector.size(), 1);
+    out.push_back(1); // octets of the transport header behind this one
+    out.push_back(kUnitData);
+    out.push_back(session.goose ? kGooseSession : kSvSession);
+    out.push_back(static_cast<std::uint8_t>(common + 2));
+    out.push_back(kCommonHeader);
+    out.push_back(static_cast<std::uint8_t>(common));
+    append_be(out, static_cast<std::uint32_t>(user));
+    append_be(out, session.spdu_number);
+    append_be(out, session.version);
+    append_be(out, session.time_of_current_key);
+    append_be(out, session.time_to_next_key);
+    append_be(out, session.key_id);
+    out.push_back(static_cast<std::uint8_t>(session.initialisation_vector.size()));
     append(out, session.initialisation_vector);
-    append(out, user.size(), 4);
-    append(out, user);
+    append_be(out, static_cast<std::uint32_t>(user));
+    for (RoutablePayload const& payload : payloads) {
+        out.push_back(payload.goose ? kGoosePayload : kSvPayload);
+        out.push_back(payload.simulated ? 1 : 0);
+        append_be(out, payload.app_id);
+        append_be(out, static_cast<std::uint16_t>(payload.apdu.size()));
+        append(out, payload.apdu);
+    }
+}
+
+std::vector<std::uint8_t> encode_routable(SessionHeader const& session, std::span<RoutablePayload const> payloads) {
+    std::vector<std::uint8_t> out;
+    append_routable(session, payloads, out);
     return out;
 }
 
@@ -217,45 +217,50 @@ Mac RoutableAddress::group() const noexcept {
         {0x01, 0x00, 0x5E, static_cast<std::uint8_t>(ip_destination[1] & 0x7FU), ip_destination[2], ip_destination[3]}};
 }
 
-std::vector<std::uint8_t> udp_frame(RoutableAddress const& address, Octets datagram) {
-    std::vector<std::uint8_t> out;
-    append(out, address.destination.octets);
-    append(out, address.source.octets);
-    append(out, kIpv4, 2);
-    std::vector<std::uint8_t> ip{0x45, static_cast<std::uint8_t>(address.dscp << 2U)};
-    append(ip, kIpHeader + kUdpHeader + datagram.size(), 2);
-    append(ip, 0, 2);      // identification
-    append(ip, 0x4000, 2); // not to be fragmented
-    append(ip, address.ttl, 1);
-    append(ip, kUdp, 1);
-    append(ip, 0, 2);
-    append(ip, address.ip_source);
-    append(ip, address.ip_destination);
-    store_be(ip.data() + 10, checksum(sum_of(ip)));
-    std::vector<std::uint8_t> udp;
-    append(udp, kRoutablePort, 2);
-    append(udp, kRoutablePort, 2);
-    append(udp, kUdpHeader + datagram.size(), 2);
-    append(udp, 0, 2);
-    append(udp, datagram);
-    std::uint32_t const pseudo = sum_of(Octets{ip}.subspan(12, 8), kUdp + static_cast<std::uint32_t>(udp.size()));
+void append_udp_header(RoutableAddress const& address, std::vector<std::uint8_t>& out) {
+    append_ethernet_header(out, address.destination, address.source, address.vlan, kIpv4);
+    out.push_back(0x45); // version 4, a header of 20 octets
+    out.push_back(static_cast<std::uint8_t>(address.dscp << 2U));
+    append_be(out, std::uint16_t{0});      // total length
+    append_be(out, std::uint16_t{0});      // identification
+    append_be(out, std::uint16_t{0x4000}); // not to be fragmented
+    out.push_back(address.ttl);
+    out.push_back(kUdp);
+    append_be(out, std::uint16_t{0}); // checksum
+    append(out, address.ip_source);
+    append(out, address.ip_destination);
+    append_be(out, kRoutablePort);
+    append_be(out, kRoutablePort);
+    append_be(out, std::uint32_t{0}); // length and checksum
+}
+
+void complete_udp_frame(std::span<std::uint8_t> frame) {
+    auto const ip = frame.subspan(ethernet_header_octets(frame));
+    store_be(ip.data() + 2, static_cast<std::uint16_t>(ip.size()));
+    store_be(ip.data() + 10, std::uint16_t{0});
+    store_be(ip.data() + 10, checksum(sum_of(ip.first(kIpHeader))));
+    auto const udp = ip.subspan(kIpHeader);
+    store_be(udp.data() + 4, static_cast<std::uint16_t>(udp.size()));
+    store_be(udp.data() + 6, std::uint16_t{0});
+    std::uint32_t const pseudo = sum_of(ip.subspan(12, 8), kUdp + static_cast<std::uint32_t>(udp.size()));
     std::uint16_t const sum = checksum(sum_of(udp, pseudo));
     store_be(udp.data() + 6, sum == 0 ? std::uint16_t{0xFFFF} : sum); // 0 would say that there is none
-    append(out, ip);
-    append(out, udp);
+}
+
+std::vector<std::uint8_t> udp_frame(RoutableAddress const& address, Octets datagram) {
+    std::vector<std::uint8_t> out;
+    append_udp_header(address, out);
+    append(out, datagram);
+    complete_udp_frame(out);
     return out;
 }
 
 Octets routable_payload(Octets frame) noexcept {
-    std::size_t at = 12;
-    for (int tags = 0;
-         tags < 2 && frame.size() >= at + 4 && load_be<std::uint16_t>(frame.data() + at) == kVlanEthertype; ++tags) {
-        at += 4;
-    }
-    if (frame.size() < at + 2 + kIpHeader || load_be<std::uint16_t>(frame.data() + at) != kIpv4) {
+    std::size_t const at = ethernet_header_octets(frame);
+    if (frame.size() < at + kIpHeader || load_be<std::uint16_t>(frame.data() + at - 2) != kIpv4) {
         return {};
     }
-    Octets const ip = frame.subspan(at + 2);
+    Octets const ip = frame.subspan(at);
     std::size_t const header = std::size_t{ip[0] & 0xFU} * 4, total = load_be<std::uint16_t>(ip.data() + 2);
     bool const fragment = (load_be<std::uint16_t>(ip.data() + 6) & 0x3FFFU) != 0;
     if (ip[0] >> 4U != 4 || header < kIpHeader || ip[9] != kUdp || fragment || total > ip.size() ||
@@ -270,13 +275,26 @@ Octets routable_payload(Octets frame) noexcept {
     return udp.first(length).subspan(kUdpHeader);
 }
 
-std::vector<std::uint8_t> as_ethernet(Mac const& destination, Mac const& source, RoutablePayload const& payload) {
-    std::vector<std::uint8_t> out;
+std::uint16_t stream_ethertype(Octets frame) noexcept {
+    std::uint16_t const ethertype = ethertype_of(frame);
+    if (ethertype != kIpv4) {
+        return ethertype;
+    }
+    Octets datagram = routable_payload(frame);
+    datagram = datagram.size() > 2 && datagram[0] == 1 ? datagram.subspan(2) : datagram; // the transport header
+    return datagram.empty()               ? ethertype
+           : datagram[0] == kGooseSession ? kGooseEthertype
+           : datagram[0] == kSvSession    ? kSvEthertype
+                                          : ethertype;
+}
+
+void as_ethernet(Mac const& destination, Mac const& source, RoutablePayload const& payload,
+                 std::vector<std::uint8_t>& out) {
+    out.clear();
     append_header(out, {destination, source, std::nullopt, payload.app_id, payload.simulated},
                   payload.goose ? kGooseEthertype : kSvEthertype);
     append(out, payload.apdu);
     store_be(out.data() + 16, static_cast<std::uint16_t>(kHeaderOctets + payload.apdu.size()));
-    return out;
 }
 
 } // namespace gridspace::iec61850

@@ -49,27 +49,48 @@ struct RoutableFrame {
 /// nothing. Encrypted payloads are `bad_tag`: what they hold cannot be told.
 [[nodiscard]] Decoded<void> decode_routable(Octets datagram, RoutableFrame& out) noexcept;
 
-/// Writes the payload of a UDP datagram, without a signature.
+/// Appends the payload of a UDP datagram, without a signature.
+void append_routable(SessionHeader const& session, std::span<RoutablePayload const> payloads,
+                     std::vector<std::uint8_t>& out);
 [[nodiscard]] std::vector<std::uint8_t> encode_routable(SessionHeader const& session,
                                                         std::span<RoutablePayload const> payloads);
+
+/// Octets of a datagram of one message beside its APDU: IPv4, UDP, transport and session header, payload header.
+inline constexpr std::size_t kRoutableOverhead = 20 + 8 + 2 + 25 + 4 + 6;
+
+using Ipv4 = std::array<std::uint8_t, 4>;
 
 /// Where a datagram is from and goes.
 struct RoutableAddress {
     Mac destination, source;
-    std::array<std::uint8_t, 4> ip_destination{}, ip_source{};
+    Ipv4 ip_destination{}, ip_source{};
     std::uint8_t ttl{16}, dscp{46};
+    std::optional<VlanTag> vlan{};
     /// The Ethernet address of the group `ip_destination` (RFC 1112).
     [[nodiscard]] Mac group() const noexcept;
 };
 
-/// The whole Ethernet frame with IPv4 and UDP, both with their checksums.
+/// Appends the headers of Ethernet, IPv4 and UDP; complete_udp_frame() writes their lengths and checksums when the
+/// datagram stands behind.
+void append_udp_header(RoutableAddress const& address, std::vector<std::uint8_t>& out);
+void complete_udp_frame(std::span<std::uint8_t> frame);
+/// The whole frame.
 [[nodiscard]] std::vector<std::uint8_t> udp_frame(RoutableAddress const& address, Octets datagram);
 
 /// The payload of a frame that is UDP over IPv4 to port 102; empty for every other frame, and for fragments.
 [[nodiscard]] Octets routable_payload(Octets frame) noexcept;
 
+/// The ethertype of the messages in a frame: its own, or that of GOOSE or SV when it is such a session over UDP.
+[[nodiscard]] std::uint16_t stream_ethertype(Octets frame) noexcept;
+
 /// The same message as it would stand in an Ethernet frame of its own (0x88B8, 0x88BA), for who reads those.
-[[nodiscard]] std::vector<std::uint8_t> as_ethernet(Mac const& destination, Mac const& source,
-                                                    RoutablePayload const& payload);
+void as_ethernet(Mac const& destination, Mac const& source, RoutablePayload const& payload,
+                 std::vector<std::uint8_t>& out);
+[[nodiscard]] inline std::vector<std::uint8_t> as_ethernet(Mac const& destination, Mac const& source,
+                                                           RoutablePayload const& payload) {
+    std::vector<std::uint8_t> out;
+    as_ethernet(destination, source, payload, out);
+    return out;
+}
 
 } // namespace gridspace::iec61850

@@ -92,8 +92,21 @@ void Impairment::apply_changes(std::int64_t now_ns) {
     }
 }
 
+/// The first message of what goes over UDP, as an Ethernet frame of its own; every other frame as it is.
+iec61850::Octets Impairment::message_of(iec61850::Octets frame) {
+    iec61850::Octets const datagram = iec61850::routable_payload(frame);
+    if (datagram.empty() || !iec61850::decode_routable(datagram, session_)) {
+        return frame;
+    }
+    iec61850::Mac destination, source;
+    std::copy_n(frame.begin(), 6, destination.octets.begin());
+    std::copy_n(frame.begin() + 6, 6, source.octets.begin());
+    iec61850::as_ethernet(destination, source, session_.payloads[0], message_);
+    return message_;
+}
+
 std::optional<std::size_t> Impairment::stream_of(std::span<std::uint8_t const> octets) {
-    if (plan_.marks.empty() || !iec61850::decode_header(octets, decoded_.header)) {
+    if (plan_.marks.empty() || !iec61850::decode_header(message_of(octets), decoded_.header)) {
         return std::nullopt;
     }
     iec61850::FrameHeader const& header = decoded_.header;
@@ -106,7 +119,7 @@ std::optional<std::size_t> Impairment::stream_of(std::span<std::uint8_t const> o
 SampleImpairment const* Impairment::impairment_of(std::size_t stream, PassingFrame const& frame) {
     bool const wanted = std::any_of(plan_.samples.begin(), plan_.samples.end(),
                                     [&](SampleImpairment const& d) { return d.stream == stream; });
-    if (!wanted || !iec61850::decode_sv(frame.octets, decoded_) || decoded_.count == 0) {
+    if (!wanted || !iec61850::decode_sv(message_of(frame.octets), decoded_) || decoded_.count == 0) {
         return nullptr;
     }
     std::int64_t const first =
@@ -143,8 +156,12 @@ bool Impairment::is_lost() {
 }
 
 std::span<std::uint8_t const> Impairment::corrupted(std::span<std::uint8_t const> octets) {
-    // The ethertype stays: what no receiver recognises would be a loss.
-    std::size_t const from = octets.size() > 13 && octets[12] == 0x81 && octets[13] == 0 ? 18 : 14;
+    // What a stream is recognised by stays: what no receiver recognises would be a loss.
+    constexpr std::size_t kSessionIdentifier = 3; // with the transport header before it
+    iec61850::Octets const datagram = iec61850::routable_payload(octets);
+    std::size_t const from = datagram.size() > kSessionIdentifier
+                                 ? static_cast<std::size_t>(datagram.data() - octets.data()) + kSessionIdentifier
+                                 : iec61850::ethernet_header_octets(octets);
     damaged_.assign(octets.begin(), octets.end());
     if (damaged_.size() <= from) {
         return damaged_;

@@ -4,6 +4,7 @@
 
 #include "common/random.hpp"
 #include "gateways/bump_in_the_wire/frame_hook.hpp"
+#include "gateways/iec61850/routable.hpp"
 #include "gateways/iec61850/sv.hpp"
 
 #include <array>
@@ -91,6 +92,7 @@ class Impairment final : public FrameHook {
     static constexpr std::int64_t kLongestHoldNs = 100'000'000; ///< for a frame to be overtaken
 
     void apply_changes(std::int64_t now_ns);
+    [[nodiscard]] iec61850::Octets message_of(iec61850::Octets frame);
     [[nodiscard]] std::optional<std::size_t> stream_of(std::span<std::uint8_t const> octets);
     [[nodiscard]] SampleImpairment const* impairment_of(std::size_t stream, PassingFrame const& frame);
     [[nodiscard]] bool is_lost();
@@ -109,6 +111,8 @@ class Impairment final : public FrameHook {
     std::vector<std::uint8_t> held_, damaged_;
     std::int64_t held_for_{0}, held_since_ns_{0}; ///< frames that have yet to overtake the held one; 0: none is held
     iec61850::SvFrame decoded_;
+    iec61850::RoutableFrame session_;
+    std::vector<std::uint8_t> message_; ///< out of a datagram
     Counters counters_;
 };
 

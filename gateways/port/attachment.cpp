@@ -37,6 +37,7 @@ Result<std::unique_ptr<Attachment>> Attachment::open(bus::Node& node, WirePlace 
     // In lockstep by ethertype only: the ledger counts every frame of it. In real time too, where a relay has to
     // see what is forged beside its streams.
     options.filter.ethertypes = receive;
+    options.filter.routable = true;
     if (node.lockstep()) { // what is lost there, somebody waits for
         options.own_sources = lockstep::kRunAddressOctets;
         options.waited_for = false;
@@ -101,10 +102,7 @@ void Attachment::drain() {
         for (std::size_t i = 0; i < n; ++i) {
             ethernet::ReceivedFrame const& frame = batch_[i];
             std::int64_t const arrived_ns = arrivals_.arrival(frame.stamp_ns, now);
-            if (ethernet::is_ip(frame.octets) && !ethernet::is_boxed_ip(frame.octets)) {
-                continue; // the kernels' own
-            }
-            if (auto const reader = readers_.find(iec61850::ethertype_of(frame.octets)); reader != readers_.end()) {
+            if (auto const reader = readers_.find(ethernet::channel_of(frame.octets)); reader != readers_.end()) {
                 reader->second->push(std::as_bytes(frame.octets), frame.stamp_ns, 0, arrived_ns);
             }
         }
@@ -130,7 +128,7 @@ std::uint64_t Attachment::dropped() const {
 }
 
 void Attachment::send(std::span<std::uint8_t const> frame, SimTime at) {
-    if (auto const writer = writers_.find(iec61850::ethertype_of(frame)); writer != writers_.end()) {
+    if (auto const writer = writers_.find(ethernet::channel_of(frame)); writer != writers_.end()) {
         writer->second->sent(std::as_bytes(frame), at);
     }
     if (!node_.lockstep()) {

@@ -18,10 +18,24 @@ Result<FrameSender> FrameSender::open(WireConfig const& wire, std::atomic<std::u
         }
         out.ports_.push_back(std::move(*port));
     }
+    out.routed_ = routed_streams(wire, out.ports_.front().mac());
     return out;
 }
 
-void FrameSender::send(std::span<iec61850::Octets const> frames) {
+std::span<iec61850::Octets const> FrameSender::on_the_wire(std::span<iec61850::Octets const> frames) {
+    if (routed_.empty()) {
+        return frames;
+    }
+    datagrams_.resize(std::max(datagrams_.size(), frames.size()));
+    routed_batch_.clear();
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        routed_batch_.push_back(routed_.on_the_wire(frames[i], datagrams_[i]));
+    }
+    return routed_batch_;
+}
+
+void FrameSender::send(std::span<iec61850::Octets const> given) {
+    auto const frames = on_the_wire(given);
     if (ports_.size() == 1) {
         ports_.front().send(frames);
         return;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "gateways/ethernet/port.hpp"
-#include "gateways/port/wire_config.hpp"
+#include "gateways/port/routed_streams.hpp"
 #include "gateways/prp/redundancy_trailer.hpp"
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace gridspace::gateways {
 
 /// Sends frames in real time from a thread of its own, where the process is on the wire: once, or with PRP on both
-/// networks. One thread at a time.
+/// networks; in a datagram where its stream goes over UDP. One thread at a time.
 class FrameSender {
   public:
     /// `sequence`: of the process's redundancy control trailers, for all its senders; it must outlive this.
@@ -30,7 +30,12 @@ class FrameSender {
   private:
     explicit FrameSender(std::atomic<std::uint16_t>& sequence) : sequence_{&sequence} {}
 
+    [[nodiscard]] std::span<iec61850::Octets const> on_the_wire(std::span<iec61850::Octets const> frames);
+
     std::atomic<std::uint16_t>* sequence_;
+    RoutedStreams routed_;
+    std::vector<std::vector<std::uint8_t>> datagrams_;
+    std::vector<iec61850::Octets> routed_batch_;
     std::vector<ethernet::Port> ports_;                                  ///< one, or networks A and B
     std::array<std::vector<std::vector<std::uint8_t>>, 2> with_trailer_; ///< by network
     std::vector<iec61850::Octets> batch_;

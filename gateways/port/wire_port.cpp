@@ -3,6 +3,7 @@
 #include "gateways/port/wire_port.hpp"
 
 #include "common/log.hpp"
+#include "gateways/ethernet/boxed_ip.hpp"
 #include "gateways/port/wire_clock.hpp"
 
 #include <algorithm>
@@ -28,6 +29,15 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
             return std::unexpected{authentication.error()};
         }
         port->authentication_ = std::move(*authentication);
+    }
+    port->open_datagrams_ = ethertypes.open_datagrams;
+    port->routed_ = routed_streams(config, port->mac());
+    for (streams::Stream const& stream : config.streams) {
+        if (stream.udp && !node.lockstep() && !ethertypes.receive.empty()) {
+            for (WirePlace const* place : config.places()) {
+                port->groups_.join(place->interface, stream.udp->group);
+            }
+        }
     }
     if (node.lockstep()) { // what is sent to it is in the ring when its ledger comes: nobody has to wake up for it
         node.exchange_frames_with([raw = port.get()] { raw->drain(); }, [raw = port.get()] { raw->flush(); });
@@ -93,8 +103,51 @@ std::span<bus::WireFrame const* const> WirePort::take_redundant(std::uint16_t et
     return firsts_;
 }
 
+/// A datagram that cannot be read stays what it is: who takes it counts what it cannot decode.
+std::span<bus::WireFrame const* const> WirePort::opened(std::span<bus::WireFrame const* const> due,
+                                                        std::uint16_t ethertype) {
+    auto const in_datagram = [](bus::WireFrame const* frame) {
+        return iec61850::ethertype_of(octets(*frame)) == ethernet::kIpEthertype;
+    };
+    if (!open_datagrams_ || std::ranges::none_of(due, in_datagram)) {
+        return due;
+    }
+    opened_.clear();
+    auto& messages = messages_[ethertype];
+    std::size_t used = 0;
+    for (bus::WireFrame const* const frame : due) {
+        iec61850::Octets const outer = octets(*frame);
+        if (!in_datagram(frame) || !iec61850::decode_routable(iec61850::routable_payload(outer), session_)) {
+            opened_.push_back(frame);
+            continue;
+        }
+        iec61850::Mac destination, source;
+        std::copy_n(outer.begin(), 6, destination.octets.begin());
+        std::copy_n(outer.begin() + 6, 6, source.octets.begin());
+        for (iec61850::RoutablePayload const& payload : session_.view()) {
+            if ((payload.goose ? iec61850::kGooseEthertype : iec61850::kSvEthertype) != ethertype) {
+                continue;
+            }
+            if (used == messages.size()) {
+                messages.push_back(std::make_unique<bus::WireFrame>());
+            }
+            bus::WireFrame& message = *messages[used++];
+            iec61850::as_ethernet(destination, source, payload, message_);
+            auto const bytes = std::as_bytes(std::span{message_});
+            message.octets.assign(bytes.begin(), bytes.end());
+            message.time = frame->time;
+            message.kernel_ns = frame->kernel_ns;
+            message.arrived_ns = frame->arrived_ns;
+            message.port = frame->port;
+            opened_.push_back(&message);
+        }
+    }
+    return opened_;
+}
+
 std::span<bus::WireFrame const* const> WirePort::take(std::uint16_t ethertype) {
-    auto const due = links_.size() == 1 ? links_.front()->take(ethertype) : take_redundant(ethertype);
+    auto const due =
+        opened(links_.size() == 1 ? links_.front()->take(ethertype) : take_redundant(ethertype), ethertype);
     if (authentication_ == nullptr) {
         return due;
     }
@@ -119,13 +172,14 @@ void WirePort::send_redundantly(std::span<std::uint8_t const> frame, SimTime at)
 
 void WirePort::send(std::span<std::uint8_t const> frame, SimTime at) {
     std::unique_lock sending{sending_, std::defer_lock};
-    if (authentication_ != nullptr || links_.size() > 1) {
+    if (authentication_ != nullptr || links_.size() > 1 || !routed_.empty()) {
         sending.lock(); // samples that are paced have a thread of their own
     }
     if (authentication_ != nullptr) {
         WireClock const clock{node_};
         frame = authentication_->sign(frame, clock.utc_at(clock.simulated() ? clock.of(at) : clock.now()));
     }
+    frame = routed_.on_the_wire(frame, datagram_);
     if (links_.size() > 1) {
         send_redundantly(frame, at);
     } else {

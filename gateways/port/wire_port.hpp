@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "gateways/ethernet/group_membership.hpp"
 #include "gateways/port/attachment.hpp"
 #include "gateways/port/frame_authentication.hpp"
+#include "gateways/port/routed_streams.hpp"
 #include "gateways/prp/duplicate_discard.hpp"
 
 namespace gridspace::gateways {
@@ -14,7 +16,8 @@ class WirePort {
   public:
     struct Ethertypes {
         std::vector<std::uint16_t> send, receive;
-        bool authenticate{true}; ///< false: whoever it is, the keys are not its own
+        bool authenticate{true};   ///< false: whoever it is, the keys are not its own
+        bool open_datagrams{true}; ///< false: R-GOOSE and R-SV come as the datagrams that they are
     };
     /// Opens the interfaces. Before Node::start; must not outlive the node.
     [[nodiscard]] static Result<std::unique_ptr<WirePort>> open(bus::Node& node, WireConfig const& config,
@@ -26,11 +29,13 @@ class WirePort {
     /// Its address; a doubly attached node has the same one on both networks.
     [[nodiscard]] iec61850::Mac const& mac() const { return links_.front()->mac(); }
 
-    /// Hands a frame to the kernel, with its code when its stream is authenticated. `at`: its simulated send time, in
-    /// lockstep, where what belongs to a tick goes together, before the acknowledgement.
+    /// Hands a frame to the kernel, with its code when its stream is authenticated, in a datagram when it goes over
+    /// UDP. `at`: its simulated send time, in lockstep, where what belongs to a tick goes together, before the
+    /// acknowledgement.
     void send(std::span<std::uint8_t const> frame, SimTime at);
 
     /// Frames that are due and not refused for want of authenticity, valid until the next call for the same ethertype.
+    /// Messages that came over UDP are there as Ethernet frames of their own.
     [[nodiscard]] std::span<bus::WireFrame const* const> take(std::uint16_t ethertype);
     /// Nothing when none of its streams is authenticated.
     [[nodiscard]] FrameAuthentication* authentication() { return authentication_.get(); }
@@ -62,9 +67,18 @@ class WirePort {
     void send_redundantly(std::span<std::uint8_t const> frame, SimTime at);
     /// What came on either network, first copies only, in the order of their times.
     std::span<bus::WireFrame const* const> take_redundant(std::uint16_t ethertype);
+    std::span<bus::WireFrame const* const> opened(std::span<bus::WireFrame const* const> due, std::uint16_t ethertype);
     void flush(); ///< lockstep
 
     bus::Node& node_;
+    RoutedStreams routed_;
+    std::vector<std::uint8_t> datagram_;
+    ethernet::GroupMembership groups_;
+    bool open_datagrams_{true};
+    iec61850::RoutableFrame session_;
+    std::map<std::uint16_t, std::vector<std::unique_ptr<bus::WireFrame>>> messages_; ///< out of datagrams, by ethertype
+    std::vector<std::uint8_t> message_;
+    std::vector<bus::WireFrame const*> opened_;
     std::unique_ptr<FrameAuthentication> authentication_;
     std::mutex sending_;
     std::vector<bus::WireFrame const*> genuine_;

@@ -23,6 +23,12 @@ bool is_vlan_priority(std::string const& text) {
     return text.size() == 1 && text[0] >= '0' && text[0] <= '7';
 }
 
+/// 0 to 63.
+bool is_class_of_traffic(std::string const& text) {
+    bool const digits = std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+    return digits && !text.empty() && (text.size() == 1 || (text.size() == 2 && text <= "63"));
+}
+
 /// The IED that an element belongs to.
 std::string ied_of(Element const& element) {
     for (tinyxml2::XMLNode const* node = &element; node != nullptr; node = node->Parent()) {
@@ -98,7 +104,24 @@ bool ControlSettings::read_address(Element const& control, Element const* where,
                  "like 01-0C-CD-01-00-01, and four hexadecimal digits");
         return false;
     }
-    stream.set("mac", Node::quoted_text(mac->to_string()));
+    auto const group = streams::parse_ipv4(p["IP"]);
+    if (group && streams::is_routed_group(*group)) { // R-GOOSE, R-SV: the MAC address follows from it
+        Node udp = Node::map();
+        udp.set("group", Node::quoted_text(p["IP"]));
+        if (std::string const& dscp = p["IP-ClassOfTraffic"]; is_class_of_traffic(dscp)) {
+            udp.set("dscp", Node::scalar(dscp));
+        }
+        stream.set("udp", std::move(udp));
+    } else {
+        stream.set("mac", Node::quoted_text(mac->to_string()));
+        if (!p["IP"].empty()) {
+            assumed(
+                *address, control,
+                fmt::format("control block '{}' has the IP address '{}', which is no group that routers forward: its "
+                            "MAC address is used",
+                            attribute(control, "name"), p["IP"]));
+        }
+    }
     stream.set("app_id", Node::scalar(fmt::format("0x{:04X}", *app_id)));
     if (p["APPID"].empty()) {
         assumed(*address, control,

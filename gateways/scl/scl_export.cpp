@@ -120,6 +120,11 @@ class Exporter {
                     p("VLAN-ID", fmt::format("{:03X}", s->address.vlan->id));
                     p("VLAN-PRIORITY", fmt::format("{}", s->address.vlan->priority));
                 }
+                if (s->udp) {
+                    iec61850::Ipv4 const& g = s->udp->group;
+                    p("IP", fmt::format("{}.{}.{}.{}", g[0], g[1], g[2], g[3]));
+                    p("IP-ClassOfTraffic", std::to_string(s->udp->dscp));
+                }
                 if (goose) {
                     for (auto const& [name, ms] :
                          {std::pair{"MinTime", s->timing.min_time_ms}, {"MaxTime", s->timing.max_time_ms}}) {
@@ -162,16 +167,24 @@ class Exporter {
         }
     }
 
+    void write_protocol(XMLElement* control, Stream const& s) {
+        if (s.udp) {
+            set(add(control, "Protocol"), {{"mustUnderstand", "true"}})
+                ->SetText(s.kind == streams::Kind::goose ? "R-GOOSE" : "R-SV");
+        }
+    }
+
     void write_control_blocks(XMLElement* ln0, Streams const& streams) {
         for (auto const& [s, place] : streams) {
             if (s->kind == streams::Kind::goose) {
-                set(add(ln0, "GSEControl"),
-                    {{"name", place.block},
-                     {"datSet", place.data_set},
-                     {"confRev", std::to_string(s->conf_rev)},
-                     {"type", "GOOSE"},
-                     {"appID", s->go_id.empty() ? s->control_block : s->go_id},
-                     {"fixedOffs", s->integers == iec61850::IntegerForm::fixed ? "true" : "false"}});
+                XMLElement* const e = add(ln0, "GSEControl");
+                set(e, {{"name", place.block},
+                        {"datSet", place.data_set},
+                        {"confRev", std::to_string(s->conf_rev)},
+                        {"type", "GOOSE"},
+                        {"appID", s->go_id.empty() ? s->control_block : s->go_id},
+                        {"fixedOffs", s->integers == iec61850::IntegerForm::fixed ? "true" : "false"}});
+                write_protocol(e, *s);
             }
         }
         for (auto const& [s, place] : streams) {
@@ -191,6 +204,7 @@ class Exporter {
                                         {"sampleRate", flag(s->send_smp_rate)},
                                         {"dataSet", flag(!s->data_set_name.empty())},
                                         {"synchSourceId", flag(s->gm_identity.has_value())}});
+                write_protocol(e, *s);
             }
         }
     }

@@ -274,8 +274,9 @@ class Importer {
     void note_of_likeness(Element const& control, Element const& address, ControlBlock const& block,
                           Node const& stream) {
         std::string const name = block.ied + ' ' + block.block;
-        std::string identity;
-        for (char const* key : {"mac", "app_id", "sv_id", "control_block"}) {
+        std::string const destination = destination_of(stream);
+        std::string identity = destination + ' ';
+        for (char const* key : {"app_id", "sv_id", "control_block"}) {
             if (Node const* const part = stream.find(key)) {
                 identity += part->text + ' ';
             }
@@ -289,10 +290,10 @@ class Importer {
                                          "another MAC address, APPID or name for one of them"});
             return;
         }
-        std::string const app_id = stream.find("app_id")->text, mac = stream.find("mac")->text;
+        std::string const app_id = stream.find("app_id")->text;
         bool const default_id = app_id == "0x4000" || app_id == "0x0000"; // everybody may have these
         auto const [same_id, id_is_new] = by_app_id_.try_emplace(app_id, name);
-        auto const [same_mac, mac_is_new] = by_mac_.try_emplace(mac, name);
+        auto const [same_mac, mac_is_new] = by_mac_.try_emplace(destination, name);
         if (!id_is_new && !default_id) {
             findings_.doubtful(address, {name,
                                          fmt::format("control block '{}' has the APPID {}, which '{}' has too", name,
@@ -300,8 +301,9 @@ class Importer {
                                          "an APPID is unique in a system (IEC 61850-8-1, annex C)"});
         } else if (!mac_is_new) {
             findings_.doubtful(address, {name,
-                                         fmt::format("control block '{}' has the MAC address {}, which '{}' has too",
-                                                     name, mac, same_mac->second),
+                                         fmt::format("control block '{}' has the {} {}, which '{}' has too", name,
+                                                     stream.find("udp") != nullptr ? "group" : "MAC address",
+                                                     destination, same_mac->second),
                                          "an address of its own lets switches and ports keep it from who does not want "
                                          "it"});
         }
@@ -334,6 +336,13 @@ class Importer {
 };
 
 } // namespace
+
+std::string destination_of(Node const& stream) {
+    if (Node const* const udp = stream.find("udp")) {
+        return udp->find("group")->text;
+    }
+    return stream.find("mac")->text;
+}
 
 Result<Import> import_streams(Document const& document, ImportOptions const& options, Findings& findings) {
     check_root(document, findings);

@@ -47,6 +47,9 @@ struct Import {
     std::vector<RefusedBlock> refused; ///< left out; `findings` say why
 };
 
+/// Where an imported stream goes: its MAC address, or its group over UDP.
+[[nodiscard]] std::string destination_of(config::Node const& stream);
+
 /// Reads the GOOSE and SMV control blocks of an SCL file (SCD, ICD, CID, IID; any edition, any prefix). Liberal: a
 /// control block that cannot be read is left out and noted. Fails when the file is no SCL or the IED is not in it.
 [[nodiscard]] Result<Import> import_streams(std::string const& text, std::string const& name,

@@ -116,8 +116,15 @@ void describe_data_set(Fields& f, Stream& stream) {
 
 void describe_address(Fields& f, Stream& stream) {
     std::string mac;
-    f.text("mac", mac, {.doc = "destination address", .required = true});
-    if (auto const parsed = iec61850::Mac::parse(mac)) {
+    describe(f, stream.udp);
+    f.text("mac", mac,
+           {.doc = "destination address; of a stream over `udp` it follows from the group", .required = !stream.udp});
+    if (stream.udp) {
+        stream.address.destination = stream.udp->from({}, {}).group();
+        if (!mac.empty()) {
+            f.error("mac", "the stream has `udp` and `mac`", "leave out one of them");
+        }
+    } else if (auto const parsed = iec61850::Mac::parse(mac)) {
         stream.address.destination = *parsed;
         if (!parsed->is_group()) {
             f.error("mac", fmt::format("'{}' is the address of one station", mac),
@@ -217,6 +224,20 @@ void describe_goose(Fields& f, Stream& s) {
     }
 }
 
+/// `longest`: octets of its Ethernet frame with the longest values.
+void check_datagram(Fields& f, Stream const& stream, std::size_t longest) {
+    constexpr std::size_t kLongestApdu = iec61850::kMaxLength - iec61850::kRoutableOverhead;
+    std::size_t const before = iec61850::app_id_offset(stream.address) + iec61850::kHeaderOctets;
+    if (longest > before + kLongestApdu) {
+        f.error("udp", fmt::format("a message of stream '{}' could have {} octets", stream.name.name, longest - before),
+                fmt::format("a datagram has room for {}: fewer samples_per_frame or members", kLongestApdu));
+    }
+    if (stream.authentication) {
+        f.error("authentication", fmt::format("stream '{}' goes over UDP", stream.name.name),
+                "signatures of sessions are not there yet: leave out one of them");
+    }
+}
+
 } // namespace
 
 Result<iec61850::SvTemplate> Stream::sv_template(iec61850::Mac source) const {
@@ -287,9 +308,11 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
                 return;
             }
             std::optional<Error> problem;
+            std::size_t longest = 0;
             if (stream.kind == Kind::smv) {
                 auto const made = stream.sv_template({});
                 problem = made ? std::nullopt : std::optional{made.error()};
+                longest = made ? made->frame().size() : 0;
                 if (made && stream.authentication &&
                     made->frame().size() - iec61850::app_id_offset(stream.address) +
                             iec61850::extension_octets(stream.authentication->algorithm) >
@@ -302,6 +325,10 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
             } else {
                 auto const made = stream.goose_template({});
                 problem = made ? std::nullopt : std::optional{made.error()};
+                longest = made ? made->longest_frame() : 0;
+            }
+            if (stream.udp) {
+                check_datagram(s, stream, longest);
             }
             if (problem) {
                 s.error("", fmt::format("stream '{}': {}", name.name, problem->message), problem->remedy);
@@ -317,13 +344,16 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
                                         name.name),
                             "another mac, app_id, sv_id or control_block");
                 } else if (!other.broken && other.kind == stream.kind &&
-                           (other.authentication || stream.authentication) &&
+                           (other.authentication || stream.authentication || other.udp || stream.udp) &&
                            other.address.destination == stream.address.destination &&
                            other.address.app_id == stream.address.app_id) {
-                    s.error(
-                        "authentication",
-                        fmt::format("streams '{}' and '{}' have the same mac and app_id", other.name.name, name.name),
-                        "what is authenticated needs an address of its own");
+                    bool const guarded = other.authentication || stream.authentication;
+                    s.error(guarded ? "authentication" : "",
+                            fmt::format("streams '{}' and '{}' have the same Ethernet address and app_id",
+                                        other.name.name, name.name),
+                            guarded ? "what is authenticated needs an address of its own"
+                                    : "a stream over UDP needs an app_id of its own, or a group that differs in its "
+                                      "last 23 bits");
                 }
             }
             stream.broken = diagnostics.errors() > errors;

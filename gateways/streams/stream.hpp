@@ -10,6 +10,7 @@
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_template.hpp"
 #include "gateways/streams/stream_authentication.hpp"
+#include "gateways/streams/udp_address.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -42,6 +43,7 @@ struct Stream {
     std::string data_set_name; ///< datSet: sent where not empty
     iec61850::DataSet data_set;
     std::optional<StreamAuthentication> authentication;
+    std::optional<UdpAddress> udp; ///< R-GOOSE, R-SV; `address.destination` is the group's then
 
     // sampled values
     std::string sv_id;

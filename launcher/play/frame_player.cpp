@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/play/frame_player.hpp"
 
-#include "gateways/iec61850/frame.hpp"
+#include "gateways/iec61850/routable.hpp"
 #include "launcher/wire/tools.hpp"
 #include "recorder/pcapng/pcapng_reader.hpp"
 
@@ -70,7 +70,7 @@ Result<void> FramePlayer::each(Handler const& handler) {
             truncated_ = reader->truncated();
             return {};
         }
-        std::uint16_t const ethertype = iec61850::ethertype_of((*frame)->octets);
+        std::uint16_t const ethertype = iec61850::stream_ethertype((*frame)->octets);
         std::string const& point = reader->interfaces()[(*frame)->interface].name;
         bool const wanted = ethertype == iec61850::kSvEthertype || ethertype == iec61850::kGooseEthertype;
         bool const here = only_.empty() ? !pcapng::is_inside_a_cable(point) : only_ == point;

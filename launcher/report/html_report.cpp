@@ -54,14 +54,30 @@ std::string expectations(Results const& r) {
 }
 
 /// "2 of 10 expectations failed: v_min, ev1_done"
-std::string failed(Results const& r) {
-    std::vector<std::string> names;
+/// The names of the expectations that do not hold.
+std::vector<std::string> failed(Results const& r, bool advisory) {
+    std::vector<std::string> out;
     for (ExpectationResult const& e : r.expectations) {
-        if (e.status == Status::failed && !e.advisory) {
-            names.push_back(e.name);
+        if (e.status == Status::failed && e.advisory == advisory) {
+            out.push_back(e.name);
         }
     }
-    return fmt::format("{} of {} expectations failed: {}", names.size(), r.expectations.size(), join(names, ", "));
+    return out;
+}
+
+/// The first line of the report: what decides the exit code, and what is only advice beside it.
+std::string verdict(Results const& r) {
+    auto const binding = failed(r, false), advice = failed(r, true);
+    if (r.outcome.exit_code != 0) {
+        return "✗ " + r.outcome.cause;
+    }
+    if (!binding.empty()) {
+        return fmt::format("✗ {} of {} expectations failed: {}", binding.size(), r.expectations.size(),
+                           join(binding, ", "));
+    }
+    return r.expectations.empty() ? "✓ it ran to its end; the scenario expects nothing"
+           : advice.empty()       ? "✓ every expectation holds"
+                                  : "✓ what decides holds; not so, as advice only: " + join(advice, ", ");
 }
 
 std::string facts(Results const& r) {
@@ -195,11 +211,9 @@ Result<fs::path> write_html_report(Results const& r) {
     fs::create_directories(r.folder / "report" / "figures", error);
 
     bool const passed = r.exit_code() == 0;
-    std::string body = fmt::format("<header><h1>{}</h1><p>{}</p><p class=\"verdict {}\">{}</p></header>\n",
-                                   escape_markup(r.scenario), escape_markup(r.description), passed ? "ok" : "bad",
-                                   passed                     ? "✓ every expectation holds"
-                                   : r.outcome.exit_code != 0 ? "✗ " + escape_markup(r.outcome.cause)
-                                                              : "✗ " + escape_markup(failed(r)));
+    std::string body =
+        fmt::format("<header><h1>{}</h1><p>{}</p><p class=\"verdict {}\">{}</p></header>\n", escape_markup(r.scenario),
+                    escape_markup(r.description), passed ? "ok" : "bad", escape_markup(verdict(r)));
     body += facts(r);
     if (!r.recording_note.empty()) {
         body += fmt::format("<p class=\"warn\">▲ recording: {}</p>\n", escape_markup(r.recording_note));

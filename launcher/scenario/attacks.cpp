@@ -111,6 +111,12 @@ void check_stream(Scenario const& s, AttackConfig const& a, Diagnostics& diagnos
     if (stream->broken) {
         return; // said where it is declared
     }
+    if (stream->udp) {
+        diagnostics.error(a.stream.where,
+                          fmt::format("attack '{}' is on '{}', which goes over UDP", a.name.name, a.stream.name),
+                          "attacks forge Ethernet frames only: a stream without `udp`", width(a.stream));
+        return;
+    }
     bool const smv = stream->kind == streams::Kind::smv;
     if (smv == a.goose.has_value()) {
         diagnostics.error(a.stream.where,

@@ -153,6 +153,15 @@ class ExecSettings final : public ProcessSettings {
         }
         for (auto const* list : {&sends_, &receives_}) {
             for (Ref const& word : *list) {
+                streams::Stream const* const stream = streams::find_stream(s.streams, word.name);
+                if (stream != nullptr && stream->udp) {
+                    diagnostics.error(
+                        word.where,
+                        fmt::format("process '{}' runs in simulated time, and '{}' goes over UDP", process.name.name,
+                                    word.name),
+                        "frames that a program exchanges in simulated time are Ethernet frames: a stream without `udp`",
+                        static_cast<int>(word.name.size()));
+                }
                 if (ethertype_of(s, word.name) == 0) {
                     diagnostics.error(word.where,
                                       fmt::format("process '{}' {} '{}', which is no stream and no kind of frame",

@@ -80,7 +80,7 @@ std::string report_text(scl::Station const& station, StationScenario const& scen
     for (PlayedStream const& s : scenario.streams) {
         config::Node const& node = stream_node(station, s.stream);
         out += fmt::format("  {}: {} {} APPID {} confRev {}{}: {}\n", s.stream, value_of(node, "kind"),
-                           value_of(node, "mac"), value_of(node, "app_id"), value_of(node, "conf_rev"),
+                           scl::destination_of(node), value_of(node, "app_id"), value_of(node, "conf_rev"),
                            node.find("rate_hz") == nullptr ? "" : ", " + value_of(node, "rate_hz") + " Hz", s.values);
     }
     std::size_t refs = 0, supervised = 0;
@@ -113,6 +113,9 @@ std::string report_json(scl::Station const& station, StationScenario const& scen
             if (node.find(key) != nullptr) {
                 one[key] = value_of(node, key);
             }
+        }
+        if (node.find("udp") != nullptr) {
+            one["group"] = scl::destination_of(node);
         }
         one["values"] = s.values;
         root["streams"].push_back(std::move(one));

@@ -89,6 +89,7 @@ Result<void> list(ListOptions const& options) {
     ethernet::PortOptions port_options;
     port_options.interface = options.interface;
     port_options.filter.ethertypes = {iec61850::kSvEthertype, iec61850::kGooseEthertype};
+    port_options.filter.routable = true;
     auto port = ethernet::Port::open(port_options);
     if (!port) {
         return std::unexpected{port.error()};

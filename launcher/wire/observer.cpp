@@ -202,7 +202,7 @@ void Observer::add_routed(Octets frame, Octets datagram, std::int64_t time_ns) {
     std::copy_n(frame.begin() + 6, 6, source.octets.begin());
     routed_ = true;
     for (RoutablePayload const& payload : routable_->view()) {
-        rewrapped_ = as_ethernet(destination, source, payload);
+        as_ethernet(destination, source, payload, rewrapped_);
         payload.goose ? add_goose(rewrapped_, time_ns) : add_sv(rewrapped_, time_ns);
     }
     routed_ = false;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/text.hpp"
 #include "gateways/ethernet/port.hpp"
+#include "gateways/iec61850/routable.hpp"
 #include "launcher/wire/live.hpp"
 #include "launcher/wire/tools.hpp"
 #include "recorder/pcapng/pcapng_reader.hpp"
@@ -30,7 +31,7 @@ Result<std::vector<pcapng::Frame>> read_frames(ReplayOptions const& o, LeftOut& 
             return;
         }
         auto const& octets = frame.octets;
-        std::uint16_t const ethertype = iec61850::ethertype_of(octets);
+        std::uint16_t const ethertype = iec61850::stream_ethertype(octets);
         if (point.link_type != pcapng::kEthernetLink) {
             ++left_out.no_ethernet;
         } else if (frame.original_octets > octets.size()) { // half a frame is another frame

@@ -140,11 +140,11 @@ bus::WireReader* FrameCapture::reader_of(Channel const& channel) {
 }
 
 bus::WireReader* FrameCapture::Way::reader_of(iec61850::Octets frame) const {
-    std::uint16_t const ethertype = iec61850::ethertype_of(frame);
-    return ethertype == iec61850::kSvEthertype      ? smv
-           : ethertype == iec61850::kGooseEthertype ? goose
-           : ethernet::is_boxed_ip(frame)           ? ip
-                                                    : other;
+    std::uint16_t const channel = ethernet::channel_of(frame);
+    return channel == iec61850::kSvEthertype      ? smv
+           : channel == iec61850::kGooseEthertype ? goose
+           : channel == ethernet::kIpEthertype    ? ip
+                                                  : other;
 }
 
 Result<void> FrameCapture::open_ports(CaptureConfig const& config) {

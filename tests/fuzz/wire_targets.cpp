@@ -183,6 +183,9 @@ void ptp(std::uint8_t const* data, std::size_t size) {
 void routable(std::uint8_t const* data, std::size_t size) {
     static auto const frame = std::make_unique<RoutableFrame>();
     Octets const octets{data, size};
+    require(inside(octets, routable_payload(octets)), "a view outside");
+    require(stream_ethertype(octets) == ethertype_of(octets) || !routable_payload(octets).empty(),
+            "a session elsewhere");
     if (auto const ok = decode_routable(octets, *frame); !ok) {
         require(ok.error().reason != Reason::none && ok.error().offset <= size, "an error without a reason or a place");
         return;

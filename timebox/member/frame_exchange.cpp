@@ -19,7 +19,7 @@ Result<std::unique_ptr<FrameExchange>> FrameExchange::open(bus::Node& node, Memb
     if (config.wire.interface.empty()) {
         return out;
     }
-    auto port = gateways::WirePort::open(node, config.wire, {config.sends, config.receives});
+    auto port = gateways::WirePort::open(node, config.wire, {config.sends, config.receives, true, false});
     if (!port) {
         return std::unexpected{port.error()};
     }

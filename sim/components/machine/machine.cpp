@@ -6,6 +6,7 @@
 #include "sim/components/machine/machine_data.hpp"
 
 #include <fmt/format.h>
+#include <tuple>
 
 namespace gridspace::sim {
 
@@ -38,6 +39,55 @@ void read_governor(Fields& f, Governor& g) {
     }
     if (g.lead_s > 0 && g.tt_s == 0) {
         f.error("lead_s", "a lead needs the lag that it leads", "give `tt_s` too");
+    }
+}
+
+void read_stabilizer(Fields& f, Stabilizer& s) {
+    f.number("gain", s.gain, positive("voltage per p.u. of speed (KS)", true));
+    f.number("washout_s", s.washout_s, positive("time constant of the washout (T5)"));
+    f.number("t1_s", s.t1_s, not_negative("lead time constant of the first lead-lag"));
+    f.number("t2_s", s.t2_s, not_negative("its lag time constant; 0: it is not there"));
+    f.number("t3_s", s.t3_s, not_negative("lead time constant of the second lead-lag"));
+    f.number("t4_s", s.t4_s, not_negative("its lag time constant; 0: it is not there"));
+    f.number("min_pu", s.min_pu, {.doc = "lowest output", .max = 0});
+    f.number("max_pu", s.max_pu, {.doc = "highest output", .min = 0});
+    for (auto const& [key, lead, lag] : {std::tuple{"t1_s", s.t1_s, s.t2_s}, {"t3_s", s.t3_s, s.t4_s}}) {
+        if (lead > 0 && lag == 0) {
+            f.error(key, "a lead needs a lag", fmt::format("give `{}` too", key[1] == '1' ? "t2_s" : "t4_s"));
+        }
+    }
+}
+
+void read_regulator(Fields& f, Avr& r) {
+    f.number("ka", r.ka, positive("gain", true));
+    f.number("ta_s", r.ta_s, not_negative("time constant"));
+    f.number("tr_s", r.tr_s, not_negative("measuring time constant"));
+    f.number("efd_min_pu", r.efd_min_pu, any("lower limit of the field voltage"));
+    f.number("efd_max_pu", r.efd_max_pu, any("upper limit of the field voltage", true));
+    f.number("tc_s", r.tc_s, not_negative("lead time constant before the gain"));
+    f.number("tb_s", r.tb_s, not_negative("lag time constant before the gain; 0: there is no lead-lag"));
+    f.number("kf", r.kf, not_negative("gain of the rate feedback from the field voltage"));
+    f.number("tf_s", r.tf_s, positive("time constant of the rate feedback"));
+    f.object("ceiling", {.doc = "limits that go with the terminal voltage: an exciter fed from there (ST1A)"},
+             [&](Fields& c) {
+                 FieldCeiling& ceiling = r.ceiling.emplace();
+                 c.number("max_pu", ceiling.max_pu, positive("at nominal voltage and no field current (VRMAX)", true));
+                 c.number("min_pu", ceiling.min_pu, any("at nominal voltage (VRMIN)"));
+                 c.number("kc_pu", ceiling.kc_pu,
+                          not_negative("what the upper one loses per p.u. of field current (KC)"));
+                 if (ceiling.min_pu >= ceiling.max_pu) {
+                     c.error("min_pu", fmt::format("min_pu = {} is not below max_pu = {}", shortest(ceiling.min_pu),
+                                                   shortest(ceiling.max_pu)));
+                 }
+             });
+    f.object("stabilizer", {.doc = "power system stabilizer by the speed (PSS1A)"},
+             [&](Fields& s) { read_stabilizer(s, r.stabilizer.emplace()); });
+    if (r.tc_s > 0 && r.tb_s == 0) {
+        f.error("tc_s", "a lead needs a lag", "give `tb_s` too");
+    }
+    if (r.kf > 0 && r.ta_s == 0) {
+        f.error("kf", "the rate feedback of a regulator without time constant would be a loop at one instant",
+                "give `ta_s` too");
     }
 }
 
@@ -80,14 +130,7 @@ void MachineType::fields(Fields& f) {
     });
     f.number("inertia_h_s", inertia_h_s, positive("inertia constant", true));
     f.number("damping_pu", damping_pu, not_negative("damping torque per p.u. speed"));
-    f.object("avr", {.doc = "voltage regulator"}, [&](Fields& a) {
-        Avr& regulator = avr.emplace();
-        a.number("ka", regulator.ka, positive("gain", true));
-        a.number("ta_s", regulator.ta_s, not_negative("time constant"));
-        a.number("tr_s", regulator.tr_s, not_negative("measuring time constant"));
-        a.number("efd_min_pu", regulator.efd_min_pu, any("lower limit of the field voltage"));
-        a.number("efd_max_pu", regulator.efd_max_pu, any("upper limit of the field voltage", true));
-    });
+    f.object("avr", {.doc = "voltage regulator and exciter"}, [&](Fields& a) { read_regulator(a, avr.emplace()); });
     f.object("governor", {.doc = "speed governor and turbine"},
              [&](Fields& g) { read_governor(g, governor.emplace()); });
 }

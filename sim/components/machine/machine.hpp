@@ -9,9 +9,26 @@
 
 namespace gridspace::sim {
 
+/// Limits of the field voltage that go with the terminal voltage: VRMAX, VRMIN and KC of ST1A.
+struct FieldCeiling {
+    double max_pu{0}, min_pu{0};
+    double kc_pu{0}; ///< what the upper one loses per p.u. of field current: the rectifier's commutation
+};
+
+/// Power system stabilizer PSS1A with the speed as its input (IEEE 421.5).
+struct Stabilizer {
+    double gain{0}, washout_s{10};
+    double t1_s{0}, t2_s{0}, t3_s{0}, t4_s{0}; ///< (1 + t1 s) / (1 + t2 s), and the same with t3 and t4
+    double min_pu{-0.1}, max_pu{0.1};
+};
+
+/// Voltage regulator and static exciter: ST1A of IEEE 421.5, of which the first line is the simplest form.
 struct Avr {
-    double ka{0}, ta_s{0}, tr_s{0};
-    double efd_min_pu{0}, efd_max_pu{0};
+    double ka{0}, ta_s{0}, tr_s{0}, efd_min_pu{0}, efd_max_pu{0};
+    double tc_s{0}, tb_s{0}; ///< (1 + tc s) / (1 + tb s) before the gain
+    double kf{0}, tf_s{1};   ///< kf s / (1 + tf s), back from the field voltage
+    std::optional<FieldCeiling> ceiling;
+    std::optional<Stabilizer> stabilizer;
 };
 
 /// AT, KT and T3 of GAST.

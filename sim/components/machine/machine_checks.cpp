@@ -9,15 +9,23 @@
 
 namespace gridspace::sim::machines {
 
-Result<void> check_field(std::string const& name, MachineData const& data, double efd) {
-    if (!data.avr || (efd <= data.avr->efd_max_pu && efd >= data.avr->efd_min_pu)) {
+Result<void> check_field(std::string const& name, MachineData const& data, double efd, double v) {
+    if (!data.avr) {
+        return {};
+    }
+    double low = data.avr->efd_min_pu, high = data.avr->efd_max_pu;
+    if (auto const& c = data.avr->ceiling) { // the field current is the field voltage in steady state
+        low = std::max(low, v * c->min_pu);
+        high = std::min(high, v * c->max_pu - c->kc_pu * efd);
+    }
+    if (efd <= high && efd >= low) {
         return {};
     }
     return fail(
         ExitCode::usage,
         fmt::format("machine '{}' needs a field voltage of {:.3f} p.u. at the start, outside its limits {} to {}", name,
-                    efd, shortest(data.avr->efd_min_pu), shortest(data.avr->efd_max_pu)),
-        "ask it for less reactive power (voltage_setpoint_pu), or widen efd_min_pu and efd_max_pu");
+                    efd, shortest(low), shortest(high)),
+        "ask it for less reactive power (voltage_setpoint_pu), or widen the limits of its `avr`");
 }
 
 Result<void> check_gate(std::string const& name, MachineData const& data, double power_pu) {

@@ -9,8 +9,8 @@
 
 namespace gridspace::sim::machines {
 
-/// Fails when the field voltage of the start is outside the limits of the regulator.
-[[nodiscard]] Result<void> check_field(std::string const& name, MachineData const& data, double efd);
+/// Fails when the field voltage of the start, at terminal voltage |v|, is outside the limits of the regulator.
+[[nodiscard]] Result<void> check_field(std::string const& name, MachineData const& data, double efd, double v);
 
 /// Fails when the power of the start is outside the limits of the governor.
 [[nodiscard]] Result<void> check_gate(std::string const& name, MachineData const& data, double power_pu);

@@ -132,7 +132,7 @@ Complex MachineInjection::flow(double, std::span<double const> states, Complex v
     d[machines::kAngle] = w0_ * x[machines::kSpeed];
     if (has_event()) {
         // Here the limits are events: between them the equations are smooth.
-        double const target = data_.avr->ka * (set_.v_ref - x[machines::kVmeas]);
+        double const target = machines::field_target(data_, set_, x);
         d[machines::kEfd] = at_limit_ != 0 ? 0 : (target - x[machines::kEfd]) / data_.avr->ta_s;
     }
     std::copy_n(d.begin(), dx.size(), dx.begin());
@@ -143,7 +143,7 @@ Result<void> MachineInjection::check_start(std::span<double const> x) const {
     if (auto ok = machines::check_gate(name_, data_, x[machines::kGate]); !ok) {
         return ok;
     }
-    return has_event() ? machines::check_field(name_, data_, x[machines::kEfd]) : Result<void>{};
+    return has_event() ? machines::check_field(name_, data_, x[machines::kEfd], x[machines::kVmeas]) : Result<void>{};
 }
 
 double MachineInjection::event(double, std::span<double const> x) const {
@@ -151,7 +151,7 @@ double MachineInjection::event(double, std::span<double const> x) const {
     if (at_limit_ == 0) {
         return std::min(data_.avr->efd_max_pu - efd, efd - data_.avr->efd_min_pu);
     }
-    return at_limit_ * (data_.avr->ka * (set_.v_ref - x[machines::kVmeas]) - efd);
+    return at_limit_ * (machines::field_target(data_, set_, state_of(x)) - efd);
 }
 
 void MachineInjection::on_event(std::span<double> x) {
@@ -187,7 +187,7 @@ double MachineInjection::value(std::size_t signal, double, std::span<double cons
     case 4:
         return s.v;
     case 5:
-        return x[machines::kEfd];
+        return machines::field_voltage(data_, x, s.id, s.v);
     case 6:
         return power.real();
     case 7:

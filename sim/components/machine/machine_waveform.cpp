@@ -57,7 +57,7 @@ class MachineElement final : public emt::NortonElement, private MachineDynamics 
     void start(Complex v, Complex i, double speed) override;
     [[nodiscard]] Result<void> check_start() const override {
         auto const ok = machines::check_gate(name_, data_, x_[machines::kGate]);
-        return ok ? machines::check_field(name_, data_, x_[machines::kEfd]) : ok;
+        return ok ? machines::check_field(name_, data_, x_[machines::kEfd], x_[machines::kVmeas]) : ok;
     }
     void use_step(double h) override;
     void forget_history() override { history_ = false; }
@@ -251,7 +251,7 @@ double MachineElement::value(std::size_t signal) const {
     case 4:
         return vt_;
     case 5:
-        return x_[machines::kEfd];
+        return machines::field_voltage(data_, x_, id_, vt_);
     case 6: // instantaneous, at the terminals
         return (v_.alpha * i_.alpha + v_.beta * i_.beta) * data_.rating_kva;
     case 7:

@@ -49,8 +49,58 @@ void governor_derivative(MachineData const& d, Setpoints const& set, State const
     }
 }
 
-double field_target(MachineData const& d, Setpoints const& set, State const& x) {
-    return d.avr->ka * (set.v_ref - x[kVmeas]);
+/// Output of (1 + lead s) / (1 + lag s) whose lag is at `x`; without one its input.
+double lead_lag(double input, double x, double lead, double lag) {
+    return lag > 0 ? x + lead / lag * (input - x) : input;
+}
+
+/// IEEE 421.5, figure of PSS1A: gain, washout, two lead-lags.
+struct StabilizerOutputs {
+    double washed, first, second;
+};
+StabilizerOutputs stabilizer_outputs(Stabilizer const& s, State const& x) {
+    double const washed = s.gain * x[kSpeed] - x[kWashout];
+    double const first = lead_lag(washed, x[kFirst], s.t1_s, s.t2_s);
+    return {washed, first, lead_lag(first, x[kSecond], s.t3_s, s.t4_s)};
+}
+
+/// What the regulator corrects.
+double regulator_error(Avr const& r, Setpoints const& set, State const& x) {
+    double out = set.v_ref - x[kVmeas];
+    if (r.stabilizer) {
+        out += std::clamp(stabilizer_outputs(*r.stabilizer, x).second, r.stabilizer->min_pu, r.stabilizer->max_pu);
+    }
+    if (r.kf > 0) {
+        out -= r.kf / r.tf_s * x[kEfd] - x[kRate];
+    }
+    return out;
+}
+
+void regulator_derivative(MachineData const& d, Setpoints const& set, State const& x, double v, State& dx) {
+    Avr const& r = *d.avr;
+    dx[kVmeas] = lag(v, x[kVmeas], r.tr_s);
+    dx[kEfd] = lag(field_target(d, set, x), x[kEfd], r.ta_s);
+    if ((x[kEfd] >= r.efd_max_pu && dx[kEfd] > 0) || (x[kEfd] <= r.efd_min_pu && dx[kEfd] < 0)) {
+        dx[kEfd] = 0;
+    }
+    if (r.tb_s > 0) {
+        dx[kLead] = lag(regulator_error(r, set, x), x[kLead], r.tb_s);
+    }
+    if (r.kf > 0) {
+        dx[kRate] = lag(r.kf / r.tf_s * x[kEfd], x[kRate], r.tf_s);
+    }
+    if (r.stabilizer) {
+        Stabilizer const& s = *r.stabilizer;
+        auto const outputs = stabilizer_outputs(s, x);
+        dx[kWashout] = lag(s.gain * x[kSpeed], x[kWashout], s.washout_s);
+        dx[kFirst] = lag(outputs.washed, x[kFirst], s.t2_s);
+        dx[kSecond] = lag(outputs.first, x[kSecond], s.t4_s);
+    }
+}
+
+double field_current(MachineData const& d, State const& x, double id) {
+    double const damper = x[kPsi1d] + (d.xd1 - d.xl) * id - x[kEq1];
+    return x[kEq1] + (d.xd - d.xd1) * (id - d.coupling * damper);
 }
 
 } // namespace
@@ -74,7 +124,23 @@ Flux subtransient_flux(MachineData const& d, State const& x, double id, double i
 }
 
 std::size_t moving_states(MachineData const& d) {
-    return d.governor && d.governor->load_limit ? std::size_t{kStates} : std::size_t{kExhaust};
+    bool const of_exciter = !d.classical && d.avr && (d.avr->tb_s > 0 || d.avr->kf > 0 || d.avr->stabilizer);
+    return of_exciter                             ? std::size_t{kStates}
+           : d.governor && d.governor->load_limit ? std::size_t{kExhaust} + 1
+                                                  : std::size_t{kExhaust};
+}
+
+double field_target(MachineData const& d, Setpoints const& set, State const& x) {
+    return d.avr->ka * lead_lag(regulator_error(*d.avr, set, x), x[kLead], d.avr->tc_s, d.avr->tb_s);
+}
+
+double field_voltage(MachineData const& d, State const& x, double id, double v) {
+    if (!d.avr || !d.avr->ceiling) {
+        return x[kEfd];
+    }
+    FieldCeiling const& c = *d.avr->ceiling;
+    double const lowest = v * c.min_pu;
+    return std::clamp(x[kEfd], lowest, std::max(lowest, v * c.max_pu - c.kc_pu * field_current(d, x, id)));
 }
 
 double mechanical_power(MachineData const& d, State const& x) {
@@ -92,23 +158,20 @@ double torque(MachineData const& d, State const& x, double id, double iq) {
 }
 
 void derivative(MachineData const& d, Setpoints const& set, State const& x, double id, double iq, double v, State& dx) {
+    std::fill(dx.begin() + kExhaust, dx.end(), 0.0);
     if (d.classical) {
         dx[kEq1] = dx[kPsi1d] = dx[kPsi2q] = dx[kEfd] = dx[kVmeas] = 0;
     } else {
         double const damper = x[kPsi1d] + (d.xd1 - d.xl) * id - x[kEq1];
-        dx[kEq1] = (x[kEfd] - x[kEq1] - (d.xd - d.xd1) * (id - d.coupling * damper)) / d.td01;
+        dx[kEq1] = (field_voltage(d, x, id, v) - x[kEq1] - (d.xd - d.xd1) * (id - d.coupling * damper)) / d.td01;
         dx[kPsi1d] = -damper / d.td02;
         dx[kPsi2q] = -(x[kPsi2q] + (d.xq - d.xl) * iq) / d.tq02;
         dx[kEfd] = dx[kVmeas] = 0;
         if (d.avr) {
-            dx[kVmeas] = lag(v, x[kVmeas], d.avr->tr_s);
-            dx[kEfd] = lag(field_target(d, set, x), x[kEfd], d.avr->ta_s);
-            if ((x[kEfd] >= d.avr->efd_max_pu && dx[kEfd] > 0) || (x[kEfd] <= d.avr->efd_min_pu && dx[kEfd] < 0)) {
-                dx[kEfd] = 0;
-            }
+            regulator_derivative(d, set, x, v, dx);
         }
     }
-    dx[kGate] = dx[kPower] = dx[kIntegral] = dx[kExhaust] = 0;
+    dx[kGate] = dx[kPower] = dx[kIntegral] = 0;
     double mechanical = set.p_ref;
     if (d.governor) {
         governor_derivative(d, set, x, dx);
@@ -164,6 +227,12 @@ Start steady_state(MachineData const& d, std::complex<double> v, std::complex<do
     x[kVmeas] = std::abs(v);
     start.set.efd = x[kEfd];
     start.set.v_ref = x[kVmeas] + (d.avr ? x[kEfd] / d.avr->ka : 0);
+    if (d.avr && d.avr->tb_s > 0) {
+        x[kLead] = x[kEfd] / d.avr->ka;
+    }
+    if (d.avr && d.avr->kf > 0) {
+        x[kRate] = d.avr->kf / d.avr->tf_s * x[kEfd];
+    }
     start.set.p_ref = torque(d, x, id, iq);
     x[kGate] = x[kPower] = start.set.p_ref;
     x[kExhaust] = d.governor && d.governor->load_limit ? x[kPower] : 0;

@@ -26,7 +26,12 @@ enum StateIndex : std::size_t {
     kGate,     ///< governor servo
     kPower,    ///< turbine power
     kIntegral, ///< of the speed deviation
-    kExhaust,  ///< temperature of the exhaust as power: last, for only a load limit has it
+    kExhaust,  ///< temperature of the exhaust as power; with a load limit
+    kLead, ///< of the lead-lag before the regulator's gain: this and what follows with more than the simplest exciter
+    kRate, ///< of the rate feedback
+    kWashout, ///< of the stabilizer
+    kFirst,   ///< of its first lead-lag
+    kSecond,  ///< of its second lead-lag
     kStates
 };
 using State = std::array<double, kStates>;
@@ -55,6 +60,12 @@ struct Flux {
 
 /// Of the turbine; without a governor what the machine began with.
 [[nodiscard]] double mechanical_power(MachineData const& data, State const& x);
+
+/// Where the regulator drives the field voltage, but for its limits and its time constant.
+[[nodiscard]] double field_target(MachineData const& data, Setpoints const& set, State const& x);
+
+/// Field voltage for a stator current and terminal voltage |v|: what the exciter can give of what its regulator asks.
+[[nodiscard]] double field_voltage(MachineData const& data, State const& x, double id, double v);
 
 /// Air-gap torque for stator currents.
 [[nodiscard]] double torque(MachineData const& data, State const& x, double id, double iq);

@@ -31,6 +31,9 @@ ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries")
     *(f"trip.{e}.{k}" for e in ("of2", "of1", "uf1", "uf2") for k in ("frequency_hz", "after_s")))}
 ELSEWHERE |= {f"{section}.governor.{key}" for section in ("machine_types", "machines") for key in (  # unit_components
     "gate_min_pu", "gate_max_pu", "lead_s", "damping_pu", "load_limit.power_pu", "load_limit.gain", "load_limit.t_s")}
+ELSEWHERE |= {f"machine_types.avr.{key}" for key in (  # unit_components, exciter
+    "tc_s", "tb_s", "kf", "tf_s", "ceiling.max_pu", "ceiling.min_pu", "ceiling.kc_pu",
+    *(f"stabilizer.{k}" for k in ("gain", "washout_s", "t1_s", "t2_s", "t3_s", "t4_s", "min_pu", "max_pu")))}
 ELSEWHERE |= {f"transformers.tap_changer.{key}" for key in (
     "bus", "voltage_pu", "bandwidth_percent", "delay_s", "next_delay_s", "step_percent", "position", "lowest", "highest", "block_below_pu")}
 

@@ -29,6 +29,37 @@ int main(void) {
 }
 """
 
+KILLED = """
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+static void *sleep_long(void *unused) { sleep(100); return unused; }
+static void *end_all(void *unused) { usleep(10000); exit(7); return unused; }
+int main(void) {
+    pid_t child = fork();
+    if (child == 0) { /* two threads, both asleep when they are killed */
+        pthread_t other;
+        pthread_create(&other, NULL, sleep_long, NULL);
+        sleep_long(NULL);
+    }
+    usleep(10000);
+    kill(child, SIGKILL);
+    int status;
+    waitpid(child, &status, 0);
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    printf("killed by %d at %ld ms\\n", WTERMSIG(status), t.tv_nsec / 1000000);
+    pthread_t others[3];
+    for (int i = 0; i < 3; ++i) pthread_create(&others[i], NULL, i == 1 ? end_all : sleep_long, NULL);
+    pthread_join(others[0], NULL);
+    return 1;
+}
+"""
+
 THREADS = """
 #include <pthread.h>
 #include <stdio.h>
@@ -277,6 +308,14 @@ except OSError as e: print(e.errno)
 
     def test_a_program_that_dies_of_a_signal_has_the_exit_code_of_a_shell(self):
         self.assertEqual(self.box("sh", "-c", "kill -SEGV $$").returncode, 139)
+
+    def test_who_is_killed_while_he_waits_is_gone_before_time_goes_on(self):
+        """Another thread's exit() ends a process whose first thread waits; a killed child has died at that instant."""
+        program = self.compiled(KILLED)
+        for _ in range(10):
+            done = self.box(program)
+            self.assertEqual((done.returncode, done.stdout), (7, "killed by 9 at 10 ms\n"), done.stderr)
+            self.assertRegex(done.stderr, r"0\.0200\d+ s simulated")
 
     def test_what_comes_from_outside_is_waited_for(self):
         done = subprocess.run([GRIDSPACE, "timebox", "-q", "--", "cat"], input="from outside\n", capture_output=True, text=True, timeout=60)

@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "gateways/ethernet/group_membership.hpp"
 #include "gateways/ethernet/port.hpp"
+#include "gateways/iec61850/routable.hpp"
 #include "veth.hpp"
 
 #include <chrono>
 #include <ctime>
 #include <gmock/gmock.h>
 #include <linux/capability.h>
+#include <netinet/in.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -151,6 +154,54 @@ TEST_P(PortTest, DropsInTheKernelWhatIsNotAskedForAlsoBehindATag) {
         EXPECT_EQ(number_of(frames[1]), 3U);
         EXPECT_EQ(waiting(sut), 0U);
     }
+    EXPECT_EQ(sut.counters().filtered, 0U) << "the kernel decided";
+}
+
+/// An empty datagram of UDP over IPv4, with `options` words behind the header's twenty octets.
+Buffer datagram(std::uint16_t port, std::size_t options, std::size_t tags) {
+    iec61850::RoutableAddress address;
+    address.destination = *Mac::parse("01:00:5E:01:01:01");
+    address.ip_destination = {239, 1, 1, 1};
+    Buffer out = iec61850::udp_frame(address, Buffer{0xA1, 0, 0, 0});
+    out.insert(out.begin() + 14 + 20, 4 * options, std::uint8_t{0});
+    out[14] = static_cast<std::uint8_t>(0x45 + options);
+    iec61850::store_be(out.data() + 14 + 2, static_cast<std::uint16_t>(out.size() - 14));
+    iec61850::store_be(out.data() + 14 + 20 + 4 * options + 2, port);
+    for (std::size_t tag = 0; tag < tags; ++tag) {
+        Buffer const octets{0x81, 0, 0x80, 5};
+        out.insert(out.begin() + 12, octets.begin(), octets.end());
+    }
+    return out;
+}
+
+TEST_P(PortTest, TakesStreamsOverUdpBesideThoseOfEthernetAndNoOtherIp) {
+    Port sender = open({.interface = "left", .filter = {}, .receive = false});
+    PortOptions o = options("right");
+    o.filter.ethertypes = {kSv};
+    o.filter.app_ids = {0x4001};
+    o.filter.routable = true;
+    Port sut = open(o);
+    std::vector<Buffer> wanted, others{frame(0, kGoose, 0x4001), frame(0, kSv, 0x4002)};
+    for (std::size_t tags = 0; tags < 3; ++tags) {
+        for (std::size_t const options : {0U, 1U, 10U}) {
+            wanted.push_back(datagram(iec61850::kRoutablePort, options, tags));
+            others.push_back(datagram(53, options, tags));
+            Buffer tcp = datagram(iec61850::kRoutablePort, options, tags);
+            tcp[14 + 4 * tags + 9] = 6;
+            others.push_back(tcp);
+        }
+        wanted.push_back(frame(0, kSv, 0x4001, tags));
+    }
+    for (Buffer const& other : others) {
+        EXPECT_FALSE(o.filter.matches(other));
+        sender.send(other);
+    }
+    for (Buffer const& one : wanted) {
+        EXPECT_TRUE(o.filter.matches(one));
+        sender.send(one);
+    }
+    EXPECT_EQ(receive(sut, wanted.size()), wanted);
+    EXPECT_EQ(waiting(sut), 0U);
     EXPECT_EQ(sut.counters().filtered, 0U) << "the kernel decided";
 }
 
@@ -397,6 +448,35 @@ TEST_F(PortErrors, DecidesTheSameInUserSpaceAsInTheKernel) {
     sender.send(frame(2, kSv, 0x4002));
     EXPECT_EQ(receive(port, 1).size(), 1U);
     EXPECT_EQ(waiting(port), 0U);
+}
+
+TEST_F(PortErrors, TheKernelTakesADatagramOfOursAsItsOwnWhereAGroupIsJoined) { // with its checksums
+    GroupMembership groups;
+    iec61850::Ipv4 const group{239, 192, 0, 2};
+    groups.join("right", group);
+    UniqueFd const socket{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_port = htons(iec61850::kRoutablePort);
+    std::memcpy(&at.sin_addr, group.data(), group.size());
+    timeval const patience{5, 0};
+    ::setsockopt(socket.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    ASSERT_EQ(::bind(socket.get(), reinterpret_cast<sockaddr const*>(&at), sizeof at), 0) << std::strerror(errno);
+    iec61850::RoutableAddress address;
+    address.ip_destination = group;
+    address.ip_source = {10, 0, 0, 1};
+    address.destination = address.group();
+    Buffer const payload{1, 0x40, 0xA1, 0, 7};
+    Port sender = *Port::open({.interface = "left", .filter = {}, .receive = false});
+    Buffer damaged = iec61850::udp_frame(address, payload);
+    damaged.back() = 8;
+    ASSERT_TRUE(sender.send(damaged));
+    ASSERT_TRUE(sender.send(iec61850::udp_frame(address, payload)));
+    Buffer received(100);
+    auto const size = ::recv(socket.get(), received.data(), received.size(), 0);
+    ASSERT_GT(size, 0) << std::strerror(errno);
+    received.resize(static_cast<std::size_t>(size));
+    EXPECT_EQ(received, payload) << "and not the one whose checksum is wrong";
 }
 
 } // namespace

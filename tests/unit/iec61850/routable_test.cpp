@@ -3,7 +3,7 @@
 #include "hex.hpp"
 
 #include "gateways/iec61850/goose.hpp"
-#include "gateways/iec61850/routable.hpp"
+#include "gateways/iec61850/routable_sender.hpp"
 #include "gateways/iec61850/sv.hpp"
 
 #include <gtest/gtest.h>
@@ -115,6 +115,55 @@ TEST(Routable, IsFoundInUdpToItsPortAndNowhereElse) {
     tcp[14 + 9] = 6;
     for (Buffer const& none : {other_port, fragment, tcp, Buffer(frame.begin(), frame.begin() + 40)}) {
         EXPECT_TRUE(routable_payload(none).empty());
+    }
+}
+
+/// What RoutableSender makes of the golden Ethernet frame of GOOSE.
+Buffer sent_over_udp(RoutableSender& sender) {
+    Buffer const ethernet = concat(addresses(), from_hex(kGoldenGoose));
+    FrameHeader header;
+    EXPECT_TRUE(decode_header(ethernet, header));
+    Buffer out(2000, 0xEE); // of a longer one before
+    sender.wrap(header, out);
+    return out;
+}
+
+TEST(Routable, EachMessageOfAStreamIsInADatagramWithANumberOfItsOwn) {
+    RoutableAddress address;
+    address.ip_destination = {239, 192, 0, 2};
+    address.ip_source = {10, 0, 0, 1};
+    address.vlan = VlanTag{5, 6};
+    RoutableSender sut{address};
+    for (std::uint32_t n = 0; n < 3; ++n) {
+        Buffer const frame = sent_over_udp(sut);
+        EXPECT_EQ(to_hex(Buffer(frame.begin(), frame.begin() + 6)), "01005e400002");
+        EXPECT_EQ(load_be<std::uint16_t>(frame.data() + 14), (VlanTag{5, 6}.tci()));
+        RoutableFrame datagram;
+        ASSERT_TRUE(decode_routable(routable_payload(frame), datagram));
+        EXPECT_EQ(datagram.session.spdu_number, n);
+        ASSERT_EQ(datagram.count, 1U);
+        EXPECT_EQ(to_hex(datagram.payloads[0].apdu), to_hex(goose_apdu()));
+        EXPECT_EQ(frame.size(), 18 + kRoutableOverhead + goose_apdu().size());
+        address.destination = address.group();
+        address.source = {{frame[6], frame[7], frame[8], frame[9], frame[10], frame[11]}};
+        EXPECT_EQ(to_hex(frame), to_hex(udp_frame(address, routable_payload(frame)))) << "headers and checksums";
+    }
+}
+
+TEST(Routable, TheKindOfAStreamIsKnownFromItsSession) {
+    RoutableSender sut{{}};
+    Buffer frame = sent_over_udp(sut);
+    EXPECT_EQ(stream_ethertype(frame), kGooseEthertype);
+    EXPECT_EQ(ethertype_of(frame), 0x0800);
+    std::size_t const session = 14 + 20 + 8 + 2;
+    frame[session] = 0xA2;
+    EXPECT_EQ(stream_ethertype(frame), kSvEthertype);
+    frame[session] = 0xA3; // management
+    EXPECT_EQ(stream_ethertype(frame), 0x0800);
+    Buffer const ethernet = concat(addresses(), from_hex(kGoldenGoose));
+    EXPECT_EQ(stream_ethertype(ethernet), kGooseEthertype);
+    for (std::size_t n = 0; n < frame.size(); ++n) {
+        EXPECT_NE(stream_ethertype(Octets{frame}.first(n)), kGooseEthertype) << n;
     }
 }
 

@@ -3,6 +3,7 @@
 #include "gateways/iec61850/sample_index.hpp"
 #include "gateways/link/impairment.hpp"
 
+#include "gateways/iec61850/routable_sender.hpp"
 #include "gateways/iec61850/sv_publisher.hpp"
 
 #include <bit>
@@ -248,6 +249,35 @@ TEST(Impairment, LeavesStreamsAloneThatAreNotMeant) {
     EXPECT_EQ(lost_of(sut, meant, 0, 10).size(), 10U);
     EXPECT_EQ(lost_of(sut, other, 0, 10).size(), 0U);
     EXPECT_EQ(sut.counters().seen, 10U);
+}
+
+TEST(Impairment, FindsStreamsAndSamplesOverUdpAndDamagesNoHeaderThere) {
+    Stream stream{0x4021};
+    iec61850::RoutableAddress address;
+    address.ip_destination = {239, 192, 0, 21};
+    iec61850::RoutableSender sender{address};
+    stream.mark.destination = address.group();
+    ImpairmentPlan plan;
+    plan.first.corrupt_percent = 100;
+    plan.first.corrupt_bits = 1000;
+    plan.marks = {stream.mark};
+    plan.only = {0};
+    plan.samples = {{0, 3, 2, SampleImpairment::What::lose, 0}};
+    Impairment sut{plan, 1, "cable"};
+    for (std::int64_t i = 0; i < 10; ++i) {
+        iec61850::FrameHeader header;
+        ASSERT_TRUE(iec61850::decode_header(stream.frame(i), header));
+        std::vector<std::uint8_t> frame;
+        sender.wrap(header, frame);
+        Outcome out;
+        sut.pass({frame, i * 1'000'000'000 / 4800 + 120'000}, out);
+        ASSERT_EQ(out.frames.size(), i == 3 || i == 4 ? 0U : 1U) << i;
+        for (auto const& [at, damaged] : out.frames) {
+            EXPECT_NE(damaged, frame);
+            EXPECT_EQ(iec61850::stream_ethertype(damaged), iec61850::kSvEthertype);
+        }
+    }
+    EXPECT_EQ(sut.counters().corrupted, 8U);
 }
 
 TEST(AbsoluteIndex, FollowsFromTheCounterAndHalfASecondsKnowledgeOfTime) {

@@ -13,6 +13,7 @@
 namespace gridspace::scl {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -101,6 +102,36 @@ TEST(Scl, WhatIsExportedIsImportedAsTheSameStreams) {
     }
     EXPECT_EQ(find_stream(after, "IED2_Trip")->go_id, "TRIP2");
     EXPECT_EQ(find_stream(after, "MU21_MSVCB01")->data_set_name, "MU21LD1/LLN0$Currents");
+}
+
+TEST(Scl, StreamsOverUdpKeepTheirGroup) {
+    std::string const scl = written(R"(
+A: {kind: smv, udp: {group: 239.192.0.21, dscp: 40}, app_id: 0x4021, sv_id: A, data_set_name: MU21LD1/LLN0$Currents, data_set: {Ia: float32}}
+B: {kind: goose, udp: {group: 239.192.0.2}, app_id: 0x8002, control_block: IED2LD0/LLN0$GO$Trip, data_set: {status: boolean}}
+)");
+    EXPECT_THAT(scl, AllOf(HasSubstr(R"(<Protocol mustUnderstand="true">R-GOOSE</Protocol>)"),
+                           HasSubstr(R"(<Protocol mustUnderstand="true">R-SV</Protocol>)"),
+                           HasSubstr(R"(<P type="MAC-Address">01-00-5E-40-00-15</P>)")));
+    auto const imported = import_streams(scl, "test.cid", {});
+    ASSERT_TRUE(imported);
+    EXPECT_THAT(imported->notes, IsEmpty());
+    auto const after = read(imported->streams);
+    ASSERT_EQ(after.size(), 2U);
+    for (streams::Stream const& s : after) {
+        ASSERT_TRUE(s.udp);
+        bool const goose = s.kind == streams::Kind::goose;
+        EXPECT_EQ(s.udp->group, (iec61850::Ipv4{239, 192, 0, static_cast<std::uint8_t>(goose ? 2 : 21)}));
+        EXPECT_EQ(s.udp->dscp, goose ? 46 : 40);
+    }
+    std::string wrong = scl;
+    for (char const* group : {"239.192.0.21", "239.192.0.2"}) {
+        wrong.replace(wrong.find(group), std::string{group}.size(), "10.0.0.1");
+    }
+    auto const without = import_streams(wrong, "test.cid", {});
+    ASSERT_TRUE(without);
+    EXPECT_THAT(without->notes, testing::Each(HasSubstr("'10.0.0.1', which is no group that routers forward")));
+    EXPECT_EQ(without->notes.size(), 2U);
+    EXPECT_EQ(read(without->streams).size(), 2U);
 }
 
 /// Two streams that call their data sets the same, in one device.

@@ -187,8 +187,55 @@ TEST(Streams, ThatAreAuthenticatedHaveAnAddressOfTheirOwn) {
     std::string const key = "authentication: {key_name: k}";
     EXPECT_EQ(read(changed(kSmv, "sv_id", key + ", sv_id")).text, "");
     EXPECT_THAT(read(kSmv + "T: {like: S, sv_id: MU22, " + key + "}\n").text,
-                HasSubstr("streams 'S' and 'T' have the same mac and app_id"));
+                HasSubstr("streams 'S' and 'T' have the same Ethernet address and app_id"));
     EXPECT_EQ(read(kSmv + "T: {like: S, sv_id: MU22, app_id: 0x4022, " + key + "}\n").text, "");
+}
+
+std::string over_udp(std::string const& stream, std::string const& keys) {
+    std::string const mac = "mac: \"";
+    std::size_t const from = stream.find(mac);
+    return stream.substr(0, from) + "udp: {" + keys + "}" + stream.substr(stream.find('"', from + mac.size()) + 1);
+}
+
+TEST(Streams, OverUdpGoToTheEthernetAddressOfTheirGroup) {
+    Read const read_ones = read(over_udp(kGoose, "group: 239.192.1.2, source: 10.1.2.3, ttl: 3, dscp: 10"));
+    ASSERT_EQ(read_ones.text, "");
+    Stream const& sut = read_ones.streams.at(0);
+    EXPECT_EQ(sut.address.destination.to_string(), "01:00:5E:40:01:02");
+    iec61850::RoutableAddress const address = sut.udp->from({1, 1, 1, 1}, std::nullopt);
+    EXPECT_EQ(address.ip_source, (iec61850::Ipv4{10, 1, 2, 3}));
+    EXPECT_EQ(address.ttl, 3);
+    EXPECT_EQ(address.dscp, 10);
+    auto const own = read(over_udp(kGoose, "group: 239.192.1.2")).streams.at(0).udp->from({1, 1, 1, 1}, std::nullopt);
+    EXPECT_EQ(own.ip_source, (iec61850::Ipv4{1, 1, 1, 1}));
+}
+
+TEST(Streams, OverUdpHaveAGroupARoomAndNoOtherAddress) {
+    for (auto const& [stream, says] : std::vector<std::pair<std::string, char const*>>{
+             {over_udp(kGoose, "group: 10.0.0.1"), "routers forward nothing"},
+             {over_udp(kGoose, "group: 224.0.0.7"), "routers forward nothing"},
+             {over_udp(kGoose, "group: 239.1.1"), "'239.1.1' is not an IPv4 address"},
+             {over_udp(kGoose, "ttl: 3"), "group"},
+             {over_udp(kGoose, "group: 239.1.1.1, source: here"), "'here' is not an IPv4 address"},
+             {over_udp(kGoose, "group: 239.1.1.1, ttl: 0"), "ttl"},
+             {changed(kGoose, "mac", "udp: {group: 239.1.1.1}, mac"), "the stream has `udp` and `mac`"},
+             {changed(over_udp(kGoose, "group: 239.1.1.1"), "data_set", "authentication: {key_name: k}, data_set"),
+              "goes over UDP"},
+             {over_udp(kGoose, "group: 239.1.1.1") +
+                  changed(changed(over_udp(kGoose, "group: 238.1.1.1"), "Trip", "Other"), "G:", "H:"),
+              "the same Ethernet address and app_id"}}) {
+        EXPECT_THAT(read(stream).text, HasSubstr(says)) << stream;
+    }
+    // 1435 octets of an APDU: 25 before the samples of each ASDU here, so what fits in a frame need not in a datagram.
+    auto const samples = [](int n) {
+        std::string members;
+        for (int i = 0; i < n; ++i) {
+            members += (i == 0 ? "" : ", ") + ("m" + std::to_string(i)) + ": float32";
+        }
+        return "L: {kind: smv, udp: {group: 239.1.1.1}, sv_id: MU, data_set: {" + members + "}}\n";
+    };
+    EXPECT_EQ(read(samples(340)).text, "");
+    EXPECT_THAT(read(samples(362)).text, HasSubstr("a datagram has room for 1435"));
 }
 
 TEST(Streams, ReportAllMistakesAtOnce) {
