@@ -77,7 +77,7 @@ std::string verdict(Results const& r) {
     }
     return r.expectations.empty() ? "✓ it ran to its end; the scenario expects nothing"
            : advice.empty()       ? "✓ every expectation holds"
-                                  : "✓ what decides holds; not so, as advice only: " + join(advice, ", ");
+                                  : "✓ passed; advisory expectations that do not hold: " + join(advice, ", ");
 }
 
 std::string facts(Results const& r) {
