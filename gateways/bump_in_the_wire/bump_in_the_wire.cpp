@@ -35,8 +35,7 @@ Result<ethernet::Port> open_port(bus::Node const& node, std::string const& inter
 }
 
 /// IP of the kernels passes untouched.
-bool is_for_hooks(iec61850::Octets frame) {
-    std::uint16_t const channel = ethernet::channel_of(frame);
+bool is_for_hooks(std::uint16_t channel) {
     return channel == iec61850::kSvEthertype || channel == iec61850::kGooseEthertype ||
            channel == ethernet::kIpEthertype;
 }
@@ -187,12 +186,12 @@ struct BumpInTheWire::Impl {
         for (std::size_t n = 0; (n = side.port->receive(batch)) > 0;) {
             for (std::size_t i = 0; i < n; ++i) {
                 ethernet::ReceivedFrame const& frame = batch[i];
-                if (side.way->hook == nullptr || !is_for_hooks(frame.octets)) {
+                std::uint16_t const channel = ethernet::channel_of(frame.octets);
+                if (side.way->hook == nullptr || !is_for_hooks(channel)) {
                     (void)side.opposite->send(frame.octets);
                 } else if (node.lockstep()) {
                     // Without a reader nobody of the run sends it: it has no place in simulated time.
-                    if (auto const reader = side.way->readers.find(ethernet::channel_of(frame.octets));
-                        reader != side.way->readers.end()) {
+                    if (auto const reader = side.way->readers.find(channel); reader != side.way->readers.end()) {
                         reader->second->push(std::as_bytes(frame.octets), frame.stamp_ns);
                     }
                 } else {

@@ -13,10 +13,6 @@ namespace {
 constexpr std::uint32_t kWhole = 0x40000; // octets of a frame that are given: all
 constexpr std::size_t kLongestList = 60;  // a conditional jump reaches 255 instructions; a destination takes four
 
-bool is_vlan(std::uint16_t ethertype) {
-    return ethertype == 0x8100 || ethertype == 0x88A8;
-}
-
 template <class T>
 bool in(std::vector<T> const& list, T const& value) {
     return list.empty() || std::find(list.begin(), list.end(), value) != list.end();
@@ -77,16 +73,12 @@ bool FrameFilter::matches(Octets frame) const noexcept {
     if (routable && !iec61850::routable_payload(frame).empty()) {
         return true;
     }
-    std::size_t at = 12;
-    for (int tags = 0;
-         tags < 2 && frame.size() >= at + 6 && is_vlan(iec61850::load_be<std::uint16_t>(frame.data() + at)); ++tags) {
-        at += 4;
-    }
-    if (!in(ethertypes, iec61850::load_be<std::uint16_t>(frame.data() + at))) {
-        return false;
-    }
-    if (!app_ids.empty() &&
-        (frame.size() < at + 4 || !in(app_ids, iec61850::load_be<std::uint16_t>(frame.data() + at + 2)))) {
+    std::size_t const header = iec61850::ethernet_header_octets(frame);
+    auto const has = [&](std::vector<std::uint16_t> const& list, std::size_t at) {
+        return list.empty() ||
+               (frame.size() >= at + 2 && in(list, iec61850::load_be<std::uint16_t>(frame.data() + at)));
+    };
+    if (!has(ethertypes, header - 2) || !has(app_ids, header)) {
         return false;
     }
     Mac destination;

@@ -4,6 +4,8 @@
 
 #include "gateways/iec61850/ber.hpp"
 
+#include <algorithm>
+
 namespace gridspace::iec61850 {
 namespace {
 
@@ -295,6 +297,13 @@ void as_ethernet(Mac const& destination, Mac const& source, RoutablePayload cons
                   payload.goose ? kGooseEthertype : kSvEthertype);
     append(out, payload.apdu);
     store_be(out.data() + 16, static_cast<std::uint16_t>(kHeaderOctets + payload.apdu.size()));
+}
+
+void as_ethernet(Octets frame, RoutablePayload const& payload, std::vector<std::uint8_t>& out) {
+    Mac destination, source;
+    std::copy_n(frame.begin(), 6, destination.octets.begin());
+    std::copy_n(frame.begin() + 6, 6, source.octets.begin());
+    as_ethernet(destination, source, payload, out);
 }
 
 } // namespace gridspace::iec61850

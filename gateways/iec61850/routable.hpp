@@ -86,6 +86,8 @@ void complete_udp_frame(std::span<std::uint8_t> frame);
 /// The same message as it would stand in an Ethernet frame of its own (0x88B8, 0x88BA), for who reads those.
 void as_ethernet(Mac const& destination, Mac const& source, RoutablePayload const& payload,
                  std::vector<std::uint8_t>& out);
+/// With the addresses of `frame`, in which it came.
+void as_ethernet(Octets frame, RoutablePayload const& payload, std::vector<std::uint8_t>& out);
 [[nodiscard]] inline std::vector<std::uint8_t> as_ethernet(Mac const& destination, Mac const& source,
                                                            RoutablePayload const& payload) {
     std::vector<std::uint8_t> out;

@@ -98,10 +98,7 @@ iec61850::Octets Impairment::message_of(iec61850::Octets frame) {
     if (datagram.empty() || !iec61850::decode_routable(datagram, session_)) {
         return frame;
     }
-    iec61850::Mac destination, source;
-    std::copy_n(frame.begin(), 6, destination.octets.begin());
-    std::copy_n(frame.begin() + 6, 6, source.octets.begin());
-    iec61850::as_ethernet(destination, source, session_.payloads[0], message_);
+    iec61850::as_ethernet(frame, session_.payloads[0], message_);
     return message_;
 }
 

@@ -121,9 +121,6 @@ std::span<bus::WireFrame const* const> WirePort::opened(std::span<bus::WireFrame
             opened_.push_back(frame);
             continue;
         }
-        iec61850::Mac destination, source;
-        std::copy_n(outer.begin(), 6, destination.octets.begin());
-        std::copy_n(outer.begin() + 6, 6, source.octets.begin());
         for (iec61850::RoutablePayload const& payload : session_.view()) {
             if ((payload.goose ? iec61850::kGooseEthertype : iec61850::kSvEthertype) != ethertype) {
                 continue;
@@ -132,7 +129,7 @@ std::span<bus::WireFrame const* const> WirePort::opened(std::span<bus::WireFrame
                 messages.push_back(std::make_unique<bus::WireFrame>());
             }
             bus::WireFrame& message = *messages[used++];
-            iec61850::as_ethernet(destination, source, payload, message_);
+            iec61850::as_ethernet(outer, payload, message_);
             auto const bytes = std::as_bytes(std::span{message_});
             message.octets.assign(bytes.begin(), bytes.end());
             message.time = frame->time;

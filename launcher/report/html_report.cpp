@@ -53,7 +53,6 @@ std::string expectations(Results const& r) {
     return out + "</table></section>\n";
 }
 
-/// "2 of 10 expectations failed: v_min, ev1_done"
 /// The names of the expectations that do not hold.
 std::vector<std::string> failed(Results const& r, bool advisory) {
     std::vector<std::string> out;

@@ -197,12 +197,9 @@ void Observer::add_routed(Octets frame, Octets datagram, std::int64_t time_ns) {
         errors_.count(ok.error().reason);
         return;
     }
-    Mac destination, source;
-    std::copy_n(frame.begin(), 6, destination.octets.begin());
-    std::copy_n(frame.begin() + 6, 6, source.octets.begin());
     routed_ = true;
     for (RoutablePayload const& payload : routable_->view()) {
-        as_ethernet(destination, source, payload, rewrapped_);
+        as_ethernet(frame, payload, rewrapped_);
         payload.goose ? add_goose(rewrapped_, time_ns) : add_sv(rewrapped_, time_ns);
     }
     routed_ = false;

@@ -36,14 +36,14 @@ struct Oracle {
     // ST1A and PSS1A
     double ka{200}, ta{0.01}, tr{0.02}, lowest{-6}, highest{6}, tc{0}, tb{0}, kf{0}, tf{1};
     double vr_max{1e9}, vr_min{-1e9}, kc{0};
-    double ks{0}, t5{1.4}, t1{0}, t2{0}, pss{0.1};
+    double ks{0}, t5{1.4}, t1{0}, t2{0}, t3{0}, t4{0}, pss{0.1};
     // the machine of text_of()
     static constexpr double xd = 1.8, xq = 1.7, xd1 = 0.3, x2 = 0.25, xl = 0.16, ra = 0.003, td01 = 8, td02 = 0.03,
                             tq02 = 0.07, h = 3.5;
     double p_ref{0}, v_ref{0};
     Phasor source;
 
-    enum { eq1, psi1d, psi2q, speed, angle, vm, va, lead, rate, wash, first, count };
+    enum { eq1, psi1d, psi2q, speed, angle, vm, va, lead, rate, wash, first, second, count };
     using State = std::array<double, count>;
     State x{};
 
@@ -75,10 +75,11 @@ struct Oracle {
         d[angle] = kOmega * s[speed];
         d[vm] = (o.v - s[vm]) / tr;
         double stabilizing = 0;
-        if (ks > 0) { // washed: t5 w' + w = t5 ks speed'; then t2 y' + y = w + t1 w'
+        if (ks > 0) { // washed: t5 w' + w = t5 ks speed'; then t2 y' + y = w + t1 w', t4 z' + z = y + t3 y'
             d[wash] = ks * d[speed] - s[wash] / t5;
-            d[first] = t2 > 0 ? (s[wash] + t1 * d[wash] - s[first]) / t2 : 0;
-            stabilizing = std::clamp(t2 > 0 ? s[first] : s[wash], -pss, pss);
+            d[first] = (s[wash] + t1 * d[wash] - s[first]) / t2;
+            d[second] = (s[first] + t3 * d[first] - s[second]) / t4;
+            stabilizing = std::clamp(s[second], -pss, pss);
         }
         double const error = v_ref - s[vm] + stabilizing - s[rate];
         double const led = tb > 0 ? s[lead] + tc / tb * (error - s[lead]) : error;
@@ -130,7 +131,7 @@ struct Change {
     double seconds;
 };
 
-/// Changes of what the machine is asked for, and what it does beside the oracle. How far it is beyond a limit, too.
+/// Changes of what the machine is asked for, and what it does beside the oracle.
 void compare(std::string const& solver, std::string const& avr, Oracle oracle, std::vector<Change> const& changes) {
     Network n;
     auto const diagnostics = read_text(text_of(avr), n);
@@ -175,11 +176,13 @@ TEST_P(Exciters, HaveALeadLagAndAStabilizer) {
     oracle.ks = 9.5;
     oracle.t1 = 0.154;
     oracle.t2 = 0.033;
+    oracle.t3 = 0.1;
+    oracle.t4 = 0.04;
     oracle.pss = 0.02; // the steps of power reach it
     compare(
         GetParam(),
         "ka: 200, ta_s: 0.01, tr_s: 0.02, efd_min_pu: -6, efd_max_pu: 6, tc_s: 1, tb_s: 10, stabilizer: {gain: 9.5, "
-        "washout_s: 1.4, t1_s: 0.154, t2_s: 0.033, min_pu: -0.02, max_pu: 0.02}",
+        "washout_s: 1.4, t1_s: 0.154, t2_s: 0.033, t3_s: 0.1, t4_s: 0.04, min_pu: -0.02, max_pu: 0.02}",
         oracle, {{"voltage_setpoint_pu", 1.02, 1.5}, {"p_kw", 90, 1.5}, {"p_kw", 50, 1.5}});
 }
 
