@@ -21,11 +21,11 @@ namespace gridspace::bus {
 namespace dds = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
-class Writer final : public RawWriter, private dds::DataWriterListener {
+class DdsWriter final : public RawWriter, private dds::DataWriterListener {
   public:
-    Writer(Directory& directory, dds::Publisher* publisher, Codec const& codec)
+    DdsWriter(Directory& directory, dds::Publisher* publisher, Codec const& codec)
         : directory_{directory}, publisher_{publisher}, codec_{codec} {}
-    ~Writer() override {
+    ~DdsWriter() override {
         if (writer_ != nullptr) {
             writer_->set_listener(nullptr);
             constexpr std::chrono::milliseconds kPatience{200}; // two heartbeats
@@ -88,11 +88,11 @@ class Writer final : public RawWriter, private dds::DataWriterListener {
     Matches matches_;
 };
 
-class Reader final : public RawReader, private dds::DataReaderListener {
+class DdsReader final : public RawReader, private dds::DataReaderListener {
   public:
-    Reader(Directory& directory, dds::Subscriber* subscriber, SampleHandler handler)
+    DdsReader(Directory& directory, dds::Subscriber* subscriber, SampleHandler handler)
         : directory_{directory}, subscriber_{subscriber}, handler_{std::move(handler)} {}
-    ~Reader() override {
+    ~DdsReader() override {
         if (reader_ != nullptr) {
             reader_->set_listener(nullptr);
             subscriber_->delete_datareader(reader_);

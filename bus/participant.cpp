@@ -305,7 +305,7 @@ class FastDdsParticipant final : public Participant {
         }
         qos.endpoint().history_memory_policy =
             codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-        auto writer = std::make_unique<Writer>(directory_, publisher_, codec);
+        auto writer = std::make_unique<DdsWriter>(directory_, publisher_, codec);
         if (!writer->open(*topic, qos)) {
             return fail(ExitCode::usage, fmt::format("DDS refused the writer of topic '{}'", topic_name),
                         secured_ ? "'" + options_.process + "' has no right to publish it: it does not declare that"
@@ -322,8 +322,8 @@ class FastDdsParticipant final : public Participant {
         }
         qos.endpoint().history_memory_policy =
             codec.max_size != 0 ? rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE : rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-        auto reader =
-            std::make_unique<Reader>(directory_, subscriber != nullptr ? subscriber : subscriber_, std::move(handler));
+        auto reader = std::make_unique<DdsReader>(directory_, subscriber != nullptr ? subscriber : subscriber_,
+                                                  std::move(handler));
         if (ignore_own) {
             reader->ignore(participant_->guid().guidPrefix);
         }

@@ -24,7 +24,13 @@ function(gridspace_idl_library name)
       COMMENT "fastddsgen ${stem}.idl"
       VERBATIM)
     list(APPEND sources ${generated})
+    string(APPEND together "#include \"${stem}.cxx\"\n#include \"${stem}PubSubTypes.cxx\"\n")
   endforeach()
+  if(GRIDSPACE_TOGETHER GREATER 1) # as other sources (GridspaceTargets.cmake)
+    set_source_files_properties(${sources} PROPERTIES HEADER_FILE_ONLY ON)
+    file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/together/${name}_types.cxx" CONTENT "${together}" @ONLY)
+    list(APPEND sources "${CMAKE_CURRENT_BINARY_DIR}/together/${name}_types.cxx")
+  endif()
   add_library(gridspace_${name} STATIC ${sources})
   add_library(gridspace::${name} ALIAS gridspace_${name})
   target_include_directories(gridspace_${name} SYSTEM PUBLIC "${out}")
@@ -32,13 +38,14 @@ function(gridspace_idl_library name)
   target_compile_options(gridspace_${name} PRIVATE -w)
 endfunction()
 
-# gridspace_codecs(OUT a.idl b.idl ...): the sources that tell the bus of the types in these files (bus/codec.hpp): a file of codecs each,
-# and the registry of all. A topic type is a structure that is no member of another one. Types of ours are in no module.
+# gridspace_codecs(OUT a.idl b.idl ...): the sources that tell the bus of the types in these files (bus/codec.hpp): their codecs, and the
+# registry of all. A topic type is a structure that is no member of another one. Types of ours are in no module.
 function(gridspace_codecs out)
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/types")
   set(head "// Made from idl/ by cmake/GridspaceIdl.cmake.\n")
-  set(sources)
   set(includes "")
+  set(codec_includes "")
+  set(codecs "")
   set(entries "")
   foreach(idl IN LISTS ARGN)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${idl}")
@@ -50,7 +57,6 @@ function(gridspace_codecs out)
       message(FATAL_ERROR "${idl}: types of the framework are in no module; those of users belong into idl/user")
     endif()
     string(REGEX MATCHALL " struct [A-Za-z0-9_]+" structures "${words}")
-    set(codecs "")
     foreach(structure IN LISTS structures)
       string(REPLACE " struct " "" type "${structure}")
       string(REGEX MATCHALL " ${type} " uses "${words}")
@@ -60,11 +66,10 @@ function(gridspace_codecs out)
         string(APPEND entries "        &codec_of<${type}>(),\n")
       endif()
     endforeach()
-    file(CONFIGURE OUTPUT "${folder}/${stem}_codecs.cpp"
-         CONTENT "${head}#include \"bus/codec_impl.hpp\"\n\n#include <${stem}PubSubTypes.h>\n\n${codecs}" @ONLY)
-    list(APPEND sources "${folder}/${stem}_codecs.cpp")
+    string(APPEND codec_includes "#include <${stem}PubSubTypes.h>\n")
     string(APPEND includes "#include <${stem}.h>\n")
   endforeach()
+  file(CONFIGURE OUTPUT "${folder}/codecs.cpp" CONTENT "${head}#include \"bus/codec_impl.hpp\"\n\n${codec_includes}\n${codecs}" @ONLY)
   file(CONFIGURE OUTPUT "${folder}/registry.cpp" @ONLY CONTENT
 "${head}#include \"bus/codec.hpp\"
 
@@ -85,5 +90,5 @@ ${entries}    };
 
 } // namespace gridspace::bus
 ")
-  set(${out} ${sources} "${folder}/registry.cpp" PARENT_SCOPE)
+  set(${out} "${folder}/codecs.cpp" "${folder}/registry.cpp" PARENT_SCOPE)
 endfunction()

@@ -42,6 +42,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # False alarms on std::string and std::optional (GCC bugs 105329, 105651, 105562, 80635).
   target_compile_options(gridspace_flags INTERFACE -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds -Wno-maybe-uninitialized)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU") # it takes a source that is compiled with others for a header (GRIDSPACE_TOGETHER)
+  target_compile_options(gridspace_flags INTERFACE -Wno-subobject-linkage)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   target_compile_options(gridspace_flags INTERFACE -Wno-deprecated-declarations # libstdc++ 12 uses its own std::get_temporary_buffer
                                                    -Wno-sign-conversion) # not part of g++'s -Wconversion

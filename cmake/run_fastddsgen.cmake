@@ -16,6 +16,8 @@ endif()
 set(bounded_text [=[
 using namespace eprosima::fastcdr::exception;
 
+#ifndef GRIDSPACE_BOUNDED_TEXT // once where several are compiled together
+#define GRIDSPACE_BOUNDED_TEXT
 namespace {
 struct BoundedText {
     char text[1025];
@@ -31,6 +33,7 @@ inline void operator>>(eprosima::fastcdr::Cdr& cdr, BoundedText& out) {
     out.text[size] = 0;
 }
 } // namespace
+#endif
 ]=])
 file(READ "${OUT}/${STEM}.cxx" generated)
 if(generated MATCHES "std::string aux;")

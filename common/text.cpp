@@ -148,6 +148,14 @@ bool is_identifier(std::string_view text) {
            std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || digit(c); });
 }
 
+std::string as_file_name(std::string_view name) {
+    std::string out{name};
+    std::replace_if(
+        out.begin(), out.end(),
+        [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-'; }, '_');
+    return out;
+}
+
 std::string escape_markup(std::string_view text) {
     std::string out;
     for (char const c : text) {

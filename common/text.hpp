@@ -31,6 +31,9 @@ namespace gridspace {
 /// [A-Za-z_][A-Za-z0-9_]*: what a topic, process, host, link or element may be called (CycloneDDS refuses more).
 [[nodiscard]] bool is_identifier(std::string_view text);
 
+/// A name as part of a file's: what is no letter, digit, '_' or '-' becomes '_'.
+[[nodiscard]] std::string as_file_name(std::string_view name);
+
 /// Text for an element or a quoted attribute of HTML, SVG or XML.
 [[nodiscard]] std::string escape_markup(std::string_view text);
 

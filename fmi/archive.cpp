@@ -34,7 +34,7 @@ struct Archive::Opened {
 namespace {
 
 constexpr std::string_view kMakeAgain = "export the FMU again, or ask whoever made it";
-constexpr unsigned kTypeMask = 0170000, kRegular = 0100000, kFolder = 0040000; // of st_mode, in zip files of Unix
+constexpr unsigned kTypeMask = 0170000, kRegular = 0100000, kFolderType = 0040000; // of st_mode, in zip files of Unix
 
 /// Why a name cannot be a file below a folder; nothing when it can.
 std::optional<std::string_view> refuse_name(std::string_view name) {
@@ -75,7 +75,7 @@ std::optional<std::string> refuse_entry(unz_file_info64 const& info) {
         return fmt::format("is compressed by method {}, and an FMU is stored or deflated", info.compression_method);
     }
     unsigned const type = (info.external_fa >> 16U) & kTypeMask;
-    if ((info.version >> 8U) == kUnix && type != 0 && type != kRegular && type != kFolder) {
+    if ((info.version >> 8U) == kUnix && type != 0 && type != kRegular && type != kFolderType) {
         return "is no file and no folder, but a link or a device";
     }
     return std::nullopt;

@@ -17,7 +17,7 @@ using v2::Component;
 using v2::Reference;
 
 /// fmi2CallbackLogger: printf's format with its arguments.
-void log(void* environment, char const*, int status, char const* category, char const* message, ...) {
+void log_of_fmi2(void* environment, char const*, int status, char const* category, char const* message, ...) {
     std::array<char, 2048> text{};
     std::va_list arguments;
     va_start(arguments, message);
@@ -31,7 +31,7 @@ class Instance2 final : public Instance {
   public:
     Instance2(SharedObject object, v2::Functions const& functions, std::string const& fmu, CoSimulation can, Host& host)
         : object_{std::move(object)}, f_{functions}, can_{std::move(can)}, calls_{fmu, host},
-          callbacks_{log, std::calloc, std::free, nullptr, &calls_} {}
+          callbacks_{log_of_fmi2, std::calloc, std::free, nullptr, &calls_} {}
 
     Result<void> create(ModelDescription const& description, std::string const& name, std::string const& resources) {
         component_ = calls_.plain("fmi2Instantiate", f_.instantiate, name.c_str(), v2::kCoSimulation,

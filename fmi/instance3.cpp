@@ -11,7 +11,7 @@ namespace {
 
 using v3::Reference;
 
-void log(void* environment, int status, char const* category, char const* message) {
+void log_of_fmi3(void* environment, int status, char const* category, char const* message) {
     static_cast<Calls*>(environment)
         ->said(static_cast<Status>(status), category == nullptr ? "" : category, message == nullptr ? "" : message);
 }
@@ -26,7 +26,7 @@ class Instance3 final : public Instance {
         v3::IntermediateUpdate* const no_update = nullptr;
         instance_ = calls_.plain("fmi3InstantiateCoSimulation", f_.instantiate, name.c_str(), description.token.c_str(),
                                  resources.c_str(), false, false, false, can_.variable_step, no_variables,
-                                 std::size_t{0}, static_cast<void*>(&calls_), &log, no_update);
+                                 std::size_t{0}, static_cast<void*>(&calls_), &log_of_fmi3, no_update);
         return instance_ != nullptr ? Result<void>{} : calls_.judge(Status::error, "fmi3InstantiateCoSimulation", "");
     }
 

@@ -58,10 +58,22 @@ def closure(file):
     return sorted(seen)
 
 
+def single(commands):
+    """The commands with those of sources that are compiled together (GRIDSPACE_TOGETHER) taken apart, one for each."""
+    out = []
+    for entry in commands:
+        file = pathlib.Path(entry["file"])
+        sources = [ROOT / line.split('"')[1] for line in file.read_text().splitlines()] if file.parent.name == "together" and file.suffix == ".cpp" else [file]
+        for source in sources:
+            out.append({**entry, "file": str(source), "command": entry["command"].replace(str(file), str(source))})
+    return out
+
+
 def key(entry, version):
     """What a verdict depends on, as one hash: no path of this clone is in it."""
     file = pathlib.Path(entry["file"])
-    parts = [version, (ROOT / ".clang-tidy").read_text(), entry["command"].replace(str(ROOT), ""), digest(file)]
+    command = re.sub(r" -o \S+", "", entry["command"]).replace(str(ROOT), "")
+    parts = [version, (ROOT / ".clang-tidy").read_text(), command, digest(file)]
     parts += [digest(h) for h in closure(file)]
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
@@ -92,7 +104,7 @@ def main():
     clean.mkdir(parents=True, exist_ok=True)
     age = changed_last()
     entries = []
-    commands = json.loads(database.read_text())
+    commands = single(json.loads(database.read_text()))
     for entry in commands: # without what is precompiled, so that a missing include is found
         entry["command"] = re.sub(r" -Winvalid-pch| -include-pch \S+| -Xclang -fno-pch-timestamp", "", entry["command"])
     plain = BUILD / "tidy"

@@ -13,8 +13,12 @@
 
 #include <map>
 #include <set>
+#include <sys/socket.h>
 
 namespace gridspace::timebox {
+
+/// What socket(2) and accept4(2) take beside the kind.
+inline constexpr std::uint64_t kSocketFlags = SOCK_CLOEXEC | SOCK_NONBLOCK;
 
 /// What each call means in simulated time. The threads stand still while it looks at them.
 class CallTable {

@@ -14,8 +14,6 @@
 namespace gridspace::timebox {
 namespace {
 
-constexpr std::uint64_t kSocketFlags = SOCK_CLOEXEC | SOCK_NONBLOCK;
-
 bool is_accept(Thread const& t) {
     return t.call.number == SYS_accept || t.call.number == SYS_accept4;
 }

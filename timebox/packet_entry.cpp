@@ -13,11 +13,7 @@
 #include <sys/time.h>
 
 namespace gridspace::timebox {
-namespace {
-
-constexpr std::uint64_t kSocketFlags = SOCK_CLOEXEC | SOCK_NONBLOCK;
-
-} // namespace
+namespace {} // namespace
 
 CallTable::Named CallTable::packet_socket_of(Thread const& t, std::size_t argument) {
     if (!packets_) {

@@ -12,7 +12,7 @@
 namespace gridspace::timebox {
 namespace {
 
-constexpr std::size_t kPage = 4096, kLeastHeader = 16;
+constexpr std::size_t kRingPage = 4096, kLeastHeader = 16;
 
 std::size_t aligned(std::size_t octets) {
     return (octets + TPACKET_ALIGNMENT - 1) / TPACKET_ALIGNMENT * TPACKET_ALIGNMENT;
@@ -22,7 +22,7 @@ std::size_t aligned(std::size_t octets) {
 
 bool PacketRing::is_sound() const {
     tpacket_req const& r = shape;
-    return r.tp_block_size > 0 && r.tp_block_size % kPage == 0 && r.tp_frame_size % TPACKET_ALIGNMENT == 0 &&
+    return r.tp_block_size > 0 && r.tp_block_size % kRingPage == 0 && r.tp_frame_size % TPACKET_ALIGNMENT == 0 &&
            r.tp_frame_size >= TPACKET2_HDRLEN + reserve && r.tp_frame_size <= r.tp_block_size &&
            r.tp_block_size / r.tp_frame_size * r.tp_block_nr == r.tp_frame_nr;
 }

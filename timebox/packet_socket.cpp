@@ -10,7 +10,8 @@ namespace gridspace::timebox {
 namespace {
 
 constexpr std::size_t kTagOctets = 4, kAddressOctets = 12;
-constexpr std::size_t kBookkeeping = 768; ///< what the kernel charges a buffer for a frame beside its octets, about
+constexpr std::size_t kFrameBookkeeping =
+    768; ///< what the kernel charges a buffer for a frame beside its octets, about
 
 std::uint16_t word(std::span<std::uint8_t const> octets, std::size_t at) {
     return static_cast<std::uint16_t>(octets[at] << 8U | octets[at + 1]);
@@ -50,7 +51,7 @@ bool PacketSocket::wants(PacketFrame const& frame, int on_interface) const {
 }
 
 bool PacketSocket::push(PacketFrame const& frame) {
-    std::size_t const takes = frame.octets.size() + kBookkeeping;
+    std::size_t const takes = frame.octets.size() + kFrameBookkeeping;
     if (used + takes > room) {
         return false;
     }
@@ -62,7 +63,7 @@ bool PacketSocket::push(PacketFrame const& frame) {
 PacketFrame PacketSocket::pop() {
     PacketFrame out = std::move(queue.front());
     queue.pop_front();
-    used -= out.octets.size() + kBookkeeping;
+    used -= out.octets.size() + kFrameBookkeeping;
     return out;
 }
 

@@ -12,8 +12,6 @@
 namespace gridspace::timebox {
 namespace {
 
-constexpr int kMostMarks = 8; // the kernel's queue has room for ten
-
 void take_mark(PacketSocket& socket, int file) {
     char octet = 0;
     if (::recv(file, &octet, 1, MSG_DONTWAIT) == 1) {

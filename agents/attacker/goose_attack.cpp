@@ -15,14 +15,12 @@ AttackTimes waiting(AttackTimes times, bool waits) {
 
 } // namespace
 
-using Kind = GooseAttackParams::Kind;
-
 GooseAttack::GooseAttack(GooseAttackParams const& params, AttackTimes const& times, std::uint64_t seed)
     : params_{params}, window_{waiting(times, params.said.has_value())}, next_ns_{window_.next(times.from)},
       random_{seed, "goose"} {}
 
 bool GooseAttack::only_alters() const {
-    return params_.kind == Kind::grayhole || params_.kind == Kind::stretch;
+    return params_.kind == GooseAttackParams::Kind::grayhole || params_.kind == GooseAttackParams::Kind::stretch;
 }
 
 std::optional<GooseState> GooseAttack::pass(std::int64_t now_ns, GooseState const& real) {
@@ -33,12 +31,12 @@ std::optional<GooseState> GooseAttack::pass(std::int64_t now_ns, GooseState cons
     if (!window_.acts(now_ns)) {
         return real;
     }
-    if (params_.kind == Kind::grayhole && random_.chance(params_.drop_percent / 100)) {
+    if (params_.kind == GooseAttackParams::Kind::grayhole && random_.chance(params_.drop_percent / 100)) {
         ++dropped_;
         return std::nullopt;
     }
     GooseState out = real;
-    if (params_.kind == Kind::stretch) {
+    if (params_.kind == GooseAttackParams::Kind::stretch) {
         out.live_ms = 60'000;
         ++forged_;
     }
@@ -66,9 +64,9 @@ GooseState GooseAttack::make(std::int64_t now_ns) {
     GooseState const latest = heard_[(heard_count_ - 1) % heard_.size()];
     GooseState out = latest;
     switch (params_.kind) {
-    case Kind::random_replay:
+    case GooseAttackParams::Kind::random_replay:
         return heard_[random_.below(kept)];
-    case Kind::inverse_replay: {
+    case GooseAttackParams::Kind::inverse_replay: {
         for (std::size_t k = 1; k <= kept; ++k) { // the newest with the other value; else the oldest
             GooseState const& old = heard_[(heard_count_ - k) % heard_.size()];
             if (old.value != latest.value) {
@@ -77,9 +75,9 @@ GooseState GooseAttack::make(std::int64_t now_ns) {
         }
         return heard_[(heard_count_ - kept) % heard_.size()];
     }
-    case Kind::masquerade_trip:
-    case Kind::masquerade_normal: {
-        bool const value = params_.kind == Kind::masquerade_trip;
+    case GooseAttackParams::Kind::masquerade_trip:
+    case GooseAttackParams::Kind::masquerade_normal: {
+        bool const value = params_.kind == GooseAttackParams::Kind::masquerade_trip;
         if (!own_ || own_->st_num <= latest.st_num) {
             own_ = latest;
             own_->st_num = latest.st_num + 1;
@@ -91,24 +89,24 @@ GooseState GooseAttack::make(std::int64_t now_ns) {
         }
         return *own_;
     }
-    case Kind::injection:
+    case GooseAttackParams::Kind::injection:
         out.st_num += static_cast<std::uint32_t>(random_.below(3));
         out.sq_num = static_cast<std::uint32_t>(random_.below(1000));
         out.t_ns = now_ns;
         out.value = random_.chance(0.5);
         return out;
-    case Kind::high_st_num:
+    case GooseAttackParams::Kind::high_st_num:
         out.st_num = latest.st_num > 0xFFFFFFFFU - params_.jump ? 0xFFFFFFFFU : latest.st_num + params_.jump;
         out.sq_num = 0;
         out.t_ns = now_ns;
         return out;
-    case Kind::flooding:
+    case GooseAttackParams::Kind::flooding:
         return out;
-    case Kind::simulation:
+    case GooseAttackParams::Kind::simulation:
         out.simulated = true;
         return out;
-    case Kind::grayhole:
-    case Kind::stretch:
+    case GooseAttackParams::Kind::grayhole:
+    case GooseAttackParams::Kind::stretch:
         return out;
     }
     return out;

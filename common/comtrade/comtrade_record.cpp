@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/comtrade/comtrade_record.hpp"
 
+#include "common/comtrade/little_endian.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -34,12 +36,6 @@ void scale(ComtradeChannel& channel, std::vector<double> const& values, Comtrade
     }
     if (peak > 0) {
         channel.a = peak / channel.high;
-    }
-}
-
-void put(std::string& out, std::uint32_t value, int bytes) {
-    for (int i = 0; i < bytes; ++i) {
-        out.push_back(static_cast<char>(value >> (8 * i) & 0xFF));
     }
 }
 

@@ -2,20 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/comtrade/comtrade_writer.hpp"
 
+#include "common/comtrade/little_endian.hpp"
+
 #include <bit>
 #include <fmt/format.h>
 
 namespace gridspace {
-namespace {
-
-void put(std::string& out, std::uint32_t value, int bytes) {
-    for (int i = 0; i < bytes; ++i) {
-        out.push_back(static_cast<char>(value >> (8 * i) & 0xFF));
-    }
-}
-
-} // namespace
-
 Result<ComtradeWriter> ComtradeWriter::create(std::filesystem::path file, ComtradeHeader header) {
     if (file.extension() == ".cfg" || file.extension() == ".dat") {
         file.replace_extension();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/idl/key.hpp"
 
+#include "common/idl/aligned.hpp"
+
 #include "common/idl/cdr_visitor.hpp"
 
 #include <algorithm>
@@ -12,7 +14,7 @@ namespace gridspace::idl {
 namespace {
 
 constexpr std::size_t kHashOctets = 16;
-constexpr int kMaxDepth = 16; ///< of structs in a key; a type that contains itself has no bounded key
+constexpr int kMaxKeyDepth = 16; ///< of structs in a key; a type that contains itself has no bounded key
 
 bool has_key(Type const& type) {
     return std::any_of(type.members.begin(), type.members.end(), [](Type::Member const& m) { return m.key; });
@@ -26,7 +28,7 @@ void key_members(Model const& model, std::size_t index, std::string const& prefi
             continue;
         }
         Type const& type = model.types[member.type];
-        if (type.kind == Kind::structure && has_key(type) && depth < kMaxDepth) {
+        if (type.kind == Kind::structure && has_key(type) && depth < kMaxKeyDepth) {
             key_members(model, member.type, prefix + member.name + ".", depth + 1, out);
         } else {
             out.push_back(prefix + member.name);
@@ -55,10 +57,6 @@ std::size_t octets_of(Type const& type) {
     }
 }
 
-std::size_t aligned(std::size_t at, std::size_t to) {
-    return (at + to - 1) / to * to;
-}
-
 /// Where the longest value ends that starts at `at`; nothing when that is beyond a hash. `only_keys`: of a struct.
 std::optional<std::size_t> longest_end(Model const& model, std::size_t index, std::size_t at, bool only_keys,
                                        int depth) {
@@ -70,7 +68,7 @@ std::optional<std::size_t> longest_end(Model const& model, std::size_t index, st
             if (only_keys && !member.key) {
                 continue;
             }
-            if (end && depth < kMaxDepth) {
+            if (end && depth < kMaxKeyDepth) {
                 end = longest_end(model, member.type, *end, has_key(model.types[member.type]), depth + 1);
             } else {
                 return std::nullopt;
@@ -85,7 +83,7 @@ std::optional<std::size_t> longest_end(Model const& model, std::size_t index, st
         end = type.kind == Kind::sequence ? aligned(at, 4) + 4 : at;
         for (std::uint32_t i = 0; i < type.bound && end; ++i) {
             std::size_t const before = *end;
-            end = depth < kMaxDepth ? longest_end(model, type.element, before, false, depth + 1) : std::nullopt;
+            end = depth < kMaxKeyDepth ? longest_end(model, type.element, before, false, depth + 1) : std::nullopt;
             if (end == before) {
                 break; // elements without content
             }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/idl/native_layout.hpp"
 
+#include "common/idl/aligned.hpp"
+
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
@@ -9,12 +11,8 @@
 namespace gridspace::idl {
 namespace {
 
-constexpr int kMaxDepth = 32;
+constexpr int kMaxLayoutDepth = 32;
 constexpr std::size_t kMaxOctets = std::size_t{1} << 26U; ///< of a struct: arrays of arrays grow quickly
-
-std::size_t aligned(std::size_t at, std::size_t align) {
-    return (at + align - 1) / align * align;
-}
 
 std::size_t octets_of(Kind kind) {
     switch (kind) {
@@ -98,7 +96,7 @@ Result<void> NativeLayout::lay_out(std::size_t index, int depth) {
     if (place.size != 0) {
         return {};
     }
-    if (!type.unsupported.empty() || depth > kMaxDepth) {
+    if (!type.unsupported.empty() || depth > kMaxLayoutDepth) {
         return fail(ExitCode::usage, fmt::format("'{}' has no layout in memory: {}", type.name,
                                                  type.unsupported.empty() ? "it is too deep" : type.unsupported));
     }

@@ -12,6 +12,9 @@
 
 namespace gridspace::cable {
 
+/// Where a program's status lines leave; its own words say so too.
+inline constexpr int kStatusFd = 3;
+
 /// Octets that wait for a descriptor that does not block.
 class Outlet {
   public:

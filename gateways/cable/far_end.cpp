@@ -29,7 +29,6 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::seconds;
 
 constexpr seconds kSilence{20}; // of the launcher, which says every second that it is there
-constexpr int kStatusFd = 3;    // in the program: its words say so too
 
 std::string error_text() {
     return std::strerror(errno);

@@ -28,7 +28,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::seconds;
 
-constexpr int kStatusFd = 3;
 constexpr seconds kStartPatience{20};
 
 std::string json_text(std::string const& text) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/gateway/sample_pacer.hpp"
 
+#include "gateways/gateway/sleep_until.hpp"
+
 #include "common/text.hpp"
 
 #include <algorithm>
@@ -18,12 +20,6 @@ std::int64_t now_ns(clockid_t clock) {
     timespec t{};
     clock_gettime(clock, &t);
     return t.tv_sec * 1'000'000'000LL + t.tv_nsec;
-}
-
-void sleep_until(std::int64_t ns) {
-    timespec const until{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
-    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-    }
 }
 
 } // namespace

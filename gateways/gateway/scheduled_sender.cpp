@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/gateway/scheduled_sender.hpp"
 
+#include "gateways/gateway/sleep_until.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -13,12 +15,6 @@ namespace {
 
 std::int64_t now_ns() {
     return std::chrono::steady_clock::now().time_since_epoch().count();
-}
-
-void sleep_until(std::int64_t ns) {
-    timespec const until{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
-    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-    }
 }
 
 } // namespace

@@ -10,7 +10,7 @@
 namespace gridspace::iec61850 {
 namespace {
 
-constexpr std::array<std::string_view, kBasicTypes> kNames{
+constexpr std::array<std::string_view, kBasicTypes> kBasicTypeNames{
     "boolean", "int8",      "int16",      "int32",          "int64",       "uint8",    "uint16",
     "uint32",  "uint64",    "float32",    "float64",        "enumerated",  "position", "bit_string",
     "quality", "timestamp", "entry_time", "visible_string", "octet_string"};
@@ -31,19 +31,19 @@ T saturate(double v, T low, T high) noexcept {
 } // namespace
 
 std::string_view type_name(BasicType type) noexcept {
-    return kNames[static_cast<std::size_t>(type)];
+    return kBasicTypeNames[static_cast<std::size_t>(type)];
 }
 
 std::optional<BasicType> parse_type(std::string_view name) {
-    auto const found = std::find(kNames.begin(), kNames.end(), name);
-    if (found == kNames.end()) {
+    auto const found = std::find(kBasicTypeNames.begin(), kBasicTypeNames.end(), name);
+    if (found == kBasicTypeNames.end()) {
         return std::nullopt;
     }
-    return static_cast<BasicType>(found - kNames.begin());
+    return static_cast<BasicType>(found - kBasicTypeNames.begin());
 }
 
 std::vector<std::string> type_names() {
-    return {kNames.begin(), kNames.end()};
+    return {kBasicTypeNames.begin(), kBasicTypeNames.end()};
 }
 
 std::size_t integer_octets(BasicType type) noexcept {

@@ -121,6 +121,11 @@ template <class T>
     return length < 0x80 ? 1 : length < 0x100 ? 2 : length < 0x10000 ? 3 : 4;
 }
 
+/// Octets of an element with a tag of one octet and so many octets of content.
+[[nodiscard]] constexpr std::size_t element_octets(std::size_t content) noexcept {
+    return 1 + length_octets(content) + content;
+}
+
 /// Octets of an unsigned / signed integer in its shortest form.
 [[nodiscard]] constexpr std::size_t minimal_unsigned_octets(std::uint64_t value) noexcept {
     return static_cast<std::size_t>(std::bit_width(value)) / 8 + 1;

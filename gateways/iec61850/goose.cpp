@@ -7,11 +7,12 @@
 namespace gridspace::iec61850 {
 namespace {
 
-constexpr std::uint32_t kGoosePdu = 0x61, kFirstField = 0x80, kLastPrimitive = 0x8A, kAllData = 0xAB, kSecurity = 0xAC;
-constexpr std::uint16_t kMandatory = GooseFrame::gocb_ref_field | GooseFrame::live_field | GooseFrame::dat_set_field |
-                                     GooseFrame::t_field | GooseFrame::st_num_field | GooseFrame::sq_num_field |
-                                     GooseFrame::conf_rev_field | GooseFrame::entries_field |
-                                     GooseFrame::all_data_field;
+constexpr std::uint32_t kGoosePdu = 0x61, kFirstGooseField = 0x80, kLastPrimitive = 0x8A, kAllData = 0xAB,
+                        kGooseSecurity = 0xAC;
+constexpr std::uint16_t kMandatoryGooseFields =
+    GooseFrame::gocb_ref_field | GooseFrame::live_field | GooseFrame::dat_set_field | GooseFrame::t_field |
+    GooseFrame::st_num_field | GooseFrame::sq_num_field | GooseFrame::conf_rev_field | GooseFrame::entries_field |
+    GooseFrame::all_data_field;
 
 Reason read_flag(Octets value, bool& out) noexcept {
     if (value.size() != 1) {
@@ -63,13 +64,13 @@ Reason read_field(Tlv const& field, GooseFrame& out) noexcept {
 
 /// The bit of a field in GooseFrame::fields; 0 for unknown ones.
 std::uint16_t bit_of(std::uint32_t tag) noexcept {
-    if (tag >= kFirstField && tag <= kLastPrimitive) {
-        return static_cast<std::uint16_t>(1U << (tag - kFirstField));
+    if (tag >= kFirstGooseField && tag <= kLastPrimitive) {
+        return static_cast<std::uint16_t>(1U << (tag - kFirstGooseField));
     }
     if (tag == kAllData) {
         return GooseFrame::all_data_field;
     }
-    return tag == kSecurity ? std::uint16_t{GooseFrame::security_field} : std::uint16_t{0};
+    return tag == kGooseSecurity ? std::uint16_t{GooseFrame::security_field} : std::uint16_t{0};
 }
 
 Decoded<void> read_pdu(Tlv const& pdu, GooseFrame& out) noexcept {
@@ -91,9 +92,10 @@ Decoded<void> read_pdu(Tlv const& pdu, GooseFrame& out) noexcept {
             return std::unexpected{field.error(reason)};
         }
     }
-    if ((out.fields & kMandatory) != kMandatory) {
-        auto const missing = static_cast<unsigned>(std::countr_zero(static_cast<unsigned>(kMandatory & ~out.fields)));
-        return undecodable(Reason::missing_field, pdu.offset, missing == 11 ? kAllData : kFirstField + missing);
+    if ((out.fields & kMandatoryGooseFields) != kMandatoryGooseFields) {
+        auto const missing =
+            static_cast<unsigned>(std::countr_zero(static_cast<unsigned>(kMandatoryGooseFields & ~out.fields)));
+        return undecodable(Reason::missing_field, pdu.offset, missing == 11 ? kAllData : kFirstGooseField + missing);
     }
     return {};
 }

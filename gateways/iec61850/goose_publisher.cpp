@@ -8,11 +8,9 @@
 namespace gridspace::iec61850 {
 namespace {
 
-constexpr std::uint32_t kLargest = 0xFFFFFFFF;
-
 /// Counters roll over to 1: 0 is for the first message of a state (sqNum) or never sent (stNum).
 std::uint32_t successor(std::uint32_t counter) noexcept {
-    return counter == kLargest ? 1 : counter + 1;
+    return counter == std::numeric_limits<std::uint32_t>::max() ? 1 : counter + 1;
 }
 
 /// A new one alone makes no new state: a device stamps with every scan.

@@ -8,25 +8,23 @@
 namespace gridspace::iec61850 {
 namespace {
 
-constexpr std::uint32_t kLargest = 0xFFFFFFFF;
-
-constexpr std::array<std::string_view, kGooseEvents> kNames{"not_ours",
-                                                            "first",
-                                                            "state_change",
-                                                            "repetition",
-                                                            "resumed",
-                                                            "restart",
-                                                            "duplicate",
-                                                            "out_of_order",
-                                                            "stale",
-                                                            "unconfirmed_jump",
-                                                            "identity_mismatch",
-                                                            "conf_rev_mismatch",
-                                                            "needs_commissioning",
-                                                            "data_set_mismatch",
-                                                            "inconsistent",
-                                                            "simulation_refused",
-                                                            "no_time_to_live"};
+constexpr std::array<std::string_view, kGooseEvents> kGooseEventNames{"not_ours",
+                                                                      "first",
+                                                                      "state_change",
+                                                                      "repetition",
+                                                                      "resumed",
+                                                                      "restart",
+                                                                      "duplicate",
+                                                                      "out_of_order",
+                                                                      "stale",
+                                                                      "unconfirmed_jump",
+                                                                      "identity_mismatch",
+                                                                      "conf_rev_mismatch",
+                                                                      "needs_commissioning",
+                                                                      "data_set_mismatch",
+                                                                      "inconsistent",
+                                                                      "simulation_refused",
+                                                                      "no_time_to_live"};
 
 void collect_shape(std::vector<DataNode> const& members, std::uint8_t depth, std::vector<std::uint32_t>& tags,
                    std::vector<std::uint8_t>& depths) {
@@ -52,7 +50,7 @@ GooseVerdict refuse(GooseEvent event) noexcept {
 } // namespace
 
 std::string_view event_name(GooseEvent event) noexcept {
-    return kNames[static_cast<std::size_t>(event)];
+    return kGooseEventNames[static_cast<std::size_t>(event)];
 }
 
 GooseSubscriber::GooseSubscriber(GooseSubscription subscription)
@@ -186,7 +184,7 @@ GooseVerdict GooseSubscriber::judge_counters(GooseFrame const& m, std::int64_t u
     }
     if (m.st_num == st_num_) {
         unconfirmed_st_num_.reset();
-        bool const rolled_over = sq_num_ == kLargest && m.sq_num == 1;
+        bool const rolled_over = sq_num_ == std::numeric_limits<std::uint32_t>::max() && m.sq_num == 1;
         // t is when stNum was counted up: a later one with a counter that went back is another state, of a publisher
         // that was restarted and counts from the same number.
         if (!subscription_.strict && m.sq_num <= sq_num_ && !rolled_over && m.t.bits() >> 8U > t_.bits() >> 8U) {
@@ -203,7 +201,7 @@ GooseVerdict GooseSubscriber::judge_counters(GooseFrame const& m, std::int64_t u
         }
         return {GooseEvent::repetition, true, false, rolled_over ? 0 : missed(m.sq_num - sq_num_ - 1), 0};
     }
-    bool const rolled_over = st_num_ == kLargest && m.st_num == 1;
+    bool const rolled_over = st_num_ == std::numeric_limits<std::uint32_t>::max() && m.st_num == 1;
     if (m.st_num < st_num_ && !rolled_over) {
         return judge_older(m);
     }

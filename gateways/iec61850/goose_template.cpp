@@ -12,10 +12,6 @@
 namespace gridspace::iec61850 {
 namespace {
 
-std::size_t element_octets(std::size_t content) {
-    return 1 + length_octets(content) + content;
-}
-
 /// A value of the leaf's type that takes the most octets.
 Value longest_value(Leaf const& leaf, std::vector<std::uint8_t> const& text) {
     Value v;

@@ -13,7 +13,7 @@ constexpr std::uint8_t kUnitData = 0x40;                        // of connection
 constexpr std::uint8_t kGooseSession = 0xA1, kSvSession = 0xA2; // session identifiers
 constexpr std::uint8_t kCommonHeader = 0x80, kSignature = 0x85; // parameter identifiers
 constexpr std::uint8_t kGoosePayload = 0x81, kSvPayload = 0x82; // payload types
-constexpr std::uint32_t kGoosePdu = 0x61, kSvPdu = 0x60;        // tags of the APDUs
+constexpr std::uint32_t kGooseApdu = 0x61, kSvApdu = 0x60;      // tags of the APDUs
 constexpr std::size_t kFixedHeader = 21;  // behind the length of the common header, without the vector
 constexpr std::size_t kPayloadHeader = 6; // type, simulation, APPID, length
 constexpr std::uint16_t kIpv4 = 0x0800;
@@ -111,7 +111,7 @@ Decoded<void> read_payload(Reader& in, RoutableFrame& out) noexcept {
     if (Reason const reason = cursor.next(element); reason != Reason::none) {
         return std::unexpected{element.error(reason)};
     }
-    if (element.tag != (payload.goose ? kGoosePdu : kSvPdu)) {
+    if (element.tag != (payload.goose ? kGooseApdu : kSvApdu)) {
         return std::unexpected{element.error(Reason::bad_tag)};
     }
     std::size_t const octets = element.value_offset - apdu + element.value.size();

@@ -7,9 +7,9 @@
 namespace gridspace::iec61850 {
 namespace {
 
-constexpr std::uint32_t kSavPdu = 0x60, kNoAsdu = 0x80, kSecurity = 0x81, kSeqAsdu = 0xA2, kAsdu = 0x30;
-constexpr std::uint32_t kFirstField = 0x80, kLastField = 0x89;
-constexpr std::uint16_t kMandatory =
+constexpr std::uint32_t kSavPdu = 0x60, kNoAsdu = 0x80, kSavSecurity = 0x81, kSeqAsdu = 0xA2, kAsdu = 0x30;
+constexpr std::uint32_t kFirstAsduField = 0x80, kLastAsduField = 0x89;
+constexpr std::uint16_t kMandatoryAsduFields =
     Asdu::sv_id_field | Asdu::smp_cnt_field | Asdu::conf_rev_field | Asdu::smp_synch_field | Asdu::sample_field;
 
 Reason read_field(std::uint32_t tag, Octets value, Asdu& out) noexcept {
@@ -57,10 +57,10 @@ Decoded<void> read_asdu(Tlv const& asdu, Asdu& out) noexcept {
         if (Reason const reason = cursor.next(field); reason != Reason::none) [[unlikely]] {
             return std::unexpected{field.error(reason)};
         }
-        if (field.tag < kFirstField || field.tag > kLastField) [[unlikely]] {
+        if (field.tag < kFirstAsduField || field.tag > kLastAsduField) [[unlikely]] {
             continue; // of a later edition
         }
-        auto const bit = static_cast<std::uint16_t>(1U << (field.tag - kFirstField));
+        auto const bit = static_cast<std::uint16_t>(1U << (field.tag - kFirstAsduField));
         if ((out.fields & bit) != 0) [[unlikely]] {
             return std::unexpected{field.error(Reason::duplicate_field)};
         }
@@ -69,10 +69,10 @@ Decoded<void> read_asdu(Tlv const& asdu, Asdu& out) noexcept {
             return std::unexpected{field.error(reason)};
         }
     }
-    if ((out.fields & kMandatory) != kMandatory) [[unlikely]] {
-        auto const missing = static_cast<unsigned>(kMandatory & ~out.fields);
+    if ((out.fields & kMandatoryAsduFields) != kMandatoryAsduFields) [[unlikely]] {
+        auto const missing = static_cast<unsigned>(kMandatoryAsduFields & ~out.fields);
         return undecodable(Reason::missing_field, asdu.offset,
-                           kFirstField + static_cast<unsigned>(std::countr_zero(missing)));
+                           kFirstAsduField + static_cast<unsigned>(std::countr_zero(missing)));
     }
     return {};
 }
@@ -130,7 +130,7 @@ Decoded<void> read_pdu(SvFrame& out) noexcept {
             }
             found = true;
             sequence = part;
-        } else if (part.tag == kSecurity) {
+        } else if (part.tag == kSavSecurity) {
             out.secured = true;
         }
     }
@@ -186,7 +186,7 @@ bool take(std::uint8_t tag, std::uint8_t const*& at, std::uint8_t const* end, Oc
 bool read_usual_asdu(std::uint8_t const* at, std::uint8_t const* end, Asdu& out) noexcept {
     constexpr std::ptrdiff_t kCounters = 10, kSynch = 3, kHead = 2; // smpCnt and confRev; smpSynch; tag and length
     auto const has = [&](std::ptrdiff_t octets) { return end - at >= octets; };
-    std::uint16_t fields = kMandatory;
+    std::uint16_t fields = kMandatoryAsduFields;
     Octets name, set;
 
     if (!take(0x80, at, end, name) || !has(kCounters + kSynch)) {

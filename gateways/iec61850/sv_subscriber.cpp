@@ -17,10 +17,11 @@ constexpr std::uint32_t kRunToLearn = 16; ///< a peer that restarts at 0 in ever
 constexpr std::uint64_t kArrivalsForRate = 16;
 constexpr std::int64_t kSpanForRateNs = 100'000'000; ///< frames that come in one heap say nothing about the rate
 
-constexpr std::array<std::string_view, kSvEvents> kNames{"first",         "in_order",          "lost",
-                                                         "restart",       "duplicate",         "late",
-                                                         "unconfirmed",   "identity_mismatch", "conf_rev_mismatch",
-                                                         "size_mismatch", "simulation_refused"};
+constexpr std::array<std::string_view, kSvEvents> kSvEventNames{
+    "first",         "in_order",          "lost",
+    "restart",       "duplicate",         "late",
+    "unconfirmed",   "identity_mismatch", "conf_rev_mismatch",
+    "size_mismatch", "simulation_refused"};
 
 /// The number congruent to `value` modulo `wrap` that is nearest to `near`.
 std::int64_t nearest_congruent(std::int64_t value, std::int64_t wrap, std::int64_t near) noexcept {
@@ -83,7 +84,7 @@ std::uint32_t samples_in_a_second(double hz) noexcept {
 } // namespace
 
 std::string_view event_name(SvEvent event) noexcept {
-    return kNames[static_cast<std::size_t>(event)];
+    return kSvEventNames[static_cast<std::size_t>(event)];
 }
 
 SvSubscriber::SvSubscriber(SvSubscription subscription)

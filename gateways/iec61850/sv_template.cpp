@@ -11,10 +11,6 @@
 namespace gridspace::iec61850 {
 namespace {
 
-std::size_t element_octets(std::size_t content) {
-    return 1 + length_octets(content) + content;
-}
-
 /// Octets of the fields of an ASDU.
 std::size_t content_octets(AsduDescription const& a) {
     return element_octets(a.sv_id.size()) + (a.dat_set.empty() ? 0 : element_octets(a.dat_set.size())) + 4 + 6 +

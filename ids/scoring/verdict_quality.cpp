@@ -30,13 +30,13 @@ std::optional<double> ratio(double of, double all) {
 }
 
 /// How many altered and genuine judgements of a block stand at one place in the order of the scores.
-struct Share {
+struct ScoreShare {
     std::uint32_t place{0}, block{0};
     double altered{0}, genuine{0};
 };
 
 /// The area of judgements whose blocks were drawn so often; `shares` by place.
-std::optional<double> auc(std::vector<Share> const& shares, std::vector<double> const& times) {
+std::optional<double> auc(std::vector<ScoreShare> const& shares, std::vector<double> const& times) {
     double below = 0, pairs = 0, altered_all = 0;
     for (std::size_t i = 0; i < shares.size();) {
         double genuine = 0, altered = 0;
@@ -55,11 +55,11 @@ std::optional<double> auc(std::vector<Share> const& shares, std::vector<double> 
 /// Judgements in the order of their scores, as shares. Where altered and genuine ones do not take turns, the order
 /// among them says nothing about the area, so they stand at one place; equal scores do too. With `mass` > 0 a place
 /// goes on until it holds so much of all altered and of all genuine ones together (of 2): the area is not exact then.
-std::vector<Share> shares_of(std::vector<Judgement> const& sorted, std::uint32_t blocks, double mass) {
+std::vector<ScoreShare> shares_of(std::vector<Judgement> const& sorted, std::uint32_t blocks, double mass) {
     auto const altered_all = static_cast<double>(std::max<std::ptrdiff_t>(
         1, std::count_if(sorted.begin(), sorted.end(), [](auto const& j) { return j.altered; })));
     double const genuine_all = std::max(1.0, static_cast<double>(sorted.size()) - altered_all);
-    std::vector<Share> out;
+    std::vector<ScoreShare> out;
     std::vector<std::size_t> at(blocks, SIZE_MAX); ///< of a block in `out`, at the current place
     std::size_t begin = 0;
     std::uint32_t place = 0;
@@ -147,7 +147,7 @@ VerdictQuality verdict_quality(std::vector<Judgement> judgements, bool has_score
                          [](Judgement const& a, Judgement const& b) { return a.score < b.score; });
     }
     Figures value = figures_of(all);
-    std::vector<Share> shares;
+    std::vector<ScoreShare> shares;
     double correction = 0;
     if (has_scores) {
         std::vector<double> const once(blocks, 1);

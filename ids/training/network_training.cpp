@@ -15,7 +15,7 @@
 namespace gridspace::ids {
 namespace {
 
-constexpr std::size_t kChunk = 512;
+constexpr std::size_t kWindowsAtOnce = 512;
 
 /// The parameters as one vector: W1, b1, W2, b2.
 struct Shape {
@@ -79,11 +79,11 @@ void run(Shape const& s, std::vector<double> const& q, double const* x, double* 
 }
 
 double total_loss(Shape const& s, std::vector<double> const& q, Windows const& data, TrainParams const& params) {
-    std::size_t const chunks = (data.count() + kChunk - 1) / kChunk;
+    std::size_t const chunks = (data.count() + kWindowsAtOnce - 1) / kWindowsAtOnce;
     std::vector<double> parts(chunks);
     for_each_chunk(chunks, params.threads, [&](std::size_t c) {
         std::vector<double> hidden(s.hidden), out(s.outputs);
-        for (std::size_t k = c * kChunk; k < std::min((c + 1) * kChunk, data.count()); ++k) {
+        for (std::size_t k = c * kWindowsAtOnce; k < std::min((c + 1) * kWindowsAtOnce, data.count()); ++k) {
             run(s, q, &data.x[k * s.inputs], hidden.data(), out.data());
             for (std::size_t o = 0; o < s.outputs; ++o) {
                 double const e = out[o] - data.y[k * s.outputs + o];
@@ -99,7 +99,7 @@ struct GaussNewton {
 };
 
 GaussNewton linearise(Shape const& s, std::vector<double> const& q, Windows const& data, TrainParams const& params) {
-    std::size_t const n = s.count(), chunks = (data.count() + kChunk - 1) / kChunk;
+    std::size_t const n = s.count(), chunks = (data.count() + kWindowsAtOnce - 1) / kWindowsAtOnce;
     // One accumulator per group of chunks: as many as chunks would not fit into memory, one per thread would not
     // repeat.
     std::size_t const groups = std::min<std::size_t>(chunks, 8);

@@ -10,7 +10,11 @@
 
 namespace gridspace::cli {
 
+namespace {
+
 using Json = nlohmann::ordered_json;
+
+} // namespace
 
 Json manifest_of(std::filesystem::path const& folder) {
     std::ifstream stream{folder / "manifest.json"};

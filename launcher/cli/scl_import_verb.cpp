@@ -25,7 +25,7 @@ using launcher::MeasuringPoint;
 /// Reading a scenario of 2000 processes takes minutes.
 constexpr std::size_t kCheckedProcesses = 100;
 
-struct Arguments {
+struct ImportArguments {
     fs::path file, out, network, map;
     std::vector<std::string> ieds;
     double nominal_hz{50};
@@ -41,7 +41,7 @@ Result<void> write(fs::path const& file, std::string const& text, bool overwrite
     return launcher::replace_file(file, text);
 }
 
-int only_streams(Arguments const& a) {
+int only_streams(ImportArguments const& a) {
     auto const imported = read_scl_file(a.file, {a.ieds, a.nominal_hz});
     if (!imported) {
         return print_error(imported.error());
@@ -91,7 +91,7 @@ void read_map(fs::path const& file, launcher::StationOptions& out, config::Diagn
 }
 
 /// Where the merging units measure: in the network that is given, or in the usual one. False: mistakes were printed.
-bool choose_network(Arguments const& a, launcher::StationOptions& options, int& code) {
+bool choose_network(ImportArguments const& a, launcher::StationOptions& options, int& code) {
     config::Diagnostics diagnostics;
     options.usual = {"CT1", "VT1"};
     std::optional<sim::Network> network;
@@ -130,7 +130,7 @@ bool choose_network(Arguments const& a, launcher::StationOptions& options, int& 
 }
 
 /// Writes the scenario, and the network where none is given.
-Result<void> write_scenario(Arguments const& a, launcher::StationScenario const& made, fs::path const& out,
+Result<void> write_scenario(ImportArguments const& a, launcher::StationScenario const& made, fs::path const& out,
                             fs::path const& network_file) {
     if (a.network.empty()) {
         auto const written =
@@ -145,7 +145,7 @@ Result<void> write_scenario(Arguments const& a, launcher::StationScenario const&
     return write(out, head + config::to_yaml(made.root), a.overwrite);
 }
 
-int import_scl(Arguments const& a) {
+int import_scl(ImportArguments const& a) {
     if (a.streams_only) {
         return only_streams(a);
     }
@@ -211,7 +211,7 @@ int import_scl(Arguments const& a) {
 } // namespace
 
 void add_scl_import(Command scl, Action& action) {
-    auto const a = std::make_shared<Arguments>();
+    auto const a = std::make_shared<ImportArguments>();
     Command verb = scl.add_subcommand("import", "make a scenario of an SCD, ICD or CID file");
     verb.add_option("FILE", a->file, "SCL file").required();
     verb.add_option("--ied", a->ieds, "play only this IED; may be given several times").repeated();

@@ -305,8 +305,9 @@ void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::
             for (char const phase : {'a', 'b', 'c'}) {
                 SignalSeries const* pole = find(signals, fmt::format("breaker.{}.pole.{}", breaker, phase));
                 for (std::size_t i = 0; pole != nullptr && i < pole->values.size(); ++i) {
-                    constexpr double kOpen = 1;
-                    if (pole->values[i] == kOpen && static_cast<double>(pole->times_ns[i]) / 1e9 >= out.event_s) {
+                    constexpr double kOpenPosition = 1;
+                    if (pole->values[i] == kOpenPosition &&
+                        static_cast<double>(pole->times_ns[i]) / 1e9 >= out.event_s) {
                         last = std::max(last.value_or(0), static_cast<double>(pole->times_ns[i]) / 1e6);
                         break;
                     }

@@ -213,14 +213,6 @@ class RecordMaker {
     std::vector<std::string> taken_;
 };
 
-/// The name of a trigger as a file name.
-std::string file_name(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(),
-        [](char c) { return !(std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-'); }, '_');
-    return text;
-}
-
 } // namespace
 
 std::optional<ComtradeSettings> comtrade_settings(Node const& scenario) {
@@ -294,8 +286,8 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
         for (auto const& [format, ending] :
              {std::pair{ComtradeFormat::ascii, "ascii"}, {ComtradeFormat::binary, "binary"}}) {
             auto const file = write_comtrade(
-                folder / fmt::format("{}_{}_{}", file_name(settings.trigger.name), n + 1, ending), maker.record, format,
-                settings.single_file ? ComtradeFiles::single : ComtradeFiles::pair);
+                folder / fmt::format("{}_{}_{}", as_file_name(settings.trigger.name), n + 1, ending), maker.record,
+                format, settings.single_file ? ComtradeFiles::single : ComtradeFiles::pair);
             if (!file) {
                 return std::unexpected{file.error()};
             }

@@ -24,14 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 using Status = ExpectationResult::Status;
 
-/// Names of a recording are parts of names of figures, and those are names of files.
-std::string file_name(std::string id) {
-    std::replace_if(
-        id.begin(), id.end(),
-        [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-'; }, '_');
-    return id;
-}
-
 std::string expectations(Results const& r) {
     if (r.expectations.empty()) {
         return "";
@@ -179,7 +171,7 @@ ReportTable event_table(Results const& r) {
 Result<std::vector<std::string>> drawings(Results const& r, std::vector<Figure> figures, std::string& data) {
     std::vector<std::string> out;
     for (Figure& figure : figures) {
-        figure.id = file_name(std::move(figure.id));
+        figure.id = as_file_name(figure.id);
         std::string const svg = to_svg(figure);
         for (auto const& [ending, text] :
              {std::pair{".svg", "<?xml version=\"1.0\"?>\n" + svg}, {".csv", to_csv(figure)}}) {

@@ -12,6 +12,8 @@
 namespace gridspace::launcher {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::string ms(double value) {
     std::string const text = fmt::format("{:.3f}", value);
     return text == "-0.000" ? "0.000" : text;
@@ -203,7 +205,6 @@ std::vector<ReportTable> wire_timing_tables(WireTiming const& t, Published const
 }
 
 std::string wire_timing_json(WireTiming const& t) {
-    using Json = nlohmann::ordered_json;
     auto const spread = [](Spread const& s) {
         return s.count == 0 ? Json(nullptr) : Json{{"n", s.count}, {"mean", s.mean},  {"p50", s.p50},
                                                    {"p99", s.p99}, {"p99_9", s.p999}, {"max", s.max}};

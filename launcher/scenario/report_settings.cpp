@@ -15,11 +15,11 @@ namespace {
 using config::Diagnostics;
 using config::Fields;
 using config::Node;
-using Kind = FigureSettings::Kind;
+using FigureKind = FigureSettings::Kind;
 
 /// The kinds that are drawn from expressions; the others know what they draw.
-bool draws_expressions(Kind kind) {
-    return kind <= Kind::scatter;
+bool draws_expressions(FigureKind kind) {
+    return kind <= FigureKind::scatter;
 }
 
 std::string label_of(std::string const& written, Ref const& name) {
@@ -129,20 +129,20 @@ void describe_additions(Fields& f, FigureSettings& s) {
 }
 
 void describe_figure(Fields& f, FigureSettings& s) {
-    f.choice<Kind>("kind", s.kind,
-                   {{"time_series", Kind::time_series},
-                    {"digital", Kind::digital},
-                    {"histogram", Kind::histogram},
-                    {"ecdf", Kind::ecdf},
-                    {"bar", Kind::bar},
-                    {"scatter", Kind::scatter},
-                    {"message_intervals", Kind::message_intervals},
-                    {"sample_rate", Kind::sample_rate},
-                    {"frame_intervals", Kind::frame_intervals},
-                    {"forged_sample", Kind::forged_sample},
-                    {"trip_comparison", Kind::trip_comparison},
-                    {"roc", Kind::roc}},
-                   {.doc = "how it is drawn: docs/reference/report.md"});
+    f.choice<FigureKind>("kind", s.kind,
+                         {{"time_series", FigureKind::time_series},
+                          {"digital", FigureKind::digital},
+                          {"histogram", FigureKind::histogram},
+                          {"ecdf", FigureKind::ecdf},
+                          {"bar", FigureKind::bar},
+                          {"scatter", FigureKind::scatter},
+                          {"message_intervals", FigureKind::message_intervals},
+                          {"sample_rate", FigureKind::sample_rate},
+                          {"frame_intervals", FigureKind::frame_intervals},
+                          {"forged_sample", FigureKind::forged_sample},
+                          {"trip_comparison", FigureKind::trip_comparison},
+                          {"roc", FigureKind::roc}},
+                         {.doc = "how it is drawn: docs/reference/report.md"});
     f.text("title", s.title, {.doc = "above it; without it, its name"});
     s.title = label_of(s.title, s.name);
     f.text("label", s.label, {.doc = "of the axis, with the unit: voltage, p.u."});
@@ -170,7 +170,7 @@ void describe_figure(Fields& f, FigureSettings& s) {
         f.error("", fmt::format("figure '{}' draws nothing", s.name.name),
                 "signals: [bus.*.v_pu], or series: {NAME: {of: …}}");
     }
-    if ((s.kind == Kind::scatter) != f.has("x")) {
+    if ((s.kind == FigureKind::scatter) != f.has("x")) {
         f.error(f.has("x") ? "x" : "", fmt::format("figure '{}': `x` and `kind: scatter` go together", s.name.name));
     }
     if (s.from && s.until && s.from->event == s.until->event && s.from->offset_s >= s.until->offset_s) {

@@ -6,6 +6,7 @@
 #include "common/text.hpp"
 #include "common/version.hpp"
 #include "monitor/app/api_answers.hpp"
+#include "monitor/app/json_text.hpp"
 #include "monitor/app/sample_json.hpp"
 #include "monitor/graph/graph_text.hpp"
 
@@ -21,10 +22,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kMaxColumns = 10000; ///< of a query
-
-std::string text(Json const& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 /// Adds what a process uses, as far as it is known.
 void add_use(Json& entry, LiveRun const& run, std::string const& process) {
@@ -60,11 +57,11 @@ std::string Api::health() const {
         add_use(entry, run_, process.name);
         processes.push_back(std::move(entry));
     }
-    return text({{"status", "ok"},
-                 {"version", version().version},
-                 {"commit", version().commit},
-                 {"uptime_s", std::floor(up.count())},
-                 {"processes", std::move(processes)}});
+    return json_text({{"status", "ok"},
+                      {"version", version().version},
+                      {"commit", version().commit},
+                      {"uptime_s", std::floor(up.count())},
+                      {"processes", std::move(processes)}});
 }
 
 std::string Api::run() const {
@@ -98,7 +95,7 @@ std::string Api::run() const {
              {"events", run_.events_seen},
              {"graph_revision", graph.revision},
              {"processes", std::move(processes)}};
-    return text(out);
+    return json_text(out);
 }
 
 std::string Api::graph() const {
@@ -128,7 +125,7 @@ std::string Api::topics() const {
         entry["not_heard"] = topic.not_heard;
         out.push_back(std::move(entry));
     }
-    return text({{"topics", std::move(out)}});
+    return json_text({{"topics", std::move(out)}});
 }
 
 std::optional<std::pair<TopicState, std::string>> Api::topic_state(std::string const& name) const {
@@ -170,14 +167,14 @@ web::Response Api::topic(std::string const& name) const {
         return unseen(name);
     }
     auto const& [state, idl] = *found;
-    return json_response(text({{"name", state.topic},
-                               {"network", state.network},
-                               {"type", state.type},
-                               {"samples", state.samples},
-                               {"octets", state.octets},
-                               {"samples_per_second", state.per_second},
-                               {"not_heard", not_heard(state)},
-                               {"idl", idl}}));
+    return json_response(json_text({{"name", state.topic},
+                                    {"network", state.network},
+                                    {"type", state.type},
+                                    {"samples", state.samples},
+                                    {"octets", state.octets},
+                                    {"samples_per_second", state.per_second},
+                                    {"not_heard", not_heard(state)},
+                                    {"idl", idl}}));
 }
 
 web::Response Api::last_samples(std::string const& name, bool cdr) const {
@@ -209,12 +206,12 @@ web::Response Api::last_samples(std::string const& name, bool cdr) const {
     }
     std::sort(samples.begin(), samples.end(),
               [](Json const& a, Json const& b) { return a.value("key", "") < b.value("key", ""); });
-    return json_response(text({{"name", state.topic},
-                               {"network", state.network},
-                               {"type", state.type},
-                               {"samples", state.samples},
-                               {"not_heard", not_heard(state)},
-                               {"last", std::move(samples)}}));
+    return json_response(json_text({{"name", state.topic},
+                                    {"network", state.network},
+                                    {"type", state.type},
+                                    {"samples", state.samples},
+                                    {"not_heard", not_heard(state)},
+                                    {"last", std::move(samples)}}));
 }
 
 std::string Api::streams() const {
@@ -266,7 +263,7 @@ std::string Api::streams() const {
                        {"figures", std::move(stream.figures)},
                        {"counted", std::move(stream.counted)}});
     }
-    return text({{"streams", std::move(out)}});
+    return json_text({{"streams", std::move(out)}});
 }
 
 std::string Api::signals() const {
@@ -286,7 +283,7 @@ std::string Api::signals() const {
             out.push_back(std::move(entry));
         }
     }
-    return text({{"signals", std::move(out)}});
+    return json_text({{"signals", std::move(out)}});
 }
 
 web::Response Api::signal_query(web::Target const& target) const {
@@ -326,7 +323,7 @@ web::Response Api::signal_query(web::Target const& target) const {
         series.push_back(
             {{"name", name}, {"unit", window->columns()[column].unit}, {"t", plot.times_s}, {"v", plot.values}});
     }
-    return json_response(text({{"series", std::move(series)}}));
+    return json_response(json_text({{"series", std::move(series)}}));
 }
 
 std::string Api::events(std::uint64_t after, std::size_t most) const {
@@ -341,7 +338,7 @@ std::string Api::events(std::uint64_t after, std::size_t most) const {
                            {"text", event.text}});
         }
     }
-    return text({{"events", std::move(out)}});
+    return json_text({{"events", std::move(out)}});
 }
 
 void Api::allow_control(std::string token, std::function<void(std::string const&)> act) {
@@ -376,7 +373,7 @@ web::Response Api::control(web::Request const& request) const {
         return problem(409, "a run in real time cannot be halted", R"(only {"action": "stop"} works here)");
     }
     act_(action);
-    return json_response(text({{"accepted", action}}), 202);
+    return json_response(json_text({{"accepted", action}}), 202);
 }
 
 } // namespace gridspace::monitor

@@ -6,7 +6,11 @@
 
 namespace gridspace::monitor {
 
+namespace {
+
 using Json = nlohmann::ordered_json;
+
+} // namespace
 
 std::string Api::network() const {
     RunPlan const& plan = run_.plan;

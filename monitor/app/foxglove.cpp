@@ -5,6 +5,7 @@
 #include "monitor/app/foxglove.hpp"
 
 #include "bus/topics.hpp"
+#include "monitor/app/json_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,14 +22,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<std::string_view, 2> kProtocols{"foxglove.websocket.v1", "foxglove.sdk.v1"};
 constexpr std::size_t kMaxSubscriptions = 512;
 constexpr std::uint8_t kMessageData = 1, kTime = 2; // binary messages of a server
-
-std::string text(Json const& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::shared_ptr<std::string const> share(std::string content) {
-    return std::make_shared<std::string const>(std::move(content));
-}
 
 template <class T>
 void append(std::string& out, T number) {
@@ -132,12 +125,12 @@ void FoxgloveHub::find_channels() {
             continue;
         }
         channels_.push_back(key);
-        advertised_.push_back(text({{"id", channels_.size()},
-                                    {"topic", key.second},
-                                    {"encoding", "cdr"},
-                                    {"schemaName", state.type},
-                                    {"schema", idl},
-                                    {"schemaEncoding", "omgidl"}}));
+        advertised_.push_back(json_text({{"id", channels_.size()},
+                                         {"topic", key.second},
+                                         {"encoding", "cdr"},
+                                         {"schemaName", state.type},
+                                         {"schema", idl},
+                                         {"schemaEncoding", "omgidl"}}));
     }
 }
 
@@ -182,12 +175,12 @@ std::string FoxgloveHub::connection_graph(Client& client) const {
     }
     client.advertised_topics = std::move(names);
     client.graph_revision = graph.revision;
-    return text({{"op", "connectionGraphUpdate"},
-                 {"publishedTopics", std::move(published)},
-                 {"subscribedTopics", std::move(subscribed)},
-                 {"advertisedServices", Json::array()},
-                 {"removedTopics", std::move(removed)},
-                 {"removedServices", Json::array()}});
+    return json_text({{"op", "connectionGraphUpdate"},
+                      {"publishedTopics", std::move(published)},
+                      {"subscribedTopics", std::move(subscribed)},
+                      {"advertisedServices", Json::array()},
+                      {"removedTopics", std::move(removed)},
+                      {"removedServices", Json::array()}});
 }
 
 void FoxgloveHub::step(web::Server& server) {
@@ -207,7 +200,9 @@ void FoxgloveHub::step(web::Server& server) {
     }
     for (auto& [number_of_client, client] : clients_) {
         web::ClientId const id = number_of_client;
-        auto const say = [&](Json const& json) { server.push(id, {.octets = share(text(json)), .lasting = true}); };
+        auto const say = [&](Json const& json) {
+            server.push(id, {.octets = share(json_text(json)), .lasting = true});
+        };
         if (!std::exchange(client.greeted, true)) {
             say({{"op", "serverInfo"},
                  {"name", "Gridspace: " + run_.plan.scenario},

@@ -3,6 +3,7 @@
 #include "monitor/app/push.hpp"
 
 #include "common/log.hpp"
+#include "monitor/app/json_text.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -27,15 +28,6 @@ constexpr std::size_t kFewMessages = 4, kFewOctets = 256 * 1024;      ///< that 
 constexpr std::size_t kViewsAtOnce = 12, kOctetsAtOnce = 1024 * 1024; ///< of a client in one step
 constexpr std::chrono::milliseconds kViewPeriod{200};
 constexpr std::chrono::milliseconds kDrawing{15}; ///< of a step, for all clients together
-
-std::shared_ptr<std::string const> share(std::string text) {
-    return std::make_shared<std::string const>(std::move(text));
-}
-
-/// Names come from whoever publishes: what is no UTF-8 is replaced, never thrown at.
-std::string text_of(Json const& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 /// {"op": …, "key": <JSON text that is ready>}
 std::string wrapped(char const* op, char const* key, std::string const& json) {
@@ -151,7 +143,7 @@ std::string PushHub::values(std::optional<double> at_s, std::size_t& count) cons
         }
     }
     count = out.size();
-    return text_of(out);
+    return json_text(out);
 }
 
 std::string PushHub::series(View& view, std::optional<double> at_s) const {
@@ -201,7 +193,7 @@ std::string PushHub::series(View& view, std::optional<double> at_s) const {
     header["t0"] = static_cast<double>(from) * 1e-9;
     header["t1"] = static_cast<double>(to) * 1e-9;
     // Length of the header, the header, blanks up to a multiple of eight, then the numbers.
-    std::string text = text_of(header);
+    std::string text = json_text(header);
     text.append((8 - (4 + text.size()) % 8) % 8, ' ');
     auto const size = static_cast<std::uint32_t>(text.size());
     std::string out(4, '\0');

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json duration(double seconds) {
+Json duration_json(double seconds) {
     return seconds < 0 ? Json(nullptr) : Json(seconds);
 }
 
@@ -70,14 +70,14 @@ std::string to_json(Snapshot const& graph) {
              {"qos",
               {{"reliability", q.reliable ? "reliable" : "best effort"},
                {"durability", name_of(q.durability)},
-               {"deadline_s", duration(q.deadline_s)},
+               {"deadline_s", duration_json(q.deadline_s)},
                {"liveliness", name_of(q.liveliness)},
-               {"lease_s", duration(q.lease_s)},
+               {"lease_s", duration_json(q.lease_s)},
                {"ownership", q.exclusive ? "exclusive" : "shared"},
                {"partitions", q.partitions},
                {"destination_order", q.by_source_timestamp ? "by source timestamp" : "by reception timestamp"},
                {"presentation", {{"scope", name_of(q.scope)}, {"coherent", q.coherent}, {"ordered", q.ordered}}},
-               {"latency_budget_s", duration(q.latency_budget_s)},
+               {"latency_budget_s", duration_json(q.latency_budget_s)},
                {"representations", representations}}}});
     }
     return Json{

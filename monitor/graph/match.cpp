@@ -11,7 +11,7 @@
 namespace gridspace::graph {
 namespace {
 
-std::string duration(double seconds) {
+std::string duration_text(double seconds) {
     return seconds < 0 ? "infinite" : shortest(seconds) + " s";
 }
 
@@ -105,20 +105,21 @@ std::vector<std::string> mismatch(bus::DiscoveredEndpoint const& writer, bus::Di
                                       name_of(requested.durability)));
     }
     if (later(offered.deadline_s, requested.deadline_s)) {
-        reasons.push_back(fmt::format("deadline: offered is {}, requested is {}", duration(offered.deadline_s),
-                                      duration(requested.deadline_s)));
+        reasons.push_back(fmt::format("deadline: offered is {}, requested is {}", duration_text(offered.deadline_s),
+                                      duration_text(requested.deadline_s)));
     }
     if (later(offered.latency_budget_s, requested.latency_budget_s)) {
         reasons.push_back(fmt::format("latency budget: offered is {}, requested is {}",
-                                      duration(offered.latency_budget_s), duration(requested.latency_budget_s)));
+                                      duration_text(offered.latency_budget_s),
+                                      duration_text(requested.latency_budget_s)));
     }
     if (offered.liveliness < requested.liveliness) {
         reasons.push_back(fmt::format("liveliness: offered is {}, requested is {}", name_of(offered.liveliness),
                                       name_of(requested.liveliness)));
     }
     if (later(offered.lease_s, requested.lease_s)) {
-        reasons.push_back(fmt::format("liveliness lease: offered is {}, requested is {}", duration(offered.lease_s),
-                                      duration(requested.lease_s)));
+        reasons.push_back(fmt::format("liveliness lease: offered is {}, requested is {}",
+                                      duration_text(offered.lease_s), duration_text(requested.lease_s)));
     }
     if (offered.exclusive != requested.exclusive) {
         reasons.push_back(fmt::format("ownership: offered is {}, requested is {}",

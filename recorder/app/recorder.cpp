@@ -46,7 +46,7 @@ struct Entry {
 };
 
 /// Real time: what may wait of one topic while the disk is slow.
-constexpr std::size_t kMaxWaiting = 32U << 20U;
+constexpr std::size_t kMaxWaitingOfTopic = 32U << 20U;
 
 class RecorderShell {
   public:
@@ -210,7 +210,7 @@ class RecorderShell {
                 reader = std::move(*opened);
             }
             if (!node_.lockstep()) {
-                reader->bound(kMaxWaiting);
+                reader->bound(kMaxWaitingOfTopic);
             }
             tap.reader = std::move(reader);
             taps_.push_back(std::move(tap));

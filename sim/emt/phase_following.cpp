@@ -10,7 +10,7 @@ namespace gridspace::sim::emt {
 namespace {
 
 /// Below this share of nominal voltage the current no longer rises to hold the power.
-constexpr double kMinVoltage = 0.5;
+constexpr double kMinPhaseVoltage = 0.5;
 
 } // namespace
 
@@ -18,7 +18,7 @@ PhaseFollowing::PhaseFollowing(double frequency_hz, double nominal_peak_v)
     : w_{2 * std::numbers::pi * frequency_hz}, nominal_{nominal_peak_v} {}
 
 std::complex<double> PhaseFollowing::wanted(Phase const& p, std::complex<double> power) const {
-    double const size = std::max(p.size, kMinVoltage * nominal_);
+    double const size = std::max(p.size, kMinPhaseVoltage * nominal_);
     return 2.0 * std::conj(power) / (size * size);
 }
 

@@ -13,7 +13,7 @@ namespace gridspace::sim {
 namespace {
 
 constexpr double kUnlimited = 1e15; // p.u. and more: what a unit has that states no limits
-constexpr double kRounding = 1e-12;
+constexpr double kNothing = 1e-12;
 
 struct Row {
     Complex load, shunt; ///< p.u.: what is drawn, and the admittance to earth
@@ -30,15 +30,15 @@ struct CaseBranch {
 CaseBranch case_branch(Branch const& y) {
     CaseBranch out;
     double const square = y.ff == Complex{} ? 1 : (y.tt / y.ff).real();
-    out.ratio = square > 0 && std::abs(square - 1) > kRounding ? std::sqrt(square) : 1;
+    out.ratio = square > 0 && std::abs(square - 1) > kNothing ? std::sqrt(square) : 1;
     out.shift = 0 - lead_of(y); // without -0
     Complex const series = -y.ft * out.ratio * std::polar(1.0, -out.shift);
     out.z = 1.0 / series;
     double const b = 2 * (y.tt - series).imag();
-    out.b = std::abs(b) > kRounding * std::abs(series) ? b : 0;
+    out.b = std::abs(b) > kNothing * std::abs(series) ? b : 0;
     Complex const end = series + Complex{0, out.b / 2};
     auto const rest = [&](Complex admittance) {
-        return std::abs(admittance) > kRounding * std::abs(series) ? admittance : Complex{};
+        return std::abs(admittance) > kNothing * std::abs(series) ? admittance : Complex{};
     };
     out.rest_from = rest(y.ff - end / (out.ratio * out.ratio));
     out.rest_to = rest(y.tt - end);

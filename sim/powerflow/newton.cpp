@@ -20,13 +20,13 @@ constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 /// share.
 constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
 
-/// Row-wise admittance matrix.
-struct Row {
+/// AdmittanceRow-wise admittance matrix.
+struct AdmittanceRow {
     std::vector<std::pair<std::size_t, Complex>> entries;
 };
 
-std::vector<Row> admittance(PowerFlowProblem const& problem) {
-    std::vector<Row> rows(problem.nodes.size());
+std::vector<AdmittanceRow> admittance(PowerFlowProblem const& problem) {
+    std::vector<AdmittanceRow> rows(problem.nodes.size());
     auto const add = [&](std::size_t r, std::size_t c, Complex y) {
         for (auto& [column, value] : rows[r].entries) {
             if (column == c) {
@@ -240,7 +240,7 @@ class Solver {
     PowerFlowProblem const& problem_;
     PowerFlowOptions const& options_;
     double scale_;
-    std::vector<Row> y_;
+    std::vector<AdmittanceRow> y_;
     std::vector<NodeKind> kind_;
     std::vector<double> held_q_;
     NewtonOutcome out_;

@@ -14,8 +14,6 @@
 namespace gridspace::timebox {
 namespace {
 
-constexpr int kMostMarks = 8; // the kernel's queue has room for ten
-
 short events_of(UniqueFd const& file) {
     pollfd look{file.get(), POLLIN, 0};
     return ::poll(&look, 1, 0) > 0 ? look.revents : short{0};

@@ -10,6 +10,9 @@
 /// Sockets of the family unix (unix(7)) that stand for those of IP and of packets.
 namespace gridspace::timebox {
 
+/// That wait in one: the kernel's queue has room for ten.
+inline constexpr int kMostMarks = 8;
+
 /// By which a stand-in is recognised, whatever its descriptor is: 0: none, or no socket.
 [[nodiscard]] std::uint64_t socket_inode_of(UniqueFd const& file);
 /// Binds it to a name that is free; the name, or nothing.

@@ -13,8 +13,9 @@
 namespace gridspace::timebox {
 namespace {
 
-constexpr std::size_t kLongest = 65'507;
-constexpr std::size_t kBookkeeping = 768; ///< what the kernel charges a buffer for a datagram beside its octets, about
+constexpr std::size_t kLongestDatagram = 65'507;
+constexpr std::size_t kDatagramBookkeeping =
+    768; ///< what the kernel charges a buffer for a datagram beside its octets, about
 
 bool goes_to_many(std::uint32_t address) {
     return (address >> 28U) == 0xE || ip4_addr_isbroadcast_u32(lwip_htonl(address), ip_current_netif()) != 0;
@@ -90,7 +91,7 @@ UdpEnd::~UdpEnd() {
 }
 
 void UdpEnd::push(Datagram datagram) {
-    std::size_t const takes = datagram.octets.size() + kBookkeeping;
+    std::size_t const takes = datagram.octets.size() + kDatagramBookkeeping;
     if (used_ + takes <= room) {
         used_ += takes;
         queue_.push_back(std::move(datagram));
@@ -100,7 +101,7 @@ void UdpEnd::push(Datagram datagram) {
 Datagram UdpEnd::pop() {
     Datagram out = std::move(queue_.front());
     queue_.pop_front();
-    used_ -= out.octets.size() + kBookkeeping;
+    used_ -= out.octets.size() + kDatagramBookkeeping;
     return out;
 }
 
@@ -147,7 +148,7 @@ void UdpEnd::disconnect() {
 }
 
 int UdpEnd::send(std::span<std::uint8_t const> octets, std::optional<IpEndpoint> to) {
-    if (octets.size() > kLongest) {
+    if (octets.size() > kLongestDatagram) {
         return EMSGSIZE;
     }
     if (!to && !remote_) {

@@ -10,8 +10,6 @@
 namespace gridspace::sim {
 namespace {
 
-using induction::State;
-
 class InductionInjection final : public PhasorInjection {
   public:
     InductionInjection(InductionMachine const& machine, Surroundings const& around)
@@ -20,7 +18,7 @@ class InductionInjection final : public PhasorInjection {
 
     [[nodiscard]] std::size_t states() const override { return machine_.states(); }
     void start(double, Complex v, Complex, std::span<double> x) override {
-        State const start = machine_.steady_state(v);
+        induction::State const start = machine_.steady_state(v);
         std::copy_n(start.begin(), x.size(), x.begin());
         start_v_ = std::abs(v);
     }
@@ -28,9 +26,9 @@ class InductionInjection final : public PhasorInjection {
         return machine_.check_start(start_v_);
     }
     Complex flow(double, std::span<double const> states, Complex v, std::span<double> dx) const override {
-        State const x = state_of(states);
+        induction::State const x = state_of(states);
         Complex const i = current(x, v);
-        State d{};
+        induction::State d{};
         machine_.derivative(x, i, w0_, d);
         std::copy_n(d.begin(), dx.size(), dx.begin());
         return -i * to_network_;
@@ -43,7 +41,7 @@ class InductionInjection final : public PhasorInjection {
         return out;
     }
     [[nodiscard]] double value(std::size_t index, double, std::span<double const> states, Complex v) const override {
-        State const x = state_of(states);
+        induction::State const x = state_of(states);
         Complex const i = current(x, v), s = v * std::conj(i) * machine_.rating_kva();
         return index == 0 ? s.real() : index == 1 ? s.imag() : induction::signal(index - 2, machine_, x, i);
     }
@@ -53,12 +51,12 @@ class InductionInjection final : public PhasorInjection {
     }
 
   private:
-    static State state_of(std::span<double const> states) {
-        State x{};
+    static induction::State state_of(std::span<double const> states) {
+        induction::State x{};
         std::copy(states.begin(), states.end(), x.begin());
         return x;
     }
-    [[nodiscard]] Complex current(State const& x, Complex v) const {
+    [[nodiscard]] Complex current(induction::State const& x, Complex v) const {
         return connected() && v != Complex{} ? (v - Complex{0, 1} * machine_.flux(x)) /
                                                    Complex{machine_.resistance(), machine_.subtransient_reactance()}
                                              : Complex{};

@@ -19,22 +19,21 @@ using emt::Rule;
 using emt::Space;
 using emt::to_phases;
 using emt::to_space;
-using induction::State;
 
-constexpr double kRunaway = 5; ///< p.u. of speed
+constexpr double kInductionRunaway = 5; ///< p.u. of speed
 /// Of the insulation, p.u.: what holds the star point of a machine behind open poles.
 constexpr double kInsulation = 1e-6;
 
 /// What a step changes. p.u.; currents into the machine, fluxes and currents in the standing frame.
 struct Dynamics {
-    State x_{}, f_{}, f_before_{};
+    induction::State x_{}, f_{}, f_before_{};
     double h_before_{0};
     bool history_{false};
     double k_{0}, g_{0};
     Complex v_, i_, flux_;
     double v_zero_{0};
     // trial step
-    State trial_{};
+    induction::State trial_{};
     double h_{0};
     Complex axis_{1}, source_, trial_flux_;
 };
@@ -76,7 +75,9 @@ class InductionElement final : public emt::NortonElement, private Dynamics {
     void finish(double const* v) override;
     void save() override { saved_ = static_cast<Dynamics const&>(*this); }
     void restore() override { static_cast<Dynamics&>(*this) = saved_; }
-    [[nodiscard]] bool sound() const override { return std::abs(x_[induction::kSpeed]) < kRunaway; } // false for NaN
+    [[nodiscard]] bool sound() const override {
+        return std::abs(x_[induction::kSpeed]) < kInductionRunaway;
+    } // false for NaN
     [[nodiscard]] Error failure(double t) const override {
         return {ExitCode::usage,
                 fmt::format("induction machine '{}' runs away at {} s: its speed is {} p.u.", machine_.name(),
@@ -131,7 +132,7 @@ std::array<double, 3> InductionElement::predict(double t, double h, Rule rule) {
 
 std::array<double, 3> InductionElement::correct(double const* v) {
     Complex const i = g_ * volts(v) - source_;
-    State f{};
+    induction::State f{};
     machine_.derivative(trial_, i * std::conj(axis_), w0_, f);
     for (std::size_t s = 0; s < x_.size(); ++s) {
         trial_[s] = x_[s] + h_ / 2 * (f_[s] + f[s]);

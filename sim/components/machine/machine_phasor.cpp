@@ -11,8 +11,6 @@
 namespace gridspace::sim {
 namespace {
 
-using machines::State;
-
 /// A regulator without time constant would be algebraic; this is fast against everything that phasors show.
 constexpr double kFastest = 1e-3;
 
@@ -20,8 +18,8 @@ void soften(double& t) {
     t = std::max(t, kFastest);
 }
 
-State state_of(std::span<double const> x) {
-    State s;
+machines::State state_of(std::span<double const> x) {
+    machines::State s;
     s.fill(0);
     std::copy(x.begin(), x.end(), s.begin());
     return s;
@@ -104,7 +102,7 @@ bool MachineInjection::set(double, std::string_view quantity, double value) {
     return true;
 }
 
-MachineInjection::Stator MachineInjection::stator(State const& x, Complex v) const {
+MachineInjection::Stator MachineInjection::stator(machines::State const& x, Complex v) const {
     Complex const to_rotor = std::polar(1.0, std::numbers::pi / 2 - x[machines::kAngle]);
     Stator s;
     // Fluxes without the part that currents make of unequal axes; the axes have their own reactances here.
@@ -125,9 +123,9 @@ MachineInjection::Stator MachineInjection::stator(State const& x, Complex v) con
 }
 
 Complex MachineInjection::flow(double, std::span<double const> states, Complex v, std::span<double> dx) const {
-    State const x = state_of(states);
+    machines::State const x = state_of(states);
     Stator const s = stator(x, v);
-    State d;
+    machines::State d;
     machines::derivative(data_, set_, x, s.id, s.iq, s.v, d);
     d[machines::kAngle] = w0_ * x[machines::kSpeed];
     if (has_event()) {
@@ -172,7 +170,7 @@ std::vector<SignalDef> MachineInjection::signals() const {
 }
 
 double MachineInjection::value(std::size_t signal, double, std::span<double const> states, Complex v) const {
-    State const x = state_of(states);
+    machines::State const x = state_of(states);
     Stator const s = stator(x, v);
     Complex const power = (connected() ? v : Complex{}) * std::conj(s.i) * data_.rating_kva;
     switch (signal) {

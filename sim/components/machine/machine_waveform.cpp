@@ -21,7 +21,6 @@ using emt::Rule;
 using emt::Space;
 using emt::to_phases;
 using emt::to_space;
-using machines::State;
 
 /// A machine this far from nominal speed (p.u.) has left what its equations describe.
 constexpr double kRunaway = 5;
@@ -32,14 +31,14 @@ struct MachineDynamics {
     // coefficients of the step
     double k_{0}, gs_{0}, g0_{0};
     // accepted state
-    State x_{}, f_{}, f_before_{};
+    machines::State x_{}, f_{}, f_before_{};
     double h_before_{0};
     bool history_{false};
     Space v_, i_;
     double psi_alpha_{0}, psi_beta_{0}; ///< psi'' in the standing frame
     double id_{0}, iq_{0}, vt_{0};
     // trial step
-    State trial_{};
+    machines::State trial_{};
     double h_{0}, cos_{1}, sin_{0};
     Space source_; ///< Norton current, p.u.
     double trial_psi_alpha_{0}, trial_psi_beta_{0};
@@ -168,7 +167,7 @@ std::array<double, 3> MachineElement::correct(double const* v) {
     double const va = volts.alpha / v_base_, vb = volts.beta / v_base_;
     double const ia = source_.alpha - gs_ * va, ib = source_.beta - gs_ * vb;
     double const d = ia * cos_ + ib * sin_, q = -ia * sin_ + ib * cos_;
-    State f;
+    machines::State f;
     machines::derivative(data_, set_, trial_, d, q, std::sqrt(va * va + vb * vb), f);
     f[machines::kAngle] = w0_ * trial_[machines::kSpeed];
     double const predicted_angle = trial_[machines::kAngle];
