@@ -144,11 +144,14 @@ endfunction()
 
 add_custom_target(unit_tests) # builds the test programs with the label unit, and what they need
 # gridspace_test(NAME SOURCES ... [APART ...] [PRIVATE deps ...] [LABELS l ...] [TIMEOUT seconds] [ALONE]): GoogleTest cases, one CTest test each.
-# ALONE: they measure time, so nothing runs beside them.
+# ALONE: they measure time, so nothing runs beside them. PARTS: they take so long that they run in so many parts at once.
 function(gridspace_test name)
-  cmake_parse_arguments(arg "ALONE" "TIMEOUT" "SOURCES;APART;PRIVATE;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "ALONE" "TIMEOUT;PARTS" "SOURCES;APART;PRIVATE;LABELS" ${ARGN})
   if(NOT arg_LABELS)
     set(arg_LABELS unit)
+  endif()
+  if(NOT arg_PARTS)
+    set(arg_PARTS 1)
   endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300) # a busy machine is slow, and not wrong
@@ -168,6 +171,7 @@ function(gridspace_test name)
   add_executable(${name} ${sources})
   if("unit" IN_LIST arg_LABELS)
     add_dependencies(unit_tests ${name})
+    set_property(GLOBAL APPEND PROPERTY GRIDSPACE_UNIT_TESTS "${name} ${arg_PARTS} $<IF:$<BOOL:${arg_ALONE}>,alone,beside>")
   endif()
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE gridspace_flags ${arg_PRIVATE} GTest::gmock GTest::gtest_main)

@@ -59,7 +59,20 @@ tier_lint() { python3 "$root/tests/lint/lint.py" --self-test && python3 "$root/t
 
 tier_build() { configure release -DGRIDSPACE_TESTS=ON ${everything:+-DGRIDSPACE_BENCH=ON} && build release all && touch "$root/build/release/.programs_built"; }
 
-tier_unit() { run_ctest release -L unit; }
+# run_unit_tests PRESET: the test programs, then the shipped mistakes that validate must find.
+run_unit_tests() {
+  local preset=$1 log="$root/build/unit-$1.log" status=0
+  python3 "$root/scripts/unit_tests.py" "$root/build/$preset" --times "$times" ${everything:+--allowed-skips "$root/tests/allowed_skips.txt"} >"$log" 2>&1 || status=$?
+  local programs
+  programs=$(tail -n 1 "$log")
+  [ "$status" -eq 0 ] && grep '^skipped' "$log"
+  [ "$status" -eq 0 ] || head -n 200 "$log"
+  run_ctest "$preset" -R '^invalid_configs\.' || status=1
+  note="programs: $programs; configurations that are refused: $note"
+  return "$status"
+}
+
+tier_unit() { run_unit_tests release; }
 
 tier_integration() { unsteady_may_be=yes run_ctest release -L integration -j $((2 * $(nproc))); } # they wait for each other more than they compute
 
@@ -101,7 +114,7 @@ sanitizers_in_time() {
 
 tier_sanitizers() {
   sanitizers_in_time || { [ $? -eq 2 ]; return; }
-  run_ctest asan -L unit || return
+  run_unit_tests asan || return
   local counts=$note
   run_scenarios asan --sanitizer || return
   note="$counts; $note"
