@@ -4,6 +4,7 @@
 // Nanoseconds per frame of the codec, one thread, frames in the cache.
 #include "gateways/iec61850/authentication.hpp"
 #include "gateways/iec61850/goose_template.hpp"
+#include "gateways/iec61850/routable_sender.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
 #include "gateways/iec61850/sv_subscriber.hpp"
 #include "gateways/iec61850/sv_template.hpp"
@@ -114,6 +115,45 @@ void decode_goose_frame(benchmark::State& state) {
     for (auto _ : state) {
         benchmark::DoNotOptimize(octets);
         benchmark::DoNotOptimize(decode_goose(octets, out));
+        benchmark::ClobberMemory();
+    }
+}
+
+/// A frame of 9-2LE as a datagram (R-SV): what `udp` in a stream adds for a sender.
+void wrap_sv_92le(benchmark::State& state) {
+    SvTemplate const frame = sv(1, 64);
+    RoutableSender sender{{}};
+    std::vector<std::uint8_t> datagram;
+    for (auto _ : state) {
+        FrameHeader message;
+        benchmark::DoNotOptimize(decode_header(frame.frame(), message));
+        sender.wrap(message, datagram);
+        benchmark::DoNotOptimize(datagram.data());
+        benchmark::ClobberMemory();
+    }
+}
+
+/// The same for a receiver: the message of such a datagram as an Ethernet frame of its own.
+void unwrap_sv_92le(benchmark::State& state) {
+    SvTemplate const frame = sv(1, 64);
+    FrameHeader message;
+    std::vector<std::uint8_t> datagram, out;
+    if (!decode_header(frame.frame(), message)) {
+        state.SkipWithError("the frame is none");
+        return;
+    }
+    RoutableSender{{}}.wrap(message, datagram);
+    RoutableFrame opened;
+    for (auto _ : state) {
+        Octets octets{datagram};
+        benchmark::DoNotOptimize(octets);
+        if (!decode_routable(routable_payload(octets), opened)) {
+            state.SkipWithError("the datagram holds no message");
+            break;
+        }
+        out.clear();
+        as_ethernet(octets, opened.payloads[0], out);
+        benchmark::DoNotOptimize(out.data());
         benchmark::ClobberMemory();
     }
 }
@@ -235,6 +275,8 @@ BENCHMARK_CAPTURE(verify_sv_92le, hmac_sha256, CodeAlgorithm::hmac_sha256_128);
 BENCHMARK_CAPTURE(verify_sv_92le, aes_gmac, CodeAlgorithm::aes_gmac_128);
 BENCHMARK_CAPTURE(authenticated_streams, hmac_sha256, CodeAlgorithm::hmac_sha256_128);
 BENCHMARK_CAPTURE(authenticated_streams, aes_gmac, CodeAlgorithm::aes_gmac_128);
+BENCHMARK(wrap_sv_92le);
+BENCHMARK(unwrap_sv_92le);
 BENCHMARK(encode_goose)->Arg(1)->Arg(16);
 BENCHMARK(decode_goose_frame)->Arg(1)->Arg(16);
 
