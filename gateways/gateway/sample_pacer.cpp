@@ -7,7 +7,6 @@
 #include "common/text.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <ctime>
 

@@ -5,10 +5,8 @@
 #include "gateways/gateway/sleep_until.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 
 namespace gridspace::gateways {
 namespace {

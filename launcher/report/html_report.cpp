@@ -14,7 +14,6 @@
 #include "launcher/report/wire_timing_page.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <fmt/format.h>
 #include <fstream>
 
