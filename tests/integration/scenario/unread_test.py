@@ -21,7 +21,7 @@ class Unread(ScenarioTest):
                 filled += os.write(theirs, b" " * 4096)
         os.set_blocking(theirs, True)
         folder = self.folder / "run"
-        process = subprocess.Popen([BIN / "gridspace", "run", CASE_1, *BASE, "--set", "clock.mode=realtime", "--speed", "3600", "--until", "7200s", "--json",
+        process = subprocess.Popen([BIN / "gridspace", "run", CASE_1, *BASE, "--set", "clock.mode=realtime", "--speed", "900", "--until", "3600s", "--json",
                                     "--set", "expect=~", "--set", "events={one: {at_s: 600, set: {loads.L1.p_kw: 10}}}", "--out", folder],
                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=theirs, start_new_session=True)
         os.close(theirs)
@@ -34,13 +34,13 @@ class Unread(ScenarioTest):
         with os.fdopen(ours, "rb") as pipe:
             said = pipe.read()
         self.assertEqual(process.wait(HANG_S), OK)
-        self.assertEqual(json.loads((folder / "report/summary.json").read_text())["simulated_s"], 7200)
+        self.assertEqual(json.loads((folder / "report/summary.json").read_text())["simulated_s"], 3600)
         lines = [json.loads(line) for line in said[filled:].splitlines()]
         notes = [line["note"] for line in lines if "note" in line]
         self.assertTrue(any("run folder" in note for note in notes), notes)
         self.assertTrue(any("are ready" in note for note in notes), notes)
         self.assertIn("one", [line["text"] for line in lines if line.get("event") == "event"], lines)
-        self.assertEqual([line["time_s"] for line in lines if "speed" in line][-1], 7200)
+        self.assertEqual([line["time_s"] for line in lines if "speed" in line][-1], 3600)
 
 
 if __name__ == "__main__":
