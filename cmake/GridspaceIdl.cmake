@@ -11,6 +11,7 @@ function(gridspace_idl_library name)
   set(out "${CMAKE_CURRENT_BINARY_DIR}/generated/${name}")
   file(MAKE_DIRECTORY "${out}") # fastddsgen wants it to exist
   set(sources)
+  set(together "")
   foreach(idl IN LISTS ARGN)
     get_filename_component(stem "${idl}" NAME_WE)
     get_filename_component(path "${idl}" ABSOLUTE)

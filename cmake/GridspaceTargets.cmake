@@ -120,8 +120,8 @@ function(gridspace_sanitizer_options target)
   endif()
 endfunction()
 
-# gridspace_program(NAME SOURCES ... [APART ...] [PRIVATE deps ...] [FOR_CHECKOUTS]): an installed executable; all programs land in build/bin, and
-# the target `programs` builds them and nothing else. FOR_CHECKOUTS: not among these, and not installed.
+# gridspace_program(NAME SOURCES ... [APART ...] [PRIVATE deps ...] [FOR_CHECKOUTS]): an installed executable; all programs land in
+# build/bin, and the target `programs` builds them and nothing else. FOR_CHECKOUTS: not among these, and not installed.
 add_custom_target(programs)
 function(gridspace_program name)
   cmake_parse_arguments(arg "FOR_CHECKOUTS" "" "SOURCES;APART;PRIVATE" ${ARGN})
@@ -143,8 +143,8 @@ function(gridspace_program name)
 endfunction()
 
 add_custom_target(unit_tests) # builds the test programs with the label unit, and what they need
-# gridspace_test(NAME SOURCES ... [APART ...] [PRIVATE deps ...] [LABELS l ...] [TIMEOUT seconds] [ALONE]): GoogleTest cases, one CTest test each.
-# ALONE: they measure time, so nothing runs beside them. PARTS: they take so long that they run in so many parts at once.
+# gridspace_test(NAME SOURCES ... [APART ...] [PRIVATE deps ...] [LABELS l ...] [TIMEOUT seconds] [PARTS n] [ALONE]): GoogleTest cases, one
+# CTest test each. ALONE: they measure time, so nothing runs beside them. PARTS: they take so long that they run in so many parts at once.
 function(gridspace_test name)
   cmake_parse_arguments(arg "ALONE" "TIMEOUT;PARTS" "SOURCES;APART;PRIVATE;LABELS" ${ARGN})
   if(NOT arg_LABELS)

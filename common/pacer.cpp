@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/pacer.hpp"
 
+#include "common/sleep_until.hpp"
+
 #include <algorithm>
-#include <cerrno>
-#include <ctime>
 
 namespace gridspace {
 
@@ -54,10 +54,7 @@ void Pacer::sleep_until(std::chrono::steady_clock::time_point due, std::atomic<b
     constexpr std::chrono::milliseconds kSlice{200};
     for (auto at = std::chrono::steady_clock::now(); at < due && !stop.load(std::memory_order_relaxed);) {
         at = std::min(due, at + kSlice);
-        auto const ns = at.time_since_epoch().count();
-        timespec const until{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
-        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-        }
+        gridspace::sleep_until(at.time_since_epoch().count());
     }
 }
 

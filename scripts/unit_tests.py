@@ -8,6 +8,7 @@ ctest --test-dir build/release -R NAME. What failed is printed; the last line ho
 """
 import argparse
 import concurrent.futures
+import contextlib
 import json
 import os
 import pathlib
@@ -19,21 +20,18 @@ import sys
 
 def run(program, part, parts, emulator, patience_s, folder):
     """[(name, seconds, "passed" | "skipped" | what went wrong)] of the tests of one program, or of part `part` of `parts` of them."""
-    results = folder / f"{program.name}.{part}.json"
-    command = [*emulator, str(program), f"--gtest_output=json:{results}", "--gtest_color=no"]
-    try:
-        environment = {**os.environ, "GTEST_TOTAL_SHARDS": str(parts), "GTEST_SHARD_INDEX": str(part)}
-        done = subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", timeout=patience_s)
-        printed, ending = done.stdout, "" if done.returncode in (0, 1) else f"ended with {done.returncode}"
-    except subprocess.TimeoutExpired as late:
-        printed = (late.stdout or b"").decode(errors="replace")
-        ending = f"not at its end after {patience_s} s"
-    (folder / f"{program.name}.{part}.log").write_text(printed)
+    results, log = folder / f"{program.name}.{part}.json", folder / f"{program.name}.{part}.log"
+    environment = {**os.environ, "GTEST_TOTAL_SHARDS": str(parts), "GTEST_SHARD_INDEX": str(part)}
+    ended = None
+    with log.open("w") as output:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            ended = subprocess.run([*emulator, program, f"--gtest_output=json:{results}", "--gtest_color=no"], cwd=folder, env=environment,
+                                   stdout=output, stderr=subprocess.STDOUT, timeout=patience_s).returncode
     out = []
     try:
         suites = json.loads(results.read_text())["testsuites"]
     except (OSError, ValueError):
-        suites, ending = [], ending or "it wrote no results"
+        suites = []
     for suite in suites:
         for test in suite["testsuite"]:
             if test["status"] != "RUN":
@@ -41,10 +39,13 @@ def run(program, part, parts, emulator, patience_s, folder):
             failures = "\n".join(f["failure"] for f in test.get("failures", []))
             verdict = failures or ("skipped" if test["result"] == "SKIPPED" else "passed")
             out.append((f"{program.name}.{test['classname']}.{test['name']}", float(test["time"].rstrip("s")), verdict))
-    if ending:
-        last = [line for line in printed.splitlines() if line.startswith("[ RUN ")]
-        begun = last[-1].split("]")[1].strip() if last else "its start"
-        out.append((f"{program.name}.{begun}", 0.0, f"{ending}:\n" + "\n".join(printed.splitlines()[-60:])))
+    # A sanitizer may complain when all tests have passed: what a program returns counts too.
+    failed = any(verdict not in ("passed", "skipped") for _, _, verdict in out)
+    if ended is None or not suites or (ended != 0 and not failed):
+        printed = log.read_text(errors="replace").splitlines()
+        begun = [line.split("]")[1].strip() for line in printed if line.startswith("[ RUN ")] or ["no test"]
+        how = f"not at its end after {patience_s} s" if ended is None else f"ended with {ended}"
+        out.append((f"{program.name}.{begun[-1]}", 0.0, "\n".join([how, *printed[-60:]])))
     return out
 
 
@@ -56,9 +57,10 @@ def main():
     parser.add_argument("--allowed-skips", type=pathlib.Path, help="names that may be skipped; any other skip fails")
     parser.add_argument("--times", type=pathlib.Path, help="a file to append to")
     arguments = parser.parse_args()
-    programs = [line.split() for line in (arguments.build / "unit_tests.txt").read_text().splitlines() if line.strip()]
-    if not programs:
-        sys.exit("no unit tests in " + str(arguments.build))
+    names = arguments.build / "unit_tests.txt"
+    if not names.exists():
+        sys.exit(f"{names} is not there: build the tests first (./gridspace test --only build)")
+    programs = [line.split() for line in names.read_text().splitlines() if line.strip()]
     arguments.build = arguments.build.resolve()
     folder = arguments.build / "unit_results"
     shutil.rmtree(folder, ignore_errors=True)
@@ -87,7 +89,7 @@ def main():
     if arguments.times:
         with arguments.times.open("a") as times:
             times.writelines(f"{seconds:.2f} {name}\n" for name, seconds, _ in results)
-    wrong = bool(failed)
+    wrong = bool(failed) or not results
     if arguments.allowed_skips:
         allowed = {line.split()[0] for line in arguments.allowed_skips.read_text().splitlines() if line.strip() and not line.startswith("#")}
         unexpected = [name for name in skipped if name not in allowed]

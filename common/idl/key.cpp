@@ -3,7 +3,6 @@
 #include "common/idl/key.hpp"
 
 #include "common/idl/aligned.hpp"
-
 #include "common/idl/cdr_visitor.hpp"
 
 #include <algorithm>

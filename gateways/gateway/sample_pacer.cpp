@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/gateway/sample_pacer.hpp"
 
-#include "gateways/gateway/sleep_until.hpp"
-
+#include "common/sleep_until.hpp"
 #include "common/text.hpp"
 
 #include <algorithm>

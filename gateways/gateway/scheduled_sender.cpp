@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/gateway/scheduled_sender.hpp"
 
-#include "gateways/gateway/sleep_until.hpp"
+#include "common/sleep_until.hpp"
 
 #include <algorithm>
 #include <chrono>

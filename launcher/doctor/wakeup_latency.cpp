@@ -4,6 +4,7 @@
 
 #include "common/nearest_rank.hpp"
 #include "common/realtime.hpp"
+#include "common/sleep_until.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -77,9 +78,7 @@ void wait_until(std::int64_t instant_ns, bool polling) {
         }
         return;
     }
-    timespec const instant{instant_ns / 1'000'000'000, instant_ns % 1'000'000'000};
-    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &instant, nullptr) == EINTR) {
-    }
+    sleep_until(instant_ns);
 }
 
 void measure(Waiting waiting, std::int64_t period_ns, std::span<double> late_us) {
