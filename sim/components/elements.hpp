@@ -19,6 +19,7 @@
 #include "sim/components/source/source.hpp"
 #include "sim/components/transformer/transformer.hpp"
 #include "sim/components/vt/vt.hpp"
+#include "sim/components/wind_turbine/wind_turbine.hpp"
 
 #include <concepts>
 #include <utility>
@@ -43,6 +44,7 @@ struct Elements {
     std::vector<Battery> batteries;
     std::vector<ShuntCapacitor> shunt_capacitors;
     std::vector<InductionMachine> induction_machines;
+    std::vector<WindTurbine> wind_turbines;
     std::vector<BreakerType> breaker_types;
     std::vector<Breaker> breakers;
     std::vector<CtType> ct_types;
@@ -71,6 +73,7 @@ void for_each_kind(E& elements, Visit const& visit) {
     visit(elements.batteries);
     visit(elements.shunt_capacitors);
     visit(elements.induction_machines);
+    visit(elements.wind_turbines);
     visit(elements.breaker_types);
     visit(elements.breakers);
     visit(elements.ct_types);

@@ -24,7 +24,7 @@ ELSEWHERE = {
 }
 
 # Times of seconds, and voltages that this network does not have: tests/unit/components, ride_through and tap_changer.
-ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries") for key in (
+ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries", "wind_turbines") for key in (
     "category", "restore_s", "cease.below_pu", "cease.above_pu",
     *(f"enter_service.{k}" for k in ("delay_s", "ramp_s", "voltage_min_pu", "voltage_max_pu", "frequency_min_hz", "frequency_max_hz")),
     *(f"trip.{e}.{k}" for e in ("ov2", "ov1", "uv1", "uv2") for k in ("voltage_pu", "after_s")),
@@ -85,7 +85,15 @@ NETWORK = {
     "shunts": {"C1": {"bus": "C", "p_kw": 0.5, "q_kvar": 2}},
     "induction_machines": {"I1": {"bus": "C", "rating_kva": 3, "load_kw": 1.5, "load_exponent": 1, "inertia_h_s": 0.3, "state": "running",
                                   "constants_pu": {"rs": 0.02, "xs": 0.09, "xm": 2.6, "rr": 0.02, "xr": 0.15, "rr2": 0.1, "xr2": 0.06}}},
-    "pv": {"P1": {"bus": "D", "p_kw": 5, "rating_kva": 5, "power_factor": 0.95, "scale": "s"}},
+    "pv": {"P1": {"bus": "D", "p_kw": 5, "rating_kva": 5, "power_factor": 0.95, "scale": "s"},
+           "P2": {"bus": "B", "scale": "p", "ambient_c": 30, "ambient": "s",
+                  "array": {"series": 2, "strings": 1, "il_a": 8.214, "i0_a": 9.825e-8, "rs_ohm": 0.221, "rsh_ohm": 415.4, "a_v": 1.8036,
+                            "alpha_a_k": 0.00318, "noct_c": 46, "efficiency": 0.97, "mppt_s": 0.02}}},
+    "wind_turbines": {"W1": {"bus": "B", "rated_kw": 0.5, "rating_kva": 0.54, "wind_m_s": 14, "scale": "p", "q_kvar": 0.03,
+                             "generator": "doubly_fed", "rated_wind_m_s": 12, "cut_out_m_s": 25, "restart_m_s": 22, "speed_min_pu": 0.4,
+                             "inertia_h_s": 0.4, "power_lag_s": 0.01, "cp": [0.5176, 116, 0.4, 5, 21, 0.0068],
+                             "pitch": {"kp": 150, "ki": 25, "t_s": 0.3, "rate_deg_s": 10, "max_deg": 27},
+                             "shaft": {"turbine_share": 0.9, "frequency_hz": 1.8, "damping_pu": 1.5}}},
     "evs": {"E1": {"bus": "C", "capacity_kwh": 0.0001, "battery_v": 360, "max_current_a": 15, "efficiency": 0.9,
                    "soc_start_percent": 20, "soc_stop_percent": 60, "current_lag_s": 0.002}},
     "batteries": {"B1": {"bus": "C", "capacity_kwh": 0.0002, "rating_kva": 7, "p_kw": 6, "q_kvar": 1, "efficiency": 0.9,
@@ -164,6 +172,15 @@ CHANGES = {
     **{f"induction_machines.I1.constants_pu.{k}": v for k, v in
        {"rs": 0.03, "xs": 0.1, "xm": 3, "rr": 0.03, "xr": 0.2, "rr2": 0.2, "xr2": 0.08}.items()},
     "pv.P1.bus": "C", "pv.P1.p_kw": 4, "pv.P1.rating_kva": 4, "pv.P1.power_factor": 0.9, "pv.P1.scale": "p",
+    "pv.P2.ambient_c": 35, "pv.P2.ambient": None,
+    **{f"pv.P2.array.{k}": v for k, v in
+       {"series": 3, "strings": 2, "il_a": 8, "i0_a": 1e-7, "rs_ohm": 0.3, "rsh_ohm": 300, "a_v": 1.9, "alpha_a_k": 0.004, "noct_c": 48,
+        "efficiency": 0.9, "mppt_s": 0.03}.items()},
+    **{f"wind_turbines.W1.{k}": v for k, v in
+       {"bus": "C", "rated_kw": 0.4, "rating_kva": 0.6, "wind_m_s": 13, "scale": None, "q_kvar": 0.04, "generator": "full_converter",
+        "rated_wind_m_s": 11, "cut_out_m_s": 13, "restart_m_s": 26, "speed_min_pu": 1, "inertia_h_s": 0.5, "power_lag_s": 0.02,
+        "cp": [0.5, 116, 0.4, 5, 21, 0.0068], "pitch.kp": 100, "pitch.ki": 50, "pitch.t_s": 0.5, "pitch.rate_deg_s": 1, "pitch.max_deg": 2,
+        "shaft.turbine_share": 0.8, "shaft.frequency_hz": 2, "shaft.damping_pu": 1}.items()},
     "evs.E1.bus": "D", "evs.E1.capacity_kwh": 0.0002, "evs.E1.battery_v": 300, "evs.E1.max_current_a": 12, "evs.E1.efficiency": 0.8,
     "evs.E1.soc_start_percent": 30, "evs.E1.soc_stop_percent": 25, "evs.E1.current_lag_s": 0.004,
     "batteries.B1.bus": "D", "batteries.B1.capacity_kwh": 0.0003, "batteries.B1.rating_kva": 6.1, "batteries.B1.p_kw": 5,
@@ -253,7 +270,7 @@ class EveryKey(unittest.TestCase):
             out = self.folder / "o.csv"
             out.unlink(missing_ok=True)
             command = [BIN, "simulate", self.folder / "n.yaml", "--solver", solver, "--until", "0.03s", "--quiet", "--signals",
-                       "bus.*.v_pu,bus.*.angle_deg,ct.*,vt.*,line.*.from.*,machine.*,generator.*,battery.*,ev.*,pv.*,load.*,breaker.*.position"
+                       "bus.*.v_pu,bus.*.angle_deg,ct.*,vt.*,line.*.from.*,machine.*,generator.*,battery.*,ev.*,pv.*,wind_turbine.*,load.*,breaker.*.position"
                        if solver == "emt" and "cts" in network else "*", "--csv", out]
             command += ["--events", self.folder / "e.yaml"] if events else []
             command += ["--every", "8", "--comtrade", self.folder / "o"] if solver == "emt" else []

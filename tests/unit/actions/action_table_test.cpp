@@ -35,6 +35,7 @@ generators: {Given: {bus: D, role: pq, rating_kva: 20, p_kw: 2, q_kvar: 1},
 loads: {Load: {bus: C, p_kw: 10, q_kvar: 2, model: constant_impedance}}
 shunts: {Shunt: {bus: C, p_kw: 1}}
 pv: {Pv: {bus: C, p_kw: 8, rating_kva: 10}}
+wind_turbines: {Wind: {bus: C, rated_kw: 3, wind_m_s: 11}}
 evs: {Ev: {bus: C, capacity_kwh: 24, battery_v: 360, max_current_a: 15, soc_start_percent: 20}}
 batteries: {Battery: {bus: C, capacity_kwh: 20, rating_kva: 20, p_kw: 1}}
 shunt_capacitors: {Bank: {bus: C, q_kvar: 5, rated_kv: 0.4}}
