@@ -16,6 +16,9 @@ Box::Impl::Impl(BoxOptions o, Started started, UniqueFd ours)
     : options{std::move(o)}, numbers{std::move(started.numbers)}, main{started.program}, door{started.door},
       table{options, report} {
     report.own_process_numbers = numbers.keeper > 0;
+    for (UniqueFd& listener : started.listeners) {
+        stops.listen(std::move(listener));
+    }
     ::sched_getaffinity(0, sizeof allowed, &allowed);
     for (pid_t const first : {main, door}) {
         if (first > 0) {

@@ -8,6 +8,7 @@
 #include "timebox/clock_page.hpp"
 #include "timebox/look_timer.hpp"
 #include "timebox/start.hpp"
+#include "timebox/stops.hpp"
 
 #include <list>
 #include <sched.h>
@@ -54,7 +55,7 @@ struct Box::Impl {
     void gone(pid_t tid, Thread* t, int status);
     /// Finds out who was killed while standing still: by the end of its process (0: of any), or by somebody's kill().
     void look_for_killed(pid_t process);
-    void stopped(Thread& t, int status);
+    void stopped(Thread& t, Stop const& stop);
     void go_on(Thread& t, Next next);
     void made(Thread const& by);
     [[nodiscard]] bool asked_to_stop();
@@ -74,6 +75,7 @@ struct Box::Impl {
     CallTable table;
     ClockPages clock_pages;
     LookTimer timer;
+    Stops stops;
     std::list<Thread> threads; ///< as they were made
     std::vector<pid_t> early;
     int threads_made{0}, last{0};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <arpa/inet.h>
 #include <cerrno>
+#include <csignal>
 #include <fmt/format.h>
 #include <fstream>
 #include <linux/futex.h>
@@ -20,7 +21,10 @@ namespace {
 
 constexpr std::uint64_t kMostDescriptors = 65'536;
 constexpr std::uint64_t kSignalPid = 16; // of si_pid in siginfo_t
-constexpr int kSocketKind = 0xF;         // of socket(2): without SOCK_CLOEXEC and SOCK_NONBLOCK
+/// signal(7): by default nothing happens. The kernel keeps them for a tracer all the same.
+constexpr std::uint64_t kIgnoredUnlessCaught =
+    1ULL << (SIGCHLD - 1) | 1ULL << (SIGURG - 1) | 1ULL << (SIGWINCH - 1) | 1ULL << (SIGCONT - 1);
+constexpr int kSocketKind = 0xF; // of socket(2): without SOCK_CLOEXEC and SOCK_NONBLOCK
 
 } // namespace
 
@@ -145,12 +149,10 @@ void CallTable::count_looks(std::array<std::int64_t, 3> const& looks) {
 }
 
 CallTable::Next CallTable::hold_until(Thread& t, std::optional<std::int64_t> deadline_ns) {
-    if (!t.made_again) {
-        t.deadline_ns = deadline_ns;
-        t.since_ns = clock_.now_ns();
-        ++report_.held;
-    }
-    t.made_again = t.interrupted = t.child_ended = false;
+    t.deadline_ns = deadline_ns;
+    t.since_ns = clock_.now_ns();
+    ++report_.held;
+    t.interrupted = t.child_ended = false;
     return Next::hold;
 }
 
@@ -172,38 +174,16 @@ CallTable::Next CallTable::look_at_descriptors(Thread& t) {
         clock_.look(); // who looks again and again gets on
         return Next::go;
     }
-    bool const ready = !t.made_again && descriptors(t.process).any_ready(wait.interests);
+    if (std::int64_t const found = descriptors(t.process).look(t.tid, t.call, false); found != 0) {
+        ++report_.held;
+        answer(t.tid, found);
+        return Next::go;
+    }
     t.interests = std::move(wait.interests);
-    (void)hold_until(t, wait.timeout_ns ? std::optional{clock_.now_ns() + *wait.timeout_ns} : std::nullopt);
-    return ready ? this->ready(t) : Next::hold;
-}
-
-/// What it asks for is there, so it comes back at once, by itself. Those that write the time that is left are tried
-/// with a time of ours.
-CallTable::Next CallTable::ready(Thread& t) {
-    bool const leaves_time_alone =
-        t.call.number == SYS_poll || t.call.number == SYS_epoll_wait || t.call.number == SYS_epoll_pwait;
-    return leaves_time_alone ? Next::go_or_try : try_it(t);
-}
-
-/// Its time is over.
-CallTable::Next CallTable::nothing_came(Thread& t) {
-    if (t.call.number != SYS_poll) {
-        return try_it(t);
-    }
-    std::vector<pollfd> list(std::min<std::uint64_t>(t.call.arguments[1], kMostDescriptors));
-    std::size_t const octets = list.size() * sizeof(pollfd);
-    if (octets > 0 && !read_memory(t.tid, t.call.arguments[0], list.data(), octets)) {
-        return try_it(t);
-    }
-    for (pollfd& entry : list) {
-        entry.revents = 0;
-    }
-    if (octets > 0) {
-        (void)write_memory(t.tid, t.call.arguments[0], list.data(), octets);
-    }
-    answer(t.tid, 0);
-    return Next::answered;
+    auto const next = hold_until(t, wait.timeout_ns ? std::optional{clock_.now_ns() + *wait.timeout_ns} : std::nullopt);
+    t.signal_mask_at = wait.signal_mask_at;
+    t.interrupted = wait.signal_mask_at != 0 && has_signal(t); // one that it blocks otherwise
+    return next;
 }
 
 CallTable::Next CallTable::transfer(Thread& t, short event) {
@@ -283,21 +263,6 @@ CallTable::Next CallTable::refuse(Thread& t, std::string const& what, int error)
     return Next::go;
 }
 
-CallTable::Next CallTable::try_it(Thread& t) {
-    DescriptorWait const wait = wait_of(t.tid, t.call);
-    Call trial = t.call;
-    std::uint64_t& timeout = trial.arguments[wait.timeout_argument];
-    if (wait.timeout_is_pointer) {
-        timeout = scratch_of(t.tid);
-        put(t.tid, timeout, timespec{}); // a timeval of 0 looks the same
-    } else {
-        timeout = 0;
-    }
-    replace(t.tid, trial);
-    t.on_exit = Thread::OnExit::wait_or_restore;
-    return Next::go_to_exit;
-}
-
 CallTable::Next CallTable::leave(Thread& t) {
     std::int64_t const result = result_of(t.tid);
     auto const done = std::exchange(t.on_exit, Thread::OnExit::nothing);
@@ -336,18 +301,14 @@ CallTable::Next CallTable::leave(Thread& t) {
     if (t.call.number == SYS_waitid && result == 0 && t.call.arguments[2] != 0) {
         nothing = value_at<int>(t.tid, t.call.arguments[2] + kSignalPid) == 0;
     }
-    bool const over = t.deadline_ns && *t.deadline_ns <= clock_.now_ns();
-    if (nothing && (t.what->treatment == Treatment::child || !over)) {
+    if (nothing) {
         make_again(t.tid, t.call);
         t.made_again = true;
-        t.interrupted = false;
-        if (t.what->treatment == Treatment::child) {
-            t.deadline_ns.reset();
-            t.since_ns = clock_.now_ns();
-            t.interests.clear();
-            t.child_ended = false;
-            ++report_.held;
-        }
+        t.interrupted = t.child_ended = false;
+        t.deadline_ns.reset();
+        t.since_ns = clock_.now_ns();
+        t.interests.clear();
+        ++report_.held;
         return Next::hold;
     }
     restore(t.tid, t.call);
@@ -357,16 +318,16 @@ CallTable::Next CallTable::leave(Thread& t) {
 CallTable::Next CallTable::release(Thread& t) {
     bool const over = t.deadline_ns && *t.deadline_ns <= clock_.now_ns();
     if (t.made_again) { // it stands before its call: it comes to enter() once more
-        t.made_again = t.what->treatment != Treatment::child; // that one is tried anew
-        t.child_ended = false;
+        t.made_again = t.child_ended = false;
         return Next::go;
     }
     if (t.interrupted) {
         futexes_.leave(t.tid);
-        if (t.what->treatment != Treatment::signal) {
+        bool const has_mask_of_its_own = t.what->treatment == Treatment::descriptors && t.signal_mask_at != 0;
+        if (t.what->treatment != Treatment::signal && !has_mask_of_its_own) {
             answer(t.tid, -EINTR);
         }
-        return Next::go; // a wait for signals runs, and finds it
+        return Next::go; // a wait for signals, or with a mask of its own, runs and finds it
     }
     switch (t.what->treatment) {
     case Treatment::sleep:
@@ -391,8 +352,14 @@ CallTable::Next CallTable::release(Thread& t) {
             answer(t.tid, packet_calls_->receive(t, *named.socket, named.file));
         }
         return Next::go;
-    case Treatment::descriptors:
-        return descriptors_ready(t) ? ready(t) : over ? nothing_came(t) : try_it(t);
+    case Treatment::descriptors: {
+        std::int64_t const found = descriptors(t.process).look(t.tid, t.call, over);
+        if (found == 0 && !over) {
+            return Next::hold;
+        }
+        answer(t.tid, found);
+        return Next::answered;
+    }
     default:
         return Next::go;
     }
@@ -409,7 +376,7 @@ bool CallTable::descriptors_ready(Thread const& t) {
 
 bool CallTable::has_signal(Thread const& t) const {
     std::ifstream status{fmt::format("/proc/{}/task/{}/status", t.process, t.tid)};
-    std::uint64_t pending = 0, blocked = 0, ignored = 0;
+    std::uint64_t pending = 0, blocked = 0, ignored = 0, caught = 0;
     for (std::string line; std::getline(status, line);) {
         auto const mask = [&] { return std::stoull(line.substr(line.find(':') + 1), nullptr, 16); };
         if (line.starts_with("SigPnd") || line.starts_with("ShdPnd")) {
@@ -418,14 +385,18 @@ bool CallTable::has_signal(Thread const& t) const {
             blocked = mask();
         } else if (line.starts_with("SigIgn")) {
             ignored = mask();
+        } else if (line.starts_with("SigCgt")) {
+            caught = mask();
         }
     }
-    if (t.call.number == SYS_rt_sigsuspend) {
+    if (t.what != nullptr && t.what->treatment == Treatment::descriptors && t.signal_mask_at != 0) {
+        blocked = value_at<std::uint64_t>(t.tid, t.signal_mask_at);
+    } else if (t.call.number == SYS_rt_sigsuspend) {
         blocked = value_at<std::uint64_t>(t.tid, t.call.arguments[0]);
     } else if (t.call.number == SYS_rt_sigtimedwait) {
         return (pending & value_at<std::uint64_t>(t.tid, t.call.arguments[0])) != 0;
     }
-    return (pending & ~blocked & ~ignored) != 0;
+    return (pending & ~blocked & ~ignored & ~(kIgnoredUnlessCaught & ~caught)) != 0;
 }
 
 Descriptors const& CallTable::descriptors(pid_t process) {

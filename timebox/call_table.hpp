@@ -31,7 +31,6 @@ class CallTable {
         go_to_exit,    ///< it runs, and leave() wants to see it come back
         hold,          ///< it waits
         let_others_go, ///< answered; but others come first
-        go_or_try,     ///< the call is not made yet and would not wait now: it runs, or try_it() when others come first
         answered,      ///< of release(): it has its answer, and others may come first
     };
     /// The thread is about to make a call.
@@ -40,8 +39,6 @@ class CallTable {
     Next leave(Thread& t);
     /// What the thread waits for is there, or its time is over.
     Next release(Thread& t);
-    /// The call, but without waiting.
-    Next try_it(Thread& t);
 
     /// Without a look at its descriptors.
     [[nodiscard]] bool may_go(Thread const& t) const;
@@ -102,8 +99,6 @@ class CallTable {
     };
     [[nodiscard]] NamedIp ip_socket_of(Thread const& t);
     Next refuse(Thread& t, std::string const& what, int error);
-    [[nodiscard]] Next ready(Thread& t);
-    Next nothing_came(Thread& t);
 
     SimulatedClock clock_;
     Timers timers_;

@@ -5,6 +5,8 @@
 #include "timebox/simulated_clock.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/epoll.h>
@@ -12,9 +14,12 @@
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
+#include <utility>
 
 namespace gridspace::timebox {
 namespace {
+
+constexpr std::uint64_t kMaxDescriptors = 65'536;
 
 std::optional<std::int64_t> in_ms(std::uint64_t argument) {
     auto const ms = static_cast<int>(argument);
@@ -43,7 +48,6 @@ void add_set(pid_t tid, int count, std::uint64_t pointer, short events, std::vec
 } // namespace
 
 DescriptorWait wait_of(pid_t tid, Call const& call) {
-    constexpr std::uint64_t kMaxDescriptors = 65'536;
     auto const& a = call.arguments;
     DescriptorWait out;
     switch (call.number) {
@@ -57,9 +61,8 @@ DescriptorWait wait_of(pid_t tid, Call const& call) {
                 }
             }
         }
-        out.timeout_argument = 2;
-        out.timeout_is_pointer = call.number == SYS_ppoll;
-        out.timeout_ns = out.timeout_is_pointer ? in_timespec(tid, a[2]) : in_ms(a[2]);
+        out.timeout_ns = call.number == SYS_ppoll ? in_timespec(tid, a[2]) : in_ms(a[2]);
+        out.signal_mask_at = call.number == SYS_ppoll ? a[3] : 0;
         break;
     }
     case SYS_select:
@@ -68,8 +71,8 @@ DescriptorWait wait_of(pid_t tid, Call const& call) {
         add_set(tid, count, a[1], POLLIN, out.interests);
         add_set(tid, count, a[2], POLLOUT, out.interests);
         add_set(tid, count, a[3], POLLPRI, out.interests);
-        out.timeout_argument = 4;
-        out.timeout_is_pointer = true;
+        // The sixth argument of pselect6 points to a pointer (select(2), C library/kernel differences).
+        out.signal_mask_at = call.number == SYS_pselect6 && a[5] != 0 ? value_at<std::uint64_t>(tid, a[5]) : 0;
         if (a[4] != 0 && call.number == SYS_select) {
             auto const t = value_at<timeval>(tid, a[4]);
             out.timeout_ns = static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_usec * 1000;
@@ -80,9 +83,8 @@ DescriptorWait wait_of(pid_t tid, Call const& call) {
     }
     default: // epoll: its own descriptor is readable when one of its list is ready
         out.interests.push_back({static_cast<int>(a[0]), POLLIN});
-        out.timeout_argument = 3;
-        out.timeout_is_pointer = call.number != SYS_epoll_wait && call.number != SYS_epoll_pwait;
-        out.timeout_ns = out.timeout_is_pointer ? in_timespec(tid, a[3]) : in_ms(a[3]);
+        out.timeout_ns = call.number == SYS_epoll_pwait2 ? in_timespec(tid, a[3]) : in_ms(a[3]);
+        out.signal_mask_at = call.number == SYS_epoll_wait ? 0 : a[4];
     }
     return out;
 }
@@ -112,6 +114,114 @@ bool Descriptors::any_ready(std::span<Interest const> interests) const {
 
 bool Descriptors::wait_outside(std::span<Interest const> interests, int timeout_ms) const {
     return poll(interests, timeout_ms);
+}
+
+namespace {
+
+/// poll(2), also of what is not open.
+struct Looked {
+    std::vector<UniqueFd> copies;
+    std::vector<pollfd> list; ///< of the copies
+    void add(UniqueFd copy, short events) {
+        list.push_back({copy.get(), events, 0});
+        copies.push_back(std::move(copy));
+    }
+    void look() { (void)::poll(list.data(), list.size(), 0); }
+};
+
+std::int64_t look_at_list(pid_t tid, Call const& call, Descriptors const& descriptors, bool over) {
+    if (call.arguments[1] > kMaxDescriptors) {
+        return -EINVAL;
+    }
+    std::vector<pollfd> list(call.arguments[1]);
+    std::size_t const octets = list.size() * sizeof(pollfd);
+    if (octets > 0 && !read_memory(tid, call.arguments[0], list.data(), octets)) {
+        return -EFAULT;
+    }
+    Looked looked;
+    for (pollfd const& entry : list) {
+        looked.add(entry.fd >= 0 ? descriptors.copy_of(entry.fd) : UniqueFd{}, entry.events);
+    }
+    looked.look();
+    std::int64_t ready = 0;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        bool const open = looked.list[i].fd >= 0;
+        list[i].revents = open ? looked.list[i].revents : list[i].fd >= 0 ? short{POLLNVAL} : short{0};
+        ready += list[i].revents != 0 ? 1 : 0;
+    }
+    bool const ends = octets > 0 && (ready > 0 || over);
+    return ends && !write_memory(tid, call.arguments[0], list.data(), octets) ? -EFAULT : ready;
+}
+
+/// What makes a descriptor of each set ready (select(2), correspondence with poll).
+constexpr std::array<short, 3> kOfSets{POLLRDNORM | POLLRDBAND | POLLIN | POLLHUP | POLLERR,
+                                       POLLWRBAND | POLLWRNORM | POLLOUT | POLLERR, POLLPRI};
+
+std::int64_t look_at_sets(pid_t tid, Call const& call, Descriptors const& descriptors, bool over) {
+    auto const count = static_cast<std::size_t>(std::min(call.arguments[0], kMaxDescriptors));
+    std::int64_t ready = 0;
+    std::array<std::vector<std::uint64_t>, 3> found;
+    for (std::size_t set = 0; set < found.size(); ++set) {
+        std::uint64_t const at = call.arguments[1 + set];
+        if (at == 0) {
+            continue;
+        }
+        std::vector<std::uint64_t> asked((count + 63) / 64);
+        if (!asked.empty() && !read_memory(tid, at, asked.data(), asked.size() * 8)) {
+            return -EFAULT;
+        }
+        found[set].resize(asked.size());
+        for (std::size_t fd = 0; fd < count; ++fd) {
+            std::uint64_t const bit = std::uint64_t{1} << (fd % 64);
+            if ((asked[fd / 64] & bit) == 0) {
+                continue;
+            }
+            UniqueFd const copy = descriptors.copy_of(static_cast<int>(fd));
+            if (!copy) {
+                return -EBADF;
+            }
+            pollfd one{copy.get(), kOfSets[set], 0};
+            if (::poll(&one, 1, 0) > 0 && (one.revents & kOfSets[set]) != 0) {
+                found[set][fd / 64] |= bit;
+                ++ready;
+            }
+        }
+    }
+    for (std::size_t set = 0; set < found.size() && (ready > 0 || over); ++set) { // they are what it asks for, too
+        if (!found[set].empty() &&
+            !write_memory(tid, call.arguments[1 + set], found[set].data(), found[set].size() * 8)) {
+            return -EFAULT;
+        }
+    }
+    return ready;
+}
+
+std::int64_t look_at_epoll(pid_t tid, Call const& call, Descriptors const& descriptors) {
+    constexpr int kMostEvents = 4096;
+    UniqueFd const copy = descriptors.copy_of(static_cast<int>(call.arguments[0]));
+    int const most = std::min(static_cast<int>(call.arguments[2]), kMostEvents);
+    std::vector<epoll_event> events(static_cast<std::size_t>(std::max(most, 1)));
+    int const ready = ::epoll_wait(copy.get(), events.data(), most, 0);
+    if (ready < 0) {
+        return -errno;
+    }
+    auto const octets = static_cast<std::size_t>(ready) * sizeof(epoll_event);
+    return octets > 0 && !write_memory(tid, call.arguments[1], events.data(), octets) ? -EFAULT : ready;
+}
+
+} // namespace
+
+std::int64_t Descriptors::look(pid_t tid, Call const& call, bool over) const {
+    switch (call.number) {
+    case SYS_poll:
+    case SYS_ppoll:
+        return look_at_list(tid, call, *this, over);
+    case SYS_select:
+    case SYS_pselect6:
+        return look_at_sets(tid, call, *this, over);
+    default:
+        return look_at_epoll(tid, call, *this);
+    }
 }
 
 bool does_not_block(UniqueFd const& file) {

@@ -22,8 +22,7 @@ struct Interest {
 struct DescriptorWait {
     std::vector<Interest> interests;
     std::optional<std::int64_t> timeout_ns; ///< from now; nothing: without end; 0: it only looks
-    std::size_t timeout_argument{0};        ///< of the call
-    bool timeout_is_pointer{false};
+    std::uint64_t signal_mask_at{0};        ///< that holds while it waits; 0: the thread's own
 };
 /// Of poll, ppoll, select, pselect6, epoll_wait, epoll_pwait, epoll_pwait2.
 [[nodiscard]] DescriptorWait wait_of(pid_t tid, Call const& call);
@@ -34,6 +33,9 @@ class Descriptors {
     explicit Descriptors(pid_t process);
     [[nodiscard]] UniqueFd copy_of(int fd) const; ///< of the same open file; none: it is not open
     [[nodiscard]] bool any_ready(std::span<Interest const> interests) const;
+    /// The result of such a call now; what it found is written unless it goes on waiting, which is 0 as long as its
+    /// time is not over.
+    [[nodiscard]] std::int64_t look(pid_t tid, Call const& call, bool over) const;
     /// Waits for that in real time, for what comes from outside of the box.
     [[nodiscard]] bool wait_outside(std::span<Interest const> interests, int timeout_ms) const;
 

@@ -9,30 +9,37 @@
 #include <csignal>
 #include <fmt/format.h>
 #include <fstream>
+#include <string_view>
 #include <sys/ptrace.h>
 #include <sys/wait.h>
 
 namespace gridspace::timebox {
 namespace {
 
-pid_t process_of(pid_t tid) {
+/// What /proc tells of a thread, behind its key; nothing: it is gone.
+std::string told_of(pid_t tid, std::string_view key) {
     std::ifstream status{fmt::format("/proc/{}/status", tid)};
     for (std::string line; std::getline(status, line);) {
-        if (line.starts_with("Tgid:")) {
-            return std::stoi(line.substr(5));
+        if (line.starts_with(key)) {
+            return line.substr(line.find_first_not_of(" \t", key.size()));
         }
     }
-    return tid;
+    return {};
 }
 
-/// Whether a thread that ptrace has stopped still stands: nothing but its end makes it go on without us.
+pid_t process_of(pid_t tid) {
+    std::string const process = told_of(tid, "Tgid:");
+    return process.empty() ? tid : std::stoi(process);
+}
+
+/// Whether a thread that stood still stands: nothing but its end makes it go on without us. One in a notified call
+/// that is killed has the signal before it leaves the call, and that before it looks at the signal.
 bool stands(pid_t tid) {
-    std::ifstream file{fmt::format("/proc/{}/stat", tid)};
-    std::string line;
-    std::getline(file, line);
-    std::size_t const name_end = line.rfind(") ");
-    char const state = name_end == std::string::npos ? 'X' : line[name_end + 2];
-    return state == 't' || state == 'T';
+    if (std::string const pending = told_of(tid, "SigPnd:"); is_notified(tid)) {
+        bool const killed = pending.empty() || (std::stoull(pending, nullptr, 16) & (1ULL << (SIGKILL - 1))) != 0;
+        return !killed && waits_for_answer(tid);
+    }
+    return told_of(tid, "State:").starts_with('t') || told_of(tid, "State:").starts_with('T');
 }
 
 } // namespace
@@ -75,9 +82,8 @@ void Box::Impl::resume(Thread& t, Next how) {
     running = t.tid;
     ran.restart();
     t.state = State::standing;
-    before_it_goes_on(t.tid);
     open_clock(t.process);
-    ::ptrace(how == Next::go_to_exit ? PTRACE_SYSCALL : PTRACE_CONT, t.tid, nullptr, std::exchange(t.signal, 0));
+    let_run(t.tid, how == Next::go_to_exit ? GoOn::to_exit : GoOn::run, std::exchange(t.signal, 0));
 }
 
 bool Box::Impl::asked_to_stop() {
@@ -85,31 +91,32 @@ bool Box::Impl::asked_to_stop() {
 }
 
 void Box::Impl::wait_for_event() {
-    int status = 0;
-    pid_t const tid = ::waitpid(-1, &status, __WALL);
-    if (tid < 0) {
-        if (errno == EINTR) {
-            stop = stop || asked_to_stop();
-            check_patience();
-            roam();
-        } else { // nobody is left
-            running = 0;
-            main_alive = false;
-        }
+    Stop told;
+    switch (stops.wait(told)) {
+    case Stops::Why::interrupted:
+        stop = stop || asked_to_stop();
+        check_patience();
+        roam();
         return;
+    case Stops::Why::nobody_is_left:
+        running = 0;
+        main_alive = false;
+        return;
+    case Stops::Why::stop:
+        break;
     }
     settle();
-    Thread* const t = find(tid);
+    Thread* const t = find(told.tid);
     if (Thread const* const ran_last = find(running);
         ran_last != nullptr && t != nullptr && t->process == ran_last->process) {
         close_clock(); // an exec of another thread is told as the first one's
     }
-    if (WIFEXITED(status) || WIFSIGNALED(status)) {
-        gone(tid, t, status);
+    if (!told.call && (WIFEXITED(told.status) || WIFSIGNALED(told.status))) {
+        gone(told.tid, t, told.status);
     } else if (t == nullptr) {
-        early.push_back(tid); // the event of its maker comes behind
+        early.push_back(told.tid); // the event of its maker comes behind
     } else {
-        stopped(*t, status);
+        stopped(*t, told);
     }
 }
 
@@ -139,7 +146,7 @@ void Box::Impl::check_patience() {
 
 void Box::Impl::gone(pid_t tid, Thread* t, int status) {
     running = running == tid ? 0 : running;
-    before_it_goes_on(tid); // its number may come again
+    forget_tracee(tid);
     if (tid == main) {
         main_alive = false;
         ended_ns = table.clock().now_ns();
@@ -180,12 +187,12 @@ void Box::Impl::look_for_killed(pid_t process) {
     }
 }
 
-void Box::Impl::stopped(Thread& t, int status) {
-    int const event = status >> 16, signal = WSTOPSIG(status);
+void Box::Impl::stopped(Thread& t, Stop const& told) {
+    int const event = told.status >> 16, signal = WSTOPSIG(told.status);
     if (channel) {
         channel->exchange(table.clock().now_ns()); // what it sent is of before this stop
     }
-    if (event == PTRACE_EVENT_SECCOMP) {
+    if (told.call || event == PTRACE_EVENT_SECCOMP) {
         go_on(t, table.enter(t));
     } else if (signal == (SIGTRAP | 0x80)) {
         go_on(t, table.leave(t));
@@ -199,7 +206,14 @@ void Box::Impl::stopped(Thread& t, int status) {
     } else if (event == PTRACE_EVENT_VFORK_DONE) {
         t.state = State::standing;
     } else if (event == PTRACE_EVENT_EXEC) {
-        threads.remove_if([&](Thread const& x) { return x.process == t.process && x.tid != t.tid; });
+        threads.remove_if([&](Thread const& x) {
+            bool const over = x.process == t.process && x.tid != t.tid;
+            if (over) {
+                forget_tracee(x.tid);
+            }
+            return over;
+        });
+        forget_tracee(t.tid);
         t.dying = false; // when another thread did it, that one has the first one's number now
         table.forget_image(t.process);
         begin_image(t.tid);
@@ -216,8 +230,6 @@ void Box::Impl::stopped(Thread& t, int status) {
 void Box::Impl::go_on(Thread& t, Next next) {
     if (next == Next::go && others_come_first()) {
         next = Next::let_others_go;
-    } else if (next == Next::go_or_try) {
-        next = others_come_first() ? table.try_it(t) : Next::go;
     }
     if (next == Next::hold) {
         t.state = State::held;

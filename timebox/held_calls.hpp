@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/unique_fd.hpp"
+
 #include <cstdint>
 #include <span>
 #include <string>
+#include <sys/types.h>
 
 namespace gridspace::timebox {
 
@@ -39,8 +42,15 @@ struct HeldCall {
 [[nodiscard]] std::span<HeldCall const> held_calls();
 [[nodiscard]] HeldCall const* find_held_call(long number);
 
-/// Lets the calls of held_calls() stop under ptrace, in this thread and all that come of it. Before exec; 0, or the
-/// error number.
+/// Whether it is answered, or runs as it is: so it may come as a notification. Others are looked at when they come
+/// back, which only ptrace shows.
+[[nodiscard]] bool is_answered_at_entry(HeldCall const& call);
+
+/// Lets the calls of held_calls() stop in this thread and all that come of it: as notifications where the kernel has
+/// them (Linux 5.19) and nobody else hears this process's, or else under ptrace. Before exec; 0, or the error number.
 [[nodiscard]] int install_filter();
+
+/// Of a process that has installed it and stands: where its notifications come from; none: under ptrace.
+[[nodiscard]] UniqueFd listener_of(pid_t process);
 
 } // namespace gridspace::timebox

@@ -245,9 +245,7 @@ void Box::Impl::let_go(Thread& t) {
         if (how == Next::hold) { // a part of what it waits for
             return;
         }
-        if (how == Next::go_or_try) {
-            how = others_come_first() ? table.try_it(t) : Next::go;
-        } else if (how == Next::answered && others_come_first()) {
+        if (how == Next::answered && others_come_first()) {
             t.state = State::standing;
             return;
         }

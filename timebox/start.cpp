@@ -6,6 +6,8 @@
 #include "common/unique_fd.hpp"
 #include "timebox/door_channel.hpp"
 #include "timebox/held_calls.hpp"
+#include "timebox/stops.hpp"
+#include "timebox/tracee.hpp"
 
 #include <array>
 #include <cerrno>
@@ -82,13 +84,14 @@ std::vector<std::string> environment_with(std::vector<std::pair<std::string, std
     if (int const error = install_filter(); error != 0) {
         give_up(Step::filter, error);
     }
+    ::raise(SIGSTOP); // until its listener has been taken
     ::execvpe(arguments[0], arguments, environment);
     give_up(Step::exec, errno);
     ::_exit(127);
 }
 
 /// From its first stop to the first instruction of its program. False: it has ended.
-bool bring_to_program(pid_t pid) {
+bool bring_to_program(pid_t pid, std::vector<UniqueFd>& listeners) {
     int status = 0;
     if (::waitpid(pid, &status, __WALL) != pid || !WIFSTOPPED(status)) {
         return false;
@@ -97,14 +100,27 @@ bool bring_to_program(pid_t pid) {
                                        PTRACE_O_TRACECLONE | PTRACE_O_TRACEFORK | PTRACE_O_TRACEVFORK |
                                        PTRACE_O_TRACEVFORKDONE | PTRACE_O_TRACESYSGOOD;
     ::ptrace(PTRACE_SETOPTIONS, pid, nullptr, kOptions);
+    Stops stops;
+    let_run(pid, GoOn::run, 0);
     while (true) { // calls of the child before its exec are none of the program's
-        ::ptrace(PTRACE_CONT, pid, nullptr, nullptr);
-        if (::waitpid(pid, &status, __WALL) != pid || !WIFSTOPPED(status)) {
+        Stop told;
+        Stops::Why const why = stops.wait(told, pid);
+        if (why == Stops::Why::interrupted) {
+            continue;
+        }
+        if (why == Stops::Why::nobody_is_left || (!told.call && !WIFSTOPPED(told.status))) {
             return false;
         }
-        if (status >> 8 == (SIGTRAP | PTRACE_EVENT_EXEC << 8)) {
+        if (!told.call && told.status >> 8 == (SIGTRAP | PTRACE_EVENT_EXEC << 8)) {
             return true;
         }
+        if (!told.call && told.status >> 8 == SIGSTOP) {
+            if (UniqueFd listener = listener_of(pid)) {
+                stops.listen(UniqueFd{::fcntl(listener.get(), F_DUPFD_CLOEXEC, 0)});
+                listeners.push_back(std::move(listener));
+            }
+        }
+        let_run(pid, GoOn::run, 0);
     }
 }
 
@@ -151,7 +167,7 @@ Result<Started> start_traced(StartOptions const& options) {
     }
     to.reset();
     for (std::size_t i = 0; i < made.size(); ++i) {
-        if (made[i] > 0 && bring_to_program(made[i])) {
+        if (made[i] > 0 && bring_to_program(made[i], out.listeners)) {
             continue;
         }
         for (pid_t const pid : made) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "common/unique_fd.hpp"
 #include "timebox/process_numbers.hpp"
 
 #include <string>
@@ -23,7 +24,8 @@ struct StartOptions {
 
 struct Started {
     pid_t program{0}, door{0};
-    ProcessNumbers numbers; ///< in which they are
+    ProcessNumbers numbers;          ///< in which they are
+    std::vector<UniqueFd> listeners; ///< of their calls; none: all stop under ptrace
 };
 
 /// The programs stand before their first instruction, traced, with the filter of held_calls() and without address

@@ -31,10 +31,11 @@ struct Thread {
     HeldCall const* what{nullptr};
     std::optional<std::int64_t> deadline_ns;
     std::vector<Interest> interests;
+    std::uint64_t signal_mask_at{0}; ///< of a wait for descriptors; 0: the thread's own
     std::int64_t since_ns{0};
     bool interrupted{false}; ///< a signal has come
     bool child_ended{false};
-    bool made_again{false}; ///< it stands before the call, not in it, and comes back with the same deadline
+    bool made_again{false}; ///< it stands before the call, not in it
 
     /// What to do when the call that was let through comes back.
     enum class OnExit {

@@ -2,7 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "timebox/tracee.hpp"
 
+#include <algorithm>
 #include <elf.h>
+#include <iterator>
+#include <linux/seccomp.h>
+#include <map>
+#include <optional>
+#include <sys/ioctl.h>
 #include <sys/ptrace.h>
 #include <sys/uio.h>
 #include <sys/user.h>
@@ -55,6 +61,20 @@ void set_arguments(user_regs_struct& r, Call const& call) {
 
 constexpr std::uint64_t kCallInstruction = 2; // octets of SYSCALL
 
+/// A call that came as a notification, and its answer; without one it runs as it is.
+struct Notified {
+    int listener{-1};
+    std::uint64_t id{0};
+    Call call;
+    std::optional<std::int64_t> result;
+};
+thread_local std::map<pid_t, Notified> notified_calls;
+
+Notified* notified(pid_t tid) {
+    auto const it = notified_calls.find(tid);
+    return it == notified_calls.end() ? nullptr : &it->second;
+}
+
 } // namespace
 
 void before_it_goes_on(pid_t tid) {
@@ -63,12 +83,67 @@ void before_it_goes_on(pid_t tid) {
     }
 }
 
+pid_t take_notification(int listener) {
+    seccomp_notif told{};
+    if (::ioctl(listener, SECCOMP_IOCTL_NOTIF_RECV, &told) != 0) {
+        return 0;
+    }
+    auto const tid = static_cast<pid_t>(told.pid);
+    Notified& n = notified_calls[tid];
+    n = {.listener = listener, .id = told.id, .call = {.number = told.data.nr}, .result = {}};
+    std::copy(std::begin(told.data.args), std::end(told.data.args), n.call.arguments.begin());
+    return tid;
+}
+
+bool is_notified(pid_t tid) {
+    return notified(tid) != nullptr;
+}
+
+bool waits_for_answer(pid_t tid) {
+    Notified const* const n = notified(tid);
+    return n != nullptr && ::ioctl(n->listener, SECCOMP_IOCTL_NOTIF_ID_VALID, &n->id) == 0;
+}
+
+void forget_tracee(pid_t tid) {
+    notified_calls.erase(tid);
+    if (kept.tid == tid) {
+        kept = {};
+    }
+}
+
+void let_run(pid_t tid, GoOn how, int signal) {
+    if (Notified const* const n = notified(tid)) {
+        seccomp_notif_resp answer{};
+        answer.id = n->id;
+        if (!n->result) {
+            answer.flags = SECCOMP_USER_NOTIF_FLAG_CONTINUE;
+        } else if (*n->result < 0) {
+            answer.error = static_cast<std::int32_t>(*n->result);
+        } else {
+            answer.val = *n->result;
+        }
+        int const listener = n->listener;
+        notified_calls.erase(tid);
+        (void)::ioctl(listener, SECCOMP_IOCTL_NOTIF_SEND, &answer); // who was killed meanwhile tells it by waitpid
+        return;
+    }
+    before_it_goes_on(tid);
+    ::ptrace(how == GoOn::to_exit ? PTRACE_SYSCALL : PTRACE_CONT, tid, nullptr, signal);
+}
+
 Call call_of(pid_t tid) {
+    if (Notified const* const n = notified(tid)) {
+        return n->call;
+    }
     user_regs_struct const r = registers_of(tid);
     return {static_cast<long>(r.orig_rax), {r.rdi, r.rsi, r.rdx, r.r10, r.r8, r.r9}};
 }
 
 void answer(pid_t tid, std::int64_t result) {
+    if (Notified* const n = notified(tid)) {
+        n->result = result;
+        return;
+    }
     user_regs_struct r = registers_of(tid);
     r.orig_rax = static_cast<unsigned long long>(-1LL); // seccomp(2): a number of -1 is no call
     r.rax = static_cast<unsigned long long>(result);
@@ -113,11 +188,6 @@ bool write_memory(pid_t tid, std::uint64_t address, void const* from, std::size_
 
 std::uint64_t stack_of(pid_t tid) {
     return registers_of(tid).rsp;
-}
-
-std::uint64_t scratch_of(pid_t tid) {
-    constexpr std::uint64_t kBelow = 512; // beyond the red zone of 128 octets
-    return (stack_of(tid) - kBelow) & ~std::uint64_t{15};
 }
 
 namespace {

@@ -10,6 +10,7 @@
 #include "timebox/door/door.hpp"
 #include "timebox/member/frame_exchange.hpp"
 #include "timebox/member/topic_exchange.hpp"
+#include "timebox/stops.hpp"
 
 #include <csignal>
 #include <cstring>
@@ -195,6 +196,7 @@ int main(int argc, char** argv) {
     if (timebox::is_door(argc, argv)) {
         return timebox::run_door(argc, argv);
     }
+    timebox::Stops::keep_child_signal(); // from the threads of the bus
     timebox::MemberConfig settings;
     Daemon daemon{"gridspace-timebox",
                   "somebody else's program, unmodified, in simulated time",

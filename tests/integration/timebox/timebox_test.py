@@ -60,6 +60,68 @@ int main(void) {
 }
 """
 
+MASKED = """
+#define _GNU_SOURCE
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <sys/epoll.h>
+#include <sys/select.h>
+#include <time.h>
+#include <unistd.h>
+static volatile int heard;
+static void hear(int s) { heard = s; }
+static long ms(void) { struct timespec t; clock_gettime(CLOCK_MONOTONIC, &t); return t.tv_sec * 1000 + t.tv_nsec / 1000000; }
+int main(void) { /* a signal that is let in only while it waits: ppoll, pselect and epoll_pwait are made for that */
+    sigset_t usr1, none;
+    sigemptyset(&none); sigemptyset(&usr1); sigaddset(&usr1, SIGUSR1);
+    sigprocmask(SIG_BLOCK, &usr1, NULL);
+    struct sigaction a = {.sa_handler = hear};
+    sigaction(SIGUSR1, &a, NULL);
+    pid_t parent = getpid();
+    if (fork() == 0) {
+        for (int i = 0; i < 2; ++i) { usleep(100000); kill(parent, SIGUSR1); }
+        return 0;
+    }
+    struct timespec second = {1, 0};
+    int r = ppoll(NULL, 0, &second, &none);
+    printf("ppoll %d %s %d at %ld ms\\n", r, errno == EINTR ? "EINTR" : "?", heard == SIGUSR1, ms());
+    heard = 0;
+    struct pollfd nothing = {-1, POLLIN, 0};
+    r = poll(&nothing, 1, 50);
+    printf("poll %d %d at %ld ms\\n", r, heard, ms());
+    usleep(100000); /* it comes meanwhile, and is kept */
+    r = pselect(0, NULL, NULL, NULL, &second, &none);
+    printf("pselect %d %s %d at %ld ms\\n", r, errno == EINTR ? "EINTR" : "?", heard == SIGUSR1, ms());
+    heard = 0;
+    int e = epoll_create1(0);
+    struct epoll_event event;
+    r = epoll_pwait(e, &event, 1, 50, &none);
+    printf("epoll_pwait %d %d at %ld ms\\n", r, heard, ms());
+    struct pollfd closed = {77, POLLIN, 0};
+    r = poll(&closed, 1, 50);
+    fd_set set;
+    FD_ZERO(&set); FD_SET(77, &set);
+    int b = select(78, &set, NULL, NULL, NULL);
+    printf("closed: poll %d %d, select %d %s\\n", r, closed.revents == POLLNVAL, b, errno == EBADF ? "EBADF" : "?");
+    return 0;
+}
+"""
+
+# Takes the one place for a listener to notifications of seccomp, and becomes the command.
+TAKEN = """
+import ctypes, fcntl, os, struct, sys
+libc = ctypes.CDLL(None, use_errno=True)
+allow = ctypes.create_string_buffer(struct.pack("HBBI", 0x06, 0, 0, 0x7FFF0000), 8)  # BPF_RET | BPF_K, SECCOMP_RET_ALLOW
+program = ctypes.create_string_buffer(struct.pack("H6xQ", 1, ctypes.addressof(allow)), 16)
+libc.prctl(38, 1, 0, 0, 0)  # PR_SET_NO_NEW_PRIVS
+listener = libc.syscall(317, 1, 8, program)  # seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_NEW_LISTENER
+assert listener >= 0, os.strerror(ctypes.get_errno())
+fcntl.fcntl(listener, fcntl.F_SETFD, 0)
+os.execv(sys.argv[1], sys.argv[1:])
+"""
+
 THREADS = """
 #include <pthread.h>
 #include <stdio.h>
@@ -258,6 +320,22 @@ class Timebox(unittest.TestCase):
         for line in ("5.9 empty", "([], [], []) 8.4", "11.4 alarm", "18.4", "19.9 nothing came", "b'something' 20.15", "20.85"):
             self.assertIn(line, said)
         self.assertTrue(any(line.startswith(f"5.9 {EPOCH + 7}") for line in said), said)
+
+    def test_a_signal_that_only_the_mask_of_a_wait_lets_in_ends_it(self):
+        self.assertEqual(self.box(self.compiled(MASKED)).stdout,
+                         "ppoll -1 EINTR 1 at 100 ms\npoll 0 0 at 150 ms\npselect -1 EINTR 1 at 250 ms\n"
+                         "epoll_pwait 0 0 at 300 ms\nclosed: poll 1 1, select -1 EBADF\n")
+
+    def test_where_somebody_else_hears_notifications_calls_stop_under_ptrace_and_give_the_same(self):
+        (self.folder / "program.py").write_text(PYTHON)
+        for source in (None, THREADS, MASKED):
+            command = (self.compiled(source),) if source else ("python3", str(self.folder / "program.py"))
+            usual = self.box(*command)
+            taken = subprocess.run(["python3", "-c", TAKEN, str(GRIDSPACE), "timebox", "--", *command], capture_output=True, text=True,
+                                   stdin=subprocess.DEVNULL, timeout=60, check=False)
+            self.assertEqual((taken.returncode, taken.stdout), (usual.returncode, usual.stdout), taken.stderr)
+            told = r"[0-9.]+ s simulated|\d+ calls held"
+            self.assertEqual(re.findall(told, taken.stderr), re.findall(told, usual.stderr))
 
     def test_looks_at_the_clock_in_the_program_show_what_calls_would_and_are_counted_like_them(self):
         fast, calls = (self.box(self.compiled(LOOKS, *options)) for options in ((), ("-DCALLS",)))
