@@ -16,6 +16,7 @@ Box::Impl::Impl(BoxOptions o, Started started, UniqueFd ours)
     : options{std::move(o)}, numbers{std::move(started.numbers)}, main{started.program}, door{started.door},
       table{options, report} {
     report.own_process_numbers = numbers.keeper > 0;
+    report.notified = !started.listeners.empty();
     for (UniqueFd& listener : started.listeners) {
         stops.listen(std::move(listener));
     }
@@ -169,7 +170,7 @@ BoxReport Box::report() const {
     return out;
 }
 
-Result<bool> try_here() {
+Result<BoxReport> try_here() {
     BoxOptions options;
     options.command = {"/proc/self/exe"}; // it does not get to its first instruction
     auto const box = Box::start(options);
@@ -180,7 +181,7 @@ Result<bool> try_here() {
         return fail(ExitCode::environment, "a program's memory and descriptors cannot be looked at",
                     "process_vm_readv and pidfd_getfd must be allowed: in a container --cap-add SYS_PTRACE");
     }
-    return box.value()->report().own_process_numbers;
+    return box.value()->report();
 }
 
 } // namespace gridspace::timebox

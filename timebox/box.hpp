@@ -41,6 +41,7 @@ struct BoxReport {
     std::uint64_t held{0}, clock_reads{0};
     int threads{0};
     bool own_process_numbers{false};              ///< the same in each run; otherwise the machine's
+    bool notified{false};                         ///< of its calls by seccomp; otherwise all stop under ptrace
     std::map<std::string, std::uint64_t> calls;   ///< that stopped, by name
     std::map<std::string, std::uint64_t> refused; ///< what cannot be had in simulated time, and how often it was tried
     /// What was let through, and does not belong to simulated time.
@@ -84,8 +85,7 @@ class Box {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Whether programs can run in simulated time on this machine. Tries it. True: with process numbers that are the same
-/// in each run.
-[[nodiscard]] Result<bool> try_here();
+/// Whether programs can run in simulated time on this machine, and how: own_process_numbers, notified. Tries it.
+[[nodiscard]] Result<BoxReport> try_here();
 
 } // namespace gridspace::timebox

@@ -26,7 +26,7 @@ BoxReport Box::report() const {
 bool Box::can_look_inside() const {
     return false;
 }
-Result<bool> try_here() {
+Result<BoxReport> try_here() {
     return fail(ExitCode::environment, "programs in simulated time run on x86-64 only");
 }
 

@@ -169,10 +169,16 @@ Finding try_simulated_time() {
     if (!tried) {
         return {Level::note, "programs in simulated time", tried.error().message, tried.error().remedy};
     }
-    return {*tried ? Level::ok : Level::note, "programs in simulated time",
-            *tried ? "seccomp, ptrace, pidfd_getfd, process numbers of their own"
-                   : "seccomp, ptrace, pidfd_getfd; process numbers are the machine's",
-            *tried ? "" : "runs of programs that tell their process number differ; PID or user namespaces would help"};
+    bool const good = tried->own_process_numbers && tried->notified;
+    return {
+        good ? Level::ok : Level::note, "programs in simulated time",
+        fmt::format("seccomp, ptrace, pidfd_getfd; {}; {}",
+                    tried->notified ? "notifications of calls" : "no notifications of calls",
+                    tried->own_process_numbers ? "process numbers of their own" : "process numbers are the machine's"),
+        good ? ""
+        : tried->own_process_numbers
+            ? "calls stop under ptrace, which costs twice as much; Linux 5.19 has notifications that suit"
+            : "runs of programs that tell their process number differ; PID or user namespaces would help"};
 }
 
 int doctor(bool json) {
