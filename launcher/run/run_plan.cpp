@@ -9,6 +9,7 @@
 #include "launcher/scenario/bumps.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/discovery_peers.hpp"
+#include "launcher/scenario/guest.hpp"
 #include "launcher/scenario/installation.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "launcher/scenario/tick_length.hpp"
@@ -188,6 +189,11 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, bu
     out.has_status = process.settings->is_daemon();
     out.is_member = process.settings->is_member();
     out.is_observer = !out.is_member && !out.is_simulator;
+    out.is_guest = process.settings->is_guest();
+    if (Readiness const* const ready = process.settings->readiness()) {
+        out.ready_says = ready->says.name;
+        out.ready_within_s = ready->within_s;
+    }
     out.listen = process.settings->listen();
     out.interface = process.interface;
     out.networks = process.settings->networks(scenario, process);
@@ -205,7 +211,8 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, bu
         out.config.find("settings")->set("control_token", Node::quoted_text("../control.token"));
     }
 
-    out.command = process.settings->command();
+    out.command =
+        guest::command(process.settings->command(), out.is_guest ? plan.ports : std::vector<Port>{}, out.host);
     if (out.command.empty()) {
         bool const native = out.run_on.kind == RunOn::Kind::native;
         out.command = {native ? program_file(out.program).string() : out.program};

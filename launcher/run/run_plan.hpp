@@ -28,10 +28,13 @@ struct PlannedProcess {
     int fifo_priority{0}; ///< of SCHED_FIFO; 0: the system's usual scheduling
     std::filesystem::path log_file;
     bool is_simulator{false};
-    bool is_foreign{false};            ///< somebody else's program
-    bool has_status{true};             ///< takes --status-fd
-    bool is_member{false};             ///< its end before the run's is a failure, also with exit code 0
-    bool is_observer{false};           ///< ends when asked to
+    bool is_foreign{false};  ///< somebody else's program
+    bool has_status{true};   ///< takes --status-fd
+    bool is_member{false};   ///< its end before the run's is a failure, also with exit code 0
+    bool is_observer{false}; ///< ends when asked to
+    bool is_guest{false};    ///< its host's interfaces are handed over to it
+    std::string ready_says;  ///< it is ready when its output holds this; empty: once it is started
+    double ready_within_s{0};
     std::string listen;                ///< address to serve on; the launcher opens the socket
     std::string interface;             ///< a real one, which is taken into its host for the run
     std::vector<std::string> networks; ///< hosts into whose networks it looks

@@ -7,6 +7,7 @@
 #include "common/text.hpp"
 #include "common/waited_time.hpp"
 #include "launcher/run/child.hpp"
+#include "launcher/run/output_watch.hpp"
 #include "launcher/run/virtual_network.hpp"
 
 #include <algorithm>
@@ -70,14 +71,9 @@ class Supervisor {
             }
             tell_networks();
         }
-        for (Watched& w : watched_) {
-            if (is_external(w)) {
-                continue;
-            }
-            if (auto ok = start(w); !ok) {
-                end_all();
-                return finish(ok.error());
-            }
+        if (auto ok = start_all(); !ok) {
+            end_all();
+            return finish(ok.error());
         }
         while (!over()) {
             step();
@@ -131,6 +127,52 @@ class Supervisor {
                                    << '\n'; // for the monitor; without it, it says nothing of the process
         tell(Json{{"kind", "started"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
         return {};
+    }
+
+    /// First those whose readiness is waited for: the others wait for each other, with a deadline.
+    Result<void> start_all() {
+        for (bool const first : {true, false}) {
+            for (Watched& w : watched_) {
+                if (is_external(w) || w.plan.ready_says.empty() == first) {
+                    continue;
+                }
+                if (auto ok = start(w); !ok) {
+                    return ok;
+                }
+            }
+            for (Watched const& w : watched_) {
+                if (first && !failure_) {
+                    wait_until_ready(w);
+                }
+            }
+            if (failure_) {
+                break;
+            }
+        }
+        return {};
+    }
+
+    /// Of somebody's own program that says so in its output.
+    void wait_until_ready(Watched const& w) {
+        if (w.plan.ready_says.empty()) {
+            return;
+        }
+        OutputWatch output{w.plan.log_file, w.plan.ready_says};
+        WaitedTime waited;
+        while (!failure_ && w.running && !output.found()) {
+            step();
+            if (waited.look().count() > w.plan.ready_within_s) {
+                fail_with({ExitCode::stall,
+                           fmt::format("process '{}' has not said '{}' within {} s of its start", w.plan.name,
+                                       w.plan.ready_says, shortest(w.plan.ready_within_s)),
+                           fmt::format("its output is in {}; `ready: {{within_s: ...}}` allows more",
+                                       w.plan.log_file.string())});
+            }
+        }
+        if (!failure_ && !output.found()) {
+            fail_with({ExitCode::child_died, fmt::format("process '{}' ended before it was ready", w.plan.name),
+                       fmt::format("its output is in {}", w.plan.log_file.string())});
+        }
     }
 
     /// The run is over: it failed, was stopped, or the simulator has finished and everybody who follows it has too.

@@ -4,6 +4,7 @@
 
 #include "common/unique_fd.hpp"
 #include "launcher/run/offloads.hpp"
+#include "launcher/scenario/guest.hpp"
 #include "launcher/scenario/installation.hpp"
 
 #include <algorithm>
@@ -217,6 +218,13 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
     }
     std::string core = "link set lo up\n";
     std::map<std::string, std::string> inside;
+    std::set<std::string> guests;
+    for (PlannedProcess const& process : plan.processes) {
+        if (process.is_guest) {
+            guests.insert(process.host);
+        }
+    }
+    std::map<std::string, std::size_t> handed_over;
     for (std::size_t l = 0; l < links.size(); ++l) {
         // A frame in simulated time is waited for at every port that takes its kind: such a switch remembers nobody's
         // place, and gives each frame to all.
@@ -238,6 +246,10 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
         core += cable(plan, port, outer, inside);
         core += fmt::format("link set dev {} master {} up\n", outer, bridge_name(link));
         std::string& commands = inside[port.host];
+        if (guests.contains(port.host)) {
+            commands += guest::hand_over(port, handed_over[port.host]++, ::geteuid());
+            continue;
+        }
         commands += fmt::format("link set dev {} up\n", port.interface);
         if (!port.address.empty()) {
             commands += fmt::format("addr add {}/{} dev {}\n", port.address, port.prefix, port.interface);

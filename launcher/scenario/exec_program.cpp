@@ -5,6 +5,7 @@
 #include "common/text.hpp"
 #include "gateways/ethernet/boxed_ip.hpp"
 #include "launcher/scenario/addresses.hpp"
+#include "launcher/scenario/guest.hpp"
 #include "launcher/scenario/run_on.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_use.hpp"
@@ -37,11 +38,11 @@ std::uint16_t ethertype_of(Scenario const& s, std::string const& word) {
 class ExecSettings final : public ProcessSettings {
   public:
     explicit ExecSettings(Fields& f) {
-        std::vector<Ref> words;
+        std::vector<Ref>& words = words_;
         f.references("command", words,
                      {.doc = "the program and its arguments", .required = true, .may_be_empty = true});
-        for (Ref& word : words) {
-            command_.push_back(std::move(word.name));
+        for (Ref const& word : words) {
+            command_.push_back(word.name);
         }
         // A program with a folder in its name is relative to the naming file, as every path; others are looked up in
         // PATH.
@@ -50,6 +51,11 @@ class ExecSettings final : public ProcessSettings {
             std::filesystem::path const base = words.front().where.source->directory;
             command_.front() = std::filesystem::absolute(base / command_.front()).lexically_normal().string();
         }
+        f.flag("guest", guest_,
+               {.doc = "it is a virtual machine or container in the place of its host; in `command`, {tap:LINK} and "
+                       "{mac:LINK} are the tap device and the address for each link"});
+        f.object("ready", {.doc = "when it is ready, and the run begins; without it, once it is started"},
+                 [&](Fields& g) { describe(g, readiness_.emplace()); });
         f.choice("time", time_, {{"real", Time::real}, {"simulated", Time::simulated}},
                  {.doc = "simulated: in lockstep an unmodified program takes part, in simulated time"});
         f.references(
@@ -80,6 +86,9 @@ class ExecSettings final : public ProcessSettings {
         boxed_ = time_ == Time::simulated && s.clock.mode == bus::ClockMode::lockstep;
     }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
+        if (guest_) {
+            guest::check(s, process, words_, diagnostics);
+        }
         if (time_ == Time::real) {
             for (char const* key : {"sends", "receives", "dds_domain"}) {
                 if (Node const* written = process.node.find(key)) {
@@ -91,8 +100,18 @@ class ExecSettings final : public ProcessSettings {
             }
             return;
         }
+        if (guest_ || readiness_) {
+            Node const* const written = process.node.find(guest_ ? "guest" : "ready");
+            diagnostics.error(written == nullptr ? process.name.where : written->where,
+                              fmt::format("process '{}' runs in simulated time, and {}", process.name.name,
+                                          guest_ ? "is a guest" : "waits to be ready"),
+                              guest_ ? "a machine with a kernel of its own lives in real time"
+                                     : "it begins at simulated time 0 as everybody does: leave out `ready`");
+        }
         check_simulated(s, process, diagnostics);
     }
+    [[nodiscard]] bool is_guest() const override { return guest_; }
+    [[nodiscard]] Readiness const* readiness() const override { return readiness_ ? &*readiness_ : nullptr; }
 
     [[nodiscard]] bool is_member() const override { return member_ || boxed_; }
     [[nodiscard]] bool is_expected() const override { return is_member(); }
@@ -303,7 +322,10 @@ class ExecSettings final : public ProcessSettings {
         return node;
     }
 
+    std::vector<Ref> words_; ///< of its command, as they are written
     std::vector<std::string> command_;
+    bool guest_{false};
+    std::optional<Readiness> readiness_;
     Time time_{Time::real};
     std::vector<Ref> sends_, receives_;
     bool member_{false};

@@ -15,6 +15,7 @@ namespace gridspace::launcher {
 
 struct Scenario;
 struct Process;
+struct Readiness;
 
 /// A topic that a process reads or writes.
 struct TopicUse {
@@ -90,6 +91,10 @@ class ProcessSettings {
     [[nodiscard]] virtual std::string_view carried_by() const { return {}; }
     /// Whether the command takes --config, --log-level and --status-fd, as our programs do.
     [[nodiscard]] virtual bool is_daemon() const { return command().empty(); }
+    /// A virtual machine or container that stands for its host, whose interfaces are handed over to it.
+    [[nodiscard]] virtual bool is_guest() const { return false; }
+    /// When it is ready; nullptr: as soon as it is started, or as it says itself.
+    [[nodiscard]] virtual Readiness const* readiness() const { return nullptr; }
     /// An address on which the process serves; the launcher opens the socket ("127.0.0.1:0").
     [[nodiscard]] virtual std::string listen() const { return {}; }
 };
