@@ -4,9 +4,9 @@
 
 #include "common/text.hpp"
 #include "sim/components/machine/machine_data.hpp"
+#include "sim/components/machine/regulator_fields.hpp"
 
 #include <fmt/format.h>
-#include <tuple>
 
 namespace gridspace::sim {
 
@@ -15,80 +15,11 @@ using namespace elements;
 namespace {
 
 constexpr Refusal kNoGovernor{"this machine has no governor", "give it or its type a `governor`"};
+constexpr Refusal kNoDroop{"its governor holds the speed, whatever power that takes", "give it a `droop_percent`"};
 
-void read_governor(Fields& f, Governor& g) {
-    f.number("droop_percent", g.droop_percent, positive("frequency drop at full power"));
-    f.number("tg_s", g.tg_s, not_negative("servo time constant"));
-    f.number("tt_s", g.tt_s, not_negative("turbine time constant"));
-    f.number("integral_ki", g.integral_ki, not_negative("integral gain; 0: droop only"));
-    f.number("gate_min_pu", g.gate_min_pu, any("lowest position of the servo"));
-    f.number("gate_max_pu", g.gate_max_pu, any("highest position of the servo"));
-    f.number("lead_s", g.lead_s, not_negative("lead time constant of the turbine (T2 of TGOV1)"));
-    f.number("damping_pu", g.damping_pu, not_negative("power that the turbine loses per p.u. of speed"));
-    f.object("load_limit", {.doc = "a gas turbine's, by the temperature of its exhaust (GAST)"}, [&](Fields& l) {
-        TurbineLoadLimit& limit = g.load_limit.emplace();
-        l.number("power_pu", limit.power_pu, positive("power that it can give for long (AT)"));
-        l.number("gain", limit.gain, not_negative("how hard it comes back to that (KT)"));
-        l.number("t_s", limit.t_s, positive("time constant of the temperature (T3)"));
-    });
-    if (g.lowest() >= g.highest()) {
-        f.error(
-            "gate_max_pu",
-            fmt::format("gate_max_pu = {} is not above gate_min_pu = {}", shortest(g.highest()), shortest(g.lowest())),
-            "a servo moves between the two");
-    }
-    if (g.lead_s > 0 && g.tt_s == 0) {
-        f.error("lead_s", "a lead needs the lag that it leads", "give `tt_s` too");
-    }
-}
-
-void read_stabilizer(Fields& f, Stabilizer& s) {
-    f.number("gain", s.gain, positive("voltage per p.u. of speed (KS)", true));
-    f.number("washout_s", s.washout_s, positive("time constant of the washout (T5)"));
-    f.number("t1_s", s.t1_s, not_negative("lead time constant of the first lead-lag"));
-    f.number("t2_s", s.t2_s, not_negative("its lag time constant; 0: it is not there"));
-    f.number("t3_s", s.t3_s, not_negative("lead time constant of the second lead-lag"));
-    f.number("t4_s", s.t4_s, not_negative("its lag time constant; 0: it is not there"));
-    f.number("min_pu", s.min_pu, {.doc = "lowest output", .max = 0});
-    f.number("max_pu", s.max_pu, {.doc = "highest output", .min = 0});
-    for (auto const& [key, lead, lag] : {std::tuple{"t1_s", s.t1_s, s.t2_s}, {"t3_s", s.t3_s, s.t4_s}}) {
-        if (lead > 0 && lag == 0) {
-            f.error(key, "a lead needs a lag", fmt::format("give `{}` too", key[1] == '1' ? "t2_s" : "t4_s"));
-        }
-    }
-}
-
-void read_regulator(Fields& f, Avr& r) {
-    f.number("ka", r.ka, positive("gain", true));
-    f.number("ta_s", r.ta_s, not_negative("time constant"));
-    f.number("tr_s", r.tr_s, not_negative("measuring time constant"));
-    f.number("efd_min_pu", r.efd_min_pu, any("lower limit of the field voltage"));
-    f.number("efd_max_pu", r.efd_max_pu, any("upper limit of the field voltage", true));
-    f.number("tc_s", r.tc_s, not_negative("lead time constant before the gain"));
-    f.number("tb_s", r.tb_s, not_negative("lag time constant before the gain; 0: there is no lead-lag"));
-    f.number("kf", r.kf, not_negative("gain of the rate feedback from the field voltage"));
-    f.number("tf_s", r.tf_s, positive("time constant of the rate feedback"));
-    f.object("ceiling", {.doc = "limits that go with the terminal voltage: an exciter fed from there (ST1A)"},
-             [&](Fields& c) {
-                 FieldCeiling& ceiling = r.ceiling.emplace();
-                 c.number("max_pu", ceiling.max_pu, positive("at nominal voltage and no field current (VRMAX)", true));
-                 c.number("min_pu", ceiling.min_pu, any("at nominal voltage (VRMIN)"));
-                 c.number("kc_pu", ceiling.kc_pu,
-                          not_negative("what the upper one loses per p.u. of field current (KC)"));
-                 if (ceiling.min_pu >= ceiling.max_pu) {
-                     c.error("min_pu", fmt::format("min_pu = {} is not below max_pu = {}", shortest(ceiling.min_pu),
-                                                   shortest(ceiling.max_pu)));
-                 }
-             });
-    f.object("stabilizer", {.doc = "power system stabilizer by the speed (PSS1A)"},
-             [&](Fields& s) { read_stabilizer(s, r.stabilizer.emplace()); });
-    if (r.tc_s > 0 && r.tb_s == 0) {
-        f.error("tc_s", "a lead needs a lag", "give `tb_s` too");
-    }
-    if (r.kf > 0 && r.ta_s == 0) {
-        f.error("kf", "the rate feedback of a regulator without time constant would be a loop at one instant",
-                "give `ta_s` too");
-    }
+/// DEGOV without a droop.
+bool holds_speed_only(Governor const* g) {
+    return g != nullptr && g->degov && g->droop_percent == 0;
 }
 
 void read_constants(Fields& c, MachineType& t, bool full) {
@@ -115,6 +46,15 @@ void read_constants(Fields& c, MachineType& t, bool full) {
     order("xq2", t.pu.xq2, "xq", t.pu.xq * (1 + 1e-12));
 }
 
+void read_saturation(Fields& f, OpenCircuitSaturation& s) {
+    f.number("s10", s.s10, not_negative("what the field needs more than on the air-gap line at nominal voltage", true));
+    f.number("s12", s.s12, not_negative("the same at 1.2 times nominal voltage", true));
+    if (!machines::Saturation::fits(1, s.s10, 1.2, s.s12)) {
+        f.error("s12", fmt::format("s12 = {} is less than 1.2 times s10 = {}", shortest(s.s12), shortest(s.s10)),
+                "saturation grows faster than the voltage");
+    }
+}
+
 } // namespace
 
 void MachineType::fields(Fields& f) {
@@ -130,6 +70,11 @@ void MachineType::fields(Fields& f) {
     });
     f.number("inertia_h_s", inertia_h_s, positive("inertia constant", true));
     f.number("damping_pu", damping_pu, not_negative("damping torque per p.u. speed"));
+    f.object("saturation", {.doc = "of the open-circuit curve, acting on the field (E'q), as in GENSAL"},
+             [&](Fields& s) { read_saturation(s, saturation.emplace()); });
+    if (saturation && !full) {
+        f.error("saturation", fmt::format("'{}' is classical: it has no field winding", name.name), "leave it out");
+    }
     f.object("avr", {.doc = "voltage regulator and exciter"}, [&](Fields& a) { read_regulator(a, avr.emplace()); });
     f.object("governor", {.doc = "speed governor and turbine"},
              [&](Fields& g) { read_governor(g, governor.emplace()); });
@@ -172,14 +117,21 @@ bool Machine::set(std::string_view quantity, double value) {
 }
 
 std::optional<Refusal> Machine::refuses(std::string_view quantity, Surroundings const& around, bool) const {
-    bool const of_governor = quantity == "droop_percent" || quantity == "frequency_setpoint_hz";
-    return of_governor && governor_of(around) == nullptr ? std::optional{kNoGovernor} : std::nullopt;
+    Governor const* found = governor_of(around);
+    bool const of_droop = quantity == "droop_percent";
+    if (found == nullptr && (of_droop || quantity == "frequency_setpoint_hz")) {
+        return kNoGovernor;
+    }
+    return (of_droop || quantity == "p_kw") && holds_speed_only(found) ? std::optional{kNoDroop} : std::nullopt;
 }
 
 std::optional<Refusal> Machine::refuses_mode(std::string_view mode, Surroundings const& around) const {
     Governor const* found = governor_of(around);
     if (found == nullptr) {
         return kNoGovernor;
+    }
+    if (found->degov) {
+        return mode != "isochronous" && holds_speed_only(found) ? std::optional{kNoDroop} : std::nullopt;
     }
     return mode == "isochronous" && found->integral_ki == 0
                ? std::optional{Refusal{"its governor has no integral", "give it an `integral_ki`"}}

@@ -4,51 +4,15 @@
 
 #include "sim/components/faces/number_specs.hpp"
 #include "sim/components/faces/one_port.hpp"
+#include "sim/components/machine/regulators.hpp"
 
-#include <limits>
+#include <optional>
 
 namespace gridspace::sim {
 
-/// Limits of the field voltage that go with the terminal voltage: VRMAX, VRMIN and KC of ST1A.
-struct FieldCeiling {
-    double max_pu{0}, min_pu{0};
-    double kc_pu{0}; ///< what the upper one loses per p.u. of field current: the rectifier's commutation
-};
-
-/// Power system stabilizer PSS1A with the speed as its input (IEEE 421.5).
-struct Stabilizer {
-    double gain{0}, washout_s{10};
-    double t1_s{0}, t2_s{0}, t3_s{0}, t4_s{0}; ///< (1 + t1 s) / (1 + t2 s), and the same with t3 and t4
-    double min_pu{-0.1}, max_pu{0.1};
-};
-
-/// Voltage regulator and static exciter: ST1A of IEEE 421.5, of which the first line is the simplest form.
-struct Avr {
-    double ka{0}, ta_s{0}, tr_s{0}, efd_min_pu{0}, efd_max_pu{0};
-    double tc_s{0}, tb_s{0}; ///< (1 + tc s) / (1 + tb s) before the gain
-    double kf{0}, tf_s{1};   ///< kf s / (1 + tf s), back from the field voltage
-    std::optional<FieldCeiling> ceiling;
-    std::optional<Stabilizer> stabilizer;
-};
-
-/// AT, KT and T3 of GAST.
-struct TurbineLoadLimit {
-    double power_pu{1}, gain{2}, t_s{3};
-};
-
-/// Speed governor and turbine: TGOV1 with an integral, and with a load limit the gas turbine GAST. p.u. of the
-/// machine's rating.
-struct Governor {
-    double droop_percent{4};
-    double tg_s{0}, tt_s{0};
-    double integral_ki{0};
-    std::optional<double> gate_min_pu, gate_max_pu; ///< of the servo; without: any
-    double lead_s{0};                               ///< of the turbine: what of its power comes at once
-    double damping_pu{0};                           ///< power that the turbine loses per p.u. of speed
-    std::optional<TurbineLoadLimit> load_limit;     ///< by the temperature of the exhaust
-
-    [[nodiscard]] double lowest() const { return gate_min_pu.value_or(-std::numeric_limits<double>::infinity()); }
-    [[nodiscard]] double highest() const { return gate_max_pu.value_or(std::numeric_limits<double>::infinity()); }
+/// S(1.0) and S(1.2) of the open-circuit curve: what the field needs more than on the air-gap line, per unit of that.
+struct OpenCircuitSaturation {
+    double s10{0}, s12{0};
 };
 
 /// `full`: one field winding and one damper per axis. `classical`: constant voltage behind xd1.
@@ -64,6 +28,7 @@ struct MachineType final : Element {
     double td01_s{0}, td02_s{0}, tq02_s{0};
     double inertia_h_s{0};
     double damping_pu{0};
+    std::optional<OpenCircuitSaturation> saturation;
     std::optional<Avr> avr;
     std::optional<Governor> governor;
 
@@ -81,7 +46,7 @@ struct Machine final : OnePort {
          elements::positive("frequency that its governor holds, from half to 1.5 times the nominal one")}};
     static constexpr CommandUse kCommands[] = {kOnlyOut[0], {Command::mode, "how its governor works"}};
     static constexpr Mode kModes[] = {
-        {"isochronous", "droop and integral: the frequency comes back; needs an `integral_ki`"},
+        {"isochronous", "droop and integral: the frequency comes back; needs an `integral_ki`, or is a `degov`"},
         {"droop", "its integral stays where it is"},
         {"fixed_power", "it gives its `p_kw` at any frequency, and its integral stays where it is"}};
     static constexpr Kind kKind{.section = "machines",

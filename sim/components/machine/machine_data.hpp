@@ -3,7 +3,9 @@
 #pragma once
 
 #include "sim/components/machine/machine.hpp"
+#include "sim/components/machine/saturation.hpp"
 
+#include <cstddef>
 #include <optional>
 
 namespace gridspace::sim::machines {
@@ -19,9 +21,12 @@ struct MachineData {
     std::optional<Governor> governor;
     double rating_kva{0};
 
-    double gamma_d{0};  ///< (x2d - xl) / (xd1 - xl): share of E'q in the subtransient flux
-    double gamma_q{0};  ///< (xq - x2q) / (xq - xl): share of the q damper
-    double coupling{0}; ///< (xd1 - x2d) / (xd1 - xl)^2
+    std::size_t states{0}; ///< how many of StateIndex move
+    double gamma_d{0};     ///< (x2d - xl) / (xd1 - xl): share of E'q in the subtransient flux
+    double gamma_q{0};     ///< (xq - x2q) / (xq - xl): share of the q damper
+    double coupling{0};    ///< (xd1 - x2d) / (xd1 - xl)^2
+    Saturation saturation; ///< of E'q, as in GENSAL of PSS/E
+    Saturation exciter;    ///< of the alternator of AC8B
 
     /// The reactance behind which both engines see the subtransient flux: the mean of both axes.
     [[nodiscard]] double x2() const { return (x2d + x2q) / 2; }

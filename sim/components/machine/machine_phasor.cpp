@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "sim/components/machine/exciter_equations.hpp"
 #include "sim/components/machine/machine_checks.hpp"
 #include "sim/components/machine/rotor_equations.hpp"
 
@@ -30,13 +31,13 @@ machines::State state_of(std::span<double const> x) {
 class MachineInjection final : public PhasorInjection {
   public:
     MachineInjection(Machine const& machine, Surroundings const& around);
-    [[nodiscard]] std::size_t states() const override { return machines::moving_states(data_); }
+    [[nodiscard]] std::size_t states() const override { return data_.states; }
     void start(double t, Complex v, Complex s, std::span<double> x) override;
     Complex flow(double t, std::span<double const> x, Complex v, std::span<double> dx) const override;
     [[nodiscard]] std::vector<SignalDef> signals() const override;
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override;
-    /// The field voltage reaches a limit, or leaves it.
-    [[nodiscard]] bool has_event() const override { return data_.avr.has_value() && !data_.classical; }
+    /// The field voltage of a static exciter reaches a limit, or leaves it.
+    [[nodiscard]] bool has_event() const override { return data_.avr && !data_.avr->ac8b && !data_.classical; }
     [[nodiscard]] double event(double t, std::span<double const> x) const override;
     void on_event(std::span<double> x) override;
     [[nodiscard]] Result<void> check_start(std::span<double const> x) const override;
@@ -141,7 +142,7 @@ Result<void> MachineInjection::check_start(std::span<double const> x) const {
     if (auto ok = machines::check_gate(name_, data_, x[machines::kGate]); !ok) {
         return ok;
     }
-    return has_event() ? machines::check_field(name_, data_, x[machines::kEfd], x[machines::kVmeas]) : Result<void>{};
+    return machines::check_field(name_, data_, state_of(x));
 }
 
 double MachineInjection::event(double, std::span<double const> x) const {

@@ -56,7 +56,7 @@ class MachineElement final : public emt::NortonElement, private MachineDynamics 
     void start(Complex v, Complex i, double speed) override;
     [[nodiscard]] Result<void> check_start() const override {
         auto const ok = machines::check_gate(name_, data_, x_[machines::kGate]);
-        return ok ? machines::check_field(name_, data_, x_[machines::kEfd], x_[machines::kVmeas]) : ok;
+        return ok ? machines::check_field(name_, data_, x_) : ok;
     }
     void use_step(double h) override;
     void forget_history() override { history_ = false; }
@@ -137,7 +137,7 @@ void MachineElement::rotate(double& d, double& q) const {
 std::array<double, 3> MachineElement::predict(double t, double h, Rule rule) {
     h_ = h;
     double const slope = history_ ? h * h / (2 * h_before_) : 0;
-    for (std::size_t s = 0; s < machines::kStates; ++s) {
+    for (std::size_t s = 0; s < data_.states; ++s) {
         trial_[s] = x_[s] + h * f_[s] + slope * (f_[s] - f_before_[s]);
     }
     double const axis = std::fmod(w0_ * t, 2 * std::numbers::pi) + trial_[machines::kAngle] - std::numbers::pi / 2;
@@ -171,7 +171,7 @@ std::array<double, 3> MachineElement::correct(double const* v) {
     machines::derivative(data_, set_, trial_, d, q, std::sqrt(va * va + vb * vb), f);
     f[machines::kAngle] = w0_ * trial_[machines::kSpeed];
     double const predicted_angle = trial_[machines::kAngle];
-    for (std::size_t s = 0; s < machines::kStates; ++s) {
+    for (std::size_t s = 0; s < data_.states; ++s) {
         trial_[s] = x_[s] + h_ / 2 * (f_[s] + f[s]);
     }
     // The correction of the angle is tiny: second order in it is exact to rounding.

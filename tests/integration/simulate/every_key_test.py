@@ -34,6 +34,10 @@ ELSEWHERE |= {f"{section}.governor.{key}" for section in ("machine_types", "mach
 ELSEWHERE |= {f"machine_types.avr.{key}" for key in (  # unit_components, exciter
     "tc_s", "tb_s", "kf", "tf_s", "ceiling.max_pu", "ceiling.min_pu", "ceiling.kc_pu",
     *(f"stabilizer.{k}" for k in ("gain", "washout_s", "t1_s", "t2_s", "t3_s", "t4_s", "min_pu", "max_pu")))}
+ELSEWHERE |= {f"machines.governor.{key}" for key in (  # as in machine_types
+    "type", "t1_s", "t2_s", "t3_s", "k", "t4_s", "t5_s", "t6_s", "td_s", "droop_control", "te_s")}
+ELSEWHERE |= {f"machine_types.avr.{key}" for key in (  # unit_components, ac8b
+    "pid_min_pu", "pid_max_pu", "vr_min_pu", "ve_min_pu", "vfe_max_pu")}
 ELSEWHERE |= {f"transformers.tap_changer.{key}" for key in (
     "bus", "voltage_pu", "bandwidth_percent", "delay_s", "next_delay_s", "step_percent", "position", "lowest", "highest", "block_below_pu")}
 
@@ -71,7 +75,8 @@ NETWORK = {
                             "governor": {"droop_percent": 4, "tg_s": 0.05, "tt_s": 0.15, "integral_ki": 1}}},
     "machines": {"G": {"bus": "B", "type": "m", "rating_kva": 30, "p_kw": 10, "voltage_setpoint_pu": 1.0},
                  "G2": {"bus": "A", "type": "m", "rating_kva": 20, "p_kw": 8, "voltage_setpoint_pu": 1.005, "inertia_h_s": 3,
-                        "governor": {"droop_percent": 5, "tg_s": 0.06, "tt_s": 0.2, "integral_ki": 0.5}}},
+                        "governor": {"droop_percent": 5, "tg_s": 0.06, "tt_s": 0.2, "integral_ki": 0.5}},
+                 "G3": {"bus": "H", "type": "genset", "rating_kva": 15, "p_kw": 6, "voltage_setpoint_pu": 0.98}},  # of the reference
     "generators": {"Q": {"bus": "C", "role": "pq", "rating_kva": 6, "p_kw": 5, "q_kvar": 1},
                    "V": {"bus": "D", "role": "pv", "rating_kva": 20, "p_kw": 5, "voltage_setpoint_pu": 1.1, "q_min_kvar": -1,
                          "q_max_kvar": 1},
@@ -200,15 +205,22 @@ UNBALANCED_CHANGES = {
 }
 
 
-# Elements whose example stands in the reference: it is part of the network. Where a key stands first,
+# Elements whose example stands in the reference: they are part of the network. Where a key stands first,
 # a number becomes nine tenths and a word is left out.
+def leaves(element, prefix=""):
+    for key, value in element.items():
+        yield from leaves(value, f"{prefix}{key}.") if isinstance(value, dict) else [(prefix + key, value)]
+
+
 REFERENCE = (SOURCE / "docs/reference/components.md").read_text()
 for section, elements in re.findall(r"```yaml\n(\w+):(.*?)```", REFERENCE, re.S):
-    NETWORK[section] = json.loads(re.sub(r"[A-Za-z_]\w*", r'"\g<0>"', elements))
-    first = {key: name for name, keys in reversed(NETWORK[section].items()) for key in keys}
-    for key, name in first.items():
-        value = NETWORK[section][name][key]
-        CHANGES[f"{section}.{name}.{key}"] = None if isinstance(value, str) else 0.9 * value
+    examples, seen = json.loads(re.sub(r"[A-Za-z_]\w*", r'"\g<0>"', elements)), set()
+    NETWORK.setdefault(section, {}).update(examples)
+    for name, example in examples.items():
+        for key, value in leaves(example):
+            if key not in seen and f"{section}.{key}" not in ELSEWHERE:
+                seen.add(key)
+                CHANGES[f"{section}.{name}.{key}"] = None if isinstance(value, str) else 0.9 * value
 
 
 def changed(network, path, value):
