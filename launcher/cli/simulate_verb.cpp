@@ -304,7 +304,8 @@ int simulate(SimulateArguments const& a) {
         return 0;
     }
     auto const columns =
-        select(**engine, a.signals, {"bus.*.v_pu", "machine.*.frequency_hz", "breaker.*.position", "system.*"});
+        select(**engine, a.signals,
+               {"bus.*.v_pu", "machine.*.frequency_hz", "breaker.*.position", "fuse.*.position", "system.*"});
     if (!columns) {
         return print_error(columns.error());
     }
@@ -336,6 +337,7 @@ int simulate(SimulateArguments const& a) {
     run.on_failure([&](SimTime t, std::string const& breaker) {
         progress.event(base.seconds(t), breaker, "fails_to_open", "told to open, and stays closed");
     });
+    run.on_happening([&](sim::Happening const& h) { progress.event(h.at_s, h.element, h.event, h.text); });
     run.on_event([&](SimTime t, sim::TimedAction const& action) {
         progress.event(base.seconds(t), a.solver, "event", action.event);
     });

@@ -6,6 +6,7 @@
 #include "sim/emt/emt_engine.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/phasor/phasor_engine.hpp"
+#include "sim/runtime/fuse_engine.hpp"
 #include "sim/runtime/tap_changing_engine.hpp"
 
 namespace gridspace::sim {
@@ -47,8 +48,11 @@ Result<std::unique_ptr<Engine>> make_solver(SimulationConfig const& simulation, 
 
 Result<std::unique_ptr<Engine>> make_engine(SimulationConfig const& simulation, Network network, TimeBase base) {
     auto solver = make_solver(simulation, network, base);
-    return solver ? Result<std::unique_ptr<Engine>>{with_tap_changers(std::move(*solver), network, base)}
-                  : std::move(solver);
+    if (!solver) {
+        return solver;
+    }
+    return with_fuses(with_tap_changers(std::move(*solver), network, base), network, base,
+                      base.nearest(simulation.step_s));
 }
 
 std::vector<SignalDef> engine_signals(SimulationConfig const& simulation, Network const& network) {

@@ -125,6 +125,10 @@ class SimApp {
             log::warning("breaker '{}' fails to open", breaker);
             run_.status.event(node_.time_base().seconds(t), breaker, "fails_to_open", "told to open, and stays closed");
         });
+        simulation_.on_happening([this](Happening const& h) {
+            log::info("{} '{}': {}", h.event, h.element, h.text);
+            run_.status.event(h.at_s, h.element, h.event, h.text);
+        });
         simulation_.on_event([this](SimTime t, TimedAction const& action) {
             log::info("event '{}'", action.event);
             run_.status.event(node_.time_base().seconds(t), node_.config().process, "event", action.event);

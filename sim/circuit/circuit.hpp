@@ -104,6 +104,7 @@ struct Switch {
 struct Opening {
     double after_s{0}, chop_a{0};
     bool at_once{false};
+    std::array<bool, 3> poles{true, true, true}; ///< that part
 };
 
 /// Ideal voltage source to earth: v_k = amplitude cos(phase - k 120 deg), with harmonics.

@@ -7,6 +7,7 @@
 #include "sim/components/bus/bus.hpp"
 #include "sim/components/ct/ct.hpp"
 #include "sim/components/ev/ev.hpp"
+#include "sim/components/fuse/fuse.hpp"
 #include "sim/components/generator/generator.hpp"
 #include "sim/components/induction_machine/induction_machine.hpp"
 #include "sim/components/line/line.hpp"
@@ -51,6 +52,8 @@ struct Elements {
     std::vector<Ct> cts;
     std::vector<VtType> vt_types;
     std::vector<Vt> vts;
+    std::vector<FuseType> fuse_types;
+    std::vector<Fuse> fuses;
     std::vector<Profile> profiles;
 };
 
@@ -80,6 +83,8 @@ void for_each_kind(E& elements, Visit const& visit) {
     visit(elements.cts);
     visit(elements.vt_types);
     visit(elements.vts);
+    visit(elements.fuse_types);
+    visit(elements.fuses);
     visit(elements.profiles);
 }
 

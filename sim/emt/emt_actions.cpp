@@ -71,6 +71,7 @@ Result<void> EmtEngine::act(SwitchBreaker const& a) {
     if (a.close) {
         solver_.close_switch(static_cast<std::size_t>(*index));
     } else {
+        how.poles = a.poles;
         solver_.open_switch(static_cast<std::size_t>(*index), how);
     }
     return {};

@@ -149,8 +149,10 @@ Result<void> Solver::advance(double t_end, double h) {
         part_contacts();
         double piece = left;
         for (SwitchControl const& s : switches_) {
-            if (waiting_ && s.part_at - t_ > least && s.part_at - t_ < piece - least) {
-                piece = s.part_at - t_;
+            for (double const part_at : s.part_at) {
+                if (waiting_ && part_at - t_ > least && part_at - t_ < piece - least) {
+                    piece = part_at - t_;
+                }
             }
         }
         bool const last = piece == left;

@@ -90,8 +90,9 @@ class Solver {
         std::vector<std::size_t> wave_marks; ///< of waves_, when saved
     };
     struct SwitchControl {
+        static constexpr double kNever = std::numeric_limits<double>::infinity();
         std::array<bool, 3> armed{};
-        double part_at{std::numeric_limits<double>::infinity()};
+        std::array<double, 3> part_at{kNever, kNever, kNever};
         double chop_a{0};
         bool at_once{false};
         double opened_at{std::numeric_limits<double>::quiet_NaN()};

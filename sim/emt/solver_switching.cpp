@@ -134,39 +134,39 @@ void Solver::part_contacts() {
     waiting_ = false;
     for (std::size_t i = 0; i < switches_.size(); ++i) {
         SwitchControl& s = switches_[i];
-        if (s.part_at <= t_ + kMinSegment * step_s_) {
-            s.part_at = std::numeric_limits<double>::infinity();
-            if (s.at_once) {
-                bits_.closed[i] = {false, false, false};
-                s.opened_at = t_;
-                switched();
-            } else {
-                s.armed = bits_.closed[i];
-                armed_ = true;
+        auto& closed = bits_.closed[i];
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (s.part_at[k] <= t_ + kMinSegment * step_s_) {
+                s.part_at[k] = SwitchControl::kNever;
+                if (s.at_once) {
+                    closed[k] = false;
+                    s.opened_at = closed == std::array{false, false, false} ? t_ : s.opened_at;
+                    switched();
+                } else {
+                    s.armed[k] = closed[k];
+                    armed_ = true;
+                }
             }
+            waiting_ = waiting_ || s.part_at[k] < SwitchControl::kNever;
         }
-        waiting_ = waiting_ || s.part_at < std::numeric_limits<double>::infinity();
     }
 }
 
 void Solver::open_switch(std::size_t index, Opening const& how) {
-    auto const& closed = bits_.closed[index];
-    if (!closed[0] && !closed[1] && !closed[2]) {
-        return;
-    }
     SwitchControl& s = switches_[index];
-    if (s.part_at < std::numeric_limits<double>::infinity() || s.armed != std::array{false, false, false}) {
-        return; // on its way
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (how.poles[k] && bits_.closed[index][k] && s.part_at[k] == SwitchControl::kNever && !s.armed[k]) {
+            s.part_at[k] = t_ + how.after_s;
+            s.chop_a = how.chop_a;
+            s.at_once = how.at_once;
+            waiting_ = true;
+        }
     }
-    s.part_at = t_ + how.after_s;
-    s.chop_a = how.chop_a;
-    s.at_once = how.at_once;
-    waiting_ = true;
 }
 
 void Solver::close_switch(std::size_t index) {
     SwitchControl& s = switches_[index];
-    s.part_at = std::numeric_limits<double>::infinity();
+    s.part_at.fill(SwitchControl::kNever);
     s.armed = {};
     if (bits_.closed[index] != std::array{true, true, true}) {
         bits_.closed[index] = {true, true, true};
@@ -176,7 +176,8 @@ void Solver::close_switch(std::size_t index) {
 
 bool Solver::opening(std::size_t index) const {
     SwitchControl const& s = switches_[index];
-    return s.part_at < std::numeric_limits<double>::infinity() || s.armed != std::array{false, false, false};
+    return std::ranges::any_of(s.part_at, [](double at) { return at < SwitchControl::kNever; }) ||
+           s.armed != std::array{false, false, false};
 }
 
 void Solver::apply_fault(std::size_t fault) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 #include <variant>
 
@@ -11,6 +12,7 @@ namespace gridspace::sim {
 struct SwitchBreaker {
     std::string breaker;
     bool close{false};
+    std::array<bool, 3> poles{true, true, true}; ///< that open; phasors open all of them, and a closing closes all
 };
 
 enum class FaultType { three_phase_ground, three_phase, phase_ground, phase_phase, phase_phase_ground };

@@ -19,6 +19,13 @@ struct SignalDef {
     bool may_be_unknown{false}; ///< its value may be NaN: nothing happened yet
 };
 
+/// What an element did by itself: a fuse melted.
+struct Happening {
+    double at_s{0};
+    std::string element, event; ///< one word: "fuse_melted"
+    std::string text;
+};
+
 /// A solver with a network in it. The same object serves a co-simulation and an offline run.
 class Engine {
   public:
@@ -35,6 +42,9 @@ class Engine {
 
     [[nodiscard]] virtual std::vector<SignalDef> const& signals() const = 0;
     [[nodiscard]] virtual double value(std::size_t signal) const = 0;
+
+    /// In the last advance.
+    [[nodiscard]] virtual std::span<Happening const> happened() const { return {}; }
 
     /// From now on only these signals are read: what serves others alone need not be computed. All, when never called.
     virtual void will_read(std::span<std::size_t const> /*signals*/) {}

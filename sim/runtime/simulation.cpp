@@ -84,6 +84,11 @@ Result<void> Simulation::run_until(SimTime until, Observer const& observer) {
                 return ok;
             }
             now_ = target;
+            for (Happening const& happening : engine_->happened()) {
+                if (on_happening_) {
+                    on_happening_(happening);
+                }
+            }
         }
         if (now_ == next_step_) {
             next_step_ = next_step_ + options_.step;

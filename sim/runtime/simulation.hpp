@@ -55,6 +55,9 @@ class Simulation {
     /// Called when a physical event takes effect.
     void on_event(std::function<void(SimTime, TimedAction const&)> callback) { on_event_ = std::move(callback); }
 
+    /// Called when an element did something by itself.
+    void on_happening(std::function<void(Happening const&)> callback) { on_happening_ = std::move(callback); }
+
     /// The scenario's event that the engine refused, when that is what ended start() or run_until().
     [[nodiscard]] TimedAction const* refused_event() const { return refused_event_; }
 
@@ -78,6 +81,7 @@ class Simulation {
     std::vector<TimedAction> timeline_;
     std::multimap<std::pair<SimTime, int>, Change> changes_; ///< (time, 0 events / 1 commands), in order of insertion
     std::function<void(SimTime, TimedAction const&)> on_event_;
+    std::function<void(Happening const&)> on_happening_;
     std::map<std::string, SimTime> stuck_; ///< breakers, and since when
     std::function<void(SimTime, std::string const&)> on_failure_;
     std::function<void(SimTime, std::string const&, Error const&)> on_refusal_;

@@ -56,7 +56,7 @@ export function OneLine() {
   const tapY = (bus: string, b: Branch) => // parallel lines side by side
     yOf(at.get(bus)![1]) + 16 + net.branches.filter(o => (o.from === b.from && o.to === b.to) || (o.from === b.to && o.to === b.from)).indexOf(b) * 9;
 
-  const position = (name: string) => now.get(`breaker.${name}.position`); // double point: 1 open, 2 closed
+  const position = (name: string) => now.get(`breaker.${name}.position`) ?? now.get(`fuse.${name}.position`); // double point: 1 open, 2 closed
   const plot = (pattern: string) => choose({ plots: [pattern, ...choice.value.plots.filter(p => p !== pattern)].slice(0, 3) });
 
   const t = run.value?.recorded ? instant() : (run.value?.time_s ?? 0);

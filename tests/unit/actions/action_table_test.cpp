@@ -27,6 +27,8 @@ lines: {L: {from: A, to: B, r_ohm: 0.05, l_mh: 0.1}, Tie: {from: B, to: D, r_ohm
 transformers: {T: {from: B, to: C, rating_kva: 200, x_percent: 5}}
 breaker_types: {quick: {mechanism_ms: 0}}
 breakers: {CB: {line: Tie, end: from, type: quick}}
+fuse_types: {k: {rated_a: 500, melting_a: [1000, 5000], melting_s: [100, 0.1]}}
+fuses: {Links: {line: L, end: from, type: k}}
 machine_types: {unit: {model: classical, constants_pu: {xd1: 0.3, x0: 0.15}, inertia_h_s: 3.5,
                 governor: {droop_percent: 5, tg_s: 0.1, tt_s: 0.3}}}
 machines: {M: {bus: C, type: unit, rating_kva: 50, p_kw: 5, voltage_setpoint_pu: 1}}
