@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <optional>
 
 namespace gridspace::sim {
 namespace {
@@ -23,6 +24,11 @@ class TapChangingEngine final : public WrappedEngine {
             units_.push_back({"transformers." + t.name.name + ".tap_ratio",
                               TapRegulator{*t.tap_changer, bus.name == t.from.name},
                               measure("bus." + bus.name + ".v_pu")});
+            if (t.tap_changer->compensation) {
+                units_.back().compensated = {*t.tap_changer->compensation, find(network.buses, t.to.name)->voltage_v,
+                                             measure(signal_prefix(t) + ".to.p_kw"),
+                                             measure(signal_prefix(t) + ".to.q_kvar")};
+            }
             add_signal({signal_prefix(t) + ".tap_position", ""},
                        [&unit = units_.back()] { return static_cast<double>(unit.regulator.position()); });
         }
@@ -43,7 +49,7 @@ class TapChangingEngine final : public WrappedEngine {
         double const h = base_.seconds(until) - base_.seconds(now_);
         now_ = until;
         for (Unit& unit : units_) {
-            unit.due = unit.regulator.step(inner().value(unit.voltage), h);
+            unit.due = unit.regulator.step(measured_pu(unit), h);
         }
         return {};
     }
@@ -62,7 +68,19 @@ class TapChangingEngine final : public WrappedEngine {
         TapRegulator regulator;
         std::size_t voltage; ///< signal
         bool due{false};     ///< its step takes effect now
+        struct Compensated {
+            LineDropCompensation how;
+            double nominal_v;
+            std::size_t p_kw, q_kvar; ///< signals: into the transformer at `to`
+        };
+        std::optional<Compensated> compensated{};
     };
+    [[nodiscard]] double measured_pu(Unit const& unit) const {
+        double const v = inner().value(unit.voltage);
+        auto const& c = unit.compensated;
+        return c ? c->how.compensated_pu(v, {-inner().value(c->p_kw), -inner().value(c->q_kvar)}, c->nominal_v) : v;
+    }
+
     TimeBase base_;
     std::vector<Unit> units_;
     SimTime now_;

@@ -11,6 +11,21 @@ namespace gridspace::sim {
 
 using namespace elements;
 
+void LineDropCompensation::fields(Fields& f) {
+    f.number("r_v", r_v, any("drop by resistance at the rated current of the CT, on a base of `base_v`"));
+    f.number("x_v", x_v, any("drop by reactance"));
+    f.number("ct_a", ct_a, positive("rated current of the CT, at `to`", true));
+    f.number("base_v", base_v, positive("what the voltage transformer gives at the nominal voltage of `to`"));
+}
+
+double LineDropCompensation::compensated_pu(double v_pu, std::complex<double> kva, double nominal_v) const {
+    if (v_pu <= 0) {
+        return 0;
+    }
+    std::complex<double> const i_a = std::conj(kva) * 1e3 / (std::sqrt(3.0) * v_pu * nominal_v);
+    return std::abs(v_pu - std::complex{r_v, x_v} / base_v * i_a / ct_a);
+}
+
 void TapChanger::fields(Fields& f) {
     f.reference("bus", bus, {.doc = "whose voltage it holds; without it that of `to`"});
     f.number("voltage_pu", voltage_pu, positive("held voltage"));
@@ -23,6 +38,12 @@ void TapChanger::fields(Fields& f) {
     f.integer("lowest", lowest, {.doc = "position", .min = -kMost, .max = 0});
     f.integer("highest", highest, {.doc = "position", .min = 0, .max = kMost});
     f.number("block_below_pu", block_below_pu, not_negative("it stays where it is below this voltage"));
+    f.object("compensation", {.doc = "line drop compensation: it holds the voltage of a load centre down the line"},
+             [&](Fields& c) { compensation.emplace().fields(c); });
+    if (compensation && !bus.empty()) {
+        f.error("compensation", fmt::format("the tap changer holds bus '{}' and compensates from `to`", bus.name),
+                "leave out one of `bus` and `compensation`");
+    }
     if (position < lowest || position > highest) {
         f.error("position", fmt::format("position {} is not between {} and {}", position, lowest, highest));
     }

@@ -4,9 +4,23 @@
 
 #include "common/config/fields.hpp"
 
+#include <complex>
 #include <cstdint>
+#include <optional>
 
 namespace gridspace::sim {
+
+/// Line drop compensation of a voltage regulator: it holds the voltage of a load centre down the line, which it finds
+/// from the voltage and the current of its own transformer [IEEE C57.15].
+struct LineDropCompensation {
+    double r_v{0}, x_v{0}; ///< its settings: drop at the rated current of its CT
+    double ct_a{0};        ///< that current
+    double base_v{120};    ///< on its voltage circuit at the nominal voltage of `to`, phase to earth
+
+    void fields(config::Fields& f);
+    /// |V - (R + j X) I / I_ct|, p.u. of the nominal voltage, from the voltage at `to` and the power that leaves there.
+    [[nodiscard]] double compensated_pu(double v_pu, std::complex<double> kva, double nominal_v) const;
+};
 
 /// On-load tap changer of a transformer with its voltage regulator, at the `from` winding.
 struct TapChanger {
@@ -16,6 +30,7 @@ struct TapChanger {
     double step_percent{1.25};
     std::int64_t position{0}, lowest{-8}, highest{8};
     double block_below_pu{0.7};
+    std::optional<LineDropCompensation> compensation;
     double neutral_ratio{1}; ///< at position 0: the file's tap_ratio
 
     void fields(config::Fields& f);

@@ -39,7 +39,8 @@ ELSEWHERE |= {f"machines.governor.{key}" for key in (  # as in machine_types
 ELSEWHERE |= {f"machine_types.avr.{key}" for key in (  # unit_components, ac8b
     "pid_min_pu", "pid_max_pu", "vr_min_pu", "ve_min_pu", "vfe_max_pu")}
 ELSEWHERE |= {f"transformers.tap_changer.{key}" for key in (
-    "bus", "voltage_pu", "bandwidth_percent", "delay_s", "next_delay_s", "step_percent", "position", "lowest", "highest", "block_below_pu")}
+    "bus", "voltage_pu", "bandwidth_percent", "delay_s", "next_delay_s", "step_percent", "position", "lowest", "highest", "block_below_pu",
+    *(f"compensation.{k}" for k in ("r_v", "x_v", "ct_a", "base_v")))}
 
 BUS = {"voltage_v": 400}
 NETWORK = {
