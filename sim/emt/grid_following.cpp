@@ -19,12 +19,16 @@ GridFollowing::GridFollowing(double frequency_hz, double nominal_peak_v, double 
                              std::optional<GridRules> rules)
     : pll_{frequency_hz}, nominal_{nominal_peak_v}, max_peak_a_{max_peak_a}, frequency_hz_{frequency_hz} {
     if (rules) {
+        shift_ = rules->shift;
         watch_.emplace(std::move(*rules));
     }
 }
 
 std::complex<double> GridFollowing::reference(std::complex<double> power) const {
     std::complex<double> i = std::conj(power) / (1.5 * std::max(voltage_, kMinVoltage * nominal_));
+    if (shift_) {
+        i *= std::polar(1.0, shift_->lead_rad(pll_.frequency_hz() - frequency_hz_));
+    }
     double const size = std::abs(i);
     return max_peak_a_ > 0 && size > max_peak_a_ ? i * (max_peak_a_ / size) : i;
 }

@@ -55,6 +55,7 @@ class GridFollowing {
     std::complex<double> current_; ///< in the frame of the loop
     double frequency_hz_;
     std::optional<GridWatch> watch_;
+    std::optional<FrequencyShift> shift_;
     bool tripped_{false}, stands_by_{false};
 };
 

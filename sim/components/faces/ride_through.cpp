@@ -4,7 +4,9 @@
 
 #include "sim/components/faces/number_specs.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
+#include <numbers>
 
 namespace gridspace::sim {
 
@@ -65,6 +67,18 @@ void optional_number(Fields& f, std::string_view key, std::optional<double>& out
 
 } // namespace
 
+double FrequencyShift::lead_rad(double off_nominal_hz) const {
+    constexpr double kMost = 0.5; // 45 degrees: beyond, the voltage goes before the frequency
+    return std::numbers::pi / 2 * std::clamp(chopping_pu + gain_per_hz * off_nominal_hz, -kMost, kMost);
+}
+
+void FrequencyShift::fields(Fields& f) {
+    NumberSpec chopping = not_negative("chopping fraction at nominal frequency");
+    chopping.below = 0.5;
+    f.number("chopping_pu", chopping_pu, chopping);
+    f.number("gain_per_hz", gain_per_hz, not_negative("what is added to it for each Hz above nominal"));
+}
+
 void RideThrough::fields(Fields& f) {
     f.choice<Category>("category", category, {{"I", Category::one}, {"II", Category::two}, {"III", Category::three}},
                        {.doc = "abnormal operating performance category"});
@@ -91,6 +105,8 @@ void RideThrough::fields(Fields& f) {
         optional_number(e, "frequency_min_hz", fit_min_hz, "of a fit grid");
         optional_number(e, "frequency_max_hz", fit_max_hz, "of a fit grid");
     });
+    f.object("anti_islanding", {.doc = "Sandia frequency shift: without a grid the frequency runs away"},
+             [&](Fields& a) { shift.emplace().fields(a); });
     Defaults const d = defaults(category);
     auto const ordered = [&](std::string_view lower, std::optional<double> low, std::string_view higher,
                              std::optional<double> high) {
@@ -140,6 +156,7 @@ GridRules RideThrough::rules(double nominal_hz) const {
                share(fit_max_hz, kFitMax)};
     out.fit_s = delay_s;
     out.ramp_s = ramp_s;
+    out.shift = shift;
     return out;
 }
 

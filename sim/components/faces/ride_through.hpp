@@ -20,6 +20,19 @@ struct GridWindow {
     [[nodiscard]] bool within(double v, double f) const { return v > v_low && v < v_high && f > f_low && f < f_high; }
 };
 
+/// Sandia frequency shift, active detection of an island by positive feedback: the current leads the voltage by
+/// pi / 2 (cf0 + K (f - f_nominal)), so that without a grid the frequency runs away until it trips. An island of
+/// quality factor Q is left when K > 4 Q / (pi f_nominal). [Ye, Kolwalkar, Zhang, Du, Walling, IEEE Trans. Power
+/// Electron. 19(5), 2004]
+struct FrequencyShift {
+    double chopping_pu{0.02}; ///< cf0, of half a period
+    double gain_per_hz{0.05}; ///< K
+    /// Of the current before the voltage, rad.
+    [[nodiscard]] double lead_rad(double off_nominal_hz) const;
+
+    void fields(config::Fields& f);
+};
+
 /// When a source behind a converter ceases to give current, and how it comes back.
 struct GridRules {
     struct Trip {
@@ -31,6 +44,7 @@ struct GridRules {
     double restore_s{0.4};
     GridWindow fit; ///< within it for fit_s: the current comes back along a ramp of ramp_s
     double fit_s{0.2}, ramp_s{0.4};
+    std::optional<FrequencyShift> shift;
 
     /// What holds where nothing is configured: the voltages and times of the momentary cessation and of the must-trip
     /// limits of IEEE 1547-2018, 6.4 and 6.5, with a short return.
@@ -51,6 +65,7 @@ struct RideThrough {
     double restore_s{0.4};
     double delay_s{300}, ramp_s{300};
     std::optional<double> fit_min_pu, fit_max_pu, fit_min_hz, fit_max_hz;
+    std::optional<FrequencyShift> shift;
 
     void fields(config::Fields& f);
     [[nodiscard]] GridRules rules(double nominal_hz) const;

@@ -24,8 +24,13 @@ ELSEWHERE = {
 }
 
 # Times of seconds, and voltages that this network does not have: tests/unit/components, ride_through and tap_changer.
+<<<<<<< HEAD
 ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries", "wind_turbines") for key in (
     "category", "restore_s", "cease.below_pu", "cease.above_pu",
+=======
+ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries") for key in (
+    "category", "restore_s", "anti_islanding.chopping_pu", "anti_islanding.gain_per_hz", "cease.below_pu", "cease.above_pu",
+>>>>>>> 39add64e (Active anti-islanding of converters: Sandia frequency shift in ride_through)
     *(f"enter_service.{k}" for k in ("delay_s", "ramp_s", "voltage_min_pu", "voltage_max_pu", "frequency_min_hz", "frequency_max_hz")),
     *(f"trip.{e}.{k}" for e in ("ov2", "ov1", "uv1", "uv2") for k in ("voltage_pu", "after_s")),
     *(f"trip.{e}.{k}" for e in ("of2", "of1", "uf1", "uf2") for k in ("frequency_hz", "after_s")))}
