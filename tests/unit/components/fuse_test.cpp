@@ -137,7 +137,7 @@ TEST(FuseElement, TwoShortFaultsAddUp) {
 class FuseIn : public testing::TestWithParam<char const*> {
   protected:
     /// Of phase a in waveforms.
-    std::string of_a{GetParam() == std::string{"emt"} ? ".a" : ""};
+    std::string of_a_{GetParam() == std::string{"emt"} ? ".a" : ""};
 };
 INSTANTIATE_TEST_SUITE_P(Solver, FuseIn, testing::Values("phasor", "emt"));
 
@@ -146,15 +146,15 @@ TEST_P(FuseIn, MeltsAfterTheInverseTimeSumOfTwoCurrents) {
     sut.load(150);
     sut.until(2);
     double const first_a = sut["line.L.from.i_a"];
-    EXPECT_NEAR(sut["fuse.F.damage" + of_a], 2 / melting_time(first_a), 0.001 * 2 / melting_time(first_a));
+    EXPECT_NEAR(sut["fuse.F.damage" + of_a_], 2 / melting_time(first_a), 0.001 * 2 / melting_time(first_a));
     EXPECT_EQ(sut["fuse.F.position"], 2);
     sut.load(300);
     sut.until(2.1);
     double const second_a = sut["line.L.from.i_a"];
     double const expected = 2 + (1 - 2 / melting_time(first_a)) * melting_time(second_a);
     sut.until(4);
-    EXPECT_NEAR(sut["fuse.F.melted_s" + of_a], expected, 0.002) << first_a << " A, " << second_a << " A";
-    EXPECT_EQ(sut["fuse.F.damage" + of_a], 1);
+    EXPECT_NEAR(sut["fuse.F.melted_s" + of_a_], expected, 0.002) << first_a << " A, " << second_a << " A";
+    EXPECT_EQ(sut["fuse.F.damage" + of_a_], 1);
     EXPECT_EQ(sut["fuse.F.position"], 1);
     EXPECT_NEAR(sut["bus.B.v_pu"], 0, 1e-6);
 }
@@ -164,8 +164,8 @@ TEST_P(FuseIn, CarriesItsRatedCurrent) {
     sut.load(40);
     sut.until(5);
     EXPECT_GT(sut["line.L.from.i_a"], 38);
-    EXPECT_EQ(sut["fuse.F.damage" + of_a], 0);
-    EXPECT_TRUE(std::isnan(sut["fuse.F.melted_s" + of_a]));
+    EXPECT_EQ(sut["fuse.F.damage" + of_a_], 0);
+    EXPECT_TRUE(std::isnan(sut["fuse.F.melted_s" + of_a_]));
     EXPECT_TRUE(sut.told.empty());
 }
 
@@ -186,7 +186,7 @@ TEST_P(FuseIn, ItsMeltingIsToldAndNewLinksCloseTheLine) {
     sut.act(SwitchBreaker{"F", true});
     sut.until(0.6);
     EXPECT_EQ(sut["fuse.F.position"], 2);
-    EXPECT_EQ(sut["fuse.F.damage" + of_a], 0);
+    EXPECT_EQ(sut["fuse.F.damage" + of_a_], 0);
     EXPECT_NEAR(sut["bus.B.v_pu"], 1, 1e-3);
 }
 
