@@ -263,6 +263,62 @@ TEST(FuseInWaveforms, ACurrentLimitingOneStopsTheCurrentAfterItsArcingTime) {
     EXPECT_EQ(again["line.L.from.i.a"], 0);
 }
 
+/// A feeder with a breaker and a fuse, and a lateral with a smaller fuse; a fault of about 460 A at its end.
+class Feeder {
+  public:
+    explicit Feeder(std::string const& solver) {
+        Network n;
+        auto const diagnostics =
+            read_text("gridspace_network: 1\nname: t\nbase: {frequency_hz: 60, power_kva: 1000}\n"
+                      "buses: {A: {voltage_v: 10000}, B: {voltage_v: 10000}, C: {voltage_v: 10000}}\n"
+                      "sources: {S: {bus: A, r_ohm: 0.5, l_mh: 5}}\n"
+                      "lines: {L: {from: A, to: B, r_ohm: 0.2, l_mh: 2}, M: {from: B, to: C, r_ohm: 0.3, l_mh: 3}}\n"
+                      "breaker_types: {b: {}}\nbreakers: {K: {line: L, end: from, type: b}}\nfuse_types:\n"
+                      "  large: {rated_a: 80, melting_a: [160, 400, 2000], melting_s: [300, 2, 0.04]}\n"
+                      "  small: {rated_a: 40, melting_a: [80, 200, 1000], melting_s: [300, 2, 0.04]}\n"
+                      "fuses: {F: {line: L, end: to, type: large}, G: {line: M, end: from, type: small}}\n"
+                      "loads: {D: {bus: B, p_kw: 300, model: constant_impedance}, E: {bus: C, p_kw: 100, model: "
+                      "constant_impedance}}\n",
+                      n);
+        EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
+        engine_ = with_fuses(make(solver, n, kFuseBase), n, kFuseBase, SimSpan{1});
+        must(engine_->initialise());
+        until(0.1);
+        act(ApplyFault{.line = {}, .bus = "C", .resistance_ohm = 11, .name = "f"});
+    }
+    void act(Action const& action) { must(engine_->apply(action)); }
+    void until(double s) { must(engine_->advance({std::llround(s * kFuseStepsPerS)})); }
+    [[nodiscard]] double operator[](std::string const& signal) const { return read(*engine_, signal); }
+
+  private:
+    std::unique_ptr<Engine> engine_;
+};
+
+TEST_P(FuseIn, TheSmallerOneOfTwoMeltsAndTheLargerOneKeepsAQuarterOfItsLife) {
+    Feeder sut{GetParam()};
+    sut.until(1);
+    EXPECT_EQ(sut["fuse.G.position"], 1);
+    EXPECT_EQ(sut["fuse.F.position"], 2);
+    EXPECT_GT(sut["fuse.F.damage" + of_a_], 0.01);
+    EXPECT_LT(sut["fuse.F.damage" + of_a_], 0.75) << "the usual margin of coordination";
+    EXPECT_GT(sut["bus.B.v_pu"], 0.98);
+    EXPECT_NEAR(sut["bus.C.v_pu"], 0, 1e-6);
+}
+
+TEST_P(FuseIn, ABreakerThatIsFasterSavesIt) {
+    Feeder sut{GetParam()};
+    sut.until(0.15);
+    sut.act(SwitchBreaker{"K", false});
+    sut.until(0.5);
+    sut.act(ClearFault{"f"}); // it was a flashover
+    sut.act(SwitchBreaker{"K", true});
+    sut.until(1);
+    EXPECT_EQ(sut["fuse.G.position"], 2);
+    EXPECT_GT(sut["fuse.G.damage" + of_a_], 0.1);
+    EXPECT_LT(sut["fuse.G.damage" + of_a_], 0.5);
+    EXPECT_GT(sut["bus.C.v_pu"], 0.98);
+}
+
 TEST(FuseInPhasors, AFaultWithinAPeriodMeltsItAtItsIntegral) {
     FusedGrid sut{"phasor", fuse_type(", i2t_a2s: 10000")};
     sut.until(0.1);
