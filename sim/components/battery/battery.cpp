@@ -3,6 +3,7 @@
 #include "sim/components/battery/battery.hpp"
 
 #include "sim/components/faces/converter.hpp"
+#include "sim/components/faces/storage.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,15 +53,11 @@ void Battery::fields(Fields& f) {
         f.error("soc_start_percent", fmt::format("'{}' starts at {} %, which is not between {} % and {} %", name.name,
                                                  soc_start_percent, soc_min_percent, soc_max_percent));
     }
-    if (rating_kva > 0 && std::hypot(p_kw, q_kvar) > rating_kva * (1 + 1e-9)) {
-        f.error("rating_kva", fmt::format("p_kw and q_kvar of '{}' are {:.4g} kVA, more than its rating", name.name,
-                                          std::hypot(p_kw, q_kvar)));
-    }
+    check_powers(f, name.name, p_kw, q_kvar, rating_kva);
 }
 
 double Battery::asked_kw(double times) const {
-    double const most = std::sqrt(std::max(0.0, rating_kva * rating_kva - q_kvar * q_kvar));
-    return std::clamp(p_kw * times, -most, most);
+    return beside_reactive(p_kw * times, q_kvar, rating_kva);
 }
 
 double Battery::asked_kw(double times, double soc_percent) const {
@@ -131,43 +128,28 @@ std::optional<Refusal> Battery::refuses_mode(std::string_view mode, Surroundings
 }
 
 double Battery::soc_slope(double given_kw) const {
-    double const of_cells = given_kw > 0 ? given_kw / efficiency : given_kw * efficiency;
-    return -100 * of_cells / (capacity_kwh * 3600);
+    return -100 * power_of_store(given_kw, efficiency) / (capacity_kwh * 3600);
 }
 
 namespace {
 
-/// State: state of charge (%). Meeting a limit and leaving it are events.
+/// State: state of charge (%).
 class BatteryInjection final : public PowerInjection {
   public:
     BatteryInjection(Battery const& battery, Surroundings const& around)
         : PowerInjection{Battery::kKind, battery.name, around.bus(battery.bus), around.base_kva()}, battery_{battery},
-          scale_{around.scale(battery.scale)} {}
+          limits_{battery.soc_min_percent, battery.soc_max_percent}, scale_{around.scale(battery.scale)} {}
     [[nodiscard]] std::size_t states() const override { return 1; }
     void start(double, Complex, Complex, std::span<double> x) override {
         x[0] = battery_.soc_start_percent;
-        limit_ = x[0] <= battery_.soc_min_percent ? -1 : x[0] >= battery_.soc_max_percent ? 1 : 0;
+        limits_.start(x[0]);
     }
     [[nodiscard]] bool has_event() const override { return true; }
     [[nodiscard]] double event(double t, std::span<double const> x) const override {
-        constexpr double kLeftPercent = 1e-6; // this far from a limit it is no longer at it
         double const p = connected() ? battery_.asked_kw(scale_(t)) : 0;
-        if (limit_ < 0) {
-            return battery_.soc_min_percent + kLeftPercent - x[0];
-        }
-        if (limit_ > 0) {
-            return x[0] - battery_.soc_max_percent + kLeftPercent;
-        }
-        return p == 0 ? 1 : p > 0 ? x[0] - battery_.soc_min_percent : battery_.soc_max_percent - x[0];
+        return limits_.event(x[0], p > 0, p < 0);
     }
-    void on_event(std::span<double> x) override {
-        if (limit_ != 0) {
-            limit_ = 0;
-            return;
-        }
-        limit_ = x[0] - battery_.soc_min_percent < battery_.soc_max_percent - x[0] ? -1 : 1;
-        x[0] = limit_ < 0 ? battery_.soc_min_percent : battery_.soc_max_percent;
-    }
+    void on_event(std::span<double> x) override { limits_.on_event(x[0]); }
     [[nodiscard]] std::vector<SignalDef> signals() const override {
         auto out = PowerInjection::signals();
         out.push_back({prefix() + ".soc_percent", "%"});
@@ -181,14 +163,14 @@ class BatteryInjection final : public PowerInjection {
   private:
     [[nodiscard]] Complex power(double t, std::span<double const>, double v) const override {
         double const p = battery_.asked_kw(scale_(t));
-        bool const spent = p > 0 ? limit_ < 0 : limit_ > 0;
+        bool const spent = p > 0 ? limits_.empty() : limits_.full();
         return within_rating({spent ? 0 : p, battery_.q_kvar}, v, battery_.rating_kva) / base_kva();
     }
     void slopes(double t, std::span<double const> x, Complex v, std::span<double> dx) const override {
         dx[0] = battery_.soc_slope(PowerInjection::value(0, t, x, v));
     }
     Battery battery_;
-    int limit_{0}; ///< -1: empty, 1: full; then it gives, or takes, nothing
+    StoreLimits limits_; ///< at one of them it gives, or takes, nothing
     Scale scale_;
 };
 
