@@ -6,6 +6,7 @@
 #include "sim/components/breaker/breaker.hpp"
 #include "sim/components/bus/bus.hpp"
 #include "sim/components/ct/ct.hpp"
+#include "sim/components/electrolyser/electrolyser.hpp"
 #include "sim/components/ev/ev.hpp"
 #include "sim/components/fuse/fuse.hpp"
 #include "sim/components/generator/generator.hpp"
@@ -46,6 +47,7 @@ struct Elements {
     std::vector<ShuntCapacitor> shunt_capacitors;
     std::vector<InductionMachine> induction_machines;
     std::vector<WindTurbine> wind_turbines;
+    std::vector<Electrolyser> electrolysers;
     std::vector<BreakerType> breaker_types;
     std::vector<Breaker> breakers;
     std::vector<CtType> ct_types;
@@ -77,6 +79,7 @@ void for_each_kind(E& elements, Visit const& visit) {
     visit(elements.shunt_capacitors);
     visit(elements.induction_machines);
     visit(elements.wind_turbines);
+    visit(elements.electrolysers);
     visit(elements.breaker_types);
     visit(elements.breakers);
     visit(elements.ct_types);

@@ -168,6 +168,9 @@ void PhasorEngine::follow_angles(double h) {
 }
 
 Result<void> PhasorEngine::restart() {
+    for (std::size_t k = 0; k < injections_.size(); ++k) {
+        injections_[k]->decide(t_, dae_->states_of(k, std::span{y_}));
+    }
     // Each round moves some generator to or from its limit; more than a few are a network that has no state.
     for (std::size_t round = 0;; ++round) {
         input_changed_ = false;

@@ -33,6 +33,9 @@ class PhasorInjection {
     [[nodiscard]] virtual bool has_event() const { return false; }
     [[nodiscard]] virtual double event(double /*t*/, std::span<double const> /*x*/) const { return 1; }
     virtual void on_event(std::span<double> /*x*/) {}
+    /// The solver starts anew at t: after an event, a command, or a quantity that was set. Which of its laws holds from
+    /// here on is decided now.
+    virtual void decide(double /*t*/, std::span<double> /*x*/) {}
 
     /// Signals of this injection, and their values.
     [[nodiscard]] virtual std::vector<SignalDef> signals() const { return {}; }
