@@ -19,6 +19,7 @@
 #include "sim/components/shunt/shunt.hpp"
 #include "sim/components/shunt_capacitor/shunt_capacitor.hpp"
 #include "sim/components/source/source.hpp"
+#include "sim/components/supercapacitor/supercapacitor.hpp"
 #include "sim/components/transformer/transformer.hpp"
 #include "sim/components/vt/vt.hpp"
 #include "sim/components/wind_turbine/wind_turbine.hpp"
@@ -48,6 +49,7 @@ struct Elements {
     std::vector<InductionMachine> induction_machines;
     std::vector<WindTurbine> wind_turbines;
     std::vector<Electrolyser> electrolysers;
+    std::vector<Supercapacitor> supercapacitors;
     std::vector<BreakerType> breaker_types;
     std::vector<Breaker> breakers;
     std::vector<CtType> ct_types;
@@ -80,6 +82,7 @@ void for_each_kind(E& elements, Visit const& visit) {
     visit(elements.induction_machines);
     visit(elements.wind_turbines);
     visit(elements.electrolysers);
+    visit(elements.supercapacitors);
     visit(elements.breaker_types);
     visit(elements.breakers);
     visit(elements.ct_types);
