@@ -24,13 +24,8 @@ ELSEWHERE = {
 }
 
 # Times of seconds, and voltages that this network does not have: tests/unit/components, ride_through and tap_changer.
-<<<<<<< HEAD
-ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries", "wind_turbines") for key in (
-    "category", "restore_s", "cease.below_pu", "cease.above_pu",
-=======
-ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries") for key in (
+ELSEWHERE |= {f"{section}.ride_through.{key}" for section in ("pv", "batteries", "wind_turbines", "supercapacitors") for key in (
     "category", "restore_s", "anti_islanding.chopping_pu", "anti_islanding.gain_per_hz", "cease.below_pu", "cease.above_pu",
->>>>>>> 39add64e (Active anti-islanding of converters: Sandia frequency shift in ride_through)
     *(f"enter_service.{k}" for k in ("delay_s", "ramp_s", "voltage_min_pu", "voltage_max_pu", "frequency_min_hz", "frequency_max_hz")),
     *(f"trip.{e}.{k}" for e in ("ov2", "ov1", "uv1", "uv2") for k in ("voltage_pu", "after_s")),
     *(f"trip.{e}.{k}" for e in ("of2", "of1", "uf1", "uf2") for k in ("frequency_hz", "after_s")))}
@@ -138,6 +133,7 @@ EVENTS = """events:
   o: {at_s: 0.006, open: [K]}
   h: {at_s: 0.0205, stop: [B3]}
   i: {at_s: 0.0225, start: [B3]}
+  y: {at_s: 0.024, set: {electrolysers.Y1.p_kw: 0.5}}
   g: {at_s: 0.015, apply_fault: {bus: I, type: 1ph_g, resistance_ohm: 0.05}, clear_after_ms: 4}
 """
 # What each key becomes: path (section.element.key...), new value.
@@ -228,13 +224,14 @@ def leaves(element, prefix=""):
 
 REFERENCE = (SOURCE / "docs/reference/components.md").read_text()
 for section, elements in re.findall(r"```yaml\n(\w+):(.*?)```", REFERENCE, re.S):
-    examples, seen = json.loads(re.sub(r"[A-Za-z_]\w*", r'"\g<0>"', elements)), set()
+    examples, seen = json.loads(re.sub(r"\b[A-Za-z_]\w*", r'"\g<0>"', elements)), set()
     NETWORK.setdefault(section, {}).update(examples)
     for name, example in examples.items():
         for key, value in leaves(example):
             if key not in seen and f"{section}.{key}" not in ELSEWHERE:
                 seen.add(key)
                 CHANGES[f"{section}.{name}.{key}"] = None if isinstance(value, str) else 0.9 * value
+CHANGES["electrolysers.Y1.cells"] = 9
 
 
 def changed(network, path, value):

@@ -42,6 +42,8 @@ evs: {Ev: {bus: C, capacity_kwh: 24, battery_v: 360, max_current_a: 15, soc_star
 batteries: {Battery: {bus: C, capacity_kwh: 20, rating_kva: 20, p_kw: 1}}
 shunt_capacitors: {Bank: {bus: C, q_kvar: 5, rated_kv: 0.4}}
 induction_machines: {Motor: {bus: C, rating_kva: 3, load_kw: 1, inertia_h_s: 0.5, constants_pu: {rs: 0.02, xs: 0.09, xm: 2.6, rr: 0.03, xr: 0.09}}}
+electrolysers: {Electrolyser: {bus: C, rated_kw: 10, p_kw: 5, ramp_up_s: 0.05, ramp_down_s: 0.05}}
+supercapacitors: {Supercapacitor: {bus: C, capacitance_f: 10, rated_voltage_v: 200, v_min_v: 100, v_start_v: 150, rating_kva: 10, p_kw: 2}}
 )";
 
 Network network(std::string_view text = kNetwork) {
@@ -135,7 +137,9 @@ TEST_P(Table, PowersGoWhereTheyAreSet) {
           Case{{"pv.Pv.q_kvar", -4}, "pv.Pv.q_kvar", -4}, Case{{"pv.Pv.power_factor", 0.8}, "pv.Pv.q_kvar", -6},
           Case{{"generators.Given.p_kw", 9}, "generator.Given.p_kw", 9},
           Case{{"generators.Given.q_kvar", -3}, "generator.Given.q_kvar", -3},
-          Case{{"generators.Holds.p_kw", 12}, "generator.Holds.p_kw", 12}}) {
+          Case{{"generators.Holds.p_kw", 12}, "generator.Holds.p_kw", 12},
+          Case{{"supercapacitors.Supercapacitor.p_kw", -7}, "supercapacitor.Supercapacitor.p_kw", -7},
+          Case{{"supercapacitors.Supercapacitor.q_kvar", 4}, "supercapacitor.Supercapacitor.q_kvar", 4}}) {
         EXPECT_NEAR(after(*engine(waveform), c.action, c.signal, waveform), c.wanted, 0.1) << c.action.path;
     }
 }
@@ -191,18 +195,23 @@ std::map<std::string, double> run_to(Engine& engine, std::int64_t from, std::int
 }
 
 TEST(Service, InWaveformsWhatComesBackIsAsItWasToo) {
-    std::vector<std::string> const names{"battery.Battery.p_kw", "pv.Pv.p_kw", "ev.Ev.p_kw", "load.Load.p_kw",
-                                         "generator.Given.p_kw"};
+    std::vector<std::string> const names{"battery.Battery.p_kw",
+                                         "pv.Pv.p_kw",
+                                         "ev.Ev.p_kw",
+                                         "load.Load.p_kw",
+                                         "generator.Given.p_kw",
+                                         "electrolyser.Electrolyser.p_kw",
+                                         "supercapacitor.Supercapacitor.p_kw"};
     auto const sut = engine(true);
     ASSERT_TRUE(sut->apply(SetParameter{"evs.Ev.current_a", 10}).has_value());
     auto const before = run_to(*sut, 0, 24000, names);
-    for (char const* element : {"Battery", "Pv", "Ev", "Load", "Given"}) {
+    for (char const* element : {"Battery", "Pv", "Ev", "Load", "Given", "Electrolyser", "Supercapacitor"}) {
         ASSERT_TRUE(sut->apply(Disconnect{element}).has_value());
     }
     for (auto const& [name, value] : run_to(*sut, 24000, 24800, names)) {
         EXPECT_NEAR(value, 0, 0.01) << name;
     }
-    for (char const* element : {"Battery", "Pv", "Ev", "Load", "Given"}) {
+    for (char const* element : {"Battery", "Pv", "Ev", "Load", "Given", "Electrolyser", "Supercapacitor"}) {
         ASSERT_TRUE(sut->apply(Connect{element}).has_value());
     }
     for (auto const& [name, value] : run_to(*sut, 24800, 48800, names)) {
@@ -233,20 +242,21 @@ TEST(Taps, ATapThatIsChangedInARunIsAsOneThatWasSoFromTheStart) {
 }
 
 TEST_P(Table, AConverterThatIsStoppedGivesNothingAndComesBackWhenItIsStarted) {
-    std::vector<std::string> const names{"battery.Battery.p_kw", "pv.Pv.p_kw", "ev.Ev.p_kw"};
+    std::vector<std::string> const names{"battery.Battery.p_kw", "pv.Pv.p_kw", "ev.Ev.p_kw",
+                                         "electrolyser.Electrolyser.p_kw", "supercapacitor.Supercapacitor.p_kw"};
     constexpr std::int64_t kSettled = 24000;
     ASSERT_TRUE(sut->apply(SetParameter{"evs.Ev.current_a", 10}).has_value());
     auto const before = run_to(*sut, 0, kSettled, names);
-    for (char const* element : {"Battery", "Pv", "Ev"}) {
+    for (char const* element : {"Battery", "Pv", "Ev", "Electrolyser", "Supercapacitor"}) {
         ASSERT_TRUE(sut->apply(StandBy{element, true}).has_value());
     }
     auto const stopped = run_to(*sut, kSettled, kSettled + 800, names);
-    for (char const* element : {"Battery", "Pv", "Ev"}) {
+    for (char const* element : {"Battery", "Pv", "Ev", "Electrolyser", "Supercapacitor"}) {
         ASSERT_TRUE(sut->apply(Disconnect{element}).has_value()); // a stopped one that comes back is still stopped
         ASSERT_TRUE(sut->apply(Connect{element}).has_value());
     }
     auto const still = run_to(*sut, kSettled + 800, kSettled + 10400, names);
-    for (char const* element : {"Battery", "Pv", "Ev"}) {
+    for (char const* element : {"Battery", "Pv", "Ev", "Electrolyser", "Supercapacitor"}) {
         ASSERT_TRUE(sut->apply(StandBy{element, false}).has_value());
     }
     auto const started = run_to(*sut, kSettled + 10400, 2 * kSettled + 10400, names);
@@ -259,7 +269,7 @@ TEST_P(Table, AConverterThatIsStoppedGivesNothingAndComesBackWhenItIsStarted) {
 }
 
 TEST(Service, WhatComesBackIsAsItWas) {
-    for (char const* element : {"Load", "Pv", "Battery", "Shunt", "Tie"}) {
+    for (char const* element : {"Load", "Pv", "Battery", "Shunt", "Tie", "Supercapacitor"}) {
         auto const sut = engine(false);
         auto const current = [&] { return sut->value(sut->find_signal("line.L.to.p_kw")); };
         double const before = current();

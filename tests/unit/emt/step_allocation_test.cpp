@@ -40,23 +40,27 @@ TEST(EmtEngineStep, AllocatesNothingWithMachinesAndInstruments) {
 }
 
 TEST(EmtEngineStep, AllocatesNothingWithConvertersWavesCoresAndFilters) {
-    EXPECT_EQ(allocations_of_steps(network_of(
-                  "buses: {A: {voltage_v: 20000}, B: {voltage_v: 20000}, C: {voltage_v: 400}}\n"
-                  "sources: {S: {bus: A, r_ohm: 0.1, l_mh: 1, harmonics: [{order: 5, percent: 1}]}}\n"
-                  "lines: {L: {from: A, to: B, r_ohm: 1, l_mh: 20, c_nf: 300, model: bergeron}}\n"
-                  "transformers: {T: {from: B, to: C, rating_kva: 400, x_percent: 4, magnetising_percent: 1, "
-                  "saturation: {knee_pu: 1.3, air_core_percent: 30}}}\n"
-                  "ct_types: {c: {filter: butterworth2, cutoff_hz: 2000, quantum_ma: 1, saturation: {knee_v: 100, "
-                  "magnetising_ma: 50, winding_ohm: 1, burden_ohm: 1, air_core_mh: 5}}}\n"
-                  "cts: {K: {line: L, end: to, type: c}}\nvt_types: {v: {}}\nvts: {V: {bus: B, type: v}}\n"
-                  "profiles: {p: {hours: [0, 1], values: [1, 0.5]}}\n"
-                  "loads:\n  P: {bus: C, p_kw: 40, model: constant_power, lag_s: 0.1, scale: p}\n"
-                  "  D: {bus: C, p_kw: 10, model: dc_constant_power}\n"
-                  "pv: {P1: {bus: C, p_kw: 20, scale: p}}\n"
-                  "generators: {G: {bus: C, role: pv, rating_kva: 50, p_kw: 5}}\n"
-                  "batteries: {X: {bus: C, capacity_kwh: 1, rating_kva: 20, p_kw: 10}}\n"
-                  "evs: {E: {bus: C, capacity_kwh: 1, battery_v: 360, max_current_a: 15, soc_start_percent: 20}}\n")),
-              0U);
+    EXPECT_EQ(
+        allocations_of_steps(network_of(
+            "buses: {A: {voltage_v: 20000}, B: {voltage_v: 20000}, C: {voltage_v: 400}}\n"
+            "sources: {S: {bus: A, r_ohm: 0.1, l_mh: 1, harmonics: [{order: 5, percent: 1}]}}\n"
+            "lines: {L: {from: A, to: B, r_ohm: 1, l_mh: 20, c_nf: 300, model: bergeron}}\n"
+            "transformers: {T: {from: B, to: C, rating_kva: 400, x_percent: 4, magnetising_percent: 1, "
+            "saturation: {knee_pu: 1.3, air_core_percent: 30}}}\n"
+            "ct_types: {c: {filter: butterworth2, cutoff_hz: 2000, quantum_ma: 1, saturation: {knee_v: 100, "
+            "magnetising_ma: 50, winding_ohm: 1, burden_ohm: 1, air_core_mh: 5}}}\n"
+            "cts: {K: {line: L, end: to, type: c}}\nvt_types: {v: {}}\nvts: {V: {bus: B, type: v}}\n"
+            "profiles: {p: {hours: [0, 1], values: [1, 0.5]}}\n"
+            "loads:\n  P: {bus: C, p_kw: 40, model: constant_power, lag_s: 0.1, scale: p}\n"
+            "  D: {bus: C, p_kw: 10, model: dc_constant_power}\n"
+            "pv: {P1: {bus: C, p_kw: 20, scale: p}}\n"
+            "generators: {G: {bus: C, role: pv, rating_kva: 50, p_kw: 5}}\n"
+            "batteries: {X: {bus: C, capacity_kwh: 1, rating_kva: 20, p_kw: 10}}\n"
+            "electrolysers: {Y: {bus: C, rated_kw: 26, p_kw: 20, ramp_up_s: 0.1, scale: p}}\n"
+            "supercapacitors: {U: {bus: C, capacitance_f: 10, rated_voltage_v: 200, v_min_v: 100, v_start_v: 150, "
+            "rating_kva: 10, p_kw: 2, esr_ohm: 0.01, leakage_ohm: 100}}\n"
+            "evs: {E: {bus: C, capacity_kwh: 1, battery_v: 360, max_current_a: 15, soc_start_percent: 20}}\n")),
+        0U);
 }
 
 TEST(EmtEngineStep, AnEventIsCounted) { // negative control
