@@ -22,6 +22,8 @@ constexpr std::array kUnits{
     Unit{"_ohm_per_km", "ohm/km"},
     Unit{"_nf_per_km", "nF/km"},
     Unit{"_mh_per_km", "mH/km"},
+    Unit{"_per_hz", "1/Hz"},
+    Unit{"_a2s", "A2s"},
     Unit{"_pu", "p.u."},
     Unit{"_percent", "%"},
     Unit{"_deg", "degrees"},
