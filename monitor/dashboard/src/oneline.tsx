@@ -33,6 +33,11 @@ function places(buses: Bus[], branches: Branch[]): Map<string, [number, number]>
   return out;
 }
 
+/** What stands in the circle of a machine or an inverter; the others are arrows, and stores show their charge. */
+const kCircle: Record<string, string> = { machine: "~", generator: "~", pv: "☀", induction_machine: "M", wind_turbine: "" };
+const kStores = ["ev", "battery", "supercapacitor"];
+const kBlades = [-90, 30, 150].map(a => (a * Math.PI) / 180).map(a => `M0 0L${(6.5 * Math.cos(a)).toFixed(2)} ${(6.5 * Math.sin(a)).toFixed(2)}`).join("");
+
 function band(v: number | undefined): string {
   return v === undefined ? "none" : v < 0.95 || v > 1.05 ? "out" : v < 0.97 ? "low" : "good";
 }
@@ -51,7 +56,7 @@ export function OneLine() {
   const yOf = (y: number) => kPad + 14 + rowHeight.slice(0, ys.indexOf(y)).reduce((a, b) => a + b, 0);
   const hasSource = net.devices.some(d => d.kind === "source");
   const xOf = (x: number) => kPad + (hasSource ? 50 : 34) + xs.indexOf(x) * kColumn;
-  const longest = Math.max(4, ...net.devices.filter(d => at.get(d.bus)?.[0] === xs[xs.length - 1]).map(d => d.label.length + (d.kind === "ev" || d.kind === "battery" ? 17 : 10)));
+  const longest = Math.max(4, ...net.devices.filter(d => at.get(d.bus)?.[0] === xs[xs.length - 1]).map(d => d.label.length + (kStores.includes(d.kind) ? 17 : 10)));
   const width = xOf(xs[xs.length - 1]) + Math.min(kColumn - 2, 36 + 6.2 * longest), height = yOf(ys[ys.length - 1]) + rowHeight[rowHeight.length - 1] - 20;
   const tapY = (bus: string, b: Branch) => // parallel lines side by side
     yOf(at.get(bus)![1]) + 16 + net.branches.filter(o => (o.from === b.from && o.to === b.to) || (o.from === b.to && o.to === b.from)).indexOf(b) * 9;
@@ -104,10 +109,10 @@ export function OneLine() {
 
   const device = (d: Device, i: number, x: number, y: number) => {
     const p = now.get(`${d.kind}.${d.name}.p_kw`), soc = now.get(`${d.kind}.${d.name}.soc_percent`), amps = now.get(`ev.${d.name}.current_a`);
-    const stores = d.kind === "ev" || d.kind === "battery";
+    const stores = kStores.includes(d.kind);
     const yd = y + 54 + i * kDevice, xd = x + kStub;
-    const source = d.kind === "machine" || d.kind === "generator" || d.kind === "pv";
-    const says = d.kind === "ev" ? `${d.label} ${fixed(soc, 1)} % ${fixed(amps, 1)} A` : d.kind === "battery" ? `${d.label} ${fixed(soc, 1)} %${p !== undefined ? ` ${p.toFixed(1)} kW` : ""}` : `${d.label}${p !== undefined ? ` ${p.toFixed(1)} kW` : ""}`;
+    const source = d.kind in kCircle;
+    const says = d.kind === "ev" ? `${d.label} ${fixed(soc, 1)} % ${fixed(amps, 1)} A` : stores ? `${d.label} ${fixed(soc, 1)} %${p !== undefined ? ` ${p.toFixed(1)} kW` : ""}` : `${d.label}${p !== undefined ? ` ${p.toFixed(1)} kW` : ""}`;
     return (
       <g key={d.kind + d.name} class={`device ${d.kind}`} onClick={() => plot(stores ? `${d.kind}.*.soc_percent` : `${d.kind}.${d.name}.p_kw`)}>
         <title>{`${d.kind} ${d.label}`}</title>
@@ -116,7 +121,8 @@ export function OneLine() {
           ? <><rect x={xd} y={yd - 6} width={30} height={12} rx={2} class="cell" />
             <rect x={xd + 1.5} y={yd - 4.5} width={27 * Math.min(Math.max((soc ?? 0) / 100, 0), 1)} height={9} rx={1} class="charge" /></>
           : <path d={`M${xd} ${yd - 4.5}L${xd + 9} ${yd}L${xd} ${yd + 4.5}z`} class="arrowhead" />}
-        {source && <text x={xd + 8} y={yd + 3.5} class="tiny middle">{d.kind === "pv" ? "☀" : "~"}</text>}
+        {source && <text x={xd + 8} y={yd + 3.5} class="tiny middle">{kCircle[d.kind]}</text>}
+        {d.kind === "wind_turbine" && <path d={kBlades} transform={`translate(${xd + 8} ${yd})`} />}
         <text x={xd + (stores ? 35 : source ? 21 : 14)} y={yd + 4} class="small">{says}</text>
       </g>
     );
