@@ -41,6 +41,9 @@ class NortonElement {
     [[nodiscard]] virtual ComplexPhaseMatrix steady_admittance(double speed) const = 0;
     /// The steady state with terminal voltage v and current i, phasors of the positive sequence.
     virtual void start(std::complex<double> v, std::complex<double> i, double speed) = 0;
+    /// Then, in an unbalanced network: voltages and currents of the phases at t = 0. Between them and the positive
+    /// sequence lies what steady_admittance() says of the others.
+    virtual void start_unbalanced(std::array<double, 3> const& v, std::array<double, 3> const& i) = 0;
     /// Whether it can start so; the error names the element.
     [[nodiscard]] virtual Result<void> check_start() const { return {}; }
 

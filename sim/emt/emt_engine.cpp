@@ -61,36 +61,13 @@ Result<void> EmtEngine::initialise() {
     return begin(starts, start_injections(bus_v, kvar));
 }
 
-Result<void> EmtEngine::initialise_unbalanced() {
-    for (std::size_t i = 0; i < parts_.one_ports.size(); ++i) {
-        if (parts_.one_ports[i].norton >= 0) { // it starts from the positive sequence alone
-            return fail(ExitCode::usage,
-                        fmt::format("{} cannot start in an unbalanced network", owner_of(*one_ports_[i])),
-                        "make loads and line types alike in their phases, or take it out");
-        }
-    }
-    ThreePhaseOptions options;
-    options.start_hour_of_day = options_.start_hour_of_day;
-    auto const flow = solve_three_phase(network_, SwitchState{network_}, options);
-    if (!flow) {
-        return std::unexpected{flow.error()};
-    }
-    std::vector<BusPhases> bus_v;
-    for (std::size_t i = 0; i < network_.buses.size(); ++i) {
-        BusPhases v = flow->buses[i];
-        for (auto& phase : v) {
-            phase *= std::numbers::sqrt2 / parts_.bus_peak_v[i];
-        }
-        bus_v.push_back(v);
-    }
-    return begin({}, start_injections(bus_v, std::vector<double>(parts_.one_ports.size(), 0.0)));
-}
-
 Result<void> EmtEngine::begin(std::vector<Solver::NortonStart> const& starts,
                               std::vector<BusPhases> const& injections) {
-    if (auto ok = solver_.start(starts, injections); !ok) {
-        return ok;
-    }
+    auto ok = solver_.start(starts, injections);
+    return ok ? finish_start() : ok;
+}
+
+Result<void> EmtEngine::finish_start() {
     if (auto const floating = solver_.floating_nodes(); !floating.empty()) {
         return fail(ExitCode::usage,
                     fmt::format("nothing connects {} to earth: its voltage is undefined", floating.front()),

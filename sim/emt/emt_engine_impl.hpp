@@ -69,9 +69,13 @@ class EmtEngine final : public Engine {
     /// Gives the star of an element at one bus the admittance that the element has now.
     void change_star(std::size_t one_port);
     [[nodiscard]] Result<void> step(double t_end, double h);
+    // unbalanced_start.cpp
     [[nodiscard]] Result<void> initialise_unbalanced();
+    [[nodiscard]] Result<void> initialise_around_norton();
     [[nodiscard]] Result<void> begin(std::vector<Solver::NortonStart> const& norton,
                                      std::vector<std::array<std::complex<double>, 3>> const& injections);
+    /// What is to be looked at and set once the solver has its steady state.
+    [[nodiscard]] Result<void> finish_start();
     void start_plls();
     /// Power that an injection is to put into the network from now on, VA.
     [[nodiscard]] std::complex<double> wanted(std::size_t injection, double t, double v, double h);

@@ -28,7 +28,11 @@ class Solver {
         std::complex<double> v, i;
     };
     [[nodiscard]] Result<void> start(std::vector<NortonStart> const& norton,
-                                     std::vector<std::array<std::complex<double>, 3>> const& injections = {});
+                                     std::vector<std::array<std::complex<double>, 3>> const& injections = {},
+                                     bool unbalanced = false);
+    /// The steady state that start() has found: voltage of a node (V peak), and what it made of a Norton element.
+    [[nodiscard]] std::complex<double> start_voltage(int node) const;
+    [[nodiscard]] NortonStart start_of(std::size_t norton) const { return started_[norton]; }
 
     /// Simulates from t() to `t_end`, which is `h` away.
     [[nodiscard]] Result<void> advance(double t_end, double h);
@@ -81,6 +85,8 @@ class Solver {
     [[nodiscard]] bool dense() const { return system_->dense; }
 
   private:
+    std::vector<std::complex<double>> start_v_; ///< by slot
+    std::vector<NortonStart> started_;
     /// What a trial step changes, beside the Norton elements.
     struct Dynamics {
         std::vector<double> v; ///< by slot

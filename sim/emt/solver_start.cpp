@@ -25,7 +25,7 @@ ComplexPhaseMatrix impedance_inverse(PhaseMatrix const& r, PhaseMatrix const& l,
 } // namespace
 
 Result<void> Solver::start(std::vector<NortonStart> const& norton_starts,
-                           std::vector<std::array<Complex, 3>> const& injection_starts) {
+                           std::vector<std::array<Complex, 3>> const& injection_starts, bool unbalanced) {
     t_ = 0;
     if (auto ok = use(step_s_); !ok) {
         return ok;
@@ -170,6 +170,7 @@ Result<void> Solver::start(std::vector<NortonStart> const& norton_starts,
         state_.core_flux[i] = (volts / Complex{0, w}).real();
         state_.core_i[i] = state_.core_flux[i] / circuit_.cores[i].l;
     }
+    started_.clear();
     for (std::size_t m = 0; m < circuit_.norton.size(); ++m) {
         NortonPort const& port = circuit_.norton[m];
         // The positive sequence is what phase a shows of a balanced state.
@@ -177,10 +178,30 @@ Result<void> Solver::start(std::vector<NortonStart> const& norton_starts,
         for (int k = 0; k < 3; ++k) {
             volts += v[slot(port.node + k)] * std::polar(1.0 / 3, k * 2 * std::numbers::pi / 3);
         }
-        port.element->start(volts, norton_current(m) - y.norton[m].one * volts, speed);
+        started_.push_back({volts, norton_current(m) - y.norton[m].one * volts});
+        port.element->start(volts, started_.back().i, speed);
+        if (unbalanced) {
+            std::array<double, 3> phase_v{}, phase_i{};
+            Complex sum{};
+            for (int k = 0; k < 3; ++k) {
+                sum += v[slot(port.node + k)];
+            }
+            for (int k = 0; k < 3; ++k) {
+                Complex const at = v[slot(port.node + k)];
+                Complex const drawn = y.norton[m].one * at + y.norton[m].mutual * sum;
+                phase_v[static_cast<std::size_t>(k)] = at.real();
+                phase_i[static_cast<std::size_t>(k)] = (phase_of(norton_current(m), k) - drawn).real();
+            }
+            port.element->start_unbalanced(phase_v, phase_i);
+        }
     }
+    start_v_ = std::move(v);
     damping_s_ = 0;
     return {};
+}
+
+Complex Solver::start_voltage(int node) const {
+    return start_v_[static_cast<std::size_t>(system_->topology.slot[static_cast<std::size_t>(node)])];
 }
 
 } // namespace gridspace::sim::emt

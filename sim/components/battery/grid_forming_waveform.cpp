@@ -68,6 +68,7 @@ class FormingElement final : public emt::NortonElement, private Dynamics {
         g_ = 1 / (r() + k_);
     }
     void start(Complex volts, Complex amperes, double speed) override;
+    void start_unbalanced(std::array<double, 3> const& volts, std::array<double, 3> const& amperes) override;
     [[nodiscard]] Result<void> check_start() const override { return control_.check_start(); }
     void forget_history() override { history_ = false; }
     [[nodiscard]] std::array<double, 3> predict(double t, double h, Rule rule) override;
@@ -120,6 +121,16 @@ void FormingElement::start(Complex volts, Complex amperes, double speed) {
     share_ = 1;
     slopes(0, f_);
     history_ = false;
+}
+
+void FormingElement::start_unbalanced(std::array<double, 3> const& volts, std::array<double, 3> const& amperes) {
+    emt::Space const v = emt::to_space(volts[0], volts[1], volts[2]),
+                     i = emt::to_space(amperes[0], amperes[1], amperes[2]);
+    v_ = Complex{v.alpha, v.beta} / v_base_;
+    i_ = Complex{i.alpha, i.beta} / i_base_;
+    v_zero_ = v.zero / v_base_;
+    i_zero_ = i.zero / i_base_;
+    slopes(0, f_);
 }
 
 void FormingElement::slopes(double t, State& f) const {

@@ -13,7 +13,7 @@ class Listener final : public PowerFlowFace {
         holding = {.ideal = source.z1_ohm == Complex{}, .keeps_alive = true};
     }
     void regulate(Ref const&, Regulation const& regulation) override {
-        holding = {.regulates = true, .keeps_alive = regulation.keeps_alive};
+        holding = {.regulates = true, .keeps_alive = regulation.keeps_alive, .rating_kva = regulation.rating_kva};
     }
     void inject(Ref const&, Complex) override {}
     void admit(Ref const&, Complex) override {}

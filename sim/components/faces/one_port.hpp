@@ -43,6 +43,7 @@ struct Holding {
     bool ideal{false};       ///< holds voltage and angle, and nothing limits its current
     bool regulates{false};   ///< holds its power and the magnitude of the voltage
     bool keeps_alive{false}; ///< its bus has a voltage as long as it is in service
+    double rating_kva{0};    ///< of what regulates
 };
 [[nodiscard]] Holding holding_of(OnePort const& element);
 

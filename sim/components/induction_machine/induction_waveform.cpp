@@ -64,6 +64,16 @@ class InductionElement final : public emt::NortonElement, private Dynamics {
         machine_.derivative(x_, i_, w0_, f_);
         history_ = false;
     }
+    void start_unbalanced(std::array<double, 3> const& volts, std::array<double, 3> const& amperes) override {
+        if (machine_.running_at_start()) {
+            emt::Space const v = emt::to_space(volts[0], volts[1], volts[2]),
+                             i = emt::to_space(amperes[0], amperes[1], amperes[2]);
+            v_ = Complex{v.alpha, v.beta} / v_base_;
+            i_ = -Complex{i.alpha, i.beta} / i_base_;
+            v_zero_ = v.zero / v_base_;
+            machine_.derivative(x_, i_, w0_, f_);
+        }
+    }
     [[nodiscard]] Result<void> check_start() const override { return machine_.check_start(start_v_); }
     void use_step(double h) override {
         k_ = 2 / (h * w0_);

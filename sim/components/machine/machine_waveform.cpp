@@ -54,6 +54,7 @@ class MachineElement final : public emt::NortonElement, private MachineDynamics 
     [[nodiscard]] PhaseMatrix conductance(double h) const override;
     [[nodiscard]] emt::ComplexPhaseMatrix steady_admittance(double speed) const override;
     void start(Complex v, Complex i, double speed) override;
+    void start_unbalanced(std::array<double, 3> const& v, std::array<double, 3> const& i) override;
     [[nodiscard]] Result<void> check_start() const override {
         auto const ok = machines::check_gate(name_, data_, x_[machines::kGate]);
         return ok ? machines::check_field(name_, data_, x_) : ok;
@@ -127,6 +128,20 @@ void MachineElement::start(Complex volts, Complex amperes, double speed) {
     machines::derivative(data_, set_, x_, id_, iq_, vt_, f_);
     f_[machines::kAngle] = w0_ * x_[machines::kSpeed];
     history_ = false;
+}
+
+/// The fluxes of the rotor are those of the positive sequence: their ripple at twice the frequency is yet to come.
+void MachineElement::start_unbalanced(std::array<double, 3> const& volts, std::array<double, 3> const& amperes) {
+    Space const v = to_space(volts[0], volts[1], volts[2]), i = to_space(amperes[0], amperes[1], amperes[2]);
+    v_ = {v.alpha / v_base_, v.beta / v_base_, v.zero / v_base_};
+    i_ = {i.alpha / i_base_, i.beta / i_base_, i.zero / i_base_};
+    vt_ = std::hypot(v_.alpha, v_.beta);
+    rotate(id_, iq_);
+    auto const flux = machines::subtransient_flux(data_, x_, id_, iq_);
+    psi_alpha_ = flux.d * cos_ - flux.q * sin_;
+    psi_beta_ = flux.d * sin_ + flux.q * cos_;
+    machines::derivative(data_, set_, x_, id_, iq_, vt_, f_);
+    f_[machines::kAngle] = w0_ * x_[machines::kSpeed];
 }
 
 void MachineElement::rotate(double& d, double& q) const {

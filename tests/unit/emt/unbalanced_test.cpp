@@ -105,23 +105,5 @@ TEST(EmtUnbalanced, AnEarthFaultInsideALineThatIsNotTransposedDrawsWhatTheThreeP
     EXPECT_GT(std::abs(got[0]), 3 * std::abs(before[0])); // it is a fault
 }
 
-TEST(EmtUnbalanced, AMachineInAnUnbalancedNetworkIsRefusedByName) {
-    Network n = shipped_network("smib.yaml");
-    ASSERT_FALSE(n.loads.empty() && n.machines.empty());
-    Load load;
-    load.name.name = "U";
-    load.bus = n.machines[0].bus;
-    load.phase_p_kw = {1, 0, 0};
-    load.phase_q_kvar = {0, 0, 0};
-    load.p_kw = 1;
-    load.q_kvar = 0;
-    n.loads.push_back(load);
-    auto engine = make_emt_engine(n, {kBase, SimSpan{1}, 0});
-    ASSERT_TRUE(engine.has_value());
-    auto const ok = (*engine)->initialise();
-    ASSERT_FALSE(ok.has_value());
-    EXPECT_NE(ok.error().message.find(n.machines[0].name.name), std::string::npos) << ok.error().message;
-}
-
 } // namespace
 } // namespace gridspace::sim::emt

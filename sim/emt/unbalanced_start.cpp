@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+//
+// How waveforms begin in a network whose phases differ.
+#include "sim/emt/emt_engine_impl.hpp"
+#include "sim/powerflow/power_flow.hpp"
+#include "sim/powerflow/three_phase.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gridspace::sim::emt {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kMostTrials = 200;
+constexpr double kSettledPu = 1e-10;
+
+/// What a machine, or another element with states of its own, is to give at the start.
+struct Wanted {
+    std::size_t norton{0};
+    Complex va;       ///< of three phases
+    double peak_v{0}; ///< it holds this voltage; 0: whatever there is
+    bool holds_angle{false};
+};
+
+} // namespace
+
+Result<void> EmtEngine::initialise_unbalanced() {
+    if (std::ranges::any_of(parts_.one_ports, [](auto const& parts) { return parts.norton >= 0; })) {
+        return initialise_around_norton();
+    }
+    ThreePhaseOptions options;
+    options.start_hour_of_day = options_.start_hour_of_day;
+    auto const flow = solve_three_phase(network_, SwitchState{network_}, options);
+    if (!flow) {
+        return std::unexpected{flow.error()};
+    }
+    std::vector<BusPhases> bus_v;
+    for (std::size_t i = 0; i < network_.buses.size(); ++i) {
+        BusPhases v = flow->buses[i];
+        for (auto& phase : v) {
+            phase *= std::numbers::sqrt2 / parts_.bus_peak_v[i];
+        }
+        bus_v.push_back(v);
+    }
+    return begin({}, start_injections(bus_v, std::vector<double>(parts_.one_ports.size(), 0.0)));
+}
+
+/// Machines hold power and voltage of the positive sequence, and are impedances to the others. The balanced power flow
+/// says where to begin; then the solver's own steady state is corrected until they hold them.
+Result<void> EmtEngine::initialise_around_norton() {
+    PowerFlowOptions options;
+    options.start_hour_of_day = options_.start_hour_of_day;
+    options.enforce_q_limits = true;
+    auto const flow = solve_power_flow(network_, SwitchState{network_}, options);
+    if (!flow) {
+        return std::unexpected{flow.error()};
+    }
+    Complex const turn = std::polar(1.0, 2 * std::numbers::pi / 3);
+    std::vector<BusPhases> bus_v;
+    for (auto const& bus : flow->buses) {
+        bus_v.push_back({bus.v, bus.v / turn, bus.v * turn});
+    }
+    std::vector<Solver::NortonStart> starts;
+    std::vector<Wanted> wanted;
+    std::vector<double> kvar;
+    double largest = 0;
+    bool held = false; // the angle, by a source
+    Wanted* holder = nullptr;
+    wanted.reserve(parts_.one_ports.size());
+    for (std::size_t i = 0; i < parts_.one_ports.size(); ++i) {
+        NetworkCircuit::OnePortParts const& parts = parts_.one_ports[i];
+        PowerFlow::UnitValue const& unit = flow->units[i];
+        Holding const holding = holding_of(*one_ports_[i]);
+        held = held || holding.ideal || (holding.keeps_alive && !holding.regulates);
+        kvar.push_back(unit.q_kvar);
+        if (parts.norton < 0) {
+            continue;
+        }
+        Complex const v = flow->buses[parts.bus].v * parts_.bus_peak_v[parts.bus],
+                      va{unit.p_kw * 1e3, unit.q_kvar * 1e3};
+        starts.push_back({v, v == 0.0 ? 0.0 : std::conj(va * 2.0 / (3.0 * v))});
+        wanted.push_back({static_cast<std::size_t>(parts.norton), va, holding.regulates ? std::abs(v) : 0, false});
+        if (holding.keeps_alive && holding.rating_kva > largest) { // as the power flow chooses
+            largest = holding.rating_kva;
+            holder = &wanted.back();
+        }
+    }
+    if (!held && holder != nullptr) {
+        holder->holds_angle = true;
+    }
+    for (int trial = 0; trial < kMostTrials; ++trial) {
+        if (auto ok = solver_.start(starts, start_injections(bus_v, kvar), true); !ok) {
+            return ok;
+        }
+        double change = 0;
+        for (std::size_t b = 0; b < bus_v.size(); ++b) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                Complex const v =
+                    solver_.start_voltage(parts_.bus_node[b] + static_cast<int>(k)) / parts_.bus_peak_v[b];
+                change = std::max(change, std::abs(v - bus_v[b][k]));
+                bus_v[b][k] = v;
+            }
+        }
+        for (Wanted const& w : wanted) {
+            auto const [v, i] = solver_.start_of(w.norton);
+            if (v == 0.0) {
+                continue;
+            }
+            Complex const there = w.peak_v > 0 ? v * (w.peak_v / std::abs(v)) : v;
+            Complex const s = 1.5 * v * std::conj(i);
+            if (w.holds_angle) {
+                starts[w.norton] = {std::polar(w.peak_v, std::arg(starts[w.norton].v)), i};
+            } else {
+                Complex const power{w.va.real(), w.peak_v > 0 ? s.imag() : w.va.imag()};
+                starts[w.norton] = {there, std::conj(power * 2.0 / (3.0 * there))};
+            }
+        }
+        if (change < kSettledPu) {
+            return finish_start();
+        }
+    }
+    return fail(ExitCode::usage, "no start is found for the machines of this unbalanced network",
+                "less difference between the phases, or fewer machines that hold a voltage");
+}
+
+} // namespace gridspace::sim::emt
