@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/emulation.hpp"
 
+#include "common/unique_fd.hpp"
 #include "launcher/scenario/installation.hpp"
 #include "launcher/scenario/run_on.hpp"
 
 #include <array>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <elf.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <unistd.h>
@@ -86,6 +90,19 @@ Result<void> check_board() {
     return {};
 }
 
+/// Opened, because who may is for the kernel to say.
+Result<void> check_taps() {
+    if (UniqueFd const tun{::open("/dev/net/tun", O_RDWR | O_CLOEXEC)}; tun) {
+        return {};
+    }
+    int const why = errno;
+    return fail(
+        ExitCode::environment,
+        fmt::format("a guest is plugged in by tap devices, and /dev/net/tun cannot be opened: {}", std::strerror(why)),
+        why == EACCES ? "as root: chmod 666 /dev/net/tun, as it usually is; or run as root"
+                      : "as root: modprobe tun; in a container, start that with --device /dev/net/tun");
+}
+
 } // namespace
 
 Arm64Files arm64_files() {
@@ -144,7 +161,8 @@ Result<void> check_emulators(Scenario const& scenario) {
     for (Process const& process : scenario.processes) {
         RunOn const run_on = parse_run_on(process.run_on).value_or(RunOn{});
         auto const own = process.settings->command();
-        auto const ok = run_on.kind == RunOn::Kind::qemu_user
+        auto const ok = process.settings->is_guest() ? check_taps()
+                        : run_on.kind == RunOn::Kind::qemu_user
                             ? check_qemu_user(own.empty() ? process.program.name : own.front())
                         : run_on.kind == RunOn::Kind::qemu_system ? check_board()
                                                                   : Result<void>{};

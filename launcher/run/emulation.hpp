@@ -32,8 +32,8 @@ struct Arm64Files {
                                                            std::filesystem::path const& config_file,
                                                            std::vector<Port> const& ports, std::string const& host);
 
-/// Emulators, programs and libraries that the scenario's processes run on are there; if not, what is missing and what
-/// makes it.
+/// Emulators, programs, libraries and devices that the scenario's processes run on are there; if not, what is missing
+/// and what makes it.
 [[nodiscard]] Result<void> check_emulators(Scenario const& scenario);
 
 /// The processor that an executable file is for: "x86-64", "ARM64", another's number; empty for what is no ELF file.

@@ -407,6 +407,12 @@ class Supervisor {
                 !suspect_) { // it may just be quicker with the last tick than the simulator, who waits for the recorder
                 suspect_ = {Clock::now(), w.plan.name};
             }
+            if (w.plan.is_guest) { // a host is there until the end, and an emulator does not tell a panic from shutdown
+                fail_with(
+                    {ExitCode::child_died,
+                     fmt::format("process '{}', a guest, ended before the run did, with exit code 0", w.plan.name),
+                     "see its log: has the machine turned itself off, or has its kernel panicked?"});
+            }
             return;
         }
         if (!clean && (!w.plan.is_observer || !simulator_done_)) {

@@ -52,8 +52,14 @@ class ExecSettings final : public ProcessSettings {
             command_.front() = std::filesystem::absolute(base / command_.front()).lexically_normal().string();
         }
         f.flag("guest", guest_,
-               {.doc = "it is a virtual machine or container in the place of its host; in `command`, {tap:LINK} and "
-                       "{mac:LINK} are the tap device and the address for each link"});
+               {.doc = "it is a virtual machine in the place of its host; in `command`, {tap:LINK} and "
+                       "{mac:LINK} are the tap device and the address for each link, {folder} is this file's folder"});
+        for (std::size_t n = 0; guest_ && n < words.size(); ++n) {
+            if (words[n].where.source != nullptr) {
+                auto const folder = std::filesystem::absolute(words[n].where.source->directory).lexically_normal();
+                command_[n] = guest::in_folder(command_[n], folder.string());
+            }
+        }
         f.object("ready", {.doc = "when it is ready, and the run begins; without it, once it is started"},
                  [&](Fields& g) { describe(g, readiness_.emplace()); });
         f.choice("time", time_, {{"real", Time::real}, {"simulated", Time::simulated}},

@@ -22,6 +22,7 @@ namespace guest {
 namespace {
 
 constexpr std::array<std::string_view, 2> kKinds{"{tap:", "{mac:"};
+constexpr std::string_view kFolder = "{folder}";
 
 /// Calls replace(kind, link) for each placeholder, and puts what it gives in its place.
 template <class Replace>
@@ -57,6 +58,13 @@ std::string tap_name(std::size_t n) {
     return fmt::format("tap{}", n);
 }
 
+std::string in_folder(std::string word, std::string const& folder) {
+    for (std::size_t at = 0; (at = word.find(kFolder, at)) != std::string::npos; at += folder.size()) {
+        word.replace(at, kFolder.size(), folder);
+    }
+    return word;
+}
+
 std::vector<std::string> command(std::vector<std::string> words, std::vector<Port> const& ports,
                                  std::string const& host) {
     auto const own = ports_of(ports, host);
@@ -86,7 +94,13 @@ void check(Scenario const& scenario, Process const& process, std::vector<config:
     if (process.run_on != "native") {
         diagnostics.error(process.name.where,
                           fmt::format("process '{}' is a guest and runs on '{}'", process.name.name, process.run_on),
-                          "`run_on: native`: its command starts the machine or container here");
+                          "`run_on: native`: its command starts the machine here");
+    }
+    if (!process.interface.empty()) {
+        diagnostics.error(process.name.where,
+                          fmt::format("process '{}' is a guest, and has the real interface '{}'", process.name.name,
+                                      process.interface),
+                          "leave out `interface`: a guest has a tap for each link of its host");
     }
     for (Process const& other : scenario.processes) {
         if (&other != &process && other.host.name == process.host.name) {

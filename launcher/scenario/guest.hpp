@@ -21,12 +21,15 @@ struct Readiness {
 };
 void describe(config::Fields& f, Readiness& out);
 
-/// `guest: true`: a virtual machine or a container that stands for a host. Each interface of the host is handed to it
+/// `guest: true`: a virtual machine that stands for a host. Each interface of the host is handed to it
 /// as a tap device, bridged to the cable; what is in the guest has the interface's MAC address.
 namespace guest {
 
 /// The tap that stands for an interface: of the n-th port of its host.
 [[nodiscard]] std::string tap_name(std::size_t n);
+
+/// A word of its command with `{folder}` replaced: the machine's files lie beside the file that names them.
+[[nodiscard]] std::string in_folder(std::string word, std::string const& folder);
 
 /// The words of its command with `{tap:LINK}` and `{mac:LINK}` replaced.
 [[nodiscard]] std::vector<std::string> command(std::vector<std::string> words, std::vector<Port> const& ports,

@@ -5,7 +5,7 @@ here is a program that opens its tap as an emulator does."""
 import subprocess
 import unittest
 
-from harness import CHILD_DIED, HANG_S, SOURCE, STALL, USAGE, ScenarioTest, gridspace
+from harness import CASE_1, CHILD_DIED, ENVIRONMENT, HANG_S, OK, SOURCE, STALL, USAGE, ScenarioTest, gridspace
 
 GUEST = """
 import fcntl, os, struct, sys, time
@@ -25,6 +25,7 @@ while True:
         print("heard", frame[6:12].hex(), "with tag", frame[14:16].hex(), flush=True)
         os.write(tap, bytes.fromhex("010ccd010009") + mac + bytes.fromhex("8100" "8000" "88b8") + bytes(46))
         break
+if os.environ.get("PANICS"): sys.exit(0)  # as an emulator does then
 while True: time.sleep(1)
 """
 SCENARIO = """---
@@ -65,6 +66,28 @@ class Guest(ScenarioTest):
         dead = self.run_to_end("dead", scenario=self.scenario(more=', "3"', name="dead"), code=CHILD_DIED)
         self.assertIn("ied9", dead.stderr())
 
+    def test_one_that_ends_before_the_run_does_is_a_failure_with_exit_code_0_too(self):
+        file = self.scenario()
+        file.write_text(file.read_text().replace("command: [", "command: [env, PANICS=1, ").replace("duration_s: 1", "duration_s: 60"))
+        run = self.run_to_end("panic", scenario=file, code=CHILD_DIED)
+        self.assertIn("process 'ied9', a guest, ended before the run did, with exit code 0", run.stderr())
+
+    def test_what_cannot_be_a_guests_machine_is_said_before_anything_starts(self):
+        no_device = ["unshare", "-rm", "sh", "-c", 'mount -t tmpfs none /dev/net && exec "$@"', "sh"]
+        run = self.start("device", scenario=self.scenario(), prefix=no_device)
+        self.assertEqual(run.finish(), ENVIRONMENT, run.stderr())
+        self.assertIn("process 'ied9': a guest is plugged in by tap devices, and /dev/net/tun cannot be opened: No such file", run.stderr())
+        self.assertFalse(run.folder.exists())
+        guest = ["--set", "hosts.ied9={links: []}", "--set", "processes.ied9={program: exec, host: ied9, guest: true, command: [sleep, '9']}"]
+        code, _, err = gridspace("run", CASE_1, *guest, "--no-namespaces", "--dry-run")
+        self.assertEqual(code, USAGE, err)
+        self.assertIn("hosts with interfaces of their own", err)
+
+    def test_its_files_lie_beside_the_scenario(self):
+        code, out, err = gridspace("run", self.scenario(more=', "file={folder}/ied.qcow2,if=virtio"'), "--dry-run")
+        self.assertEqual(code, OK, err)
+        self.assertIn(f" tap1 02:47:53:02:00:06 file={self.folder}/ied.qcow2,if=virtio\n", out)
+
     def test_validate_says_what_a_guest_needs(self):
         def said(old, new):
             file = self.scenario()
@@ -75,6 +98,7 @@ class Guest(ScenarioTest):
 
         self.assertIn("'{tap:bus}' names a link that host 'ied9' is not plugged into", said("{tap:process_bus}", "{tap:bus}"))
         self.assertIn("a guest in the place of host 'ied2', where", said("host: ied9", "host: ied2"))
+        self.assertIn("a guest, and has the real interface 'eth9'", said("guest: true", "guest: true, interface: eth9"))
         self.assertIn("says", said('says: "up and running", ', ""))
 
 
