@@ -10,7 +10,7 @@ declare -A group_purpose=(
   [build]="compiling Gridspace and running scenarios"
   [dashboard]="building the browser dashboard"
   [test]="the tests and their judges (tshark, CycloneDDS, linuxptp)"
-  [all]="sanitizer and fuzz builds, static analysis, ngspice as judge, Slurm"
+  [all]="sanitizer and fuzz builds, static analysis, ngspice as judge, Slurm, a virtual machine as a guest"
   [bench]="measuring how fast it is"
   [e2e]="the dashboard in a browser"
   [docs]="the documentation as a site"
@@ -26,7 +26,8 @@ declare -A group_packages=(
   [dashboard]="node|nodejs npm|npm"
   [test]="libgtest-dev libgmock-dev librapidcheck-dev cyclonedds-dev cyclonedds-tools tshark|tshark ptp4l|linuxptp mosquitto mosquitto-clients libmodbus-dev python3|python3 python3-yaml python3-scipy python3-pandas python3-matplotlib python3-nbclient
           python3-ipykernel sshd|openssh-server ssh|openssh-client setpriv|util-linux node|nodejs npm|npm"
-  [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev slurmctld slurmd sbatch|slurm-client munge"
+  [all]="clang-19 clang-tidy-19 clang-format-19 libclang-rt-19-dev llvm-19 lld-19 shellcheck ngspice libbenchmark-dev slurmctld slurmd sbatch|slurm-client munge
+        qemu-system-x86_64|qemu-system-x86 cpio|cpio"
   [bench]="libbenchmark-dev ngspice python3|python3 python3-numpy"
   [e2e]="chromium|chromium node|nodejs npm|npm"
   [docs]="mkdocs|mkdocs mkdocs-material"
