@@ -64,8 +64,12 @@ void EmtEngine::step_injections(double t_end, double h) {
             phase_currents_[i].step({a, b, c}, power, h);
         } else {
             // One that has ceased regulates and ages nothing.
-            auto const power =
-                converters_[i].ceased() ? std::complex<double>{} : wanted(i, t_end, converters_[i].voltage_pu(), h);
+            std::complex<double> power;
+            if (converters_[i].ceased()) {
+                injection.model->disconnect();
+            } else {
+                power = wanted(i, t_end, converters_[i].voltage_pu(), h);
+            }
             converters_[i].step(to_space(a, b, c), power, h);
         }
     }

@@ -172,10 +172,9 @@ class Builder final : private CircuitFace {
                          same(filter_kvar * 1e3 / (voltage_v * voltage_v) / (2 * std::numbers::pi * n_.frequency_hz)));
         c_.flows(parts.breaker, Kind::capacitor, c_.capacitors.size() - 1, 1);
         double const max_peak_a = kConverterOverload * 2 * rating_kva * 1e3 / (3 * out_.bus_peak_v[parts.bus]);
-        std::optional<GridRules> rules;
-        if (e.kind().feeds) {
-            rules = ride_through ? ride_through->rules(n_.frequency_hz) : GridRules::usual();
-        }
+        GridRules rules = ride_through     ? ride_through->rules(n_.frequency_hz)
+                          : e.kind().feeds ? GridRules::usual()
+                                           : GridRules::of_load();
         parts.injection = inject({parts.bus, parts.node, parts.breaker, max_peak_a, filter_kvar, false,
                                   std::move(rules), ride_through.has_value(), std::move(model)});
     }

@@ -167,6 +167,15 @@ GridRules GridRules::usual() {
     return out;
 }
 
+GridRules GridRules::of_load() {
+    GridRules out;
+    out.trips = {{{0.3, 1.2, -0.1, 0.1}, 0.16}};
+    out.fit = {0.8, 1.2, -0.05, 0.05};
+    out.fit_s = 0;
+    out.ramp_s = 1e-3;
+    return out;
+}
+
 void describe_ride_through(Fields& f, std::optional<RideThrough>& out) {
     f.object("ride_through", {.doc = "categories of IEEE 1547-2018: when it trips, ceases and comes back"},
              [&](Fields& r) { out.emplace().fields(r); });

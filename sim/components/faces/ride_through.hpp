@@ -49,6 +49,9 @@ struct GridRules {
     /// What holds where nothing is configured: the voltages and times of the momentary cessation and of the must-trip
     /// limits of IEEE 1547-2018, 6.4 and 6.5, with a short return.
     [[nodiscard]] static GridRules usual();
+    /// Of what draws through a converter: undervoltage blocking, and back at once. Without it its current would keep a
+    /// bus alive that nobody feeds.
+    [[nodiscard]] static GridRules of_load();
 };
 
 /// `ride_through:` of a converter: categories of IEEE 1547-2018, abnormal operating performance, with its default
