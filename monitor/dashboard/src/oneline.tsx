@@ -55,7 +55,9 @@ export function OneLine() {
   const rowHeight = ys.map(y => Math.max(...net.buses.filter(b => at.get(b.name)![1] === y).map(b => barOf(b.name))) + 52);
   const yOf = (y: number) => kPad + 14 + rowHeight.slice(0, ys.indexOf(y)).reduce((a, b) => a + b, 0);
   const hasSource = net.devices.some(d => d.kind === "source");
-  const xOf = (x: number) => kPad + (hasSource ? 50 : 34) + xs.indexOf(x) * kColumn;
+  const labels = net.buses.filter(b => at.get(b.name)![0] === xs[0]).map(b => 3.7 * (b.label.length + 6)); // half of it lies left of the bar
+  const lead = Math.max(hasSource ? 50 : 34, ...labels);
+  const xOf = (x: number) => kPad + lead + xs.indexOf(x) * kColumn;
   const longest = Math.max(4, ...net.devices.filter(d => at.get(d.bus)?.[0] === xs[xs.length - 1]).map(d => d.label.length + (kStores.includes(d.kind) ? 17 : 10)));
   const width = xOf(xs[xs.length - 1]) + Math.min(kColumn - 2, 36 + 6.2 * longest), height = yOf(ys[ys.length - 1]) + rowHeight[rowHeight.length - 1] - 20;
   const tapY = (bus: string, b: Branch) => // parallel lines side by side
