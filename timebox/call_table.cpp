@@ -19,7 +19,6 @@
 namespace gridspace::timebox {
 namespace {
 
-constexpr std::uint64_t kMostDescriptors = 65'536;
 constexpr std::uint64_t kSignalPid = 16; // of si_pid in siginfo_t
 /// signal(7): by default nothing happens. The kernel keeps them for a tracer all the same.
 constexpr std::uint64_t kIgnoredUnlessCaught =

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstddef>
-#include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 #include <linux/audit.h>
@@ -174,7 +174,9 @@ UniqueFd listener_of(pid_t process) {
             continue;
         }
         UniqueFd const of{static_cast<int>(::syscall(SYS_pidfd_open, process, 0))};
-        int const fd = std::atoi(entry.path().filename().c_str());
+        std::string const name = entry.path().filename();
+        int fd = -1;
+        (void)std::from_chars(name.data(), name.data() + name.size(), fd);
         UniqueFd out{static_cast<int>(::syscall(SYS_pidfd_getfd, of.get(), fd, 0))};
         // Box and program take turns on one processor: who answers need not look for another one (Linux 6.6).
         (void)::ioctl(out.get(), SECCOMP_IOW(4, std::uint64_t), std::uint64_t{1});
