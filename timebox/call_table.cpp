@@ -165,7 +165,7 @@ CallTable::Next CallTable::sleep(Thread& t) {
 }
 
 CallTable::Next CallTable::look_at_descriptors(Thread& t) {
-    DescriptorWait wait = wait_of(t.tid, t.call);
+    DescriptorWait const wait = wait_of(t.tid, t.call);
     if (packets_) {
         packets_->look_at_rings();
     }
@@ -178,7 +178,7 @@ CallTable::Next CallTable::look_at_descriptors(Thread& t) {
         answer(t.tid, found);
         return Next::go;
     }
-    t.interests = std::move(wait.interests);
+    t.interests = interests_of(t.tid, t.call);
     auto const next = hold_until(t, wait.timeout_ns ? std::optional{clock_.now_ns() + *wait.timeout_ns} : std::nullopt);
     t.signal_mask_at = wait.signal_mask_at;
     t.interrupted = wait.signal_mask_at != 0 && has_signal(t); // one that it blocks otherwise

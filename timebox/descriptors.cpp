@@ -52,25 +52,12 @@ DescriptorWait wait_of(pid_t tid, Call const& call) {
     DescriptorWait out;
     switch (call.number) {
     case SYS_poll:
-    case SYS_ppoll: {
-        std::vector<pollfd> list(std::min(a[1], kMaxDescriptors));
-        if (!list.empty() && read_memory(tid, a[0], list.data(), list.size() * sizeof(pollfd))) {
-            for (pollfd const& p : list) {
-                if (p.fd >= 0) {
-                    out.interests.push_back({p.fd, p.events});
-                }
-            }
-        }
+    case SYS_ppoll:
         out.timeout_ns = call.number == SYS_ppoll ? in_timespec(tid, a[2]) : in_ms(a[2]);
         out.signal_mask_at = call.number == SYS_ppoll ? a[3] : 0;
         break;
-    }
     case SYS_select:
-    case SYS_pselect6: {
-        auto const count = static_cast<int>(std::min(a[0], kMaxDescriptors));
-        add_set(tid, count, a[1], POLLIN, out.interests);
-        add_set(tid, count, a[2], POLLOUT, out.interests);
-        add_set(tid, count, a[3], POLLPRI, out.interests);
+    case SYS_pselect6:
         // The sixth argument of pselect6 points to a pointer (select(2), C library/kernel differences).
         out.signal_mask_at = call.number == SYS_pselect6 && a[5] != 0 ? value_at<std::uint64_t>(tid, a[5]) : 0;
         if (a[4] != 0 && call.number == SYS_select) {
@@ -80,11 +67,39 @@ DescriptorWait wait_of(pid_t tid, Call const& call) {
             out.timeout_ns = in_timespec(tid, a[4]);
         }
         break;
-    }
-    default: // epoll: its own descriptor is readable when one of its list is ready
-        out.interests.push_back({static_cast<int>(a[0]), POLLIN});
+    default:
         out.timeout_ns = call.number == SYS_epoll_pwait2 ? in_timespec(tid, a[3]) : in_ms(a[3]);
         out.signal_mask_at = call.number == SYS_epoll_wait ? 0 : a[4];
+    }
+    return out;
+}
+
+std::vector<Interest> interests_of(pid_t tid, Call const& call) {
+    auto const& a = call.arguments;
+    std::vector<Interest> out;
+    switch (call.number) {
+    case SYS_poll:
+    case SYS_ppoll: {
+        std::vector<pollfd> list(std::min(a[1], kMaxDescriptors));
+        if (!list.empty() && read_memory(tid, a[0], list.data(), list.size() * sizeof(pollfd))) {
+            for (pollfd const& p : list) {
+                if (p.fd >= 0) {
+                    out.push_back({p.fd, p.events});
+                }
+            }
+        }
+        break;
+    }
+    case SYS_select:
+    case SYS_pselect6: {
+        auto const count = static_cast<int>(std::min(a[0], kMaxDescriptors));
+        add_set(tid, count, a[1], POLLIN, out);
+        add_set(tid, count, a[2], POLLOUT, out);
+        add_set(tid, count, a[3], POLLPRI, out);
+        break;
+    }
+    default: // epoll: its own descriptor is readable when one of its list is ready
+        out.push_back({static_cast<int>(a[0]), POLLIN});
     }
     return out;
 }

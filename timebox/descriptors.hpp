@@ -18,14 +18,15 @@ struct Interest {
     short events{0};
 };
 
-/// What a call waits for.
+/// How long a call waits.
 struct DescriptorWait {
-    std::vector<Interest> interests;
     std::optional<std::int64_t> timeout_ns; ///< from now; nothing: without end; 0: it only looks
     std::uint64_t signal_mask_at{0};        ///< that holds while it waits; 0: the thread's own
 };
 /// Of poll, ppoll, select, pselect6, epoll_wait, epoll_pwait, epoll_pwait2.
 [[nodiscard]] DescriptorWait wait_of(pid_t tid, Call const& call);
+/// And for what.
+[[nodiscard]] std::vector<Interest> interests_of(pid_t tid, Call const& call);
 
 /// The descriptors of one process, from outside (pidfd_getfd(2)).
 class Descriptors {

@@ -21,8 +21,8 @@ struct Readiness {
 };
 void describe(config::Fields& f, Readiness& out);
 
-/// `guest: true`: a virtual machine that stands for a host. Each interface of the host is handed to it
-/// as a tap device, bridged to the cable; what is in the guest has the interface's MAC address.
+/// `guest: true`: a virtual machine that stands for a host. Each interface of the host is handed to it as a tap device,
+/// bridged to the cable; what is in the guest has the interface's MAC address.
 namespace guest {
 
 /// The tap that stands for an interface: of the n-th port of its host.

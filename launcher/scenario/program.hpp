@@ -91,7 +91,7 @@ class ProcessSettings {
     [[nodiscard]] virtual std::string_view carried_by() const { return {}; }
     /// Whether the command takes --config, --log-level and --status-fd, as our programs do.
     [[nodiscard]] virtual bool is_daemon() const { return command().empty(); }
-    /// A virtual machine or container that stands for its host, whose interfaces are handed over to it.
+    /// A virtual machine that stands for its host, whose interfaces are handed over to it.
     [[nodiscard]] virtual bool is_guest() const { return false; }
     /// When it is ready; nullptr: as soon as it is started, or as it says itself.
     [[nodiscard]] virtual Readiness const* readiness() const { return nullptr; }

@@ -29,6 +29,11 @@ Result<void> EmtEngine::initialise() {
     if (is_unbalanced(network_)) {
         return initialise_unbalanced();
     }
+    auto const start = balanced_start();
+    return start ? begin(start->norton, start_injections(start->bus_v, start->kvar)) : std::unexpected{start.error()};
+}
+
+Result<EmtEngine::BalancedStart> EmtEngine::balanced_start() const {
     PowerFlowOptions options;
     options.start_hour_of_day = options_.start_hour_of_day;
     options.enforce_q_limits = true; // as the converters of generators do
@@ -36,29 +41,27 @@ Result<void> EmtEngine::initialise() {
     if (!flow) {
         return std::unexpected{flow.error()};
     }
+    BalancedStart out;
     std::complex<double> const turn = std::polar(1.0, 2 * std::numbers::pi / 3);
-    std::vector<BusPhases> bus_v;
     for (auto const& bus : flow->buses) {
-        bus_v.push_back({bus.v, bus.v / turn, bus.v * turn});
+        out.bus_v.push_back({bus.v, bus.v / turn, bus.v * turn});
     }
-    std::vector<Solver::NortonStart> starts;
-    std::vector<double> kvar;
     for (std::size_t i = 0; i < parts_.one_ports.size(); ++i) {
         NetworkCircuit::OnePortParts const& parts = parts_.one_ports[i];
         PowerFlow::UnitValue const& unit = flow->units[i];
         std::complex<double> const pu = flow->buses[parts.bus].v;
         if (parts.norton >= 0) {
             std::complex<double> const v = pu * parts_.bus_peak_v[parts.bus], s{unit.p_kw * 1e3, unit.q_kvar * 1e3};
-            starts.push_back({v, v == 0.0 ? 0.0 : std::conj(s * 2.0 / (3.0 * v))});
+            out.norton.push_back({v, v == 0.0 ? 0.0 : std::conj(s * 2.0 / (3.0 * v))});
         }
         if (PowerModel const* model = model_of(parts)) {
             if (auto ok = model->check_start(std::abs(pu), {unit.p_kw, unit.q_kvar}); !ok) {
-                return ok;
+                return std::unexpected{ok.error()};
             }
         }
-        kvar.push_back(unit.q_kvar);
+        out.kvar.push_back(unit.q_kvar);
     }
-    return begin(starts, start_injections(bus_v, kvar));
+    return out;
 }
 
 Result<void> EmtEngine::begin(std::vector<Solver::NortonStart> const& starts,

@@ -69,6 +69,13 @@ class EmtEngine final : public Engine {
     /// Gives the star of an element at one bus the admittance that the element has now.
     void change_star(std::size_t one_port);
     [[nodiscard]] Result<void> step(double t_end, double h);
+    /// Where waveforms begin by the balanced power flow.
+    struct BalancedStart {
+        std::vector<std::array<std::complex<double>, 3>> bus_v; ///< by bus and phase, p.u.
+        std::vector<Solver::NortonStart> norton;
+        std::vector<double> kvar; ///< of elements at one bus
+    };
+    [[nodiscard]] Result<BalancedStart> balanced_start() const;
     // unbalanced_start.cpp
     [[nodiscard]] Result<void> initialise_unbalanced();
     [[nodiscard]] Result<void> initialise_around_norton();

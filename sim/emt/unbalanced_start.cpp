@@ -3,7 +3,6 @@
 //
 // How waveforms begin in a network whose phases differ.
 #include "sim/emt/emt_engine_impl.hpp"
-#include "sim/powerflow/power_flow.hpp"
 #include "sim/powerflow/three_phase.hpp"
 
 #include <algorithm>
@@ -52,45 +51,31 @@ Result<void> EmtEngine::initialise_unbalanced() {
 /// Machines hold power and voltage of the positive sequence, and are impedances to the others. The balanced power flow
 /// says where to begin; then the solver's own steady state is corrected until they hold them.
 Result<void> EmtEngine::initialise_around_norton() {
-    PowerFlowOptions options;
-    options.start_hour_of_day = options_.start_hour_of_day;
-    options.enforce_q_limits = true;
-    auto const flow = solve_power_flow(network_, SwitchState{network_}, options);
-    if (!flow) {
-        return std::unexpected{flow.error()};
+    auto begun = balanced_start();
+    if (!begun) {
+        return std::unexpected{begun.error()};
     }
-    Complex const turn = std::polar(1.0, 2 * std::numbers::pi / 3);
-    std::vector<BusPhases> bus_v;
-    for (auto const& bus : flow->buses) {
-        bus_v.push_back({bus.v, bus.v / turn, bus.v * turn});
-    }
-    std::vector<Solver::NortonStart> starts;
+    auto& [bus_v, starts, kvar] = *begun;
     std::vector<Wanted> wanted;
-    std::vector<double> kvar;
     double largest = 0;
     bool held = false; // the angle, by a source
-    Wanted* holder = nullptr;
-    wanted.reserve(parts_.one_ports.size());
+    std::size_t holder = 0;
     for (std::size_t i = 0; i < parts_.one_ports.size(); ++i) {
-        NetworkCircuit::OnePortParts const& parts = parts_.one_ports[i];
-        PowerFlow::UnitValue const& unit = flow->units[i];
         Holding const holding = holding_of(*one_ports_[i]);
         held = held || holding.ideal || (holding.keeps_alive && !holding.regulates);
-        kvar.push_back(unit.q_kvar);
-        if (parts.norton < 0) {
+        if (parts_.one_ports[i].norton < 0) {
             continue;
         }
-        Complex const v = flow->buses[parts.bus].v * parts_.bus_peak_v[parts.bus],
-                      va{unit.p_kw * 1e3, unit.q_kvar * 1e3};
-        starts.push_back({v, v == 0.0 ? 0.0 : std::conj(va * 2.0 / (3.0 * v))});
-        wanted.push_back({static_cast<std::size_t>(parts.norton), va, holding.regulates ? std::abs(v) : 0, false});
         if (holding.keeps_alive && holding.rating_kva > largest) { // as the power flow chooses
             largest = holding.rating_kva;
-            holder = &wanted.back();
+            holder = wanted.size();
         }
+        auto const norton = static_cast<std::size_t>(parts_.one_ports[i].norton);
+        auto const [v, amperes] = starts[norton];
+        wanted.push_back({norton, 1.5 * v * std::conj(amperes), holding.regulates ? std::abs(v) : 0, false});
     }
-    if (!held && holder != nullptr) {
-        holder->holds_angle = true;
+    if (!held && largest > 0) {
+        wanted[holder].holds_angle = true;
     }
     for (int trial = 0; trial < kMostTrials; ++trial) {
         if (auto ok = solver_.start(starts, start_injections(bus_v, kvar), true); !ok) {

@@ -150,11 +150,7 @@ class BatteryInjection final : public PowerInjection {
         return limits_.event(x[0], p > 0, p < 0);
     }
     void on_event(std::span<double> x) override { limits_.on_event(x[0]); }
-    [[nodiscard]] std::vector<SignalDef> signals() const override {
-        auto out = PowerInjection::signals();
-        out.push_back({prefix() + ".soc_percent", "%"});
-        return out;
-    }
+    [[nodiscard]] std::vector<SignalDef> signals() const override { return powers_and({{"soc_percent", "%"}}); }
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override {
         return signal == 2 ? x[0] : PowerInjection::value(signal, t, x, v);
     }

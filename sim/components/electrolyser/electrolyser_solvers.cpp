@@ -47,13 +47,7 @@ class ElectrolyserInjection final : public PowerInjection {
                : ahead < -down() * kFollowingS / 2 ? Law::falls
                                                    : Law::follows;
     }
-    [[nodiscard]] std::vector<SignalDef> signals() const override {
-        auto out = PowerInjection::signals();
-        for (SignalDef const& own : Electrolyser::signals()) {
-            out.push_back({prefix() + "." + own.name, own.unit});
-        }
-        return out;
-    }
+    [[nodiscard]] std::vector<SignalDef> signals() const override { return powers_and(Electrolyser::signals()); }
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override {
         return signal < 2 ? PowerInjection::value(signal, t, x, v)
                           : electrolyser_.signal(signal - 2, given(t, x, std::abs(v)), x[1]);

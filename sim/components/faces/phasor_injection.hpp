@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace gridspace::sim {
@@ -89,7 +90,15 @@ class PowerInjection : public PhasorInjection {
     /// The slopes of its states.
     virtual void slopes(double /*t*/, std::span<double const> /*x*/, Complex /*v*/, std::span<double> /*dx*/) const {}
     [[nodiscard]] double base_kva() const { return base_kva_; }
-    [[nodiscard]] std::string const& prefix() const { return prefix_; }
+    /// Its powers, and behind them signals of its own, whose names are without its prefix.
+    [[nodiscard]] std::vector<SignalDef> powers_and(std::vector<SignalDef> own) const {
+        auto out = PowerInjection::signals();
+        for (SignalDef& signal : own) {
+            signal.name.insert(0, prefix_ + ".");
+            out.push_back(std::move(signal));
+        }
+        return out;
+    }
 
   private:
     std::string prefix_;

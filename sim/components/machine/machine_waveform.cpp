@@ -82,6 +82,7 @@ class MachineElement final : public emt::NortonElement, private MachineDynamics 
     void set_mode(std::string_view mode) override { set_.governor = machines::governor_mode(mode); }
 
   private:
+    void follow_terminals();
     void rotate(double& d, double& q) const; ///< alpha, beta currents i_ of the trial step to the rotor frame
     [[nodiscard]] double frequency_hz() const { return (1 + x_[machines::kSpeed]) * w0_ / 6.283185307179586477; }
     std::string name_;
@@ -121,13 +122,18 @@ void MachineElement::start(Complex volts, Complex amperes, double speed) {
     double const axis = x_[machines::kAngle] - std::numbers::pi / 2;
     cos_ = std::cos(axis);
     sin_ = std::sin(axis);
+    follow_terminals();
+    history_ = false;
+}
+
+/// Fluxes and slopes at the start, from voltage and current there.
+void MachineElement::follow_terminals() {
     rotate(id_, iq_);
     auto const flux = machines::subtransient_flux(data_, x_, id_, iq_);
     psi_alpha_ = flux.d * cos_ - flux.q * sin_;
     psi_beta_ = flux.d * sin_ + flux.q * cos_;
     machines::derivative(data_, set_, x_, id_, iq_, vt_, f_);
     f_[machines::kAngle] = w0_ * x_[machines::kSpeed];
-    history_ = false;
 }
 
 /// The fluxes of the rotor are those of the positive sequence: their ripple at twice the frequency is yet to come.
@@ -136,12 +142,7 @@ void MachineElement::start_unbalanced(std::array<double, 3> const& volts, std::a
     v_ = {v.alpha / v_base_, v.beta / v_base_, v.zero / v_base_};
     i_ = {i.alpha / i_base_, i.beta / i_base_, i.zero / i_base_};
     vt_ = std::hypot(v_.alpha, v_.beta);
-    rotate(id_, iq_);
-    auto const flux = machines::subtransient_flux(data_, x_, id_, iq_);
-    psi_alpha_ = flux.d * cos_ - flux.q * sin_;
-    psi_beta_ = flux.d * sin_ + flux.q * cos_;
-    machines::derivative(data_, set_, x_, id_, iq_, vt_, f_);
-    f_[machines::kAngle] = w0_ * x_[machines::kSpeed];
+    follow_terminals();
 }
 
 void MachineElement::rotate(double& d, double& q) const {

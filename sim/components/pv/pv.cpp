@@ -88,11 +88,11 @@ double Pv::value(std::string_view quantity, Surroundings const&) const {
 
 namespace {
 
-std::vector<SignalDef> array_signals(Pv const& pv, std::string const& before) {
-    return pv.array ? std::vector<SignalDef>{{before + "available_kw", "kW"},
-                                             {before + "dc_voltage_v", "V"},
-                                             {before + "dc_current_a", "A"},
-                                             {before + "cell_c", "degC"}}
+std::vector<SignalDef> array_signals(Pv const& pv) {
+    return pv.array ? std::vector<SignalDef>{{"available_kw", "kW"},
+                                             {"dc_voltage_v", "V"},
+                                             {"dc_current_a", "A"},
+                                             {"cell_c", "degC"}}
                     : std::vector<SignalDef>{};
 }
 
@@ -121,13 +121,7 @@ class PvInjection final : public PowerInjection {
             x[0] = pv_.module_at(weather(t)).best();
         }
     }
-    [[nodiscard]] std::vector<SignalDef> signals() const override {
-        auto out = PowerInjection::signals();
-        for (SignalDef& signal : array_signals(pv_, prefix() + ".")) {
-            out.push_back(std::move(signal));
-        }
-        return out;
-    }
+    [[nodiscard]] std::vector<SignalDef> signals() const override { return powers_and(array_signals(pv_)); }
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override {
         return signal < 2 ? PowerInjection::value(signal, t, x, v)
                           : array_value(pv_, signal - 2, weather(t), PowerInjection::value(0, t, x, v));
@@ -171,7 +165,7 @@ class PvPower final : public PowerModel {
     }
     void disconnect() override { given_kw_ = 0; }
     bool set(std::string_view quantity, double value) override { return pv_.set(quantity, value); }
-    [[nodiscard]] std::vector<SignalDef> signals() const override { return array_signals(pv_, ""); }
+    [[nodiscard]] std::vector<SignalDef> signals() const override { return array_signals(pv_); }
     [[nodiscard]] double value(std::size_t signal) const override {
         return array_value(pv_, signal, weather_, given_kw_);
     }

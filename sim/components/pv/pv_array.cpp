@@ -5,6 +5,7 @@
 #include "sim/components/faces/number_specs.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace gridspace::sim {
 namespace {
@@ -13,14 +14,20 @@ constexpr double kKelvin = 273.15, kReferenceK = kKelvin + 25;
 constexpr double kBoltzmannEvK = 8.617333262e-5;
 constexpr double kBandGapEv = 1.121, kBandGapPerK = -0.0002677; ///< silicon; De Soto, eq. 11
 
-/// Where `f` falls through 0.
+/// Where a function falls through 0 that falls ever steeper: Newton's steps come down from `v`, beyond that, and never
+/// pass it. f(v): value and slope.
 template <class F>
-double falls_through_zero(F const& f, double low, double high) {
-    for (int i = 0; i < 60; ++i) {
-        double const middle = (low + high) / 2;
-        (f(middle) > 0 ? low : high) = middle;
+double falls_through_zero(F const& f, double v) {
+    constexpr int kMost = 60;
+    for (int i = 0; i < kMost; ++i) {
+        auto const [value, slope] = f(v);
+        double const down = value / slope;
+        v -= down;
+        if (!(down > 1e-13 * v)) {
+            break;
+        }
     }
-    return (low + high) / 2;
+    return v;
 }
 
 } // namespace
@@ -44,16 +51,28 @@ double PvArray::Module::current_a(double v) const {
     return il - i0 * std::expm1(v / a) - v / rsh;
 }
 
+double PvArray::Module::slope_of_power(double v) const {
+    double const i = current_a(v), di = -i0 / a * std::exp(v / a) - 1 / rsh;
+    return (1 - rs * di) * i + (v - rs * i) * di;
+}
+
+double PvArray::Module::bend_of_power(double v) const {
+    double const bend = -i0 / (a * a) * std::exp(v / a), i = current_a(v), di = a * bend - 1 / rsh;
+    return 2 * (1 - rs * di) * di + (v - 2 * rs * i) * bend;
+}
+
 double PvArray::Module::best() const {
-    auto const slope = [&](double v) {
-        double const i = current_a(v), di = -i0 / a * std::exp(v / a) - 1 / rsh;
-        return (1 - rs * di) * i + (v - rs * i) * di;
-    };
-    return il > 0 ? falls_through_zero(slope, 0, a * std::log1p(il / i0)) : 0;
+    return il > 0 ? falls_through_zero([this](double v) { return std::pair{slope_of_power(v), bend_of_power(v)}; },
+                                       a * std::log1p(il / i0))
+                  : 0;
 }
 
 double PvArray::Module::above_best(double w) const {
-    return il > 0 ? falls_through_zero([&](double v) { return power_w(v) - w; }, best(), a * std::log1p(il / i0)) : 0;
+    double const highest = best();
+    return il > 0 && w < power_w(highest)
+               ? falls_through_zero([&](double v) { return std::pair{power_w(v) - w, slope_of_power(v)}; },
+                                    a * std::log1p(il / i0))
+               : highest;
 }
 
 PvArray::Module PvArray::module_at(double sun, double ambient_c) const {

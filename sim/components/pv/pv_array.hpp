@@ -27,6 +27,8 @@ struct PvArray {
         [[nodiscard]] double current_a(double diode_v) const;
         [[nodiscard]] double voltage_v(double diode_v) const { return diode_v - rs * current_a(diode_v); }
         [[nodiscard]] double power_w(double diode_v) const { return voltage_v(diode_v) * current_a(diode_v); }
+        [[nodiscard]] double slope_of_power(double diode_v) const; ///< W / V
+        [[nodiscard]] double bend_of_power(double diode_v) const;  ///< W / V^2
         /// Diode voltages at the maximum of power, and above it where the power is `w`.
         [[nodiscard]] double best() const;
         [[nodiscard]] double above_best(double w) const;

@@ -116,13 +116,7 @@ class SupercapacitorInjection final : public PowerInjection {
         return limits_.event(x[0], true, true); // leakage takes it down whatever it is asked
     }
     void on_event(std::span<double> x) override { limits_.on_event(x[0]); }
-    [[nodiscard]] std::vector<SignalDef> signals() const override {
-        auto out = PowerInjection::signals();
-        for (SignalDef const& own : bank_signals()) {
-            out.push_back({prefix() + "." + own.name, own.unit});
-        }
-        return out;
-    }
+    [[nodiscard]] std::vector<SignalDef> signals() const override { return powers_and(bank_signals()); }
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override {
         if (signal < 2) {
             return PowerInjection::value(signal, t, x, v);

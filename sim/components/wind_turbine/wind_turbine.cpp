@@ -76,13 +76,8 @@ double WindTurbine::value(std::string_view quantity, Surroundings const&) const 
 
 namespace {
 
-enum WindSignal : std::size_t { kSpeedSignal, kPitchSignal, kWindSignal, kAvailableSignal };
-
-std::vector<SignalDef> wind_signals(std::string const& before) {
-    return {{before + "rotor_speed_pu", ""},
-            {before + "pitch_deg", "deg"},
-            {before + "wind_m_s", "m/s"},
-            {before + "available_kw", "kW"}};
+std::vector<SignalDef> wind_signals() {
+    return {{"rotor_speed_pu", ""}, {"pitch_deg", "deg"}, {"wind_m_s", "m/s"}, {"available_kw", "kW"}};
 }
 
 double wind_value(WindTurbine const& turbine, std::size_t signal, wind::State const& x, double wind, bool runs) {
@@ -110,13 +105,7 @@ class WindInjection final : public PowerInjection {
         return runs_ ? turbine_.rotor.cut_out_m_s - wind : wind - turbine_.rotor.restart_m_s;
     }
     void on_event(std::span<double>) override { runs_ = !runs_; }
-    [[nodiscard]] std::vector<SignalDef> signals() const override {
-        auto out = PowerInjection::signals();
-        for (SignalDef& signal : wind_signals(prefix() + ".")) {
-            out.push_back(std::move(signal));
-        }
-        return out;
-    }
+    [[nodiscard]] std::vector<SignalDef> signals() const override { return powers_and(wind_signals()); }
     [[nodiscard]] double value(std::size_t signal, double t, std::span<double const> x, Complex v) const override {
         return signal < 2 ? PowerInjection::value(signal, t, x, v)
                           : wind_value(turbine_, signal - 2, rotor_state(x), turbine_.wind(scale_(t)), runs_);
@@ -181,7 +170,7 @@ class WindPower final : public PowerModel {
         return 1e3 * turbine_.power_kva(x_[wind::kPower]);
     }
     bool set(std::string_view quantity, double value) override { return turbine_.set(quantity, value); }
-    [[nodiscard]] std::vector<SignalDef> signals() const override { return wind_signals(""); }
+    [[nodiscard]] std::vector<SignalDef> signals() const override { return wind_signals(); }
     [[nodiscard]] double value(std::size_t signal) const override {
         return wind_value(turbine_, signal, x_, wind_, runs_);
     }

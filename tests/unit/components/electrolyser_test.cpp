@@ -16,8 +16,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr double kRatedKw = 26, kFaradayC = 96485.33212, kRate = kRatedKw / 2; ///< kW / s: ramp_up_s 2
-TimeBase const kMilliseconds{Rational{1, 1000}};
-TimeBase const kSixteenths{Rational{1, 16000}};
 
 /// Ulleberg's curve in other units than the code's: mA and cm2, and the natural logarithm of LeRoy's temperature.
 double cell_voltage(double ma_per_cm2, double celsius, double t1 = -0.1002) {
@@ -83,50 +81,22 @@ TEST(ElectrolyserStack, MakesHydrogenByFaradaysLaw) {
     EXPECT_LT(sut.hydrogen_g_per_s(7.5) / 7.5, 0.05 * sut.hydrogen_g_per_s(750) / 750); // stray currents at 1 %
 }
 
-std::string text_of(std::string const& keys, std::string const& more = "") {
-    return "gridspace_network: 1\nname: t\nbase: {frequency_hz: 50, power_kva: 100}\n"
-           "buses: {A: {voltage_v: 400}}\nsources: {S: {bus: A, r_ohm: 0.01, l_mh: 0.05}}\n"
-           "loads: {D: {bus: A, p_kw: 1, model: constant_impedance}}\n"
-           "electrolysers: {E: {bus: A, rated_kw: 26, ramp_up_s: 2, ramp_down_s: 1, " +
-           keys + "}}\n" + more;
+std::string plant_of(std::string const& keys) {
+    return "electrolysers: {E: {bus: A, rated_kw: 26, ramp_up_s: 2, ramp_down_s: 1, " + keys + "}}";
 }
-
+std::string text_of(std::string const& keys) {
+    return AtOneBus::text_with(plant_of(keys));
+}
 Network network(std::string const& keys, std::string const& more = "") {
-    Network n;
-    auto const diagnostics = read_text(text_of(keys, more), n);
-    EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
-    return n;
+    return AtOneBus::network_with(plant_of(keys), more);
 }
 
-/// One engine with the plant; time in seconds.
-class Plant {
+class Plant : public AtOneBus {
   public:
     Plant(std::string const& solver, std::string const& keys, std::string const& more = "")
-        : base_{solver == "emt" ? kSixteenths : kMilliseconds} {
-        Network const n = network(keys, more);
-        if (solver == "fixed") {
-            auto made = phasor::make_phasor_engine(n, {.time_base = base_, .fixed_step_s = 0.005});
-            EXPECT_TRUE(made.has_value());
-            engine_ = std::move(*made);
-        } else {
-            engine_ = make(solver, n, base_);
-        }
-        must(engine_->initialise());
-    }
-    void run_to(double t_s) {
-        auto const end = static_cast<std::int64_t>(std::lround(t_s * static_cast<double>(base_.quantum_s().den())));
-        for (; now_ < end; ++now_) {
-            must(engine_->advance(SimTime{now_ + 1}));
-        }
-    }
-    double read(std::string const& quantity) const { return sim::read(*engine_, "electrolyser.E." + quantity); }
-    void ask(double kw) { must(engine_->apply(SetParameter{"electrolysers.E.p_kw", kw})); }
-    Engine& engine() { return *engine_; }
-
-  private:
-    TimeBase base_;
-    std::unique_ptr<Engine> engine_;
-    std::int64_t now_{0};
+        : AtOneBus{solver, network(keys, more)} {}
+    double read(std::string const& quantity) const { return sim::read(engine(), "electrolyser.E." + quantity); }
+    void ask(double kw) { must(engine().apply(SetParameter{"electrolysers.E.p_kw", kw})); }
 };
 
 class ElectrolyserIn : public testing::TestWithParam<char const*> {

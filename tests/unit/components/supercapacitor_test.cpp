@@ -16,53 +16,25 @@ using testing::HasSubstr;
 
 constexpr double kFarad = 20, kRatedV = 100;
 
-std::string text_of(std::string const& keys, std::string const& more = "") {
-    return "gridspace_network: 1\nname: t\nbase: {frequency_hz: 50, power_kva: 100}\n"
-           "buses: {A: {voltage_v: 400}}\nsources: {S: {bus: A, r_ohm: 0.01, l_mh: 0.05}}\n"
-           "loads: {D: {bus: A, p_kw: 1, model: constant_impedance}}\n"
-           "supercapacitors: {C: {bus: A, capacitance_f: 20, rated_voltage_v: 100, rating_kva: 20, " +
-           keys + "}}\n" + more;
+std::string bank_of(std::string const& keys) {
+    return "supercapacitors: {C: {bus: A, capacitance_f: 20, rated_voltage_v: 100, rating_kva: 20, " + keys + "}}";
 }
-
+std::string text_of(std::string const& keys) {
+    return AtOneBus::text_with(bank_of(keys));
+}
 Network network(std::string const& keys, std::string const& more = "") {
-    Network n;
-    auto const diagnostics = read_text(text_of(keys, more), n);
-    EXPECT_EQ(diagnostics.errors(), 0) << diagnostics.render();
-    return n;
+    return AtOneBus::network_with(bank_of(keys), more);
 }
 
-/// One engine with the bank; time in seconds.
-class Bank {
+class Bank : public AtOneBus {
   public:
     Bank(std::string const& solver, std::string const& keys, std::string const& more = "")
-        : base_{Rational{1, solver == "emt" ? 16000 : 1000}} {
-        Network const n = network(keys, more);
-        if (solver == "fixed") {
-            auto made = phasor::make_phasor_engine(n, {.time_base = base_, .fixed_step_s = 0.005});
-            EXPECT_TRUE(made.has_value());
-            engine_ = std::move(*made);
-        } else {
-            engine_ = make(solver, n, base_);
-        }
-        must(engine_->initialise());
-    }
-    void run_to(double t_s) {
-        auto const end = static_cast<std::int64_t>(std::lround(t_s * static_cast<double>(base_.quantum_s().den())));
-        for (; now_ < end; ++now_) {
-            must(engine_->advance(SimTime{now_ + 1}));
-        }
-    }
-    double read(std::string const& quantity) const { return sim::read(*engine_, "supercapacitor.C." + quantity); }
+        : AtOneBus{solver, network(keys, more)} {}
+    double read(std::string const& quantity) const { return sim::read(engine(), "supercapacitor.C." + quantity); }
     double volts() const { return read("voltage_v"); }
     void set(std::string const& quantity, double value) {
-        must(engine_->apply(SetParameter{"supercapacitors.C." + quantity, value}));
+        must(engine().apply(SetParameter{"supercapacitors.C." + quantity, value}));
     }
-    Engine& engine() { return *engine_; }
-
-  private:
-    TimeBase base_;
-    std::unique_ptr<Engine> engine_;
-    std::int64_t now_{0};
 };
 
 /// V' = -(I + V / leak) / C with I of P = (V - I R) I: Runge-Kutta at 0.1 ms.
