@@ -3,59 +3,35 @@
 #include "launcher/run/supervisor.hpp"
 
 #include "bus/board/board.hpp"
-#include "common/line_output.hpp"
 #include "common/text.hpp"
 #include "common/waited_time.hpp"
-#include "launcher/run/child.hpp"
 #include "launcher/run/output_watch.hpp"
+#include "launcher/run/run_news.hpp"
+#include "launcher/run/simulator_standstill.hpp"
 #include "launcher/run/virtual_network.hpp"
+#include "launcher/run/watched_process.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
-#include <ctime>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <poll.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 namespace gridspace::launcher {
 namespace {
 
-double seconds_of(timeval t) {
-    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) / 1e6;
-}
-
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 using std::chrono::seconds;
 
-/// A process of the plan, and its present incarnation.
-struct Watched {
-    PlannedProcess plan;
-    Child child;
-    bool running{false};
-    bool expected_to_die{false}; ///< killed by an event of the scenario
-    bool paused{false};          ///< by an event of the scenario: it does not hear of the end
-    bool asked_to_end{false};
-    std::int64_t incarnation{0};
-    std::string pending;                         ///< status text without its line end yet
-    std::optional<Error> reported;               ///< what it said before it ended
-    std::optional<Clock::time_point> comes_back; ///< a monitor that has ended
-};
-
 class Supervisor {
   public:
     Supervisor(RunPlan const& plan, int channel, std::map<std::string, UniqueFd> const& listen_fds)
-        : plan_{plan}, channel_{channel}, output_{channel, kMaxWaiting}, listen_fds_{listen_fds} {
+        : plan_{plan}, channel_{channel}, news_{channel}, listen_fds_{listen_fds} {
         for (PlannedProcess const& process : plan.processes) {
             watched_.emplace_back().plan = process;
         }
@@ -67,31 +43,26 @@ class Supervisor {
     int run() {
         if (plan_.namespaces) {
             if (auto ok = network_.build(plan_); !ok) {
-                return finish(ok.error());
+                return news_.over(ok.error());
             }
             tell_networks();
         }
         if (auto ok = start_all(); !ok) {
             end_all();
-            return finish(ok.error());
+            return news_.over(ok.error());
         }
         while (!over()) {
             step();
         }
         end_all();
-        return finish(failure_);
+        return news_.over(failure_);
     }
 
   private:
     static constexpr seconds kPauseOfMonitor{1}; ///< before it is started again; one that fails at once is no load
-    static constexpr std::size_t kMaxWaiting = std::size_t{16} << 20U; ///< some 100,000 lines
-
-    static bool only_looks(Watched const& w) { return w.plan.program == "gridspace-monitor"; }
-    static bool is_external(Watched const& w) { return w.plan.run_on.kind == RunOn::Kind::external; }
-
     /// Who looks into the networks of other hosts finds them by descriptors of this process, which is process 1.
     void tell_networks() {
-        for (Watched& w : watched_) {
+        for (WatchedProcess& w : watched_) {
             std::string text;
             for (std::string const& host : w.plan.networks) {
                 text += fmt::format("{}{}=/proc/1/fd/{}", text.empty() ? "" : " ", host, network_.host(host));
@@ -102,11 +73,7 @@ class Supervisor {
         }
     }
 
-    static std::filesystem::path pid_file(Watched const& w) {
-        return w.plan.config_file.parent_path() / (w.plan.name + ".pid");
-    }
-
-    Result<void> start(Watched& w) {
+    Result<void> start(WatchedProcess& w) {
         SpawnOptions options;
         options.netns = plan_.namespaces ? network_.host(w.plan.host) : -1;
         if (auto const it = listen_fds_.find(w.plan.name); it != listen_fds_.end()) {
@@ -116,31 +83,25 @@ class Supervisor {
             return std::unexpected{board_.error()};
         }
         options.board_fd = w.plan.is_member || w.plan.is_simulator ? board_->get() : -1;
-        auto child = spawn(w.plan, options);
-        if (!child) {
-            return std::unexpected{child.error()};
+        if (auto ok = w.start(options); !ok) {
+            return ok;
         }
-        w.child = *child;
-        w.running = true;
-        w.pending.clear();
-        std::ofstream{pid_file(w)} << w.child.pid
-                                   << '\n'; // for the monitor; without it, it says nothing of the process
-        tell(Json{{"kind", "started"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
+        news_.tell(Json{{"kind", "started"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
         return {};
     }
 
     /// First those whose readiness is waited for: the others wait for each other, with a deadline.
     Result<void> start_all() {
         for (bool const first : {true, false}) {
-            for (Watched& w : watched_) {
-                if (is_external(w) || w.plan.ready_says.empty() == first) {
+            for (WatchedProcess& w : watched_) {
+                if (w.is_external() || w.plan.ready_says.empty() == first) {
                     continue;
                 }
                 if (auto ok = start(w); !ok) {
                     return ok;
                 }
             }
-            for (Watched const& w : watched_) {
+            for (WatchedProcess const& w : watched_) {
                 if (first && !failure_) {
                     wait_until_ready(w);
                 }
@@ -153,7 +114,7 @@ class Supervisor {
     }
 
     /// Of somebody's own program that says so in its output.
-    void wait_until_ready(Watched const& w) {
+    void wait_until_ready(WatchedProcess const& w) {
         if (w.plan.ready_says.empty()) {
             return;
         }
@@ -190,10 +151,10 @@ class Supervisor {
             watch_simulator(now);
             return failure_.has_value();
         }
-        auto const is_awaited = [](Watched const& w) { return w.running && !w.plan.is_observer && !w.paused; };
+        auto const is_awaited = [](WatchedProcess const& w) { return w.running && !w.plan.is_observer && !w.paused; };
         bool const members_done = std::none_of(watched_.begin(), watched_.end(), is_awaited);
         if (!members_done && patience && now > *simulator_done_ + *patience) {
-            for (Watched const& w : watched_) {
+            for (WatchedProcess const& w : watched_) {
                 if (is_awaited(w)) {
                     fail_with({ExitCode::stall,
                                fmt::format("process '{}' did not end within {} s of the last tick", w.plan.name,
@@ -214,58 +175,42 @@ class Supervisor {
         return std::chrono::duration<double>{std::max(10.0, 2 * plan_.member_timeout_s)};
     }
 
-    /// The simulator names everybody who stalls but itself. A living one always uses some processor time, if only for
-    /// its leases, however long its step or its wait for the next tick is; a stopped or frozen one uses none.
+    std::vector<WatchedProcess>::iterator simulator() {
+        return std::find_if(watched_.begin(), watched_.end(),
+                            [](WatchedProcess const& w) { return w.plan.is_simulator; });
+    }
+
     void watch_simulator(Clock::time_point now) {
-        auto const sim =
-            std::find_if(watched_.begin(), watched_.end(), [](Watched const& w) { return w.plan.is_simulator; });
+        auto const sim = simulator();
         if (sim == watched_.end() || !sim->running || plan_.member_timeout_s <= 0) {
             return;
         }
-        clockid_t clock{};
-        timespec used{};
-        if (::clock_getcpuclockid(sim->child.pid, &clock) != 0 || ::clock_gettime(clock, &used) != 0) {
-            return;
-        }
-        auto const total = seconds{used.tv_sec} + std::chrono::nanoseconds{used.tv_nsec};
-        if (total != simulator_cpu_) {
-            simulator_cpu_ = total;
-            simulator_still_.restart(now);
-        }
-        // Its leases are renewed every second. Before they run out (10 s): the others would say that it is silent.
-        double const patience_s = std::clamp(2 * plan_.member_timeout_s, 3.0, 8.0);
-        if (simulator_still_.look(now).count() > patience_s) {
-            fail_with({ExitCode::stall,
-                       fmt::format("the simulator '{}' stands still: it has used no processor time for {} s",
-                                   sim->plan.name, shortest(patience_s)),
-                       "has somebody stopped it (SIGSTOP, a debugger)?"});
+        if (auto stall = standstill_.look(sim->plan.name, sim->child.pid, plan_.member_timeout_s, now)) {
+            fail_with(std::move(*stall));
         }
     }
 
     void bring_back_monitor() {
         auto const now = Clock::now();
-        for (Watched& w : watched_) {
+        for (WatchedProcess& w : watched_) {
             if (!w.comes_back || now < *w.comes_back || failure_ || simulator_done_) {
                 continue;
             }
             w.comes_back.reset();
-            ++w.incarnation;
-            w.plan.config.find("bus")->set("incarnation", config::Node::scalar(std::to_string(w.incarnation)));
-            w.reported.reset();
-            std::ofstream{w.plan.config_file} << to_yaml(w.plan.config);
+            w.next_incarnation();
             if (!start(w)) {
                 w.comes_back = now + kPauseOfMonitor;
                 continue;
             }
-            tell(Json{{"kind", "returned"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
+            news_.tell(Json{{"kind", "returned"}, {"process", w.plan.name}, {"incarnation", w.incarnation}});
         }
     }
 
     void step() {
         bring_back_monitor();
-        std::vector<pollfd> fds{{channel_, static_cast<short>(output_.waits() ? POLLIN | POLLOUT : POLLIN), 0}};
-        std::vector<Watched*> owners{nullptr};
-        for (Watched& w : watched_) {
+        std::vector<pollfd> fds{{channel_, static_cast<short>(news_.waits() ? POLLIN | POLLOUT : POLLIN), 0}};
+        std::vector<WatchedProcess*> owners{nullptr};
+        for (WatchedProcess& w : watched_) {
             if (w.running) {
                 fds.push_back({w.child.pidfd, POLLIN, 0});
                 owners.push_back(&w);
@@ -289,25 +234,13 @@ class Supervisor {
                 reap(*owners[i]);
             }
         }
-        output_.flush();
+        news_.flush();
         if ((fds[0].revents & ~POLLOUT) != 0) {
             read_channel();
         }
-        if (plan_.namespaces) { // process 1 reaps whatever its children left behind
-            for (bool more = true; more;) {
-                siginfo_t info{};
-                more = ::waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0 &&
-                       !is_watched(info.si_pid);
-                if (more) {
-                    ::waitpid(info.si_pid, nullptr, 0);
-                }
-            }
+        if (plan_.namespaces) { // as process 1
+            reap_strays(watched_);
         }
-    }
-
-    bool is_watched(pid_t pid) const {
-        return std::any_of(watched_.begin(), watched_.end(),
-                           [&](Watched const& w) { return w.running && w.child.pid == pid; });
     }
 
     void read_channel() {
@@ -319,18 +252,8 @@ class Supervisor {
         }
     }
 
-    void read_status(Watched& w) {
-        char buffer[4096];
-        ssize_t size = 0;
-        while ((size = ::read(w.child.status_fd, buffer, sizeof buffer)) > 0) {
-            w.pending.append(buffer, static_cast<std::size_t>(size));
-        }
-        if (size == 0) {
-            ::close(std::exchange(w.child.status_fd, -1));
-        }
-        for (std::size_t end = 0; (end = w.pending.find('\n')) != std::string::npos;) {
-            std::string const line = w.pending.substr(0, end);
-            w.pending.erase(0, end + 1);
+    void read_status(WatchedProcess& w) {
+        for (std::string const& line : w.read_status()) {
             Json status = Json::parse(line, nullptr, false);
             if (status.is_object()) {
                 on_status(w, status);
@@ -338,7 +261,7 @@ class Supervisor {
         }
     }
 
-    void on_status(Watched& w, Json& status) {
+    void on_status(WatchedProcess& w, Json& status) {
         std::string const what = status.value("status", "");
         if (what == "failed") {
             w.reported = Error{static_cast<ExitCode>(status.value("code", 4)), status.value("message", ""),
@@ -357,48 +280,42 @@ class Supervisor {
             what == "progress" && status.value("time_s", 0.0) < status.value("duration_s", 0.0);
         status["kind"] = "status";
         status["process"] = w.plan.name;
-        tell(status, only_the_newest);
+        news_.tell(status, only_the_newest);
     }
 
-    void reap(Watched& w) {
-        int wait_status = 0;
-        rusage used{};
-        if (::wait4(w.child.pid, &wait_status, 0, &used) != w.child.pid) {
+    void reap(WatchedProcess& w) {
+        auto const end = w.reap();
+        if (!end) {
             return;
         }
         read_status(w); // its last words
-        w.running = false;
-        ::close(w.child.pidfd);
-        ::close(w.child.control_fd);
-        std::error_code ignored;
-        std::filesystem::remove(pid_file(w), ignored);
         // The usual end of a program that somebody else wrote and that runs until it is told to end.
-        bool const did_as_asked = w.asked_to_end && WIFSIGNALED(wait_status) && WTERMSIG(wait_status) == SIGTERM;
-        tell(Json{{"kind", "exit"},
-                  {"process", w.plan.name},
-                  {"how", did_as_asked ? "ended when asked" : describe_end(wait_status)},
-                  {"code", did_as_asked             ? 0
-                           : WIFEXITED(wait_status) ? WEXITSTATUS(wait_status)
-                                                    : 128 + WTERMSIG(wait_status)},
-                  {"expected", w.expected_to_die},
-                  {"cpu_s", seconds_of(used.ru_utime) + seconds_of(used.ru_stime)}});
-        if (w.expected_to_die || failure_) {
-            return;
+        bool const did_as_asked = w.asked_to_end && end->signal() == SIGTERM;
+        news_.tell(Json{{"kind", "exit"},
+                        {"process", w.plan.name},
+                        {"how", did_as_asked ? "ended when asked" : end->text()},
+                        {"code", did_as_asked ? 0 : end->code()},
+                        {"expected", w.expected_to_die},
+                        {"cpu_s", end->cpu_s}});
+        if (!w.expected_to_die && !failure_) {
+            judge_end(w, *end);
         }
+    }
+
+    /// Of a process that nobody has asked to end.
+    void judge_end(WatchedProcess& w, WatchedProcess::End const& end) {
         // A board turns itself off in any case: what its program said counts.
-        bool const clean = WIFEXITED(wait_status) && WEXITSTATUS(wait_status) == 0 &&
-                           !(w.plan.run_on.kind == RunOn::Kind::qemu_system && w.reported);
+        bool const clean = end.code() == 0 && !(w.plan.run_on.kind == RunOn::Kind::qemu_system && w.reported);
         if (w.plan.is_simulator) {
             if (clean) {
                 simulator_done_ = Clock::now();
             } else {
                 fail_with({w.reported ? w.reported->code : ExitCode::child_died,
-                           fmt::format("the simulator '{}' ended: {}", w.plan.name, describe_end(wait_status)),
-                           "see its log"});
+                           fmt::format("the simulator '{}' ended: {}", w.plan.name, end.text()), "see its log"});
             }
             return;
         }
-        if (only_looks(w)) { // it decides nothing: the run goes on without it, and later with it
+        if (w.only_looks()) { // it decides nothing: the run goes on without it, and later with it
             w.comes_back = Clock::now() + kPauseOfMonitor;
             return;
         }
@@ -416,8 +333,8 @@ class Supervisor {
             return;
         }
         if (!clean && (!w.plan.is_observer || !simulator_done_)) {
-            Error error{ExitCode::child_died,
-                        fmt::format("process '{}' died: {}", w.plan.name, describe_end(wait_status)), "see its log"};
+            Error error{ExitCode::child_died, fmt::format("process '{}' died: {}", w.plan.name, end.text()),
+                        "see its log"};
             if (w.reported) {
                 error = {w.reported->code == ExitCode::interrupted ? ExitCode::child_died : w.reported->code,
                          fmt::format("{}: {}", w.plan.name, w.reported->message), w.reported->remedy};
@@ -427,7 +344,7 @@ class Supervisor {
     }
 
     /// What a user asks for in the dashboard. Only the monitor may, and only when the run was started so.
-    void control(Watched const& from, std::string const& action) {
+    void control(WatchedProcess const& from, std::string const& action) {
         if (!plan_.allow_control || !from.plan.is_observer) {
             return;
         }
@@ -435,8 +352,7 @@ class Supervisor {
             fail_with({ExitCode::interrupted, fmt::format("stopped through {}", from.plan.name), ""});
             return;
         }
-        auto const sim =
-            std::find_if(watched_.begin(), watched_.end(), [](Watched const& w) { return w.plan.is_simulator; });
+        auto const sim = simulator();
         if (plan_.lockstep && sim != watched_.end() && sim->running) {
             std::string const line = action + "\n";
             [[maybe_unused]] auto const written = ::write(sim->child.control_fd, line.data(), line.size());
@@ -444,13 +360,13 @@ class Supervisor {
     }
 
     /// Carries out what the timeline does to processes at a held tick, then lets the simulator go on.
-    void strike(Watched& simulator, std::size_t index) {
+    void strike(WatchedProcess& simulator, std::size_t index) {
         std::string answer;
         using Kind = ProcessAction::Kind;
         if (index < plan_.holds.size()) {
             for (ProcessAction const& action : plan_.holds[index]) {
                 auto const w = std::find_if(watched_.begin(), watched_.end(),
-                                            [&](Watched const& x) { return x.plan.name == action.process; });
+                                            [&](WatchedProcess const& x) { return x.plan.name == action.process; });
                 char const* text = "killed";
                 switch (action.kind) {
                 case Kind::kill:
@@ -484,42 +400,32 @@ class Supervisor {
                     text = "restarted";
                     break;
                 }
-                tell(Json{{"kind", "process_action"},
-                          {"event", action.event},
-                          {"process", action.process},
-                          {"what", text},
-                          {"time_s", action.at_s}});
+                news_.tell(Json{{"kind", "process_action"},
+                                {"event", action.event},
+                                {"process", action.process},
+                                {"what", text},
+                                {"time_s", action.at_s}});
             }
         }
         answer += "go\n";
         [[maybe_unused]] auto const written = ::write(simulator.child.control_fd, answer.data(), answer.size());
     }
 
-    void kill_and_reap(Watched& w) {
+    void kill_and_reap(WatchedProcess& w) {
         if (w.running) {
             ::kill(-w.child.pid, SIGKILL);
             reap(w);
         }
     }
 
-    bool restart(Watched& w, double at_s) {
-        ++w.incarnation;
-        config::Node& bus = *w.plan.config.find("bus");
-        bus.set("incarnation", config::Node::scalar(std::to_string(w.incarnation)));
-        bus.set("joins_at_s", config::Node::scalar(shortest(at_s)));
-        config::Node absent = config::Node::sequence();
-        std::vector<std::string> absent_names;
-        for (Watched const& other : watched_) {
-            if (!other.running && &other != &w && !is_external(other)) {
-                absent.items.push_back(config::Node::scalar(other.plan.name));
-                absent_names.push_back(other.plan.name);
+    bool restart(WatchedProcess& w, double at_s) {
+        std::vector<std::string> absent;
+        for (WatchedProcess const& other : watched_) {
+            if (!other.running && &other != &w && !other.is_external()) {
+                absent.push_back(other.plan.name);
             }
         }
-        bus.set("absent", std::move(absent));
-        w.plan.environment["GRIDSPACE_INCARNATION"] = std::to_string(w.incarnation);
-        w.plan.environment["GRIDSPACE_JOINS_AT_S"] = shortest(at_s);
-        w.plan.environment["GRIDSPACE_ABSENT"] = join(absent_names, " ");
-        std::ofstream{w.plan.config_file} << to_yaml(w.plan.config);
+        w.next_incarnation(at_s, absent);
         if (auto ok = start(w); !ok) {
             fail_with(ok.error());
             return false;
@@ -530,7 +436,7 @@ class Supervisor {
 
     /// Ends what still runs: a request, two seconds (ten for who has to finish a recording on a slow disk), then force.
     void end_all() {
-        for (Watched& w : watched_) {
+        for (WatchedProcess& w : watched_) {
             if (w.running) {
                 w.expected_to_die = w.asked_to_end = true;
                 ::kill(-w.child.pid, SIGCONT);
@@ -538,19 +444,19 @@ class Supervisor {
             }
         }
         auto const end_those = [&](auto deadline, auto const& concerns) {
-            auto const is_awaited = [&](Watched const& w) { return w.running && concerns(w); };
+            auto const is_awaited = [&](WatchedProcess const& w) { return w.running && concerns(w); };
             while (std::any_of(watched_.begin(), watched_.end(), is_awaited) && Clock::now() < deadline) {
                 step();
             }
-            for (Watched& w : watched_) {
+            for (WatchedProcess& w : watched_) {
                 if (concerns(w)) {
                     kill_and_reap(w);
                 }
             }
         };
         auto const asked = Clock::now();
-        end_those(asked + seconds{2}, [](Watched const& w) { return w.plan.program != "gridspace-recorder"; });
-        end_those(asked + seconds{10}, [](Watched const&) { return true; });
+        end_those(asked + seconds{2}, [](WatchedProcess const& w) { return w.plan.program != "gridspace-recorder"; });
+        end_those(asked + seconds{10}, [](WatchedProcess const&) { return true; });
     }
 
     [[nodiscard]] Error suspicion() const {
@@ -559,70 +465,30 @@ class Supervisor {
                 "see its log; a member stays until the last tick"};
     }
 
-    /// A process that is stopped answers nobody, and the first who misses it may be missed by others in turn.
-    [[nodiscard]] std::optional<Error> stopped_ones() const {
-        std::vector<std::string> names;
-        for (Watched const& w : watched_) {
-            if (w.running && !w.paused && !w.plan.is_observer && is_stopped(w.child.pid)) {
-                names.push_back("'" + w.plan.name + "'");
-            }
-        }
-        if (names.empty()) {
-            return std::nullopt;
-        }
-        return Error{ExitCode::stall,
-                     fmt::format("{} {} stopped, by a signal (SIGSTOP, SIGTSTP) or a debugger",
-                                 names.size() == 1 ? "process" : "processes",
-                                 join(names, ", ") + (names.size() == 1 ? " is" : " are")),
-                     "`clock: {member_timeout_s: 0}` lets a run wait for a process in a debugger"};
-    }
-
     void fail_with(Error error) {
         if (!failure_) {
             if (error.code == ExitCode::stall && suspect_ && !simulator_done_) { // who has gone does not answer
                 error = suspicion();
             } else if (error.code == ExitCode::stall) {
-                error = stopped_ones().value_or(std::move(error));
+                error = stopped_ones(watched_).value_or(std::move(error));
             }
-            tell(Json{{"kind", "failed"},
-                      {"code", static_cast<int>(error.code)},
-                      {"cause", error.message}}); // before the others end of it
+            news_.tell(Json{{"kind", "failed"},
+                            {"code", static_cast<int>(error.code)},
+                            {"cause", error.message}}); // before the others end of it
             failure_ = std::move(error);
-        }
-    }
-
-    int finish(std::optional<Error> const& error) {
-        ExitCode const code = error ? error->code : ExitCode::ok;
-        tell(Json{{"kind", "over"},
-                  {"code", static_cast<int>(code)},
-                  {"cause", error ? error->message : ""},
-                  {"remedy", error ? error->remedy : ""},
-                  {"left_out", output_.left_out()}});
-        output_.drain(std::nullopt); // the launcher may be stopped (Ctrl-Z); when it dies, so does this process
-        return static_cast<int>(code);
-    }
-
-    /// Never waits: whatever the launcher does, the processes are watched.
-    void tell(Json const& json, bool only_the_newest = false) {
-        std::string line = json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-        if (only_the_newest) {
-            output_.put_latest(std::move(line));
-        } else {
-            output_.put(line);
         }
     }
 
     RunPlan const& plan_;
     int channel_;
-    LineOutput output_; ///< to the channel
+    RunNews news_; ///< to the channel
     std::map<std::string, UniqueFd> const& listen_fds_;
     VirtualNetwork network_;
     Result<UniqueFd> board_{UniqueFd{}};
-    std::vector<Watched> watched_;
+    std::vector<WatchedProcess> watched_;
     std::optional<Error> failure_;
     std::optional<Clock::time_point> simulator_done_;
-    std::chrono::nanoseconds simulator_cpu_{-1};
-    WaitedTime simulator_still_;
+    SimulatorStandstill standstill_;
     std::optional<std::pair<Clock::time_point, std::string>> suspect_; ///< a member that has ended, and when
 };
 
