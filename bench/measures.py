@@ -85,12 +85,21 @@ def forecaster(build: Build) -> Iterator[Figure]:
 
 def wire(build: Build) -> Iterator[Figure]:
     """Frames over a virtual cable, beside bare packet sockets."""
-    found = json.loads(build.output("bench/bench_wire_frames", "--rate-seconds", "5"))
+    found = json.loads(build.output("bench/bench_wire_frames"))
     yield Figure("one_way_p50", "a frame from sender to receiver, p50", found["one_way_us"]["p50"], "us", False, found["bare_one_way_us"]["p50"], "bare packet sockets")
     yield Figure("batch", "frames sent in batches", found["send_batch_per_s"], "frames/s", True, found["send_single_per_s"], "one by one")
-    streams = found["six_streams"]
-    yield Figure("six_streams_lost", "six streams of 4800 Hz: frames lost", streams["lost"], "frames", False, aim=0)
-    yield Figure("six_streams_rate", "six streams of 4800 Hz: rate of each", streams["rate_hz"], "Hz", True)
+
+
+def streams(build: Build) -> Iterator[Figure]:
+    """Many streams at once over a virtual cable, beside bare packet sockets that send and count equal frames."""
+    bare_what = "bare packet sockets"
+    for name, found in json.loads(build.output("bench/bench_wire_streams", "--seconds", "5")).items():
+        ours, bare = found["ours"], found["bare"]
+        yield Figure(f"{name} lost", f"{name}: samples lost", ours["lost"], "samples", False, aim=0)
+        yield Figure(f"{name} rate", f"{name}: of the frames that are due", 100 * ours["frames_per_s"] / found["due_per_s"], "%", True, aim=99.99)
+        yield Figure(f"{name} p99.9", f"{name}: due until read, p99.9", ours["delay_us"]["p99.9"], "us", False, bare["delay_us"]["p99.9"], bare_what)
+        for way in "send", "receive":
+            yield Figure(f"{name} {way}", f"{name}: a frame's processor time to {way}", ours[f"{way}_cpu_ns"], "ns", False, bare[f"{way}_cpu_ns"], bare_what)
 
 
 def lockstep(build: Build) -> Iterator[Figure]:
@@ -156,4 +165,4 @@ def simulated_time(build: Build) -> Iterator[Figure]:
 
 
 MEASURES: dict[str, Callable[[Build], Iterator[Figure]]] = {
-    "codec": codec, "forecaster": forecaster, "wire": wire, "emt": emt, "lockstep": lockstep, "speeds": speeds, "real_time": real_time, "python": python_agent, "timebox": simulated_time}
+    "codec": codec, "forecaster": forecaster, "wire": wire, "streams": streams, "emt": emt, "lockstep": lockstep, "speeds": speeds, "real_time": real_time, "python": python_agent, "timebox": simulated_time}

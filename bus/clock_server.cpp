@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/clock_server.hpp"
 
-#include "bus/cork.hpp"
 #include "bus/deadline.hpp"
 #include "bus/node_core.hpp"
 #include "bus/start_patience.hpp"
@@ -310,8 +309,7 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
         constexpr std::chrono::milliseconds kPeriod{10};
         auto const now = std::chrono::steady_clock::now();
         if (number > 0 && !final && now - s.sent_at < kPeriod) {
-            uncork();
-            cork(); // what the next tick publishes leaves together
+            core.together.emplace(); // what the next tick publishes leaves together
             return {};
         }
         s.sent_at = now;
@@ -323,7 +321,7 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     core.fill_ledger(s.clock.ledger());
     bool accepted = true;
     if (core.board != nullptr) {
-        uncork(); // what belongs to the tick is on its way before anybody is told
+        core.together.reset(); // what belongs to the tick is on its way before anybody is told
         accepted = s.post_clock(time);
     }
     if (core.board == nullptr || core.show_to_others(final)) {
@@ -331,7 +329,7 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
             s.clock_writer->write(&s.clock, core.lockstep() ? std::optional{core.source_ns(time)} : std::nullopt) &&
             accepted;
     }
-    uncork();
+    core.together.reset();
     if (!accepted) {
         return fail(ExitCode::stall, fmt::format("DDS refused clock sample {}", number));
     }
@@ -346,7 +344,7 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
             }
             return {};
         }
-        cork(); // what the next tick publishes leaves with its clock, in few datagrams
+        core.together.emplace(); // what the next tick publishes leaves with its clock, in few datagrams
         return {};
     }
     std::unique_lock lock{core.mutex};
@@ -385,7 +383,7 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
         reader->inbox->release({INT64_MAX});
     }
     if (!final) {
-        cork(); // until the next clock
+        core.together.emplace(); // until the next clock
     } else {
         core.leave_at_once_unless_watched();
     }
@@ -405,7 +403,7 @@ Result<void> ClockServer::await_restarted(std::string const& process, std::uint3
         s.hold(process);
     }
     s.clock_writer->write(&s.clock, std::optional{s.core.source_ns(s.core.latest_time)});
-    uncork();
+    s.core.together.reset();
     if (auto ok = s.await_ready(fmt::format("restart of {}", process)); !ok) {
         return ok;
     }
@@ -437,7 +435,7 @@ void ClockServer::rejoin(std::string const& process) {
 
 void ClockServer::abort() {
     State& s = *state_;
-    uncork(); // the run may end between two ticks
+    s.core.together.reset(); // the run may end between two ticks
     if (s.clock_writer != nullptr) {
         s.clock.state(CLOCK_ABORTED);
         s.clock_writer->write(&s.clock, std::nullopt);

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/corked_transport.hpp"
 
-#include "bus/cork.hpp"
+#include "bus/send_together.hpp"
 #include "bus/udp_inputs.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
 #include <fastdds/rtps/common/LocatorsIterator.hpp>
 #include <fastdds/rtps/network/SenderResource.h>
@@ -265,15 +266,14 @@ fdds::TransportInterface* CorkedTransportDescriptor::create_transport() const {
     return new CorkedTransport{*this};
 }
 
-void cork() {
+SendTogether::SendTogether() {
+    assert(!t_gathering.corked);
     t_gathering.corked = true;
 }
 
-void uncork() {
-    if (t_gathering.corked) {
-        t_gathering.corked = false;
-        flush();
-    }
+SendTogether::~SendTogether() {
+    t_gathering.corked = false;
+    flush();
 }
 
 } // namespace gridspace::bus

@@ -12,8 +12,8 @@
 
 namespace gridspace::bus {
 
-/// Any transport with bus/cork.hpp on its sending side and the gate of bus/rtps_guard on its receiving side. Receivers
-/// need nothing for the cork: several submessages in a message are plain RTPS (DDSI-RTPS 2.2, clause 8.3).
+/// Any transport with bus/send_together.hpp on its sending side and the gate of bus/rtps_guard on its receiving side.
+/// Receivers need nothing for the cork: several submessages in a message are plain RTPS (DDSI-RTPS 2.2, clause 8.3).
 struct CorkedTransportDescriptor : eprosima::fastdds::rtps::ChainingTransportDescriptor {
     CorkedTransportDescriptor(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low_level,
                               std::shared_ptr<rtps_guard::Gate> g)

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bus/node.hpp"
 
-#include "bus/cork.hpp"
 #include "bus/node_core.hpp"
 #include "bus/topics.hpp"
 
@@ -167,7 +166,7 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
 Node::Node(std::unique_ptr<Core> core) : core_{std::move(core)} {}
 
 Node::~Node() {
-    uncork(); // the farewell must not stay behind: others would wait for the lease to run out
+    core_->together.reset(); // the farewell must not stay behind: others would wait for the lease to run out
     // Endpoints first: their listeners use the core. A graceful end tells the others that this process is gone.
     core_->clock_reader.reset();
     core_->ack_reader.reset();

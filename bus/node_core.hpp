@@ -10,6 +10,7 @@
 #include "bus/lockstep/wire_book.hpp"
 #include "bus/node.hpp"
 #include "bus/receiving.hpp"
+#include "bus/send_together.hpp"
 #include "bus/wire_impl.hpp"
 
 #include <atomic>
@@ -17,6 +18,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -106,6 +108,7 @@ struct Node::Core {
     /// then, for who looks on.
     std::unique_ptr<Board> board;
     std::atomic<std::thread::id> worker{};            ///< the process's own thread
+    std::optional<SendTogether> together;             ///< from the beginning of a tick to its acknowledgement
     std::vector<std::size_t> board_heard, board_rung; ///< places that this process reads, and whose bells it rings
     std::chrono::steady_clock::time_point shown_at;   ///< when DDS last got what the board has
     Result<void> join_board();

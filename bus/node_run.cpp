@@ -3,7 +3,6 @@
 //
 // A node's life on the clock: next, done. Its start is in node_start.cpp, endpoints are in node.cpp, receiving is in
 // node_receive.cpp.
-#include "bus/cork.hpp"
 #include "bus/deadline.hpp"
 #include "bus/effect_time.hpp"
 #include "bus/node.hpp"
@@ -107,7 +106,9 @@ Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::
         }
         core.release_wires(tick.time);
         log::set_time(core.base.seconds(tick.time));
-        cork(); // until the acknowledgement
+        if (!core.together) { // until the acknowledgement
+            core.together.emplace();
+        }
         return tick;
     }
     auto const anything_new = [&] {
@@ -167,7 +168,7 @@ bool Node::Core::acknowledge(std::uint64_t tick, std::uint64_t next_tick_needed,
     if (board == nullptr || next_tick_needed == 0) {
         return ack_writer->write(&ack, source_ns(time));
     }
-    uncork(); // what belongs to the tick is on its way before anybody is told
+    together.reset(); // what belongs to the tick is on its way before anybody is told
     bool accepted = post(ack, source_ns(time), tick);
     for (std::size_t const place : board_rung) {
         board->ring(place);
@@ -210,7 +211,7 @@ Result<void> Node::done(Tick const& tick, std::uint64_t next_tick_needed) {
         flush();
     }
     bool const accepted = core.acknowledge(tick.number, std::max(next_tick_needed, tick.number + 1), tick.time);
-    uncork();
+    core.together.reset();
     if (!accepted) {
         return fail(ExitCode::stall, fmt::format("DDS refused the acknowledgement of tick {}", tick.number));
     }

@@ -3,7 +3,6 @@
 #include "bus/participant.hpp"
 
 #include "bus/authentication_impl.hpp"
-#include "bus/cork.hpp"
 #include "bus/corked_transport.hpp"
 #include "bus/discovery_impl.hpp"
 #include "bus/endpoints_impl.hpp"
@@ -143,7 +142,6 @@ class FastDdsParticipant final : public Participant {
         if (participant_ == nullptr) {
             return;
         }
-        uncork(); // what waits goes out through what is deleted here, and so does the farewell
         participant_->set_listener(nullptr);
         participant_->delete_contained_entities();
         dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);

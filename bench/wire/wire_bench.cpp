@@ -3,21 +3,16 @@
 //
 // Frames over a virtual cable in a namespace of its own: throughput of one send per call against batches, and round
 // trips beside those of bare sockets in the same run. Prints JSON; asserts nothing.
-//   bench_wire_frames [--rate-seconds S]   with S > 0 also 6 streams of 4800 Hz for S seconds
 #include "gateways/ethernet/port.hpp"
-#include "gateways/iec61850/sv_publisher.hpp"
-#include "gateways/iec61850/sv_subscriber.hpp"
+#include "gateways/iec61850/sv_template.hpp"
 
 #include <algorithm>
 #include <arpa/inet.h>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <fmt/format.h>
-#include <memory>
-#include <poll.h>
 #include <sched.h>
 #include <sys/socket.h>
 #include <thread>
@@ -191,95 +186,11 @@ void delays() {
                ours.at(0.5) / bare.at(0.5));
 }
 
-/// Six streams of 4800 Hz from one thread to another.
-void rate(double seconds) {
-    constexpr std::size_t kStreams = 6;
-    std::atomic<bool> stop{false};
-    std::atomic<bool> ready{false};
-    std::uint64_t lost = 0, wrong = 0, samples = 0, dropped = 0;
-    double rate_hz = 0;
-    std::int64_t longest = 0;
-    std::thread receiver{[&] {
-        Port port = open("right", true);
-        auto frame = std::make_unique<iec61850::SvFrame>();
-        std::vector<iec61850::SvSubscriber> subscribers;
-        for (std::size_t i = 0; i < kStreams; ++i) {
-            iec61850::SvSubscription s;
-            s.sv_id = fmt::format("MU{}", i);
-            subscribers.emplace_back(s);
-        }
-        std::vector<ReceivedFrame> in(128);
-        ready = true;
-        while (!stop || port.wait(1)) {
-            port.wait(10'000'000);
-            for (std::size_t n = port.receive(in), i = 0; i < n; ++i) {
-                if (decode_sv(in[i].octets, *frame)) {
-                    for (auto& s : subscribers) {
-                        if (s.is_mine(frame->asdus[0])) {
-                            s.receive(frame->header, frame->asdus[0], in[i].stamp_ns);
-                        }
-                    }
-                }
-            }
-        }
-        for (auto const& s : subscribers) {
-            lost += s.counters().lost;
-            samples += s.counters().samples;
-            wrong += s.counters().of(iec61850::SvEvent::duplicate) + s.counters().of(iec61850::SvEvent::late) +
-                     s.counters().of(iec61850::SvEvent::restart);
-            longest = std::max(longest, s.arrivals().longest_ns());
-        }
-        rate_hz = subscribers[0].arrivals().rate_hz();
-        dropped = port.counters().dropped;
-    }};
-    while (!ready) {
-        ::usleep(100);
-    }
-    Port sender = open("left", false);
-    std::vector<iec61850::SvPublisher> publishers;
-    for (std::size_t i = 0; i < kStreams; ++i) {
-        iec61850::AsduDescription d;
-        d.sv_id = fmt::format("MU{}", i);
-        d.sample_octets = 12;
-        publishers.emplace_back(
-            *iec61850::SvTemplate::create(
-                {*Mac::parse("01:0C:CD:04:00:21"), sender.mac(), iec61850::VlanTag{}, 0x4021, false}, {d}),
-            4800);
-    }
-    std::int64_t const start = now() + 1'000'000, cpu = read_clock(CLOCK_THREAD_CPUTIME_ID);
-    iec61850::SendSchedule schedule{Rational{4800}, 1, start};
-    std::vector<Octets> batch(kStreams);
-    while (now() < start + static_cast<std::int64_t>(seconds * 1e9)) {
-        timespec const at{schedule.due_ns() / 1'000'000'000, schedule.due_ns() % 1'000'000'000};
-        ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
-        for (std::size_t owed = schedule.owed(now(), 64); owed > 0; --owed) {
-            for (std::size_t i = 0; i < kStreams; ++i) {
-                iec61850::store_float(publishers[i].sample(schedule.next_frame()), 0, 1.0F);
-                batch[i] = publishers[i].commit();
-            }
-            sender.send(batch);
-            schedule.sent(1);
-        }
-    }
-    double const cpu_us = static_cast<double>(read_clock(CLOCK_THREAD_CPUTIME_ID) - cpu) / 1e3;
-    stop = true;
-    receiver.join();
-    auto const expected = static_cast<std::uint64_t>(schedule.next_frame()) * kStreams;
-    fmt::print(",\n  \"six_streams\": {{\"seconds\": {}, \"sent\": {}, \"received\": {}, \"lost\": {}, "
-               "\"duplicate_or_out_of_order\": {}, \"dropped\": {}, \"rate_hz\": {:.4f}, "
-               "\"late_wakeups\": {}, \"worst_late_us\": {:.1f}, \"longest_gap_us\": {:.1f}, "
-               "\"sender_cpu_us_per_frame\": {:.3f}}}",
-               seconds, expected, samples, lost, wrong, dropped, rate_hz, schedule.late_wakeups(),
-               static_cast<double>(schedule.worst_late_ns()) / 1e3, static_cast<double>(longest) / 1e3,
-               cpu_us / static_cast<double>(expected));
-}
-
 } // namespace
 } // namespace gridspace::ethernet
 
-int main(int argc, char** argv) {
+int main() {
     using namespace gridspace::ethernet;
-    double const seconds = argc == 3 && std::strcmp(argv[1], "--rate-seconds") == 0 ? std::atof(argv[2]) : 0;
     if (::unshare(CLONE_NEWNET | (::geteuid() == 0 ? 0 : CLONE_NEWUSER)) != 0 ||
         std::system("PATH=/usr/sbin:/sbin:$PATH; ip link add left type veth peer name right && ip link set left up && "
                     "ip link set right up") != 0) {
@@ -290,9 +201,6 @@ int main(int argc, char** argv) {
     fmt::print("{{\n");
     throughput();
     delays();
-    if (seconds > 0) {
-        rate(seconds);
-    }
     fmt::print("\n}}\n");
     return 0;
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/cork.hpp"
+#include "bus/send_together.hpp"
 #include "bus/participant.hpp"
 #include "common/source_tree.hpp"
 #include "tests/integration/veth/veth.hpp"
@@ -29,7 +29,7 @@ class Cork : public ethernet::Veth {
     }
 };
 
-TEST_F(Cork, WhoLeavesWithTheCorkInHasSaidWhatHeHadToSayAndGoodbye) {
+TEST_F(Cork, WhatLeavesTogetherOutlivesItsWriterAndGoesBeforeTheFarewell) {
     auto const listener = join("listener");
     auto sut = join("sut");
     ASSERT_TRUE(listener && sut);
@@ -40,11 +40,12 @@ TEST_F(Cork, WhoLeavesWithTheCorkInHasSaidWhatHeHadToSayAndGoodbye) {
     auto writer = sut->create_writer("x", {.type_name = "X"});
     ASSERT_TRUE(reader && writer);
     ASSERT_TRUE(wait_until([&] { return !(*reader)->matched().empty() && !(*writer)->matched().empty(); }));
-    cork();
-    ASSERT_TRUE((*writer)->write_cdr(std::vector<std::byte>(8), std::nullopt));
-    writer->reset();
+    {
+        SendTogether const together;
+        ASSERT_TRUE((*writer)->write_cdr(std::vector<std::byte>(8), std::nullopt));
+        writer->reset(); // what is held does not need it any more
+    }
     sut.reset();
-    uncork();
     EXPECT_TRUE(wait_until([&] { return heard == 1 && clean; }));
 }
 
