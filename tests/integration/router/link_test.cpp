@@ -3,11 +3,14 @@
 //
 // Two routers with a TCP link between them, in a network namespace of the test's own.
 #include "bench.hpp"
+#include "common/unique_fd.hpp"
 #include "tests/integration/veth/veth.hpp"
 
+#include <arpa/inet.h>
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
+#include <sys/socket.h>
 
 namespace gridspace::router {
 namespace {
@@ -114,9 +117,16 @@ TEST_F(Link, TlsLetsInWhomTheAuthorityHasSignedAndNobodyElse) {
 }
 
 TEST_F(Link, APortThatSomebodyHasIsNamed) {
-    RunningRouter first{site("site_a", 1, "listen: 7411" + tls("site_a"))};
+    UniqueFd const somebody{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+    int const yes = 1; // connections of tests before may still be remembered
+    ::setsockopt(somebody.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    sockaddr_in any{};
+    any.sin_family = AF_INET;
+    any.sin_port = htons(7411);
+    ASSERT_EQ(::bind(somebody.get(), reinterpret_cast<sockaddr const*>(&any), sizeof any), 0);
+    ASSERT_EQ(::listen(somebody.get(), 1), 0);
     try {
-        RunningRouter sut{site("other", 2, "listen: 7411" + tls("site_b"))};
+        RunningRouter sut{site("site_a", 1, "listen: 7411" + tls("site_a"))};
         FAIL() << "it started";
     } catch (std::runtime_error const& e) {
         EXPECT_NE(std::string{e.what()}.find("wan: cannot listen at port 7411"), std::string::npos) << e.what();
