@@ -13,6 +13,8 @@ import re
 import subprocess
 import sys
 
+from debian_licence import licence_of
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 NAMESPACE = "https://example.org/gridspace/spdx"
 
@@ -51,14 +53,16 @@ def main():
     debs = sorted(folder.glob("*.deb"))
     if not debs:
         sys.exit(f"error: no package is in {folder}\n  ./gridspace package makes them")
-    packages, relations, ours = {}, [], [of_deb(deb) for deb in debs]
+    packages, relations, licences, ours = {}, [], {}, [of_deb(deb) for deb in debs]
     by_name = {entry["name"]: entry["SPDXID"] for entry, _ in ours}
     for entry, depends in ours:
         packages[entry["SPDXID"]] = entry
         relations.append(("SPDXRef-DOCUMENT", "DESCRIBES", entry["SPDXID"]))
         for name in depends:
             if name not in by_name:
-                needed = other("deb", name, installed_version(name))
+                licence, not_of_spdx = licence_of(name)
+                licences |= not_of_spdx
+                needed = other("deb", name, installed_version(name), licence)
                 packages[needed["SPDXID"]] = needed
             relations.append((entry["SPDXID"], "DEPENDS_ON", by_name.get(name) or needed["SPDXID"]))
     lock = json.loads((ROOT / "monitor/dashboard/package-lock.json").read_text())["packages"]
@@ -74,6 +78,7 @@ def main():
                       "documentNamespace": f"{NAMESPACE}/{sums}",
                       "creationInfo": {"created": commit_time or "1970-01-01T00:00:00Z", "creators": ["Tool: gridspace-sbom"]},
                       "packages": [packages[key] for key in sorted(packages)],
+                      "hasExtractedLicensingInfos": [{"licenseId": key, "name": licences[key][0], "extractedText": licences[key][1]} for key in sorted(licences)],
                       "relationships": [{"spdxElementId": a, "relationshipType": kind, "relatedSpdxElement": b} for a, kind, b in relations]}, indent=1))
 
 

@@ -25,6 +25,10 @@ def findings(document):
         yield from (f"{package.get('name')}: {key} is missing" for key in sorted(OF_PACKAGE - package.keys()))
         if not re.fullmatch(r"SPDXRef-[A-Za-z0-9.-]+", package.get("SPDXID", "")):
             yield f"{package.get('SPDXID')} is no identifier"
+    explained = {licence["licenseId"] for licence in document.get("hasExtractedLicensingInfos", [])}
+    for package in document.get("packages", []):
+        used = set(re.findall(r"LicenseRef-[A-Za-z0-9.-]+", package.get("licenseDeclared", "")))
+        yield from (f"{package.get('name')}: {one} is said and not explained" for one in sorted(used - explained))
     known = {*identifiers, document.get("SPDXID")}
     for relation in document.get("relationships", []):
         yield from (f"{relation[end]} is related and not there" for end in ("spdxElementId", "relatedSpdxElement") if relation[end] not in known)
