@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "bus/send_together.hpp"
 #include "bus/participant.hpp"
+#include "bus/send_together.hpp"
 #include "common/source_tree.hpp"
 #include "tests/integration/veth/veth.hpp"
 
