@@ -1,15 +1,19 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Steps per second of the lockstep contract beside a bare Fast DDS ping-pong and a bare UDP one, of the same shape, in
-// one run. Each member is a process. Usage: bench_lockstep [members ...] [--steps N] [--rounds R]
+// Steps per second of the lockstep contract, with clock and acknowledgements over the shared memory that `gridspace
+// run` gives to members on one machine and with all of it over DDS, beside a bare Fast DDS ping-pong and a bare UDP
+// one, of the same shape, in one run. What the members say is on DDS each time. Each member is a process. Usage:
+// bench_lockstep [members ...] [--steps N] [--rounds R]
 #include "bench/lockstep/exchanges.hpp"
+#include "bus/board/board.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <numeric>
+#include <string>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
@@ -25,7 +29,16 @@ struct Figures {
 };
 
 /// Runs one exchange: members and simulator are children, so that nothing of DDS stays behind in this process.
-Figures measure(Exchange exchange, int members, std::uint64_t steps, int domain) {
+Figures measure(Exchange exchange, int members, std::uint64_t steps, int domain, bool shares_memory = false) {
+    gridspace::UniqueFd board;
+    if (shares_memory) {
+        auto memory = gridspace::bus::Board::create(static_cast<std::size_t>(members) + 1);
+        if (!memory) {
+            std::fprintf(stderr, "%s\n", describe(memory.error()).c_str());
+            std::exit(3);
+        }
+        board = std::move(*memory);
+    }
     int pipe_ends[2];
     if (::pipe(pipe_ends) != 0) {
         std::perror("pipe");
@@ -36,6 +49,9 @@ Figures measure(Exchange exchange, int members, std::uint64_t steps, int domain)
         pid_t const pid = ::fork();
         if (pid == 0) {
             ::close(pipe_ends[0]);
+            if (board) {
+                ::setenv("GRIDSPACE_BOARD", std::to_string(board.get()).c_str(), 1);
+            }
             std::vector<double> times = exchange(member, members, steps, domain);
             if (member < 0) {
                 Figures figures;
@@ -89,26 +105,30 @@ int main(int argc, char** argv) {
         counts = {1, 4, 16, 50};
     }
     std::printf(
-        "members  contract steps/s (p50/p99 us)   bare DDS steps/s        bare UDP steps/s       contract/DDS\n");
+        "members  as `run` starts it, steps/s (p50/p99 us)  all over DDS, steps/s  bare DDS, steps/s  bare UDP, "
+        "steps/s  ratios to bare DDS\n");
     int domain = 40;
     for (int const members : counts) {
-        std::vector<double> contract, dds, udp, ratio;
-        Figures c, d, u;
+        std::vector<double> shared, contract, dds, udp, shared_ratio, ratio;
+        Figures b, c, d, u;
         std::uint64_t const n =
             std::max<std::uint64_t>(200, steps / static_cast<std::uint64_t>(std::max(1, members / 4)));
         for (int r = 0; r < rounds; ++r) {
             domain = 40 + (domain - 39) % 50;
+            b = measure(gridspace::bench::exchange_contract, members, n, domain, true);
             c = measure(gridspace::bench::exchange_contract, members, n, domain);
             d = measure(gridspace::bench::exchange_bare_dds, members, n, domain);
             u = measure(gridspace::bench::exchange_bare_udp, members, n, domain);
+            shared.push_back(b.steps_per_s);
             contract.push_back(c.steps_per_s);
             dds.push_back(d.steps_per_s);
             udp.push_back(u.steps_per_s);
+            shared_ratio.push_back(b.steps_per_s / d.steps_per_s);
             ratio.push_back(c.steps_per_s / d.steps_per_s);
         }
-        std::printf("%7d  %9.0f (%.0f/%.0f)%*s  %9.0f (%.0f/%.0f)    %9.0f (%.0f/%.0f)    %.2f\n", members,
-                    median(contract), c.p50_us, c.p99_us, 8, "", median(dds), d.p50_us, d.p99_us, median(udp), u.p50_us,
-                    u.p99_us, median(ratio));
+        std::printf("%7d  %9.0f (%.0f/%.0f)  %9.0f (%.0f/%.0f)  %9.0f (%.0f/%.0f)  %9.0f (%.0f/%.0f)  %.2f  %.2f\n",
+                    members, median(shared), b.p50_us, b.p99_us, median(contract), c.p50_us, c.p99_us, median(dds),
+                    d.p50_us, d.p99_us, median(udp), u.p50_us, u.p99_us, median(shared_ratio), median(ratio));
         std::fflush(stdout);
     }
     return 0;

@@ -199,10 +199,10 @@ void send_with_ports(Measurement const& m, Result& out) {
 }
 
 int bare_socket(char const* interface) {
-    int const fd = ::socket(AF_PACKET, SOCK_RAW, htons(ETH_P_ALL));
+    int const fd = ::socket(AF_PACKET, SOCK_RAW, htons(iec61850::kSvEthertype));
     sockaddr_ll address{};
     address.sll_family = AF_PACKET;
-    address.sll_protocol = htons(ETH_P_ALL);
+    address.sll_protocol = htons(iec61850::kSvEthertype);
     address.sll_ifindex = static_cast<int>(*interface_index(interface));
     ::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address);
     timeval const timeout{0, 10'000};
