@@ -23,6 +23,7 @@ constexpr std::array kUnits{
     Unit{"_nf_per_km", "nF/km"},
     Unit{"_mh_per_km", "mH/km"},
     Unit{"_per_hz", "1/Hz"},
+    Unit{"_m_s", "m/s"},
     Unit{"_a2s", "A2s"},
     Unit{"_pu", "p.u."},
     Unit{"_percent", "%"},

@@ -6,13 +6,14 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "launcher/cli/checks.hpp"
+#include "launcher/cli/engine_options.hpp"
 #include "launcher/cli/load.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/progress.hpp"
-#include "sim/app/engine_factory.hpp"
 #include "sim/network/network_config.hpp"
 #include "sim/phasor/phasor_engine.hpp"
 #include "sim/runtime/simulation.hpp"
+#include "sim/solvers/make_engine.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -28,8 +29,7 @@ namespace {
 
 struct SimulateArguments {
     std::filesystem::path network, events, csv, comtrade;
-    std::string solver{"emt"}, until{"1"}, step;
-    bool fixed_step{false};
+    EngineOptions engine;
     std::vector<std::string> signals; ///< patterns; empty: the usual ones
     std::int64_t every{1};
     bool timing{false}, quiet{false}, list_signals{false};
@@ -164,34 +164,6 @@ class Output {
     std::unique_ptr<bool[]> digital_{std::make_unique<bool[]>(columns_.size())};
 };
 
-/// Signals that match one of the patterns, in the order of the patterns; a pattern that was asked for and matches
-/// nothing is a mistake.
-Result<std::vector<std::size_t>> select(sim::Engine const& engine, std::vector<std::string> const& asked,
-                                        std::vector<std::string> const& usual) {
-    std::vector<std::string> const& patterns = asked.empty() ? usual : asked;
-    std::vector<std::size_t> out;
-    std::vector<std::string> names;
-    for (sim::SignalDef const& s : engine.signals()) {
-        names.push_back(s.name);
-    }
-    for (std::string const& pattern : patterns) {
-        bool any = false;
-        for (std::size_t i = 0; i < names.size(); ++i) {
-            if (matches_glob(pattern, names[i])) {
-                any = true;
-                if (std::find(out.begin(), out.end(), i) == out.end()) {
-                    out.push_back(i);
-                }
-            }
-        }
-        if (!any && !asked.empty()) {
-            return fail(ExitCode::usage, fmt::format("no signal matches '{}'", pattern),
-                        did_you_mean(pattern, names, "--list-signals shows what there is"));
-        }
-    }
-    return out;
-}
-
 std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& file, sim::Network const& network,
                                                    bool waveform, config::Diagnostics& diagnostics) {
     std::vector<sim::Event> events;
@@ -245,39 +217,26 @@ void print_timing(std::vector<float>& step_us, double simulated_s) {
 int simulate(SimulateArguments const& a) {
     config::Diagnostics diagnostics;
     auto network = sim::load_network(a.network, diagnostics);
-    auto const events = network ? read_events(a.events, *network, a.solver == "emt", diagnostics) : std::nullopt;
+    bool const emt = a.engine.solver == "emt";
+    auto const events = network ? read_events(a.events, *network, emt, diagnostics) : std::nullopt;
     if (!network || !events) {
         fmt::print(stderr, "{}\n", diagnostics.render());
         return static_cast<int>(ExitCode::usage);
     }
-    bool const emt = a.solver == "emt";
-    if (emt && a.fixed_step) {
-        return print_error(
-            {ExitCode::usage, "--fixed-step is for phasors: waveforms always have fixed steps", "leave it out"});
+    auto const chosen = chosen_engine(a.engine);
+    if (!chosen) {
+        return print_error(chosen.error());
     }
-    auto const until = parse_duration(a.until);
-    auto const step = Rational::parse(a.step.empty() ? (emt ? "1/48000" : "1/1000") : a.step);
-    if (!until) {
-        return print_error(
-            {ExitCode::usage, fmt::format("--until '{}' is not a duration", a.until), "for example 10s, 5min or 2h"});
-    }
-    if (!step || *step <= Rational{0}) {
-        return print_error(
-            {ExitCode::usage, fmt::format("--step '{}' is not a time in seconds", a.step), "for example 1/48000"});
-    }
+    Rational const until = chosen->until_s, step = chosen->settings.step_s;
     std::vector<sim::TimedAction> const timeline = sim::timeline(*events);
     for (sim::TimedAction const& event : timeline) {
-        if (event.at_s > *until && !a.list_signals) {
+        if (event.at_s > until && !a.list_signals) {
             fmt::print(stderr, "warning: event '{}' at {} s comes after the end of the simulation ({} s)\n",
-                       event.event, event.at_s.to_double(), until->to_double());
+                       event.event, event.at_s.to_double(), until.to_double());
         }
     }
-    sim::SimulationConfig simulation;
-    simulation.solver = emt ? sim::SolverKind::emt : sim::SolverKind::phasor;
-    simulation.step_s = *step;
-    simulation.fixed_step = a.fixed_step;
     // Every step and every event is a whole number of quanta: nothing is rounded to a grid.
-    Rational quantum = *step;
+    Rational quantum = step;
     try {
         for (sim::TimedAction const& t : timeline) {
             quantum = t.at_s > Rational{0} ? common_divisor(quantum, t.at_s) : quantum;
@@ -293,7 +252,7 @@ int simulate(SimulateArguments const& a) {
     double const frequency_hz = network->frequency_hz;
     std::string const name = network->name;
     auto const ratios = ratios_of(*network);
-    auto engine = sim::make_engine(simulation, std::move(*network), base);
+    auto engine = sim::make_engine(chosen->settings, std::move(*network), base);
     if (!engine) {
         return print_error(engine.error());
     }
@@ -304,8 +263,9 @@ int simulate(SimulateArguments const& a) {
         return 0;
     }
     auto const columns =
-        select(**engine, a.signals,
-               {"bus.*.v_pu", "machine.*.frequency_hz", "breaker.*.position", "fuse.*.position", "system.*"});
+        choose(names_of((*engine)->signals()), a.signals,
+               {"bus.*.v_pu", "machine.*.frequency_hz", "breaker.*.position", "fuse.*.position", "system.*"}, "signal",
+               "--list-signals shows what there is");
     if (!columns) {
         return print_error(columns.error());
     }
@@ -319,13 +279,13 @@ int simulate(SimulateArguments const& a) {
     }
     if (!a.comtrade.empty()) {
         if (auto ok = output.open_comtrade(a.comtrade, frequency_hz,
-                                           1 / step->to_double() / static_cast<double>(a.every), trigger_s, ratios);
+                                           1 / step.to_double() / static_cast<double>(a.every), trigger_s, ratios);
             !ok) {
             return print_error(ok.error());
         }
     }
-    sim::Simulation run{std::move(*engine), {base, base.nearest(*step)}, timeline};
-    double const duration_s = until->to_double();
+    sim::Simulation run{std::move(*engine), {base, base.nearest(step)}, timeline};
+    double const duration_s = until.to_double();
     using Style = launcher::Progress::Style;
     launcher::Progress progress{a.quiet                        ? Style::quiet
                                 : ::isatty(STDERR_FILENO) != 0 ? Style::terminal
@@ -339,7 +299,7 @@ int simulate(SimulateArguments const& a) {
     });
     run.on_happening([&](sim::Happening const& h) { progress.event(h.at_s, h.element, h.event, h.text); });
     run.on_event([&](SimTime t, sim::TimedAction const& action) {
-        progress.event(base.seconds(t), a.solver, "event", action.event);
+        progress.event(base.seconds(t), a.engine.solver, "event", action.event);
     });
     std::vector<float> step_us;
     std::int64_t count = 0;
@@ -361,8 +321,8 @@ int simulate(SimulateArguments const& a) {
         }
     };
     auto done = run.start(observer);
-    SimTime const end = SimTime{} + base.nearest(*until);
-    SimSpan const stretch = base.nearest(*step) * kStepsBetweenChecks;
+    SimTime const end = SimTime{} + base.nearest(until);
+    SimSpan const stretch = base.nearest(step) * kStepsBetweenChecks;
     for (SimTime t; done && output.state() && t < end;) {
         t = std::min(end, t + stretch);
         done = run.run_until(t, observer);
@@ -392,10 +352,7 @@ void add_simulate(Command app, Action& action) {
         app.add_subcommand("simulate", "simulate a network offline: waveforms or phasors to CSV or COMTRADE");
     verb.add_option("NETWORK", a->network, "network file (YAML or MATPOWER)").required();
     verb.add_option("--events", a->events, "YAML file with `events:` as in a scenario");
-    verb.add_flag("--fixed-step", a->fixed_step, "phasor: steps of --step, not of the integrator's choice");
-    verb.add_option("--solver", a->solver, "emt (waveforms) or phasor").check(one_of({"emt", "phasor"}));
-    verb.add_option("--until", a->until, "end at this simulated time: 10s, 5min, 2h");
-    verb.add_option("--step", a->step, "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
+    engine_options(verb, a->engine);
     verb.add_option("--signals", a->signals, "what is written: names or patterns, separated by commas").delimiter(',');
     verb.add_flag("--list-signals", a->list_signals, "list what can be written, and end");
     verb.add_option("--csv", a->csv, "write a table: time_s first, one header row");

@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/app/sim_config.hpp"
 
-#include "common/time.hpp"
 #include "sim/gateway/gateway_config.hpp"
-
-#include <fmt/format.h>
 
 namespace gridspace::sim {
 namespace {
@@ -45,22 +42,9 @@ void describe(config::Fields& f, SimulationConfig& s) {
     f.file("network", s.network, {.doc = "network file (YAML, or a MATPOWER case *.m)", .required = true});
     s.network_mark = f.where("network");
     f.raw("network_changes", s.network_changes, {.doc = "laid over the network file, key by key"});
-    f.choice<SolverKind>("solver", s.solver, {{"phasor", SolverKind::phasor}, {"emt", SolverKind::emt}},
-                         {.doc = "balanced phasors, or waveforms", .required = true});
-    f.fraction("step_s", s.step_s,
-               {.doc = "time step; fractions like 1/48000 are exact", .required = true, .above = 0});
-    f.choice<bool>("integration", s.fixed_step, {{"adaptive", false}, {"fixed_step", true}},
-                   {.doc = "phasor: steps chosen by the integrator, or of step_s with bounded work, for real time"});
-    if (s.fixed_step && s.solver == SolverKind::emt) {
-        f.error("integration", "waveforms always have steps of step_s", "leave it out");
-    }
+    describe(f, static_cast<EngineSettings&>(s));
     f.fraction("duration_s", s.duration_s, {.doc = "simulated time", .above = 0});
     f.fraction("duration_h", s.duration_h, {.doc = "simulated time", .above = 0});
-    f.text("epoch", s.epoch, {.doc = "UTC of simulated time 0"});
-    if (!parse_utc(s.epoch)) {
-        f.error("epoch", fmt::format("'{}' is not a UTC time from 1970 to 2199", s.epoch),
-                "for example \"2019-12-01T09:00:00Z\"");
-    }
     f.raw("gateways", s.gateways, {.doc = "per_bus, or a map of line gateways"});
     f.raw("sampling", s.sampling, {.doc = "sampled values of line gateways"});
     f.raw("controls", s.controls, {.doc = "who may set quantities of elements, or command them"});

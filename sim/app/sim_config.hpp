@@ -5,6 +5,7 @@
 #include "bus/member_plan.hpp"
 #include "common/config/fields.hpp"
 #include "sim/events/event.hpp"
+#include "sim/solvers/engine_settings.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -14,18 +15,12 @@
 
 namespace gridspace::sim {
 
-enum class SolverKind { phasor, emt };
-
 /// `simulation:` of a scenario.
-struct SimulationConfig {
+struct SimulationConfig : EngineSettings {
     std::filesystem::path network;
     config::SourceMark network_mark;
     config::Node network_changes; ///< laid over the network file
-    SolverKind solver{SolverKind::phasor};
-    Rational step_s{1};
-    bool fixed_step{false}; ///< phasors in steps of step_s, not in steps of the integrator's choice
     std::optional<Rational> duration_s, duration_h;
-    std::string epoch{"2020-01-01T00:00:00Z"};
     config::Node gateways; ///< `per_bus`, or a map of line gateways
     config::Node sampling;
     config::Node controls;                   ///< who may steer what

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/config/fields.hpp"
+
+#include <string>
+
+namespace gridspace::sim {
+
+enum class SolverKind { phasor, emt };
+
+/// How a network is simulated.
+struct EngineSettings {
+    SolverKind solver{SolverKind::phasor};
+    Rational step_s{1};
+    bool fixed_step{false};                    ///< phasors in steps of step_s, not in steps of the integrator's choice
+    std::string epoch{"2020-01-01T00:00:00Z"}; ///< UTC of simulated time 0
+    [[nodiscard]] bool waveform() const { return solver == SolverKind::emt; }
+};
+void describe(config::Fields& f, EngineSettings& settings);
+
+/// UTC hour of the day of simulated time 0.
+[[nodiscard]] double start_hour_of_day(EngineSettings const& settings);
+
+} // namespace gridspace::sim
