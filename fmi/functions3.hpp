@@ -3,20 +3,13 @@
 #pragma once
 
 #include "fmi/shared_object.hpp"
+#include "fmi/types3.hpp"
 
 #include <cstddef>
 #include <cstdint>
 
-/// The functions of FMI 3.0.1 that are used here, with the types that its section 2.2.3 gives them on every platform:
-/// void* for instances and states, uint32_t for value references, C's bool.
+/// The functions of FMI 3.0.1 that are used here.
 namespace gridspace::fmi::v3 {
-
-using Instance = void*;
-using State = void*;
-using Reference = std::uint32_t;
-using LogMessage = void(void* environment, int status, char const* category, char const* message);
-using IntermediateUpdate = void(void* environment, double time, bool set_requested, bool get_allowed,
-                                bool step_finished, bool can_return_early, bool* return_requested, double* return_time);
 
 template <class T>
 using Get = int(Instance, Reference const*, std::size_t, T*, std::size_t);

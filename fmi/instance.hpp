@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fmi/model_description.hpp"
+#include "fmi/status.hpp"
 
 #include <cstddef>
 #include <filesystem>
@@ -16,10 +17,6 @@ namespace gridspace::fmi {
 
 /// Floats are double; integers and enumerations keep their sign.
 using Value = std::variant<double, std::int64_t, std::uint64_t, bool, std::string>;
-
-/// What a function of the standard says about its call. In both versions in this order.
-enum class Status : int { ok, warning, discard, error, fatal, pending };
-[[nodiscard]] std::string_view name_of(Status status) noexcept; ///< "error"
 
 /// Who runs an instance: is told of each call before and after it, and what the FMU has to say.
 class Host {

@@ -58,7 +58,8 @@ struct Variable {
     Variability variability{Variability::continuous};
     Initial initial{Initial::none};
     std::string unit, description;
-    std::optional<std::string> start; ///< as written
+    std::optional<std::string> start;   ///< as written
+    std::optional<double> min{}, max{}; ///< of those that are written; not read
     bool is_array{false};
 
     /// Before the initialisation a value may be given.
