@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// `gridspace fmu info`: what an FMU says of itself. Nothing of it is run.
+// `gridspace fmu info`: what an FMU says of itself. Nothing of it is run. `fmu export`: fmu_export_verb.cpp
 #include "common/text.hpp"
 #include "fmi/archive.hpp"
 #include "fmi/model_description.hpp"
@@ -156,7 +156,8 @@ void add_fmu(Command app, Action& action) {
         std::filesystem::path file;
         bool json{false};
     };
-    Command verb = app.add_subcommand("fmu", "models of other tools (Functional Mock-up Interface)");
+    Command verb =
+        app.add_subcommand("fmu", "models of other tools, and networks for them (Functional Mock-up Interface)");
     verb.require_subcommand();
     auto const a = std::make_shared<Arguments>();
     Command shown =
@@ -164,6 +165,7 @@ void add_fmu(Command app, Action& action) {
     shown.add_option("FILE", a->file, "the FMU").required();
     shown.add_flag("--json", a->json, "as JSON");
     shown.callback([a, &action] { action = [a] { return info(a->file, a->json); }; });
+    add_fmu_export(verb, action);
 }
 
 } // namespace gridspace::cli

@@ -125,6 +125,9 @@ gridspace scl export
     gridspace scl export configs/scenarios/protection.yaml --out protection.cid
 gridspace fmu info
     gridspace fmu info heat_pump.fmu
+gridspace fmu export
+    gridspace fmu export configs/networks/house.yaml --solver phasor --step 1 --out house.fmu
+    gridspace fmu export grid.yaml --signals 'bus.*.v_pu,line.*.i_a' --inputs 'set_point.battery.*' --out grid.fmu
 gridspace new agent
     gridspace new agent my_agent
     gridspace new agent my_agent --language c++

@@ -45,6 +45,7 @@ void add_control(Command app, Action& action); ///< pause, continue, step, stop
 void add_doctor(Command app, Action& action);
 void add_export(Command app, Action& action);
 void add_fmu(Command app, Action& action);
+void add_fmu_export(Command fmu, Action& action);
 void add_graph(Command app, Action& action);
 void add_ids_evaluate(Command ids, Action& action);
 void add_ids_study(Command ids, Action& action);

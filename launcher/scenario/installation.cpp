@@ -34,6 +34,18 @@ std::filesystem::path prefix_folder() {
     return own_folder().parent_path();
 }
 
+std::filesystem::path grid_library() {
+    constexpr std::string_view kName = "gridspace_grid.so";
+    std::error_code ignored;
+    for (char const* folder : {"lib/gridspace", GRIDSPACE_LIBRARY_FOLDER "/gridspace"}) {
+        std::filesystem::path installed = prefix_folder() / folder / kName;
+        if (std::filesystem::exists(installed, ignored)) {
+            return installed;
+        }
+    }
+    return prefix_folder() / "lib" / kName; // of a build
+}
+
 std::filesystem::path shared_folder(std::string_view name) {
     std::error_code ignored;
     std::filesystem::path const installed = prefix_folder() / "share/gridspace" / name;

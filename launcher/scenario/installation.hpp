@@ -17,6 +17,10 @@ namespace gridspace::launcher {
 /// The folder that this Gridspace is installed in, or built: `bin` and `lib` are in it.
 [[nodiscard]] std::filesystem::path prefix_folder();
 
+/// The library that runs an exported network (gridspace_grid.so), in this installation or build; where it is expected
+/// when there is none.
+[[nodiscard]] std::filesystem::path grid_library();
+
 /// A folder that is installed beside the programs (share/gridspace), or in the source tree: "templates", "python".
 [[nodiscard]] std::filesystem::path shared_folder(std::string_view name);
 
