@@ -164,11 +164,19 @@ Result<void> GridModel::step(double from_s, double step_s) {
     }
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         if (values_[i] != in_effect_[i]) {
-            run_->command(run_->now(), inputs_[i].action(values_[i]));
+            run_->request(run_->now(), inputs_[i].action(values_[i]), inputs_[i].name);
             in_effect_[i] = values_[i];
         }
     }
-    return run_->run_until(run_->now() + SimSpan{static_cast<std::int64_t>(count)}, observe_nothing);
+    Result<void> refused;
+    run_->on_refusal([&](SimTime, std::string const& what, Error const& error) {
+        refused = fail(error.code, fmt::format("{}: {}", what, error.message), error.remedy);
+    });
+    auto done = run_->run_until(run_->now() + SimSpan{static_cast<std::int64_t>(count)}, observe_nothing);
+    if (!done && done.error().remedy.empty() && !run_->last_request().empty()) {
+        done.error().remedy = "the last input that changed was " + run_->last_request();
+    }
+    return refused ? done : refused;
 }
 
 } // namespace gridspace::sim

@@ -73,6 +73,8 @@ ok "and case study 2, with frames on virtual Ethernet"
 as_user 'python3 -c "import numpy, gridspace; s = gridspace.open(\"run\").signal(\"bus.B3.v_pu\"); print(numpy.min(s.values))" >python.txt 2>&1 && grep -q "^0.9" python.txt' ||
   { cat "$tree/home/somebody/python.txt"; exit 1; }
 ok "Python reads its results, with numpy"
+as_user 'gridspace fmu export /usr/share/gridspace/configs/networks/house.yaml --solver phasor --out house.fmu && gridspace fmu info house.fmu | grep "runs here  *yes"' >/dev/null
+ok "a network becomes an FMU"
 for language in python c++; do
   agent=agent_${language%++}
   as_user "gridspace new agent $agent --language $language >new.txt && if test -f $agent/CMakeLists.txt; then cmake -S $agent -B $agent/build && cmake --build $agent/build; fi >build.txt 2>&1 && gridspace run $agent/scenario.yaml --quiet --out run_$agent >out.txt 2>&1" ||
