@@ -120,10 +120,14 @@ void print(fmi::ModelDescription const& d, std::vector<std::string> const& platf
         line("experiment",
              fmt::format("from {} to {}, step {}", seconds(d.start_s), seconds(d.stop_s), seconds(d.step_s)));
     }
-    fmt::print("\n{:<32} {:<12} {:<20} {:<12} {:<8} {}\n", "variable", "type", "causality", "variability", "unit",
+    std::size_t width = 32;
+    for (auto const& v : d.variables) {
+        width = std::max(width, printable(v.name).size() + (v.is_array ? 2 : 0));
+    }
+    fmt::print("\n{:<{}} {:<12} {:<20} {:<12} {:<8} {}\n", "variable", width, "type", "causality", "variability", "unit",
                "start");
     for (fmi::Variable const& v : d.variables) {
-        fmt::print("{:<32} {:<12} {:<20} {:<12} {:<8} {}\n", printable(v.name) + (v.is_array ? "[]" : ""),
+        fmt::print("{:<{}} {:<12} {:<20} {:<12} {:<8} {}\n", printable(v.name) + (v.is_array ? "[]" : ""), width,
                    fmi::name_of(v.type), fmi::name_of(v.causality), fmi::name_of(v.variability),
                    v.unit.empty() ? "-" : printable(v.unit), printable(v.start.value_or("-")));
     }
