@@ -3,7 +3,6 @@
 #include "launcher/ids/exploration.hpp"
 
 #include "common/elementary.hpp"
-#include "common/random.hpp"
 #include "ids/training/chunks.hpp"
 #include "sim/emt/emt_engine.hpp"
 #include "sim/network/network_config.hpp"
@@ -19,15 +18,60 @@ namespace {
 using ids::Situation;
 constexpr double kTwoPi = 6.283185307179586;
 
-struct Planned {
-    double at_s{0};
-    sim::Action action;
-};
-
 template <class T>
 T const& one_of(Random& r, std::vector<T> const& from) {
     return from[r.below(from.size())];
 }
+
+/// The line's two transformers as they are in one run: ratio errors, what the grid has of harmonics, noise, resolution.
+class MeasuringChain {
+  public:
+    /// `from_sign`, `to_sign`: what makes currents of the transformers those that are counted along the line.
+    static Result<MeasuringChain> draw(ids::SimulatedParams const& params, sim::Engine const& engine, double from_sign,
+                                       double to_sign, double frequency_hz, Random& r) {
+        MeasuringChain out;
+        out.frequency_hz_ = frequency_hz;
+        for (std::size_t c = 0; c < 6; ++c) {
+            std::string const name = fmt::format("ct.{}.i.{}", c < 3 ? params.from_ct : params.to_ct, "abc"[c % 3]);
+            out.signals_[c] = engine.find_signal(name);
+            if (out.signals_[c] == engine.signals().size()) {
+                return fail(ExitCode::usage, fmt::format("the engine has no signal '{}'", name));
+            }
+            out.gain_[c] = (c < 3 ? from_sign : to_sign) * (1 + params.ct_error_percent / 100 * r.normal());
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            out.harmonics_[k] = {3.0 + 2 * static_cast<double>(k),
+                                 params.nominal_peak_a * r.uniform(0, params.harmonics_percent) / 100,
+                                 r.uniform(0, kTwoPi)};
+        }
+        out.noise_a_ = params.nominal_peak_a * r.uniform(params.noise_percent[0], params.noise_percent[1]) / 100;
+        return out;
+    }
+
+    /// Ia, Ib, Ic of the from end, then of the to end, in A, at the engine's present time.
+    [[nodiscard]] std::array<double, 6> sample(sim::Engine const& engine, double t_s, Random& r) const {
+        std::array<double, 6> out{};
+        for (std::size_t c = 0; c < 6; ++c) {
+            double v = engine.value(signals_[c]);
+            for (Harmonic const& h : harmonics_) {
+                double const turns = frequency_hz_ * t_s - static_cast<double>(c % 3) / 3;
+                v += h.amplitude * elementary::cos(h.order * kTwoPi * turns + h.angle);
+            }
+            v = v * gain_[c] + noise_a_ * r.normal();
+            out[c] = std::floor(v * 1000 + 0.5) / 1000;
+        }
+        return out;
+    }
+
+  private:
+    struct Harmonic {
+        double order, amplitude, angle;
+    };
+    double frequency_hz_{0}, noise_a_{0};
+    std::array<std::size_t, 6> signals_{};
+    std::array<double, 6> gain_{};
+    std::array<Harmonic, 3> harmonics_{};
+};
 
 } // namespace
 
@@ -79,12 +123,8 @@ Result<Exploration> Exploration::create(ids::SimulatedParams const& params, doub
     return out;
 }
 
-Result<ids::LineWaveform> Exploration::run(Situation situation, std::uint64_t seed, std::uint64_t number) const {
-    Random r{seed, number};
-    sim::Network network = network_;
-    for (sim::Load& load : network.loads) {
-        load.p_kw *= r.uniform(params_.load_factor[0], params_.load_factor[1]);
-    }
+std::vector<Exploration::Planned> Exploration::draw_plan(Situation situation, sim::Network const& network,
+                                                         Random& r) const {
     double const event_s = r.uniform(params_.event_s[0], params_.event_s[1]),
                  cleared_s = event_s + r.uniform(0.06, 0.15);
     double const resistance = params_.fault_resistance_ohm[0] *
@@ -154,6 +194,16 @@ Result<ids::LineWaveform> Exploration::run(Situation situation, std::uint64_t se
         fault(sim::FaultType::phase_ground, true);
         break;
     }
+    return plan;
+}
+
+Result<ids::LineWaveform> Exploration::run(Situation situation, std::uint64_t seed, std::uint64_t number) const {
+    Random r{seed, number};
+    sim::Network network = network_;
+    for (sim::Load& load : network.loads) {
+        load.p_kw *= r.uniform(params_.load_factor[0], params_.load_factor[1]);
+    }
+    std::vector<Planned> const plan = draw_plan(situation, network, r);
 
     TimeBase const base{params_.step_s};
     auto engine = sim::emt::make_emt_engine(std::move(network), {base, SimSpan{1}, 0});
@@ -163,26 +213,10 @@ Result<ids::LineWaveform> Exploration::run(Situation situation, std::uint64_t se
     if (auto const ok = (*engine)->initialise(); !ok) {
         return std::unexpected{ok.error()};
     }
-    std::array<std::size_t, 6> signals{};
-    std::array<double, 6> gain{};
-    for (std::size_t c = 0; c < 6; ++c) {
-        std::string const name = fmt::format("ct.{}.i.{}", c < 3 ? params_.from_ct : params_.to_ct, "abc"[c % 3]);
-        signals[c] = (*engine)->find_signal(name);
-        if (signals[c] == (*engine)->signals().size()) {
-            return fail(ExitCode::usage, fmt::format("the engine has no signal '{}'", name));
-        }
-        gain[c] = (c < 3 ? from_sign_ : to_sign_) * (1 + params_.ct_error_percent / 100 * r.normal());
+    auto const chain = MeasuringChain::draw(params_, **engine, from_sign_, to_sign_, network_.frequency_hz, r);
+    if (!chain) {
+        return std::unexpected{chain.error()};
     }
-    struct Harmonic {
-        double order, amplitude, angle;
-    };
-    std::array<Harmonic, 3> harmonics{};
-    for (std::size_t k = 0; k < 3; ++k) {
-        harmonics[k] = {3.0 + 2 * static_cast<double>(k),
-                        params_.nominal_peak_a * r.uniform(0, params_.harmonics_percent) / 100, r.uniform(0, kTwoPi)};
-    }
-    double const noise_a = params_.nominal_peak_a * r.uniform(params_.noise_percent[0], params_.noise_percent[1]) / 100;
-
     ids::LineWaveform out;
     out.name = fmt::format("{}_{}", ids::name_of(situation), number);
     out.rate_hz = rate_hz_;
@@ -190,9 +224,9 @@ Result<ids::LineWaveform> Exploration::run(Situation situation, std::uint64_t se
     out.situation = plan.empty() ? Situation::quiet : situation;
     auto const quanta_at = [&](double s) { return std::llround(s / params_.step_s.to_double()); };
     auto const count = static_cast<std::int64_t>(params_.duration_s * rate_hz_);
-    out.event = plan.empty()
-                    ? -1
-                    : quanta_at(event_s) / steps_per_sample_ + 1; // commands act after the samples of their instant
+    out.event = plan.empty() ? -1
+                             : quanta_at(plan.front().at_s) / steps_per_sample_ +
+                                   1; // commands act after the samples of their instant
     std::size_t next = 0;
     for (std::int64_t k = 0; k <= (count - 1) * steps_per_sample_; ++k) {
         if (k > 0) {
@@ -201,18 +235,7 @@ Result<ids::LineWaveform> Exploration::run(Situation situation, std::uint64_t se
             }
         }
         if (k % steps_per_sample_ == 0) {
-            double const t = base.seconds(SimTime{k});
-            std::array<double, 6> i{};
-            for (std::size_t c = 0; c < 6; ++c) {
-                double v = (*engine)->value(signals[c]);
-                for (Harmonic const& h : harmonics) {
-                    v += h.amplitude *
-                         elementary::cos(
-                             h.order * kTwoPi * (network_.frequency_hz * t - static_cast<double>(c % 3) / 3) + h.angle);
-                }
-                v = v * gain[c] + noise_a * r.normal();
-                i[c] = std::floor(v * 1000 + 0.5) / 1000;
-            }
+            std::array<double, 6> const i = chain->sample(**engine, base.seconds(SimTime{k}), r);
             out.from.push_back({i[0], i[1], i[2]});
             out.to.push_back({i[3], i[4], i[5]});
         }

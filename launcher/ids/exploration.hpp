@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/random.hpp"
 #include "common/result.hpp"
 #include "ids/training/training_config.hpp"
+#include "sim/engine/action.hpp"
 #include "sim/network/network.hpp"
 
 #include <functional>
@@ -28,6 +30,14 @@ class Exploration {
         std::function<void(std::size_t done, std::size_t of)> const& progress) const;
 
   private:
+    struct Planned {
+        double at_s{0};
+        sim::Action action;
+    };
+    /// What happens in a run, in the order of time; nothing where this grid has nothing of the situation.
+    [[nodiscard]] std::vector<Planned> draw_plan(ids::Situation situation, sim::Network const& network,
+                                                 Random& r) const;
+
     ids::SimulatedParams params_;
     double rate_hz_{4800};
     std::int64_t steps_per_sample_{0};
