@@ -112,6 +112,11 @@ struct Node::Core {
     std::vector<std::size_t> board_heard, board_rung; ///< places that this process reads, and whose bells it rings
     std::chrono::steady_clock::time_point shown_at;   ///< when DDS last got what the board has
     Result<void> join_board();
+    void open_books();                         ///< who and what is counted: processes, topics, channels of frames
+    [[nodiscard]] Result<void> open_clock();   ///< the clock's own endpoints, and what they are to be matched with
+    [[nodiscard]] Result<void> open_readers(); ///< of the topics
+    void publish_types();                      ///< IDL of the types that this process uses
+    [[nodiscard]] Result<void> await_others(); ///< until everybody who is expected is matched
     /// Takes what has been said on the board; whether there was anything. Without the mutex.
     [[nodiscard]] bool take_board();
     /// Says something on it. False: it is too long.

@@ -150,19 +150,9 @@ void Node::Core::publish_status(MemberState state, std::string_view waiting_for)
     status_writer->write(&status, std::nullopt);
 }
 
-Result<void> Node::start() {
-    Core& core = *core_;
-    NodeConfig& config = core.config;
-    ClockConfig const& clock = config.clock;
-    if (config.is_daemon && !may_open_raw_sockets()) {
-        (void)forbid_raw_sockets();
-    }
-
-    if (auto ok = core.join_board(); !ok) {
-        return ok;
-    }
-    std::vector<std::string> processes = clock.members;
-    processes.push_back(clock.simulator);
+void Node::Core::open_books() {
+    std::vector<std::string> processes = config.clock.members;
+    processes.push_back(config.clock.simulator);
     for (auto const& [topic, peers] : config.expected_writers) {
         for (auto const& [process, count] : peers) {
             processes.push_back(process);
@@ -171,120 +161,148 @@ Result<void> Node::start() {
     std::sort(processes.begin(), processes.end());
     processes.erase(std::unique(processes.begin(), processes.end()), processes.end());
     std::vector<std::string> topics;
-    for (auto const& reader : core.readers) {
+    for (auto const& reader : readers) {
         topics.push_back(reader->topic);
     }
-    core.book = std::make_unique<lockstep::LedgerBook>(processes, topics);
+    book = std::make_unique<lockstep::LedgerBook>(processes, topics);
     std::vector<lockstep::WireBook::Channel> channels;
-    for (auto const& reader : core.wire_readers) {
+    for (auto const& reader : wire_readers) {
         reader->channel = channels.size();
         channels.push_back({reader->link, reader->ethertype});
     }
     {
-        std::lock_guard const lock{core.mutex}; // frames arrive already
-        core.wire_book = std::make_unique<lockstep::WireBook>(processes.size(), channels);
+        std::lock_guard const lock{mutex}; // frames arrive already
+        wire_book = std::make_unique<lockstep::WireBook>(processes.size(), channels);
     }
-    core.gate = std::make_unique<lockstep::TickGate>(
-        lockstep::TickGate::Config{config.process, clock.simulator, clock.members, clock.upstream, clock.late_upstream},
-        *core.book, core.wire_book.get());
-    core.ack.member(config.process.c_str());
-    core.ack.incarnation(static_cast<std::uint32_t>(config.incarnation));
+    gate = std::make_unique<lockstep::TickGate>(lockstep::TickGate::Config{config.process, config.clock.simulator,
+                                                                           config.clock.members, config.clock.upstream,
+                                                                           config.clock.late_upstream},
+                                                *book, wire_book.get());
+    ack.member(config.process.c_str());
+    ack.incarnation(static_cast<std::uint32_t>(config.incarnation));
+}
 
-    // The clock's own endpoints, and what they are to be matched with.
-    Participant& management = *core.management;
-    if (!core.is_simulator() && core.has_clock()) {
-        expect(config.expected_writers, "simulation_clock", clock.simulator);
-        auto reader =
-            management.create_reader("simulation_clock", codec_of<SimClock>(),
-                                     [&core](auto cdr, auto const& header) { core.on_clock_sample(cdr, header); });
+Result<void> Node::Core::open_clock() {
+    if (!is_simulator() && has_clock()) {
+        expect(config.expected_writers, "simulation_clock", config.clock.simulator);
+        auto reader = management->create_reader("simulation_clock", codec_of<SimClock>(),
+                                                [this](auto cdr, auto const& header) { on_clock_sample(cdr, header); });
         if (!reader) {
             return std::unexpected{reader.error()};
         }
-        core.clock_reader = std::move(*reader);
+        clock_reader = std::move(*reader);
     }
-    if (core.lockstep()) {
-        std::vector<std::string> const& heard = core.is_simulator() ? clock.members : clock.upstream;
+    if (lockstep()) {
+        std::vector<std::string> const& heard = is_simulator() ? config.clock.members : config.clock.upstream;
         if (!heard.empty()) {
             for (std::string const& process : heard) {
                 expect(config.expected_writers, "clock_ack", process);
             }
             auto reader =
-                management.create_reader("clock_ack", codec_of<ClockAck>(),
-                                         [&core](auto cdr, auto const& header) { core.on_ack_sample(cdr, header); });
+                management->create_reader("clock_ack", codec_of<ClockAck>(),
+                                          [this](auto cdr, auto const& header) { on_ack_sample(cdr, header); });
             if (!reader) {
                 return std::unexpected{reader.error()};
             }
-            core.ack_reader = std::move(*reader);
+            ack_reader = std::move(*reader);
         }
-        if (!core.is_simulator()) {
-            expect(config.expected_readers, "clock_ack", clock.simulator);
-            for (std::string const& process : clock.downstream) {
+        if (!is_simulator()) {
+            expect(config.expected_readers, "clock_ack", config.clock.simulator);
+            for (std::string const& process : config.clock.downstream) {
                 expect(config.expected_readers, "clock_ack", process);
             }
         }
     }
-    for (auto& slot : core.readers) {
-        slot->book_reader = static_cast<std::size_t>(&slot - core.readers.data());
+    return {};
+}
+
+Result<void> Node::Core::open_readers() {
+    for (auto& slot : readers) {
+        slot->book_reader = static_cast<std::size_t>(&slot - readers.data());
         auto* raw_slot = slot.get();
-        Participant& network = core.network_of(slot->topic);
+        Participant& network = network_of(slot->topic);
         slot->network = &network;
-        auto reader = network.create_reader(slot->topic, slot->codec, [&core, raw_slot](auto cdr, auto const& header) {
-            core.on_data_sample(*raw_slot, cdr, header);
+        auto reader = network.create_reader(slot->topic, slot->codec, [this, raw_slot](auto cdr, auto const& header) {
+            on_data_sample(*raw_slot, cdr, header);
         });
         if (!reader) {
             return std::unexpected{reader.error()};
         }
         slot->raw = std::move(*reader);
     }
+    return {};
+}
 
-    std::sort(core.catalogued_types.begin(), core.catalogued_types.end());
-    core.catalogued_types.erase(std::unique(core.catalogued_types.begin(), core.catalogued_types.end()),
-                                core.catalogued_types.end());
-    for (std::string const& type : core.catalogued_types) {
+void Node::Core::publish_types() {
+    std::sort(catalogued_types.begin(), catalogued_types.end());
+    catalogued_types.erase(std::unique(catalogued_types.begin(), catalogued_types.end()), catalogued_types.end());
+    for (std::string const& type : catalogued_types) {
         if (std::string_view const idl = idl_of_type(type); !idl.empty()) {
             TypeCatalogEntry entry;
             entry.type_name(type.c_str());
             entry.idl(std::string{idl});
-            core.catalog_writer->write(&entry, std::nullopt);
+            catalog_writer->write(&entry, std::nullopt);
         }
     }
+}
 
+Result<void> Node::start() {
+    Core& core = *core_;
+    if (core.config.is_daemon && !may_open_raw_sockets()) {
+        (void)forbid_raw_sockets();
+    }
+    if (auto ok = core.join_board(); !ok) {
+        return ok;
+    }
+    core.open_books();
+    if (auto ok = core.open_clock(); !ok) {
+        return ok;
+    }
+    if (auto ok = core.open_readers(); !ok) {
+        return ok;
+    }
+    core.publish_types();
+    return core.await_others();
+}
+
+Result<void> Node::Core::await_others() {
     // Twice the simulator's own patience, so that it can name the culprit while the others are still there.
-    double const patience_s = (core.is_simulator() || !core.has_clock() ? 1 : 2) * clock.start_timeout_s;
+    double const patience_s = (is_simulator() || !has_clock() ? 1 : 2) * config.clock.start_timeout_s;
     StartPatience patience{patience_s};
     auto const began = std::chrono::steady_clock::now();
     bool said = false;
     while (true) {
-        std::string const missing = core.refresh_status(MEMBER_STARTING);
+        std::string const missing = refresh_status(MEMBER_STARTING);
         bool const ready = missing.empty();
-        if (core.has_namesake()) {
-            return fail(ExitCode::environment, fmt::format("another '{}' is already on this bus", config.process),
-                        "two programs of one name in a run (a service, and a start by hand?), or another run on this "
-                        "network and DDS domain");
+        if (has_namesake()) {
+            return gridspace::fail(
+                ExitCode::environment, fmt::format("another '{}' is already on this bus", config.process),
+                "two programs of one name in a run (a service, and a start by hand?), or another run on this "
+                "network and DDS domain");
         }
-        std::unique_lock lock{core.mutex};
+        std::unique_lock lock{mutex};
         if (ready) {
-            return core.error ? Result<void>{std::unexpected{*core.error}} : Result<void>{};
+            return error ? Result<void>{std::unexpected{*error}} : Result<void>{};
         }
-        if (core.error) {
-            return std::unexpected{*core.error};
+        if (error) {
+            return std::unexpected{*error};
         }
-        if (core.stop_requested) {
-            return fail(ExitCode::interrupted, "stopped while waiting for the others");
+        if (stop_requested) {
+            return gridspace::fail(ExitCode::interrupted, "stopped while waiting for the others");
         }
-        if (patience.over(core.endpoints_present + (core.others_present ? core.others_present() : 0))) {
-            std::string const who = core.who_is_missing ? core.who_is_missing() : "";
-            return fail(ExitCode::stall,
-                        fmt::format("not ready, and nothing has advanced for {} s: {}", shortest(patience_s),
-                                    who.empty() ? "still unmatched " + missing : who),
-                        "is that process running, and on the same network and DDS domain?");
+        if (patience.over(endpoints_present + (others_present ? others_present() : 0))) {
+            std::string const who = who_is_missing ? who_is_missing() : "";
+            return gridspace::fail(ExitCode::stall,
+                                   fmt::format("not ready, and nothing has advanced for {} s: {}", shortest(patience_s),
+                                               who.empty() ? "still unmatched " + missing : who),
+                                   "is that process running, and on the same network and DDS domain?");
         }
         if (!said && std::chrono::steady_clock::now() - began > std::chrono::seconds{3}) {
             said = true;
             log::info("waits for {}", missing);
         }
         // Discovery callbacks notify; the short period only covers a change between the look and the wait.
-        core.changed.wait_for(lock, std::chrono::milliseconds{100});
+        changed.wait_for(lock, std::chrono::milliseconds{100});
     }
 }
 
