@@ -124,8 +124,8 @@ void print(fmi::ModelDescription const& d, std::vector<std::string> const& platf
     for (auto const& v : d.variables) {
         width = std::max(width, printable(v.name).size() + (v.is_array ? 2 : 0));
     }
-    fmt::print("\n{:<{}} {:<12} {:<20} {:<12} {:<8} {}\n", "variable", width, "type", "causality", "variability", "unit",
-               "start");
+    fmt::print("\n{:<{}} {:<12} {:<20} {:<12} {:<8} {}\n", "variable", width, "type", "causality", "variability",
+               "unit", "start");
     for (fmi::Variable const& v : d.variables) {
         fmt::print("{:<{}} {:<12} {:<20} {:<12} {:<8} {}\n", printable(v.name) + (v.is_array ? "[]" : ""), width,
                    fmi::name_of(v.type), fmi::name_of(v.causality), fmi::name_of(v.variability),
