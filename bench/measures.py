@@ -141,6 +141,20 @@ def speeds(build: Build) -> Iterator[Figure]:
     yield Figure("case_1", "case 1, 8 h", summary["wall_s"], "s", False, aim=3)
 
 
+def start(build: Build) -> Iterator[Figure]:
+    """From the command to the first tick."""
+    for key, what, scenario in (("case_1", "case 1", "configs/scenarios/ev_charging.yaml"), ("case_2", "case 2 in lockstep", CASE_2)):
+        with tempfile.TemporaryDirectory(prefix="gridspace-bench-") as folder:
+            began = time.monotonic()
+            command = [str(build.folder / "bin/gridspace"), "run", scenario, "--out", f"{folder}/run", "--set", "expect=~", "--until", "1 s"]
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=ROOT) as run:
+                ready_s = next((time.monotonic() - began for line in run.stderr if "processes are ready" in line), None)
+                run.stderr.read()
+                if run.wait(LONGEST_S) != 0 or ready_s is None:
+                    raise NotMeasured(f"{scenario} did not start")
+        yield Figure(f"{key}_start", f"{what}: from the command to the first tick", ready_s, "s", False, aim=0.7)
+
+
 def real_time(build: Build) -> Iterator[Figure]:
     """Case 2 in real time, 8 s, beside what the machine itself can do."""
     summary, _, _ = build.run("configs/scenarios/protection.yaml")
@@ -167,4 +181,4 @@ def simulated_time(build: Build) -> Iterator[Figure]:
 
 
 MEASURES: dict[str, Callable[[Build], Iterator[Figure]]] = {
-    "codec": codec, "forecaster": forecaster, "wire": wire, "streams": streams, "emt": emt, "lockstep": lockstep, "speeds": speeds, "real_time": real_time, "python": python_agent, "timebox": simulated_time}
+    "codec": codec, "forecaster": forecaster, "wire": wire, "streams": streams, "emt": emt, "lockstep": lockstep, "speeds": speeds, "start": start, "real_time": real_time, "python": python_agent, "timebox": simulated_time}
