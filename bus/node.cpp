@@ -242,7 +242,13 @@ std::shared_ptr<CdrReader> Node::tap_acknowledgements() {
 }
 
 std::string Node::process_name(Origin const& origin) const {
-    return origin.process < core_->book->process_count() ? core_->book->process_name(origin.process) : "unknown";
+    std::size_t const known = core_->book->process_count();
+    if (origin.process < known) {
+        return core_->book->process_name(origin.process);
+    }
+    std::lock_guard const lock{core_->mutex};
+    std::size_t const number = origin.process - known;
+    return number < core_->strangers.size() ? core_->strangers[number] : "unknown";
 }
 
 } // namespace gridspace::bus

@@ -63,11 +63,15 @@ struct Node::Core {
             std::size_t process{0};
             std::uint32_t incarnation{0};
             std::string name;
-            bool unexpected{false}; ///< lockstep: the scenario does not say that it writes this topic
+            bool unexpected{false};  ///< lockstep: the scenario does not say that it writes this topic
+            std::size_t stranger{0}; ///< real time: its number among those who are not of this run
         };
         std::vector<Source> sources; ///< by SampleHeader::source; one receiving thread at a time
     };
     std::vector<std::unique_ptr<ReaderSlot>> readers; ///< opened in start(), when the book knows all topics
+
+    std::vector<std::string> strangers; ///< real time: who has written and is not of this run, each once
+    [[nodiscard]] std::size_t stranger_number(std::string const& name); ///< past the end for one too many
 
     std::weak_ptr<void> signal_writers;
     std::vector<WireLedgerEntry> wire_writers;                   ///< what goes into the next acknowledgement

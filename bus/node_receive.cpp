@@ -319,6 +319,16 @@ void Node::Core::count_ack(std::size_t process, ClockAck const& received) {
     }
 }
 
+std::size_t Node::Core::stranger_number(std::string const& name) {
+    constexpr std::size_t kMostStrangers = 256; // names are invented easily
+    auto const found = std::find(strangers.begin(), strangers.end(), name);
+    if (found == strangers.end() && !name.empty() && strangers.size() < kMostStrangers) {
+        strangers.push_back(name);
+        return strangers.size() - 1;
+    }
+    return found == strangers.end() ? kMostStrangers : static_cast<std::size_t>(found - strangers.begin());
+}
+
 void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header) {
     if (header.source >= slot.sources.size()) {
         slot.sources.resize(header.source + 1);
@@ -326,7 +336,11 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
     ReaderSlot::Source& source = slot.sources[header.source];
     if (!source.known) {
         Peer const peer = slot.network->peer(header.peer);
-        source = {true, book->process_index(peer.process), peer.incarnation, peer.process, false};
+        source = {true, book->process_index(peer.process), peer.incarnation, peer.process, false, 0};
+        if (source.process == lockstep::LedgerBook::kUnknown && !lockstep()) {
+            std::lock_guard const lock{mutex};
+            source.stranger = stranger_number(peer.process);
+        }
         if (lockstep() && source.process != lockstep::LedgerBook::kUnknown && !slot.diagnostic) {
             auto const expected = config.expected_writers.find(slot.topic);
             source.unexpected = expected != config.expected_writers.end() && !expected->second.contains(peer.process);
@@ -341,7 +355,7 @@ void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr
         if (lockstep()) {
             return; // a run must not depend on who else is on the bus
         }
-        origin.process = static_cast<std::uint32_t>(book->process_count());
+        origin.process = static_cast<std::uint32_t>(book->process_count() + source.stranger);
     } else {
         origin.process = static_cast<std::uint32_t>(process);
     }

@@ -17,6 +17,7 @@
 #include <gmock/gmock.h>
 #include <map>
 #include <optional>
+#include <set>
 #include <thread>
 #include <unistd.h>
 
@@ -271,6 +272,38 @@ TEST_F(Strangers, AWriterThatTheScenarioDoesNotNameEndsTheRunByName) {
     (void)take_part(member,
                     [](auto&, Tick const& tick, auto& requests) { requests.write(ChargingRequest{}, tick.time); });
     EXPECT_THAT(sim.said(), HasSubstr("a writes 'requests', which the scenario does not say"));
+}
+
+TEST_F(Strangers, InRealTimeHaveTheirOwnNamesInWhatIsTaken) {
+    NodeConfig configuration = config("recorder", {});
+    configuration.clock.mode = ClockMode::realtime;
+    configuration.clock.simulator.clear();
+    auto node = Node::create(configuration);
+    ASSERT_TRUE(node);
+    auto const requests = (*node)->reader<ChargingRequest>("requests");
+    ASSERT_TRUE(requests && (*node)->start());
+    std::vector<std::unique_ptr<Participant>> others;
+    std::vector<std::unique_ptr<RawWriter>> writers;
+    EndpointQos like;
+    like.reliable = true;
+    for (char const* name : {"site_b", "site_c", "site_b"}) {
+        others.push_back(*Participant::create({name, 0, "test", 1, config("x").qos, "management", {"127.0.0.1"}}));
+        writers.push_back(*create_writer_like(*others.back(), "requests", codec_of<ChargingRequest>(), like));
+        while (writers.back()->matched().empty()) {
+            std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        }
+        ChargingRequest const request;
+        writers.back()->write(&request, std::nullopt);
+    }
+    std::multiset<std::string> said;
+    for (auto const hang = std::chrono::steady_clock::now() + std::chrono::seconds{60};
+         said.size() < 3 && std::chrono::steady_clock::now() < hang;) {
+        ASSERT_TRUE((*node)->next(std::chrono::steady_clock::now() + std::chrono::milliseconds{50}));
+        for (auto const& received : (*requests)->take()) {
+            said.insert((*node)->process_name(received.origin));
+        }
+    }
+    EXPECT_THAT(said, testing::ElementsAre("site_b", "site_b", "site_c"));
 }
 
 } // namespace
