@@ -62,7 +62,7 @@ int add(zipFile zip, ArchiveFile const& file) {
     zip_fileinfo info{};
     info.dosDate = kBeginning;
     int code = zipOpenNewFileInZip64(zip, file.name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr, Z_DEFLATED,
-                                     Z_BEST_COMPRESSION, 0);
+                                     Z_DEFAULT_COMPRESSION, 0);
     if (code == ZIP_OK && !file.content.empty()) {
         code = zipWriteInFileInZip(zip, file.content.data(), static_cast<unsigned>(file.content.size()));
     }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+// NOLINTBEGIN(readability-identifier-naming): the names are the standard's
 using namespace gridspace;
 using namespace gridspace::sim::fmi3;
 
@@ -111,3 +112,4 @@ GRIDSPACE_FMI3 int fmi3GetClock(void* instance, Reference const*, std::size_t co
 GRIDSPACE_FMI3 int fmi3SetClock(void* instance, Reference const*, std::size_t count, bool const*) {
     return count == 0 ? 0 : unsupported(instance, "fmi3SetClock");
 }
+// NOLINTEND(readability-identifier-naming)

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+// NOLINTBEGIN(readability-identifier-naming): the names are the standard's
 using namespace gridspace;
 using namespace gridspace::sim::fmi3;
 
@@ -110,3 +111,4 @@ GRIDSPACE_FMI3 int fmi3Reset(void* instance) {
         return Result<void>{};
     });
 }
+// NOLINTEND(readability-identifier-naming)

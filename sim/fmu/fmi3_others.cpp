@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+// NOLINTBEGIN(readability-identifier-naming): the names are the standard's
 using namespace gridspace::sim::fmi3;
 using gridspace::fmi::v3::LogMessage;
 
@@ -84,3 +85,4 @@ GRIDSPACE_UNSUPPORTED(fmi3GetContinuousStates, double*, std::size_t)
 GRIDSPACE_UNSUPPORTED(fmi3GetNominalsOfContinuousStates, double*, std::size_t)
 GRIDSPACE_UNSUPPORTED(fmi3GetNumberOfEventIndicators, std::size_t*)
 GRIDSPACE_UNSUPPORTED(fmi3GetNumberOfContinuousStates, std::size_t*)
+// NOLINTEND(readability-identifier-naming)
