@@ -40,8 +40,8 @@ class Walker {
         case Kind::structure:
             for (Type::Member const& member : type.members) {
                 std::size_t const length = path_.size();
-                path_ += (path_.empty() ? "" : ".") + member.name;
-                if (!walk(member.type, depth + 1)) {
+                path_.append(path_.empty() ? "" : ".").append(member.name);
+                if (!walk(member.type, depth + 1) || visitor_.done()) {
                     return false;
                 }
                 path_.resize(length);
@@ -215,6 +215,7 @@ std::optional<std::int64_t> find_integer(Model const& model, std::size_t type, s
                 }
             }
         }
+        [[nodiscard]] bool done() const override { return found.has_value(); }
     } finder;
     finder.wanted = member;
     (void)visit(model, type, cdr, finder);

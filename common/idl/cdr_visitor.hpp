@@ -25,10 +25,12 @@ class Visitor {
     virtual void leaf(std::string_view path, Type const& type, Value const& value) = 0;
     /// The length of a sequence, before its elements.
     virtual void sequence(std::string_view /*path*/, std::size_t /*length*/) {}
+    /// Nothing more is wanted: the rest of the sample is not looked at.
+    [[nodiscard]] virtual bool done() const { return false; }
 };
 
 /// Decodes one sample (plain CDR, XCDR1, with its encapsulation header) of a struct type. Never reads outside of `cdr`;
-/// fails with the member at which it does not fit.
+/// fails with the member at which it does not fit, or at which the visitor was done.
 [[nodiscard]] Result<void> visit(Model const& model, std::size_t type, std::span<std::byte const> cdr,
                                  Visitor& visitor);
 

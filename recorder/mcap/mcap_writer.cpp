@@ -3,6 +3,8 @@
 #include "recorder/mcap/mcap_writer.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -26,8 +28,11 @@ class Encoder {
     explicit Encoder(Bytes& out) : out_{out} {}
     template <class T>
     Encoder& number(T value) {
-        for (std::size_t i = 0; i < sizeof(T); ++i) {
-            out_.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
+        auto const octets = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
+        if constexpr (std::endian::native == std::endian::little) {
+            out_.insert(out_.end(), octets.begin(), octets.end());
+        } else {
+            out_.insert(out_.end(), octets.rbegin(), octets.rend());
         }
         return *this;
     }
