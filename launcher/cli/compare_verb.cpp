@@ -7,6 +7,7 @@
 #include "launcher/cli/manifest.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "recorder/compare/compare.hpp"
+#include "recorder/pcapng/pcapng_reader.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -57,7 +58,7 @@ int compare(CompareArguments const& arguments) {
         return print_error(result.error());
     }
     // Frames too, where both runs have some; stamps of real time never repeat.
-    std::filesystem::path const frames_a = *run_a / "bus.pcapng", frames_b = *run_b / "bus.pcapng";
+    std::filesystem::path const frames_a = pcapng::capture_of_run(*run_a), frames_b = pcapng::capture_of_run(*run_b);
     std::string frames;
     std::uint64_t equal_frames = 0;
     if (arguments.signals.empty() && clock_of(a, "mode") == "lockstep" && clock_of(b, "mode") == "lockstep" &&

@@ -54,7 +54,7 @@ gridspace ids study
     gridspace ids study configs/ids/mlp_20_10_1.yaml --windows 10,20 --hidden 5,10 --out study
 gridspace ids scan
     gridspace ids scan capture.pcapng
-    gridspace ids scan runs/latest/bus.pcapng --streams configs/scenarios/protection.yaml --line SMV21,SMV22 --out scan
+    gridspace ids scan runs/latest/bus.pcapng.gz --streams configs/scenarios/protection.yaml --line SMV21,SMV22 --out scan
 gridspace ids score
     gridspace ids score latest verdicts.csv
 gridspace ids export
@@ -115,9 +115,9 @@ gridspace wire goose-pub
 gridspace wire goose-sub
     gridspace wire goose-sub eth1 --file configs/scenarios/protection.yaml --stream TRIP2
 gridspace wire replay
-    gridspace wire replay runs/latest/bus.pcapng veth0
+    gridspace wire replay runs/latest/bus.pcapng.gz veth0
 gridspace wire stats
-    gridspace wire stats runs/latest/bus.pcapng
+    gridspace wire stats runs/latest/bus.pcapng.gz
 gridspace scl import
     gridspace scl import station.scd --out station.yaml
     gridspace scl import station.scd --network grid.yaml --map measured.yaml --realtime

@@ -10,6 +10,7 @@
 #include "launcher/judge/wall_clock.hpp"
 #include "launcher/judge/wire_timing.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
+#include "recorder/pcapng/pcapng_reader.hpp"
 #include "recorder/signals/cdr_cursor.hpp"
 
 #include <algorithm>
@@ -151,14 +152,15 @@ Result<void> add_intrusion(fs::path const& folder, Results& out) {
 void read_capture(fs::path const& folder, Results& out) {
     config::Diagnostics unread;
     auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", unread);
-    if (!scenario || !fs::exists(folder / "bus.pcapng") || uncounted_streams(out, *scenario).empty()) {
+    fs::path const file = pcapng::capture_of_run(folder);
+    if (!scenario || !fs::exists(file) || uncounted_streams(out, *scenario).empty()) {
         return;
     }
-    auto capture = wire::capture_statistics(folder / "bus.pcapng");
+    auto capture = wire::capture_statistics(file);
     if (capture) {
         out.capture = std::move(*capture);
     } else {
-        out.notes.push_back(fmt::format("bus.pcapng cannot be read: {}", capture.error().message));
+        out.notes.push_back(fmt::format("{} cannot be read: {}", file.filename().string(), capture.error().message));
     }
 }
 

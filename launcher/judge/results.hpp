@@ -45,7 +45,7 @@ struct Results {
     SignalStore signals;        ///< all that were recorded, and what follows from them
     Silences silences;          ///< where signals have no value, because their process was killed
     CounterGaps counter_gaps;   ///< what counters of processes that were killed or started again do not hold
-    /// What bus.pcapng says, read where a declared stream has no counters of its own or these have a gap.
+    /// What the capture of the run says, read where a declared stream has no counters of its own or these have a gap.
     std::optional<wire::CaptureStatistics> capture;
     IntrusionScore intrusion;                 ///< of detectors and attacks, where there were some
     std::optional<Consequences> consequences; ///< of attacks

@@ -29,7 +29,7 @@ struct Spread {
 
 struct SmvTiming {
     std::string stream;
-    bool captured{false};         ///< counted in bus.pcapng, not by a relay of ours
+    bool captured{false};         ///< counted in the capture, not by a relay of ours
     std::size_t other_senders{0}; ///< that use the same name and APPID: the counts are of the one with most frames
     std::optional<double> nominal_hz;
     std::size_t received{0}, lost{0}, duplicate{0}, late{0};

@@ -7,6 +7,7 @@
 #include "common/version.hpp"
 #include "launcher/play/frame_player.hpp"
 #include "launcher/play/sample_player.hpp"
+#include "recorder/pcapng/pcapng_reader.hpp"
 
 #include <csignal>
 #include <fmt/format.h>
@@ -59,7 +60,7 @@ Result<Players> prepare(PlayOptions const& options) {
     std::error_code ignored;
     bool const folder = std::filesystem::is_directory(options.run, ignored);
     std::filesystem::path const recording = folder ? options.run / "data.mcap" : options.run;
-    std::filesystem::path const capture = (folder ? options.run : options.run.parent_path()) / "bus.pcapng";
+    std::filesystem::path const capture = pcapng::capture_of_run(folder ? options.run : options.run.parent_path());
     auto epoch = epoch_of(folder ? options.run : options.run.parent_path());
     Players out;
     std::int64_t first = INT64_MAX, last = INT64_MIN;

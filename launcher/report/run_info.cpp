@@ -7,6 +7,7 @@
 #include "common/time.hpp"
 #include "launcher/wire/capture_statistics.hpp"
 #include "recorder/mcap/mcap_index.hpp"
+#include "recorder/pcapng/pcapng_reader.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -316,7 +317,7 @@ Result<RunInfo> run_info(fs::path const& run) {
     };
     std::int64_t const epoch_ns = parse_utc(j["epoch"].get<std::string>()).value_or(0) * 1'000'000'000;
     add("recording", "data.mcap", [&](fs::path const& file) { return recording_json(file, epoch_ns); }, recording_text);
-    add("capture", "bus.pcapng", capture_json, capture_text);
+    add("capture", pcapng::capture_of_run(run).filename().c_str(), capture_json, capture_text);
     auto const [parts, total] = sizes(run);
     j["files"] = parts;
     j["octets"] = total;

@@ -80,9 +80,9 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
         " Refused: simulated (S bit), damaged, or of another identity, revision or size; a frame refused is one that "
         "the relay misses, so its samples are among the lost too.";
     if (std::any_of(t.smv.begin(), t.smv.end(), [](SmvTiming const& s) { return s.captured; })) {
-        out.note +=
-            " In the capture: counted by smpCnt in bus.pcapng, because no process of ours heard that stream (or "
-            "not all of it); what its receiver got is not known, nor the delay to it.";
+        out.note += " In the capture: counted by smpCnt in the captured frames, because no process of ours heard that "
+                    "stream (or "
+                    "not all of it); what its receiver got is not known, nor the delay to it.";
     }
     if (!t.not_seen.empty()) {
         out.note += fmt::format(" Neither counted nor captured: {}.", join(t.not_seen, ", "));

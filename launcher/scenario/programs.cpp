@@ -208,7 +208,7 @@ class RecorderSettings final : public ProcessSettings {
   public:
     static std::unique_ptr<ProcessSettings> read(Fields& f) {
         auto out = std::make_unique<RecorderSettings>();
-        f.flag("compress", out->compress_, {.doc = "compress the recording"});
+        f.flag("compress", out->compress_, {.doc = "compress the recording (zstd) and the capture (gzip)"});
         return out;
     }
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const& process) const override {
@@ -228,7 +228,7 @@ class RecorderSettings final : public ProcessSettings {
             }
         }
         node.set("topics", std::move(topics));
-        node.set("capture", capture(s, process));
+        node.set("capture", capture(s, process, compress_));
         return node;
     }
     [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
@@ -268,7 +268,7 @@ class RecorderSettings final : public ProcessSettings {
     }
 
   private:
-    static Node capture(Scenario const& s, Process const& process) {
+    static Node capture(Scenario const& s, Process const& process, bool compress) {
         Node list = Node::sequence();
         for (CapturePoint const& point : capture_points(s, process)) {
             Node port = Node::map();
@@ -290,7 +290,7 @@ class RecorderSettings final : public ProcessSettings {
             list.items.push_back(std::move(port));
         }
         Node node = Node::map();
-        node.set("file", Node::scalar("../bus.pcapng"));
+        node.set("file", Node::scalar(compress ? "../bus.pcapng.gz" : "../bus.pcapng"));
         node.set("network_namespace", Node::quoted_text("/proc/1/ns/net")); // the supervisor's, who made the switches
         node.set("ports", std::move(list));
         return node;

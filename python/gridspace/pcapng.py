@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads capture files: pcapng, as bus.pcapng of a run is."""
+"""Reads capture files: pcapng, also compressed by gzip, as bus.pcapng.gz of a run is."""
 from __future__ import annotations
 
 import os
 import pathlib
 import struct
 import warnings
+import zlib
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import BinaryIO, NamedTuple
 
 from gridspace.launcher import Error
 
@@ -33,24 +34,26 @@ def read(file: str | os.PathLike) -> Iterator[Captured]:
     """
     path = pathlib.Path(file)
     try:
-        stream = path.open("rb")
+        file = path.open("rb")
     except OSError as e:
         raise Error(f"cannot read '{path}': {e.strerror}", 2) from e
-    with stream:
-        order, interfaces = "<", []
+    with file:
+        stream = _Octets(file, path)
+        order, interfaces, end = "<", [], 0
         while head := stream.read(8):
-            offset = stream.tell() - len(head)
+            offset, end = end, end + len(head)
             if offset == 0 and head[:4] != SECTION.to_bytes(4, "little"):
                 raise Error(f"'{path}' is no pcapng file", 2)
+            magic = b""
             if len(head) == 8 and head[:4] == SECTION.to_bytes(4, "little"):  # the same in both orders
                 magic = stream.read(4)
                 order = ">" if magic == b"\x1a\x2b\x3c\x4d" else "<"
-                stream.seek(-len(magic), os.SEEK_CUR)
                 interfaces = []
             kind, length = struct.unpack(order + "II", head) if len(head) == 8 else (0, 12)
             if length < 12 or length % 4 or length > LARGEST_BLOCK:
                 raise Error(f"'{path}' is damaged at offset {offset}: a block of {length} octets", 2)
-            body = stream.read(length - 8)
+            body = magic + stream.read(length - 8 - len(magic))
+            end += len(body)
             if len(head) + len(body) < length:
                 warnings.warn(f"'{path}' ends in the middle of a block, at offset {offset}: the run did not end well", stacklevel=2)
                 return
@@ -69,6 +72,27 @@ def read(file: str | os.PathLike) -> Iterator[Captured]:
                                    options.get(1, b"").decode(errors="replace"))
             except (struct.error, IndexError, ValueError) as e:
                 raise Error(f"'{path}' is damaged at offset {offset}: {e}", 2) from e
+
+
+class _Octets:
+    """What a file holds, decompressed where it is compressed. One that was cut off ends where it was."""
+
+    def __init__(self, file: BinaryIO, path: pathlib.Path) -> None:
+        self._file, self._path, self._ready, self._at = file, path, file.read(2), 0
+        self._inflate = zlib.decompressobj(31) if self._ready == b"\x1f\x8b" else None
+        if self._inflate is not None:
+            self._ready = self._inflate.decompress(self._ready)
+
+    def read(self, size: int) -> bytes:
+        while self._at + size > len(self._ready) and (raw := self._file.read(1 << 16)):
+            try:
+                more = raw if self._inflate is None else self._inflate.decompress(raw)
+            except zlib.error as e:
+                raise Error(f"'{self._path}' is damaged: it cannot be decompressed ({e})", 2) from e
+            self._ready, self._at = self._ready[self._at:] + more, 0
+        octets = self._ready[self._at:self._at + size]
+        self._at += len(octets)
+        return octets
 
 
 def _options(order: str, body: bytes, at: int) -> dict[int, bytes]:

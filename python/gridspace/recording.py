@@ -185,13 +185,14 @@ class Run:
             return [{name: _value(text) for name, text in row.items()} for row in csv.DictReader(stream)]
 
     def frames(self, port: str = "*") -> Iterator[frames.Frame]:
-        """Captured Ethernet frames (bus.pcapng) in their order, of the ports that fit the pattern. A frame that is too short to be one is left out.
+        """Captured Ethernet frames (bus.pcapng.gz) in their order, of the ports that fit the pattern. A frame that is too short to be one is left out.
 
         Their time_s is simulated time; in real time that of what was simulated when they were captured, where the capture says it.
         """
         epoch = datetime.datetime.fromisoformat(self.manifest["clock"]["epoch"].replace("Z", "+00:00"))
         epoch_ns, lockstep = round(epoch.timestamp()) * 1_000_000_000, self.manifest["clock"]["mode"] == "lockstep"
-        for packet in pcapng.read(self.folder / "bus.pcapng"):
+        plain = self.folder / "bus.pcapng"
+        for packet in pcapng.read(plain if plain.exists() else self.folder / "bus.pcapng.gz"):
             if len(packet.octets) >= 18 and fnmatch.fnmatchcase(packet.interface, port):
                 time_s = (packet.time_ns - epoch_ns) / 1e9 if lockstep else _simulated(packet.comment)
                 yield frames.parse(packet.octets, time_s, packet.time_ns, packet.interface, packet.direction)

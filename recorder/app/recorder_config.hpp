@@ -13,7 +13,7 @@ namespace gridspace::recorder {
 /// Settings of gridspace-recorder.
 /// Which frames are captured, and where.
 struct CaptureConfig {
-    std::filesystem::path file{"bus.pcapng"};
+    std::filesystem::path file{"bus.pcapng.gz"};
     std::filesystem::path network_namespace; ///< in which the interfaces are; empty: the process's own
     struct Port {
         std::string name;        ///< in the file: "process_bus/mu21"

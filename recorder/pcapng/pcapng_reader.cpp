@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fmt/format.h>
+#include <zlib.h>
 
 namespace gridspace::pcapng {
 namespace {
@@ -50,6 +51,10 @@ std::unexpected<Error> Reader::damaged(std::string const& what) const {
     return fail(ExitCode::usage, fmt::format("'{}' is damaged: {} (at octet {})", name_, what, offset_));
 }
 
+std::unexpected<Error> Reader::not_decompressed() const {
+    return damaged("it cannot be decompressed (" + broken_ + ")");
+}
+
 bool Reader::read(std::size_t octets) {
     if (octets > left_) { // no memory for what a damaged length promises
         truncated_ = truncated_ || left_ != 0;
@@ -57,15 +62,33 @@ bool Reader::read(std::size_t octets) {
     }
     left_ -= octets;
     block_.resize(octets);
-    std::size_t const got = std::fread(block_.data(), 1, octets, file_.get());
-    truncated_ = truncated_ || (got != octets && got != 0);
+    gzFile const file = static_cast<gzFile>(file_.get());
+    int const read = ::gzread(file, block_.data(), static_cast<unsigned>(octets));
+    std::size_t const got = read < 0 ? 0 : static_cast<std::size_t>(read);
+    int code = Z_OK;
+    char const* const why = ::gzerror(file, &code);
+    if (code != Z_OK && code != Z_BUF_ERROR && code != Z_STREAM_END) {
+        broken_ = code == Z_ERRNO ? std::strerror(errno) : why;
+    }
+    truncated_ = truncated_ || (got != octets && got != 0) || code == Z_BUF_ERROR; // it ends within what is compressed
     return got == octets;
+}
+
+void Reader::Close::operator()(void* file) const {
+    ::gzclose(static_cast<gzFile>(file));
+}
+
+std::filesystem::path capture_of_run(std::filesystem::path const& folder) {
+    std::error_code ignored;
+    std::filesystem::path compressed = folder / "bus.pcapng.gz";
+    return std::filesystem::exists(compressed, ignored) ? compressed : folder / "bus.pcapng";
 }
 
 Result<Reader> Reader::open(std::filesystem::path const& file) {
     Reader out;
     out.name_ = file.string();
-    out.file_.reset(std::fopen(file.c_str(), "rbe"));
+    errno = 0;
+    out.file_.reset(::gzopen(file.c_str(), "rbe"));
     if (!out.file_) {
         return fail(ExitCode::usage, fmt::format("cannot read '{}': {}", out.name_, std::strerror(errno)));
     }
@@ -74,11 +97,13 @@ Result<Reader> Reader::open(std::filesystem::path const& file) {
         return fail(ExitCode::usage, fmt::format("'{}' is a folder", out.name_), "expected a capture: pcapng or pcap");
     }
     out.left_ = std::filesystem::file_size(file, ec);
-    if (ec) { // a pipe: as far as it goes
+    if (ec || ::gzdirect(static_cast<gzFile>(out.file_.get())) == 0) { // a pipe, or compressed: as far as it goes
         out.left_ = ~std::uint64_t{0};
     }
     if (!out.read(4)) {
-        return fail(ExitCode::usage, fmt::format("'{}' is not a capture: it has fewer than 4 octets", out.name_));
+        return out.broken_.empty()
+                   ? fail(ExitCode::usage, fmt::format("'{}' is not a capture: it has fewer than 4 octets", out.name_))
+                   : out.not_decompressed();
     }
     auto const magic = out.number<std::uint32_t>(out.block_.data());
     std::uint32_t const turned = std::byteswap(magic);
@@ -130,6 +155,11 @@ Result<std::optional<Frame>> Reader::next_classic() {
 }
 
 Result<std::optional<Frame>> Reader::next() {
+    auto frame = next_frame();
+    return frame && !*frame && !broken_.empty() ? not_decompressed() : frame;
+}
+
+Result<std::optional<Frame>> Reader::next_frame() {
     if (classic_) {
         return next_classic();
     }

@@ -5,7 +5,7 @@
 #include "common/result.hpp"
 #include "recorder/pcapng/pcapng_writer.hpp"
 
-#include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +28,9 @@ struct Interface {
     return slash != std::string_view::npos && point.find(':', slash) != std::string_view::npos;
 }
 
+/// Where the capture of a run is: bus.pcapng.gz of its folder, or bus.pcapng where it is not compressed.
+[[nodiscard]] std::filesystem::path capture_of_run(std::filesystem::path const& folder);
+
 struct Frame {
     std::uint32_t interface{0};
     std::int64_t time_ns{0}; ///< since 1970
@@ -38,9 +41,9 @@ struct Frame {
 };
 
 /// Reads captures frame by frame: pcapng (enhanced, simple and the old packet blocks) and classic pcap (micro- and
-/// nanoseconds, and the "modified" one of A. Kuznetzov, 0xa1b2cd34), either byte order. Memory is bounded by one block,
-/// at most 16 MB. A file that was cut off in the middle (a crash, a full disk) gives its whole frames and
-/// `truncated()`.
+/// nanoseconds, and the "modified" one of A. Kuznetzov, 0xa1b2cd34), either byte order, also compressed by gzip. Memory
+/// is bounded by one block, at most 16 MB. A file that was cut off in the middle (a crash, a full disk) gives its whole
+/// frames and `truncated()`.
 class Reader {
   public:
     [[nodiscard]] static Result<Reader> open(std::filesystem::path const& file);
@@ -66,24 +69,27 @@ class Reader {
 
   private:
     struct Close {
-        void operator()(std::FILE* f) const { std::fclose(f); }
+        void operator()(void* file) const;
     };
     Reader() = default;
 
     template <class T>
     [[nodiscard]] T number(std::uint8_t const* from) const;
-    /// Fills `block_` with so many octets; false at the end of the file.
+    /// Fills `block_` with so many octets; false at the end of the file, or of what can be decompressed.
     [[nodiscard]] bool read(std::size_t octets);
+    [[nodiscard]] Result<std::optional<Frame>> next_frame();
     [[nodiscard]] std::unexpected<Error> damaged(std::string const& what) const;
+    [[nodiscard]] std::unexpected<Error> not_decompressed() const;
     [[nodiscard]] Result<std::optional<Frame>> next_classic();
     [[nodiscard]] Result<void> section_header(std::uint32_t length);
     [[nodiscard]] Result<void> interface_block();
     [[nodiscard]] Result<std::optional<Frame>> packet_block(std::uint32_t type);
     void packet_options(Frame& frame, std::size_t at) const;
 
-    std::unique_ptr<std::FILE, Close> file_;
+    std::unique_ptr<void, Close> file_; ///< zlib's, which reads what is not compressed as it is
     std::string name_;
     std::uint64_t offset_{0}, left_{0}; ///< octets of the file that were not read
+    std::string broken_;                ///< what is wrong with its compression
     bool begun_{false};
     bool classic_{false}, swapped_{false}, truncated_{false};
     std::size_t record_head_{16}; ///< of a classic file: the "modified" one says 8 octets more, which nobody needs

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/pcapng/pcapng_writer.hpp"
 
+#include <array>
+#include <bit>
 #include <cassert>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
+#include <zlib.h>
 
 namespace gridspace::pcapng {
 namespace {
@@ -24,8 +27,11 @@ class Block {
     }
     template <class T>
     Block& number(T value) {
-        for (std::size_t i = 0; i < sizeof(T); ++i) {
-            out_.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
+        auto const octets = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
+        if constexpr (std::endian::native == std::endian::little) {
+            out_.insert(out_.end(), octets.begin(), octets.end());
+        } else {
+            out_.insert(out_.end(), octets.rbegin(), octets.rend());
         }
         return *this;
     }
@@ -72,12 +78,54 @@ class Block {
 
 } // namespace
 
+/// One stream of deflate behind a header without name and date. Each part ends on an octet: a file that was cut off
+/// there can be read up to it. (One frame of zstd after another, which would do as well, Wireshark 4.0 does not read.)
+class Writer::Gzip {
+  public:
+    Gzip() {
+        constexpr int kFastest = 1, kGzip = 16 + MAX_WBITS, kUsualMemory = 8;
+        good_ = ::deflateInit2(&z_, kFastest, Z_DEFLATED, kGzip, kUsualMemory, Z_DEFAULT_STRATEGY) == Z_OK;
+    }
+    ~Gzip() { ::deflateEnd(&z_); }
+    Gzip(Gzip const&) = delete;
+    Gzip& operator=(Gzip const&) = delete;
+
+    [[nodiscard]] bool good() const { return good_; }
+    /// What the file goes on with.
+    std::span<std::uint8_t const> part(Octets const& octets, bool last) {
+        out_.resize(::deflateBound(&z_, octets.size()) + 64); // and the end of the part
+        z_.next_in = const_cast<Bytef*>(octets.data());       // zlib does not write there
+        z_.avail_in = static_cast<uInt>(octets.size());
+        z_.next_out = out_.data();
+        z_.avail_out = static_cast<uInt>(out_.size());
+        ::deflate(&z_, last ? Z_FINISH : Z_SYNC_FLUSH);
+        assert(z_.avail_in == 0 && z_.avail_out > 0);
+        return {out_.data(), out_.size() - z_.avail_out};
+    }
+
+  private:
+    z_stream z_{};
+    bool good_{false};
+    Octets out_;
+};
+
+Writer::Writer(UniqueFd fd, std::filesystem::path file) : fd_{std::move(fd)}, file_{std::move(file)} {}
+Writer::~Writer() = default;
+Writer::Writer(Writer&&) noexcept = default;
+Writer& Writer::operator=(Writer&&) noexcept = default;
+
 Result<Writer> Writer::create(std::filesystem::path const& file, std::string_view application) {
     UniqueFd fd{::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644)};
     if (!fd) {
         return fail(ExitCode::environment, fmt::format("cannot write '{}': {}", file.string(), std::strerror(errno)));
     }
     Writer out{std::move(fd), file};
+    if (file.extension() == ".gz") {
+        out.gzip_ = std::make_unique<Gzip>();
+        if (!out.gzip_->good()) {
+            return fail(ExitCode::environment, fmt::format("cannot write '{}': no memory to compress", file.string()));
+        }
+    }
     out.buffer_.reserve(kBufferOctets + 4096);
     Block block{out.buffer_, 0x0A0D0D0A};
     block.number(std::uint32_t{0x1A2B3C4D}).number(std::uint16_t{1}).number(std::uint16_t{0}).number(std::int64_t{-1});
@@ -120,26 +168,31 @@ Result<void> Writer::flush_when_full() {
 }
 
 Result<void> Writer::flush() {
-    std::size_t done = 0;
-    while (done < buffer_.size()) {
-        ssize_t const n = ::write(fd_.get(), buffer_.data() + done, buffer_.size() - done);
+    if (buffer_.empty()) {
+        return {};
+    }
+    auto const ok = put(gzip_ ? gzip_->part(buffer_, false) : buffer_);
+    buffer_.clear(); // also when the disk is full: memory would grow meanwhile
+    return ok;
+}
+
+Result<void> Writer::put(std::span<std::uint8_t const> octets) {
+    while (!octets.empty()) {
+        ssize_t const n = ::write(fd_.get(), octets.data(), octets.size());
         if (n < 0 && errno == EINTR) {
             continue;
         }
         if (n <= 0) {
-            int const why = errno;
-            buffer_.clear(); // or memory would grow while the disk is full
             return fail(ExitCode::environment,
-                        fmt::format("cannot write '{}': {}", file_.string(), std::strerror(why)));
+                        fmt::format("cannot write '{}': {}", file_.string(), std::strerror(errno)));
         }
-        done += static_cast<std::size_t>(n);
+        octets = octets.subspan(static_cast<std::size_t>(n));
     }
-    buffer_.clear();
     return {};
 }
 
 Result<void> Writer::close() {
-    auto const ok = fd_ ? flush() : Result<void>{};
+    auto const ok = !fd_ ? Result<void>{} : gzip_ ? put(gzip_->part(buffer_, true)) : flush();
     fd_.reset();
     return ok;
 }

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -16,10 +17,15 @@ namespace gridspace::pcapng {
 /// Which way a frame went, as seen from the interface.
 enum class Direction : std::uint8_t { unknown = 0, inbound = 1, outbound = 2 };
 
-/// Writes a capture file (pcapng 1.0, little-endian, Ethernet) with stamps in nanoseconds. The same calls give the same
-/// octets. Memory is bounded by the buffer; what was flushed survives a crash.
+/// Writes a capture file (pcapng 1.0, little-endian, Ethernet) with stamps in nanoseconds; compressed (RFC 1952) when
+/// its name ends with ".gz". The same calls give the same octets. Memory is bounded by the buffer; what was flushed
+/// survives a crash.
 class Writer {
   public:
+    ~Writer();
+    Writer(Writer&&) noexcept;
+    Writer& operator=(Writer&&) noexcept;
+
     /// `application`: what wrote the file, for people.
     [[nodiscard]] static Result<Writer> create(std::filesystem::path const& file, std::string_view application);
 
@@ -37,10 +43,13 @@ class Writer {
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
   private:
-    Writer(UniqueFd fd, std::filesystem::path file) : fd_{std::move(fd)}, file_{std::move(file)} {}
+    class Gzip;
+    Writer(UniqueFd fd, std::filesystem::path file);
     [[nodiscard]] Result<void> flush_when_full();
+    [[nodiscard]] Result<void> put(std::span<std::uint8_t const> octets);
 
     UniqueFd fd_;
+    std::unique_ptr<Gzip> gzip_; ///< where it is compressed
     std::filesystem::path file_;
     std::vector<std::uint8_t> buffer_;
     std::uint32_t interfaces_{0};

@@ -89,7 +89,7 @@ class Exporter {
   private:
     template <class OnFrame>
     Result<void> read(OnFrame const& on_frame) {
-        fs::path const file = run_.folder / "bus.pcapng";
+        fs::path const file = pcapng::capture_of_run(run_.folder);
         auto reader = pcapng::Reader::open(file);
         if (!reader) {
             return std::unexpected{reader.error()};

@@ -7,6 +7,7 @@
 #include "common/time.hpp"
 #include "launcher/folder/sha256.hpp"
 #include "launcher/judge/intrusion_recording.hpp"
+#include "recorder/pcapng/pcapng_reader.hpp"
 
 #include <fmt/format.h>
 #include <fstream>
@@ -82,7 +83,7 @@ Result<void> add_named(fs::path const& named, std::vector<RunSource>& runs) {
     }
     return runs.size() > before ? Result<void>{}
                                 : fail(ExitCode::usage, fmt::format("there is no run in '{}'", named.string()),
-                                       "a run folder holds manifest.json, data.mcap and bus.pcapng");
+                                       "a run folder holds manifest.json, data.mcap and bus.pcapng.gz");
 }
 
 std::unexpected<Error> refuse(RunSource const& run, std::string const& what, std::string const& remedy) {
@@ -211,8 +212,8 @@ Result<void> read_run(RunSource& run) {
         return ok;
     }
     std::error_code ignored;
-    if (!fs::is_regular_file(run.folder / "bus.pcapng", ignored)) {
-        return refuse(run, "it has no capture bus.pcapng",
+    if (!fs::is_regular_file(pcapng::capture_of_run(run.folder), ignored)) {
+        return refuse(run, "it has no capture bus.pcapng.gz",
                       "run the scenario again with record: {samples: all, frames: all}");
     }
     return read_labels(run);

@@ -37,13 +37,13 @@ class OfARun(harness.ScenarioTest):
         run = gridspace.open(folder)
         self.assertGreater(len(list(run.frames())), 900)
         epoch_s = 1575158400  # 2019-12-01, the epoch of the scenario
-        theirs = self.tshark(folder / "bus.pcapng", "sv", "sv.svID", "sv.smpCnt", "sv.confRev", "sv.smpSynch", "sv.appid")
+        theirs = self.tshark(folder / "bus.pcapng.gz", "sv", "sv.svID", "sv.smpCnt", "sv.confRev", "sv.smpSynch", "sv.appid")
         ours = [[s.time_s, s.stream, s.count, s.conf_rev, s.synch, s.app_id] for s in run.sampled_values()]
         self.assertEqual(len(ours), len(theirs))
         for own, (time, name, *numbers) in zip(ours, theirs, strict=True):
             self.assertAlmostEqual(own[0], float(time) - epoch_s, places=6)
             self.assertEqual(own[1:], [name, *[int(n, 0) for n in numbers]])
-        theirs = self.tshark(folder / "bus.pcapng", "goose", "goose.gocbRef", "goose.stNum", "goose.sqNum", "goose.timeAllowedtoLive", "goose.boolean")
+        theirs = self.tshark(folder / "bus.pcapng.gz", "goose", "goose.gocbRef", "goose.stNum", "goose.sqNum", "goose.timeAllowedtoLive", "goose.boolean")
         ours = [[m.stream, m.st_num, m.sq_num, m.live_ms, m.values[0]] for m in run.goose()]
         self.assertEqual(ours, [[name, int(st), int(sq), int(live), value in ("1", "True", "true")] for _, name, st, sq, live, value in theirs])
         self.assertEqual({m.st_num for m in run.goose()}, {1, 2}, "it has tripped")
@@ -58,7 +58,7 @@ class OfARun(harness.ScenarioTest):
 
     def test_a_run_without_a_capture_says_so(self):
         run = self.run_to_end("run", [*harness.BASE, "--until", "10min", "--set", "expect=~"])
-        with self.assertRaisesRegex(gridspace.Error, "cannot read .*bus.pcapng.*No such file"):
+        with self.assertRaisesRegex(gridspace.Error, "cannot read .*bus.pcapng.gz.*No such file"):
             list(gridspace.open(run.folder).frames())
 
 

@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What `gridspace play` puts back onto the bus and the wire is what was recorded; `gridspace info` says what that is."""
 import contextlib
+import gzip
 import json
 import os
 import pathlib
@@ -30,7 +31,7 @@ DOMAIN = 3
 
 def frames_of(capture):
     """Octets of the packets of a pcapng file, in its order."""
-    data, at, out = capture.read_bytes(), 0, []
+    data, at, out = gzip.decompress(capture.read_bytes()), 0, []
     while at + 12 <= len(data):
         kind, size = struct.unpack_from("<II", data, at)
         if kind == 6:
@@ -207,7 +208,7 @@ class Play(ScenarioTest):
 
     def test_recorded_frames_go_back_onto_a_virtual_cable_and_nowhere_else(self):
         run = self.run_to_end("frames", ["--until", "0.2s", "--set", "expect=~"], SOURCE / "configs/scenarios/gateway_four_ways.yaml")
-        recorded = [f for f in frames_of(run.folder / "bus.pcapng") if f[12:14] in (b"\x88\xb8", b"\x88\xba") or f[16:18] in (b"\x88\xb8", b"\x88\xba")]
+        recorded = [f for f in frames_of(run.folder / "bus.pcapng.gz") if f[12:14] in (b"\x88\xb8", b"\x88\xba") or f[16:18] in (b"\x88\xb8", b"\x88\xba")]
         self.assertGreater(len(recorded), 20)
         subprocess.run("ip link add out type veth peer name in && ip link set out up && ip link set in up && ip link add real type bridge && "
                        "ip link set real up", shell=True, check=True)

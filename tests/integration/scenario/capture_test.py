@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-"""bus.pcapng holds every frame of every link: at the switches, on both sides of who sits in a cable, and on real interfaces."""
+"""bus.pcapng.gz holds every frame of every link: at the switches, on both sides of who sits in a cable, and on real interfaces."""
 import collections
 import json
 import sys
@@ -68,9 +68,9 @@ def differences(first, second):
 class CutCable(ScenarioTest):
     def test_both_sides_of_a_bump_are_captured_under_names(self):
         self.write("base.yaml", SHORT_CASE_2)
-        sound = Capture(self.run_to_end("sound", scenario=self.folder / "base.yaml").folder / "bus.pcapng")
+        sound = Capture(self.run_to_end("sound", scenario=self.folder / "base.yaml").folder / "bus.pcapng.gz")
         run = self.run_to_end("cut", scenario=self.write("cut.yaml", CUT))
-        cut = Capture(run.folder / "bus.pcapng")
+        cut = Capture(run.folder / "bus.pcapng.gz")
         self.assertEqual(cut.points, [*sound.points, BEFORE, SLOW])
         self.assertIn("inbound is what mu21 sent", cut.descriptions[BEFORE])
 
@@ -99,13 +99,13 @@ class CutCable(ScenarioTest):
 
     def assert_repeats(self, run):
         again = self.run_to_end("again", scenario=self.folder / "cut.yaml")
-        self.assertEqual((run.folder / "bus.pcapng").read_bytes(), (again.folder / "bus.pcapng").read_bytes())
+        self.assertEqual((run.folder / "bus.pcapng.gz").read_bytes(), (again.folder / "bus.pcapng.gz").read_bytes())
         ticks = self.run_to_end("ticks_of_1", ["--set", "clock.tick_samples=1"], scenario=self.folder / "cut.yaml")
-        self.assertEqual((run.folder / "bus.pcapng").read_bytes(), (ticks.folder / "bus.pcapng").read_bytes())
+        self.assertEqual((run.folder / "bus.pcapng.gz").read_bytes(), (ticks.folder / "bus.pcapng.gz").read_bytes())
 
     def assert_statistics_speak_of_the_switch(self, run, cut):
         """A frame in the middle of a cable is not counted: it may never come out of it."""
-        code, text, said = gridspace("wire", "stats", run.folder / "bus.pcapng", "--json")
+        code, text, said = gridspace("wire", "stats", run.folder / "bus.pcapng.gz", "--json")
         self.assertEqual(code, 0, said)
         stream = next(s for s in json.loads(text)["streams"] if s["id"] == "GS_TL2_MU21")
         self.assertEqual(stream["frames"], len(cut.at(AFTER)))
@@ -118,7 +118,7 @@ class RealInterface(ScenarioTest):
         """Root of a user namespace of its own, where cables stand for the machine's interfaces."""
         prefix = ["unshare", "-rn", sys.executable, "-c", MACHINE]
         run = self.run_to_end("run", scenario=self.write("real.yaml", ON_REAL_INTERFACES), prefix=prefix)
-        capture = Capture(run.folder / "bus.pcapng")
+        capture = Capture(run.folder / "bus.pcapng.gz")
         # A process's own interface: its samples go out, and the answer comes in.
         out, into = capture.at("mu21/outside", OUTBOUND), capture.at("mu21/outside", INBOUND)
         samples = [o for _, o in out if ethertype(o) == SMV]

@@ -73,7 +73,7 @@ FOREIGN = "020000000099"
 def frames_of(run):
     """(time, octets) of the capture, wherever they were seen; without the VLAN tag, which the kernel takes off the copier's frames."""
     untagged = lambda octets: octets[:12] + octets[16:] if octets[12:14] == b"\x81\x00" else octets  # noqa: E731
-    return sorted((p.time_ns, untagged(p.octets)) for p in Capture(run.folder / "bus.pcapng").packets)
+    return sorted((p.time_ns, untagged(p.octets)) for p in Capture(run.folder / "bus.pcapng.gz").packets)
 
 
 class ForeignFrames(ScenarioTest):
@@ -104,9 +104,9 @@ class ForeignFrames(ScenarioTest):
                 self.assertGreater(len(frames_of(calm)), 500)
                 self.assertEqual(frames_of(calm), frames_of(copied))
                 for run in (calm, copied):
-                    (run.folder / "bus.pcapng").unlink()
+                    (run.folder / "bus.pcapng.gz").unlink()
             else:
-                self.assertEqual((calm.folder / "bus.pcapng").read_bytes(), (copied.folder / "bus.pcapng").read_bytes())
+                self.assertEqual((calm.folder / "bus.pcapng.gz").read_bytes(), (copied.folder / "bus.pcapng.gz").read_bytes())
             self.assert_identical(calm, copied)
             said = " ".join(event["text"] for event in copied.events() if event["event"] == "foreign_frames")
             self.assertRegex(said, "from " + ":".join(source[i:i + 2] for i in range(0, len(source), 2)), name)
@@ -115,7 +115,7 @@ class ForeignFrames(ScenarioTest):
         calm = self.run_beside("calm", 0)
         flooded = self.run_beside("flooded", 20_000)
         self.assert_identical(calm, flooded)
-        self.assertEqual((calm.folder / "bus.pcapng").read_bytes(), (flooded.folder / "bus.pcapng").read_bytes())
+        self.assertEqual((calm.folder / "bus.pcapng.gz").read_bytes(), (flooded.folder / "bus.pcapng.gz").read_bytes())
         said = [event["text"] for event in flooded.events() if event["event"] == "foreign_frames"]
         for ethertype in ("0x88ba", "0x88b8"):
             text = next(t for t in said if ethertype in t and "'process_bus'" in t)

@@ -43,7 +43,7 @@ class GuestMachine(ScenarioTest):
         events = (run.folder / "events.ndjson").read_text()
         self.assertIn(OPENED, events)
         self.assertLess(events.index('"text":"fault"'), events.index(OPENED))
-        trips = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng", "-Y", "goose.stNum == 2", "-T", "fields", "-e", "eth.src", "-e", "vlan.priority"],
+        trips = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng.gz", "-Y", "goose.stNum == 2", "-T", "fields", "-e", "eth.src", "-e", "vlan.priority"],
                                capture_output=True, text=True, check=True, timeout=HANG_S).stdout.split("\n")
         self.assertEqual({line for line in trips if line}, {"02:47:53:02:00:04\t4"})
 

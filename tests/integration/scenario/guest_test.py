@@ -56,7 +56,7 @@ class Guest(ScenarioTest):
         said = (run.folder / "logs/ied9.log").read_text()
         self.assertIn("it is up and running", said)
         self.assertRegex(said, "heard [0-9a-f]{12} with tag 80")  # its priority has come through
-        frames = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng", "-Y", "eth.dst == 01:0c:cd:01:00:09", "-T", "fields", "-e", "eth.src",
+        frames = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng.gz", "-Y", "eth.dst == 01:0c:cd:01:00:09", "-T", "fields", "-e", "eth.src",
                                  "-e", "vlan.priority"], capture_output=True, text=True, check=True, timeout=HANG_S).stdout.split("\n")
         self.assertIn("4", [line.split("\t")[1] for line in frames if line], frames)
 

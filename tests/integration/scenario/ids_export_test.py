@@ -185,15 +185,15 @@ class Export(ScenarioTest):
         empty.mkdir()
         self.assertIn("there is no run in", self.export(empty, to="x", code=USAGE)[1])
         self.assertIn("two runs have the name", self.export(runs, runs / "healthy", to="x", code=USAGE)[1])
-        for file, what in (("data.mcap", "is damaged"), ("bus.pcapng", "is damaged")):
+        for file, what in (("data.mcap", "is damaged"), ("bus.pcapng.gz", "is damaged")):
             damaged = self.folder / f"damaged_{file}"
             shutil.copytree(runs / "attacked", damaged)
             octets = (damaged / file).read_bytes()
             (damaged / file).write_bytes(octets[:len(octets) // 2])
             self.assertIn(what, self.export(damaged, to=f"of_damaged_{file}", code=USAGE)[1])
             self.assertFalse((self.folder / f"of_damaged_{file}/manifest.json").exists(), "looks like a whole data set")
-        (damaged / "bus.pcapng").unlink()
-        self.assertIn("it has no capture bus.pcapng", self.export(damaged, to="x", code=USAGE)[1])
+        (damaged / "bus.pcapng.gz").unlink()
+        self.assertIn("it has no capture bus.pcapng.gz", self.export(damaged, to="x", code=USAGE)[1])
         manifest = json.loads((damaged / "manifest.json").read_text())
         (damaged / "manifest.json").write_text(json.dumps({**manifest, "exit": 4}))
         self.assertIn("it ended early, with code 4", self.export(damaged, to="x", code=USAGE)[1])

@@ -50,7 +50,7 @@ class Scan(ScenarioTest):
         return found
 
     def test_it_names_the_frames_of_both_attacks_as_tshark_does_and_stays_calm_before_them(self):
-        self.capture = self.run_to_end("run", scenario=self.write("attacked.yaml", ATTACKED)).folder / "bus.pcapng"
+        self.capture = self.run_to_end("run", scenario=self.write("attacked.yaml", ATTACKED)).folder / "bus.pcapng.gz"
         found = self.scan("--line", "SMV21,SMV22", "--nominal-peak-a", "18", "--out", self.folder / "scan")
         self.assertEqual(found["frames"], len(tshark(self.capture, "frame", "frame.number")))
 

@@ -4,7 +4,7 @@
 import unittest
 
 from harness import OK, SHORT_CASE_2, SOURCE, ScenarioTest, busy_loops
-from pcapng_file import Capture
+from pcapng_file import Capture, octets_of
 
 PASS_THROUGH = """---
 gridspace: 1
@@ -39,7 +39,7 @@ processes:
 
 def at_the_switch(run):
     """Frames where they enter a switch: (point, time, octets). Who sits in a cable is a point of its own in the file."""
-    return [p[:3] for p in Capture(run.folder / "bus.pcapng").packets if ":" not in p.point]
+    return [p[:3] for p in Capture(run.folder / "bus.pcapng.gz").packets if ":" not in p.point]
 
 
 class Link(ScenarioTest):
@@ -67,19 +67,19 @@ class Link(ScenarioTest):
         bad = SOURCE / "tests/scenarios/misbehaviour/samples_twice_and_out_of_order.yaml"
         short = ["--until", "130ms", "--set", "expect=~"]
         four = self.run_to_end("four", short, scenario=bad)
-        frames = (four.folder / "bus.pcapng").read_bytes()
+        frames = octets_of(four.folder / "bus.pcapng.gz")
         self.assertGreater(len(frames), 100_000)
         for samples in (1, 2):
             other = self.run_to_end(f"ticks_of_{samples}", [*short, "--set", f"clock.tick_samples={samples}"], scenario=bad)
-            self.assertEqual(frames, (other.folder / "bus.pcapng").read_bytes())
+            self.assertEqual(frames, octets_of(other.folder / "bus.pcapng.gz"))
             code, said = self.compare(four, other, "--signals", "breaker.*,relay.*,ct.*")
             self.assertEqual(code, OK, said)
         with busy_loops():
             loaded = self.run_to_end("loaded", short, scenario=bad)
         self.assert_identical(four, loaded)
-        self.assertEqual(frames, (loaded.folder / "bus.pcapng").read_bytes())
+        self.assertEqual(frames, octets_of(loaded.folder / "bus.pcapng.gz"))
         seed = self.run_to_end("other_seed", [*short, "--seed", "2"], scenario=bad)
-        self.assertNotEqual(frames, (seed.folder / "bus.pcapng").read_bytes())
+        self.assertNotEqual(frames, octets_of(seed.folder / "bus.pcapng.gz"))
 
 
 if __name__ == "__main__":

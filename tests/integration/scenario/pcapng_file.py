@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the pcapng files of runs: little-endian, stamps in nanoseconds. Written from the specification, not from our writer."""
+"""Reads the pcapng files of runs: little-endian, compressed or not, stamps in nanoseconds. Written from the specification, not from our writer."""
 import collections
+import gzip
 import struct
 
 Packet = collections.namedtuple("Packet", "point time_ns octets direction comment")
@@ -20,11 +21,17 @@ def _options(block, at):
     return out
 
 
+def octets_of(file):
+    """What a capture holds, decompressed."""
+    octets = file.read_bytes()
+    return gzip.decompress(octets) if octets[:2] == b"\x1f\x8b" else octets
+
+
 class Capture:
     """points: names in order; packets: in order of the file; statistics: by name."""
 
     def __init__(self, file):
-        data, at = file.read_bytes(), 0
+        data, at = octets_of(file), 0
         self.points, self.descriptions, self.packets, self.statistics = [], {}, [], {}
         while at + 12 <= len(data):
             kind, size = struct.unpack_from("<II", data, at)

@@ -34,7 +34,7 @@ class Prp(ScenarioTest):
     def trailers(self, run):
         """By source address and network: the sequence numbers, in the order of the capture."""
         fields = ["eth.src", "prp.trailer.prp_lan", "prp.trailer.prp_sequence_nr", "frame.len", "prp.trailer.prp_size", "vlan.id"]
-        said = subprocess.run(["tshark", "--enable-protocol", "prp", "-r", run.folder / "bus.pcapng", "-Y", "eth.type == 0x88ba || eth.type == 0x88b8 || vlan", "-T", "fields",
+        said = subprocess.run(["tshark", "--enable-protocol", "prp", "-r", run.folder / "bus.pcapng.gz", "-Y", "eth.type == 0x88ba || eth.type == 0x88b8 || vlan", "-T", "fields",
                                *[word for field in fields for word in ("-e", field)]], capture_output=True, text=True, check=True, timeout=HANG_S)
         out = collections.defaultdict(list)
         for line in said.stdout.splitlines():

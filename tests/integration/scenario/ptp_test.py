@@ -41,7 +41,7 @@ class Ptp(ScenarioTest):
 
     def synch_on_wire(self, run, app_id):
         """The values of smpSynch in the frames of a stream, each run of equal ones once."""
-        said = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng", "-Y", f"sv.appid == {app_id}", "-T", "fields", "-e", "sv.smpSynch"],
+        said = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng.gz", "-Y", f"sv.appid == {app_id}", "-T", "fields", "-e", "sv.smpSynch"],
                               capture_output=True, text=True, check=True, timeout=HANG_S)
         out = []
         for word in said.stdout.split():

@@ -49,7 +49,7 @@ name: refused
 
 class Routed(ScenarioTest):
     def tshark(self, run, wanted, *fields):
-        said = subprocess.run(["tshark", "-o", "udp.check_checksum:TRUE", "-o", "ip.check_checksum:TRUE", "-r", run.folder / "bus.pcapng", "-Y", wanted, "-T", "fields",
+        said = subprocess.run(["tshark", "-o", "udp.check_checksum:TRUE", "-o", "ip.check_checksum:TRUE", "-r", run.folder / "bus.pcapng.gz", "-Y", wanted, "-T", "fields",
                                *[word for field in fields for word in ("-e", field)]], capture_output=True, text=True, check=True, timeout=HANG_S)
         return [line.split("\t") for line in said.stdout.splitlines()]
 

@@ -50,7 +50,7 @@ class SclImport(ScenarioTest):
         scenario, report, _ = self.imported()
         self.assertIn("IEDs played (3 of 4)", report)
         run = self.run_to_end("run", scenario=scenario)  # its expectations: every stream is heard, and nothing contradicts
-        file, wanted = run.folder / "bus.pcapng", promised()
+        file, wanted = run.folder / "bus.pcapng.gz", promised()
         for block in ("Trip", "Position"):
             w = wanted[block]
             seen = self.tshark(file, f"goose.gocbRef == \"{w['ld']}/LLN0$GO${block}\"", "eth.dst", "vlan.id", "vlan.priority", "goose.appid", "goose.datSet",
@@ -78,7 +78,7 @@ class SclImport(ScenarioTest):
         run = self.run_to_end("changed", ["--set", "processes.BRK1.mappings.BRK1_Position.changes=[{at_s: 0.5, set: {XCBR1_Pos_stVal: open}}]", "--set",
                                           "expect.opens={time_of: subscription.PROT1_in.BRK1_Position.value.XCBR1_Pos_stVal == open, unit: ms, between: [500, 501]}",
                                           "--set", "expect.state={last_of: subscription.PROT1_in.BRK1_Position.st_num, is: 2}"], scenario)
-        self.assertTrue((run.folder / "bus.pcapng").exists())
+        self.assertTrue((run.folder / "bus.pcapng.gz").exists())
 
     def test_a_publisher_that_dies_is_lost_to_its_subscribers(self):
         scenario, *_ = self.imported()

@@ -38,7 +38,7 @@ class TickLength(ScenarioTest):
         arguments = ["--until", "0.41", "--set", "processes.monitor=~", "--set", "expect=~", "--set", "record.comtrade=~"]
         runs = [self.run_to_end(f"ticks_of_{n}", [*arguments, "--set", f"clock.tick_samples={n}"], attack, OK) for n in (4, 8)]
         self.assert_identical(*runs)
-        code, out, err = gridspace("wire", "stats", runs[0].folder / "bus.pcapng", "--json")
+        code, out, err = gridspace("wire", "stats", runs[0].folder / "bus.pcapng.gz", "--json")
         self.assertEqual(code, OK, err)
         twice, = [s["duplicates"] for s in json.loads(out)["streams"] if s["id"] == "GS_TL2_MU21"]
         self.assertGreaterEqual(twice, 40, "each sample from 0.4 s on has left the merging unit twice")

@@ -157,10 +157,10 @@ class Dds(ScenarioTest):
             loaded = self.run_to_end("loaded", ["--set", "clock.member_timeout_s=60"], scenario=scenario)
         for other in (again, loaded):
             self.assert_identical(run, other)
-        rtps = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng", "-Y", "rtps.sm.id == 0x15"], capture_output=True, text=True, check=True)
+        rtps = subprocess.run(["tshark", "-r", run.folder / "bus.pcapng.gz", "-Y", "rtps.sm.id == 0x15"], capture_output=True, text=True, check=True)
         self.assertGreater(len(rtps.stdout.splitlines()), 500, "they do talk")
         seeded = self.run_to_end("seeded", ["--set", "seed=2"], scenario=scenario)
-        self.assertNotEqual((run.folder / "bus.pcapng").read_bytes(), (seeded.folder / "bus.pcapng").read_bytes())
+        self.assertNotEqual((run.folder / "bus.pcapng.gz").read_bytes(), (seeded.folder / "bus.pcapng.gz").read_bytes())
         self.assertNotEqual(self.compare(run, seeded)[0], OK, "their GUIDs come from the seed")
 
 

@@ -83,7 +83,7 @@ class Ip(ScenarioTest):
         return {e["source"]: e["text"] for e in run.events() if e["event"] == event}
 
     def tshark(self, run, *arguments):
-        return subprocess.run(["tshark", "-r", run.folder / "bus.pcapng", *arguments], capture_output=True, text=True, check=True).stdout.splitlines()
+        return subprocess.run(["tshark", "-r", run.folder / "bus.pcapng.gz", *arguments], capture_output=True, text=True, check=True).stdout.splitlines()
 
     def assert_sound_frames(self, run, at_least):
         self.assertGreaterEqual(len(self.tshark(run, "-Y", "ip", "-o", "tcp.check_checksum:TRUE", "-o", "udp.check_checksum:TRUE", "-o", "ip.check_checksum:TRUE")), at_least)

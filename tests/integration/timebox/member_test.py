@@ -98,7 +98,7 @@ class Member(ScenarioTest):
         for file in ("processes/listened.pcapng", "logs/poller.log", "logs/receiver.log"):
             self.assertEqual((run.folder / file).read_bytes(), (again.folder / file).read_bytes(), file)
         frames = {}
-        packets = sorted(Capture(run.folder / "bus.pcapng").packets, key=lambda p: (p.time_ns, p.octets))
+        packets = sorted(Capture(run.folder / "bus.pcapng.gz").packets, key=lambda p: (p.time_ns, p.octets))
         for packet in packets:
             frames.setdefault(packet.octets[4:6], []).append((packet.time_ns - EPOCH_NS, packet.octets))
         samples = frames[b"\x00\x21"]

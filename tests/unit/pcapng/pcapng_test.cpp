@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "recorder/pcapng/pcapng_reader.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstdlib>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <random>
+#include <zlib.h>
 
 namespace gridspace::pcapng {
 namespace {
@@ -102,6 +104,102 @@ TEST_F(Pcapng, SurvivesDamage) {
             }
         }
     }
+}
+
+/// Of a file that zlib's own reader has decompressed.
+std::vector<char> decompressed(std::filesystem::path const& file) {
+    gzFile const in = ::gzopen(file.c_str(), "rb");
+    std::vector<char> out(16U << 20U);
+    int const size = ::gzread(in, out.data(), static_cast<unsigned>(out.size()));
+    EXPECT_EQ(::gzclose(in), Z_OK) << "it has its end and its checksum";
+    out.resize(static_cast<std::size_t>(std::max(size, 0)));
+    return out;
+}
+
+TEST_F(Pcapng, IsTheSameCaptureCompressedWhenItsNameSaysSo) {
+    write_example();
+    auto const plain = content();
+    file_ = folder_ / "capture.pcapng.gz";
+    write_example();
+    auto const compressed = content();
+    EXPECT_EQ(compressed[0], '\x1f');
+    EXPECT_EQ(decompressed(file_), plain);
+
+    auto sut = Reader::open(file_);
+    ASSERT_TRUE(sut);
+    std::vector<Octets> frames;
+    ASSERT_TRUE(sut->each([&](Frame&& frame) { frames.push_back(std::move(frame.octets)); }));
+    EXPECT_EQ(frames, (std::vector<Octets>{{1, 2, 3, 4, 5}, Octets(64, 7)}));
+    EXPECT_FALSE(sut->truncated());
+    write_example();
+    EXPECT_EQ(content(), compressed) << "neither name nor date is in it";
+}
+
+/// What a recorder that was killed leaves: all frames but those of the last part.
+TEST_F(Pcapng, IsReadableUpToTheLastPartWhenCompressedAndNeverClosed) {
+    file_ = folder_ / "capture.pcapng.gz";
+    constexpr std::size_t kFrames = 20'000, kOctetsOfAPart = 256U * 1024U, kBlock = 100 + 32;
+    std::mt19937 random{1};
+    auto writer = Writer::create(file_, "test");
+    ASSERT_TRUE(writer);
+    auto const interface = writer->add_interface("x");
+    std::vector<Octets> written;
+    for (std::size_t i = 0; i < kFrames; ++i) {
+        written.emplace_back(100);
+        std::generate(written.back().begin(), written.back().end(),
+                      [&] { return static_cast<std::uint8_t>(random()); });
+        ASSERT_TRUE(writer->write(interface, kTime, written.back()));
+    }
+
+    auto sut = Reader::open(file_);
+    ASSERT_TRUE(sut);
+    std::vector<Octets> read;
+    ASSERT_TRUE(sut->each([&](Frame&& frame) { read.push_back(std::move(frame.octets)); }));
+
+    EXPECT_TRUE(sut->truncated());
+    EXPECT_GE(read.size(), kFrames - kOctetsOfAPart / kBlock - 1);
+    written.resize(read.size());
+    EXPECT_EQ(read, written);
+}
+
+TEST_F(Pcapng, GivesTheWholeFramesOfACompressedFileThatWasCutOffOrDamaged) {
+    file_ = folder_ / "capture.pcapng.gz";
+    write_example();
+    auto const whole = content();
+    std::mt19937 random{1};
+    int refused = 0;
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+        put({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
+        auto sut = Reader::open(file_);
+        std::size_t frames = 0;
+        while (sut && frames < 10) {
+            auto const frame = sut->next();
+            if (!frame || !*frame) {
+                break;
+            }
+            ++frames;
+        }
+        EXPECT_LE(frames, 2U);
+        EXPECT_TRUE(!sut || sut->truncated()) << size;
+    }
+    for (int i = 0; i < 3000; ++i) {
+        auto damaged = whole;
+        damaged[10 + random() % (damaged.size() - 10)] = static_cast<char>(random());
+        put(damaged);
+        auto sut = Reader::open(file_);
+        Result<void> done = sut ? sut->each([](Frame&&) {}) : Result<void>{std::unexpected{sut.error()}};
+        refused += done ? 0 : 1;
+    }
+    EXPECT_GT(refused, 1000) << "what is compressed has a checksum";
+}
+
+TEST(CaptureOfARun, IsTheCompressedOneWhereThereIsOne) {
+    auto const folder = std::filesystem::path{testing::TempDir()} / "gridspace_capture_of_a_run";
+    std::filesystem::create_directories(folder);
+    EXPECT_EQ(capture_of_run(folder), folder / "bus.pcapng");
+    std::ofstream{folder / "bus.pcapng.gz"} << "x";
+    EXPECT_EQ(capture_of_run(folder), folder / "bus.pcapng.gz");
+    std::filesystem::remove_all(folder);
 }
 
 TEST_F(Pcapng, ReadsClassicCapturesOfEitherByteOrder) {
