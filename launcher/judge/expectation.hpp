@@ -54,12 +54,14 @@ struct Expectation {
         [[nodiscard]] std::string to_string() const;
     };
     [[nodiscard]] Band band() const;
+    [[nodiscard]] double unit_s() const; ///< of time_of: seconds in its unit
 };
 
 struct ExpectationResult {
     enum class Status { passed, failed, shown, not_applicable };
     std::string name, verb, of; ///< `of`: the expression
     std::optional<double> value;
+    std::optional<double> decided_at_s; ///< of a condition: the first instant that decides it
     std::string unit;
     Expectation::Band band;
     Status status{Status::shown};

@@ -35,10 +35,6 @@ std::int64_t end_of(SignalStore const& signals, double duration_s) {
     return end;
 }
 
-double unit_factor(std::string const& unit) {
-    return unit == "h" ? 3600 : unit == "min" ? 60 : unit == "ms" ? 1e-3 : 1;
-}
-
 /// All values in the window: of every signal of a pattern, or of the expression.
 std::vector<double> collect(Expectation const& e, Timeline const& timeline) {
     std::vector<double> out;
@@ -199,6 +195,9 @@ void judge_condition(Expectation const& e, Timeline const& timeline, Expectation
     bool const passed = any && (e.verb == Verb::eventually ? decisive.has_value() : !decisive.has_value());
     out.value = passed ? 1 : 0;
     out.status = passed ? Status::passed : Status::failed;
+    if (decisive) {
+        out.decided_at_s = static_cast<double>(*decisive) / 1e9;
+    }
     if (!any) {
         out.detail = "the signals have no values in that time";
     } else if (undefined && !passed) {
@@ -262,6 +261,10 @@ std::string Expectation::Band::to_string() const {
         return fmt::format("{} {}", low_open ? ">" : ">=", shortest(*low));
     }
     return high ? fmt::format("{} {}", high_open ? "<" : "<=", shortest(*high)) : "";
+}
+
+double Expectation::unit_s() const {
+    return unit == "h" ? 3600 : unit == "min" ? 60 : unit == "ms" ? 1e-3 : 1;
 }
 
 Expectation::Band Expectation::band() const {
@@ -399,7 +402,7 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
         if (e.since && !before_too && *at < nanoseconds(*since)) {
             return missed(fmt::format("became true at {} s, before '{}'", seconds_text(*at), to_text(*e.since)));
         }
-        out.value = (static_cast<double>(*at) / 1e9 - *since) / unit_factor(e.unit);
+        out.value = (static_cast<double>(*at) / 1e9 - *since) / e.unit_s();
         break;
     }
     default:

@@ -62,6 +62,21 @@ void describe_moment(config::Fields& f, std::string_view key, std::optional<Mome
     }
 }
 
+Moments moments_of(config::Node const* timeline, std::vector<LoggedEvent> const& reported) {
+    Moments out;
+    if (timeline != nullptr) {
+        for (config::Node::Entry const& event : timeline->entries) {
+            if (config::Node const* at = event.value.find("at_s"); at != nullptr) {
+                out[event.key] = config::number_of(*at).value_or(0);
+            }
+        }
+    }
+    for (LoggedEvent const& event : reported) {
+        out.try_emplace(event.source + "." + event.event, event.time_s);
+    }
+    return out;
+}
+
 std::optional<double> instant_of(Moment const& moment, Moments const& moments) {
     if (moment.event.empty()) {
         return moment.offset_s;

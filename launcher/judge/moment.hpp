@@ -3,11 +3,13 @@
 #pragma once
 
 #include "common/config/fields.hpp"
+#include "launcher/folder/event_log.hpp"
 
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace gridspace::launcher {
 
@@ -26,6 +28,9 @@ void describe_moment(config::Fields& f, std::string_view key, std::optional<Mome
 /// When things happened, by name: events of the timeline, and "process.kind" of what processes reported (the first
 /// time).
 using Moments = std::map<std::string, double>;
+
+/// Of `events:` of a scenario (may be nullptr) and of what has been reported.
+[[nodiscard]] Moments moments_of(config::Node const* timeline, std::vector<LoggedEvent> const& reported);
 
 /// Seconds of simulated time; nothing when it did not happen.
 [[nodiscard]] std::optional<double> instant_of(Moment const& moment, Moments const& moments);

@@ -3,8 +3,10 @@
 #include "launcher/judge/recording_loss.hpp"
 
 #include "common/text.hpp"
+#include "recorder/signals/cdr_cursor.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <fmt/format.h>
 #include <regex>
 
@@ -17,6 +19,21 @@ constexpr char const *kValues = "signals", *kCatalog = "signal_catalog"; // topi
 
 void RecordingLoss::publishes(std::string const& process, std::string const& signal) {
     signals_[process].insert(signal);
+}
+
+void RecordingLoss::publishes_catalog(std::string const& process, std::span<std::byte const> sample) {
+    CdrCursor cursor{sample};
+    cursor.text();           // source
+    cursor.text();           // group
+    cursor.number<double>(); // rate
+    auto const count = cursor.number<std::uint32_t>();
+    for (std::uint32_t i = 0; i < count && cursor.ok(); ++i) {
+        std::string const signal = cursor.text();
+        cursor.text(); // unit
+        if (cursor.ok()) {
+            publishes(process, signal);
+        }
+    }
 }
 
 void RecordingLoss::dropped(std::string const& event_text) {

@@ -4,9 +4,11 @@
 
 #include "launcher/judge/expectation.hpp"
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,8 @@ class RecordingLoss {
   public:
     /// A process has said that this is one of its signals.
     void publishes(std::string const& process, std::string const& signal);
+    /// The same by a sample of `signal_catalog`.
+    void publishes_catalog(std::string const& process, std::span<std::byte const> sample);
     /// The text of a `samples_dropped` event; topics that carry no signals are passed over.
     void dropped(std::string const& event_text);
 

@@ -10,8 +10,11 @@
 #include "launcher/judge/wall_clock.hpp"
 #include "launcher/judge/wire_timing.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
+<<<<<<< HEAD
 #include "recorder/pcapng/pcapng_reader.hpp"
 #include "recorder/signals/cdr_cursor.hpp"
+=======
+>>>>>>> 66662404 (Expectations are told while a run goes on: value, band, and whether they hold so far or have failed for good)
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -65,22 +68,6 @@ void take_outcome(RunOutcome const& seen, Results& out) {
     }
 }
 
-/// Whose signals are whose.
-void read_catalog(std::span<std::byte const> data, std::string const& process, RecordingLoss& loss) {
-    CdrCursor cursor{data};
-    cursor.text();           // source
-    cursor.text();           // group
-    cursor.number<double>(); // rate
-    auto const count = cursor.number<std::uint32_t>();
-    for (std::uint32_t i = 0; i < count && cursor.ok(); ++i) {
-        std::string const signal = cursor.text();
-        cursor.text(); // unit
-        if (cursor.ok()) {
-            loss.publishes(process, signal);
-        }
-    }
-}
-
 Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss& loss) {
     fs::path const file = folder / "data.mcap";
     if (!fs::exists(file)) {
@@ -99,7 +86,7 @@ Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss&
         if (auto const it = message.channel.metadata.find("process"); it != message.channel.metadata.end()) {
             processes[topic.topic].insert(it->second);
             if (message.channel.topic == "signal_catalog") {
-                read_catalog(message.data, it->second, loss);
+                loss.publishes_catalog(it->second, message.data);
             }
         }
         return true;
@@ -173,15 +160,8 @@ void judge_all(fs::path const& folder, Results& out, RecordingLoss loss) {
         out.notes.push_back(fmt::format("the expectations cannot be judged: {}", diagnostics.sorted().front().message));
         return;
     }
-    if (config::Node const* events = scenario->find("events"); events != nullptr) {
-        for (config::Node::Entry const& event : events->entries) {
-            if (config::Node const* at = event.value.find("at_s"); at != nullptr) {
-                out.moments[event.key] = config::number_of(*at).value_or(0);
-            }
-        }
-    }
+    out.moments = moments_of(scenario->find("events"), out.events);
     for (LoggedEvent const& event : out.events) {
-        out.moments.try_emplace(event.source + "." + event.event, event.time_s);
         if (event.event == "samples_dropped") {
             loss.dropped(event.text);
         }

@@ -8,6 +8,7 @@
 #include "launcher/run/domain_lock.hpp"
 #include "launcher/run/emulation.hpp"
 #include "launcher/run/listening.hpp"
+#include "launcher/run/live_verdict.hpp"
 #include "launcher/run/monitor_client.hpp"
 #include "launcher/run/namespaces.hpp"
 #include "launcher/run/secured_run.hpp"
@@ -365,7 +366,10 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     }
     FinishedRun finished;
     finished.folder = *folder;
-    finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel.get(), interrupts);
+    {
+        LiveVerdict const so_far{scenario, *folder};
+        finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel.get(), interrupts);
+    }
     channel.reset();
     forget_run_keys(*folder);
     finished.unread = progress.take_unread();

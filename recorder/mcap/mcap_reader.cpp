@@ -45,8 +45,11 @@ bool decompress(ZSTD_DCtx* zstd, std::span<std::byte const> stored, std::size_t 
 
 class Reader {
   public:
-    Reader(std::function<bool(Message const&)> const& handler, std::uint64_t file_octets)
-        : handler_{handler}, may_decompress_{kDecompressed + kDecompressedPerOctet * file_octets} {}
+    /// Before records: who gets their messages, and how long the file is.
+    void begin(std::function<bool(Message const&)> const& handler, std::uint64_t file_octets) {
+        handler_ = &handler;
+        may_decompress_ = kDecompressed + kDecompressedPerOctet * file_octets;
+    }
 
     /// One record. False to stop: the handler had enough, or the record is damaged (note_ says how).
     bool record(Op op, std::span<std::byte const> body) {
@@ -119,7 +122,7 @@ class Reader {
         static Schema const none;
         auto const schema = schemas_.find(channel->second.schema_id);
         ++outcome.messages;
-        bool const go_on = handler_(
+        bool const go_on = (*handler_)(
             {channel->second, schema == schemas_.end() ? none : schema->second, sequence, time, d.take(d.left())});
         stopped_ = !go_on;
         return go_on;
@@ -140,13 +143,13 @@ class Reader {
         }
         std::span<std::byte const> records = stored;
         if (compression == "zstd") {
-            if (size > may_decompress_) {
+            if (size > may_decompress_ - std::min(decompressed_, may_decompress_)) {
                 outcome.note = fmt::format("it decompresses to more than {} octets and {} times its size: no recording "
                                            "of measurements does; what is behind is not read",
                                            kDecompressed, kDecompressedPerOctet);
                 return false;
             }
-            may_decompress_ -= size;
+            decompressed_ += size;
             if (!decompress(zstd_.get(), stored, size, buffer_)) {
                 return leave_out("a chunk cannot be decompressed");
             }
@@ -179,14 +182,14 @@ class Reader {
         return true;
     }
 
-    std::function<bool(Message const&)> const& handler_;
+    std::function<bool(Message const&)> const* handler_{nullptr};
     std::map<std::uint16_t, Schema> schemas_;
     std::map<std::uint16_t, Channel> channels_;
     std::vector<std::byte> buffer_;
     std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd_{ZSTD_createDCtx(), &ZSTD_freeDCtx};
     bool in_chunk_{false};
-    std::uint64_t may_decompress_;          ///< octets that are still believed
-    std::uint64_t damaged_{0}, orphans_{0}; ///< chunks, messages of channels that were introduced in them
+    std::uint64_t may_decompress_{0}, decompressed_{0}; ///< octets that are believed, and were there
+    std::uint64_t damaged_{0}, orphans_{0};             ///< chunks, messages of channels that were introduced in them
     std::string first_damage_;
 };
 
@@ -214,13 +217,45 @@ Result<ReadOutcome> read_messages(std::filesystem::path const& name,
     if (!file) {
         return std::unexpected{file.error()};
     }
-    Reader reader{handler, file->octets()};
+    Reader reader;
+    reader.begin(handler, file->octets());
     read_summary(*file, reader);
     std::vector<std::byte> body;
     Op op{};
     while (file->next(op, body, reader.outcome.note) && reader.record(op, body)) {
     }
     return reader.finished();
+}
+
+struct GrowingFile::State {
+    std::filesystem::path file;
+    Reader reader;
+    std::uint64_t at{kMagic.size()}; ///< what is before has been read
+    bool damaged{false};
+};
+
+GrowingFile::GrowingFile(std::filesystem::path file) : state_{std::make_unique<State>()} {
+    state_->file = std::move(file);
+}
+
+GrowingFile::~GrowingFile() = default;
+
+bool GrowingFile::read_on(std::function<bool(Message const&)> const& handler) {
+    auto file = RecordFile::open(state_->file);
+    if (!file || state_->damaged || state_->reader.data_ended_) {
+        return false;
+    }
+    state_->reader.begin(handler, file->octets());
+    file->go_to(state_->at);
+    std::vector<std::byte> body;
+    std::string not_whole_yet;
+    Op op{};
+    std::uint64_t const before = state_->at;
+    while (!state_->damaged && file->next(op, body, not_whole_yet)) {
+        state_->at = file->at();
+        state_->damaged = !state_->reader.record(op, body);
+    }
+    return state_->at != before;
 }
 
 } // namespace gridspace::mcap

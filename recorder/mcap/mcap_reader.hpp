@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 
 namespace gridspace::mcap {
@@ -31,5 +32,22 @@ struct ReadOutcome {
 /// limits of mcap_format.hpp is not believed, and the note says so. `handler` returns false to stop.
 [[nodiscard]] Result<ReadOutcome> read_messages(std::filesystem::path const& file,
                                                 std::function<bool(Message const&)> const& handler);
+
+/// A file that somebody still writes. Memory and time as with read_messages, of what is new.
+class GrowingFile {
+  public:
+    /// It need not be there yet.
+    explicit GrowingFile(std::filesystem::path file);
+    ~GrowingFile();
+
+    /// Calls `handler` for the messages of what was completed since the last call; a record that is not whole waits for
+    /// the next. False when nothing was. After the end of the data, something damaged, or when `handler` returned false
+    /// nothing comes any more.
+    bool read_on(std::function<bool(Message const&)> const& handler);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 } // namespace gridspace::mcap

@@ -37,8 +37,10 @@ export interface StreamEnd {
 }
 export interface StreamState { name: string; kind: string; from: string[]; to: string[]; counted: StreamEnd[] }
 export interface RunEvent { number: number; time_s: number; source: string; event: string; text: string }
-export interface Expectation { name: string; rule: string; accepted: string; unit: string; advisory: boolean; value: number | null; pass: boolean | null; detail: string }
-export interface Verdict { judged: boolean; expectations: Expectation[]; exit?: number; cause?: string; simulated_s?: number; wall_s?: number; overruns?: number }
+/** While the run goes on: `passed` and `failed` whatever comes; the others may change. */
+export type Standing = "unknown" | "holds" | "not_yet" | "passed" | "failed" | "shown";
+export interface Expectation { name: string; rule: string; accepted: string; unit: string; advisory: boolean; value: number | null; pass: boolean | null; detail: string; standing: Standing | null }
+export interface Verdict { judged: boolean; expectations: Expectation[]; reached_s?: number; exit?: number; cause?: string; simulated_s?: number; wall_s?: number; overruns?: number }
 export interface Series { name: string; unit: string; steps: boolean; t: Float64Array; v: Float64Array }
 export interface Drawn { t0: number; t1: number; series: Series[] }
 

@@ -1,6 +1,6 @@
-// Did it pass, and how real was its time: what the scenario expects, with value and band.
+// Did it pass, or how does it stand, and how real was its time: what the scenario expects, with value and band.
 import { useEffect } from "preact/hooks";
-import { connected, run, verdict, type Expectation, type Verdict } from "./model";
+import { connected, run, verdict, type Expectation, type Standing, type Verdict } from "./model";
 import { brief, time } from "./text";
 
 /** Asks again until the run is judged: a recording is judged already, a live run when it has ended. */
@@ -10,16 +10,28 @@ export function useVerdict(): void {
     if (!here || known) return;
     const get = () => fetch("/api/v1/verdict").then(r => (r.ok ? r.json() : null)).then((v: Verdict | null) => { if (v) verdict.value = v; }).catch(() => {});
     get();
-    const timer = setInterval(get, 5000);
+    const timer = setInterval(get, 1000);
     return () => clearInterval(timer);
   }, [here, known]);
 }
 
-const failed = (e: Expectation) => e.pass === false && !e.advisory;
-const order = (e: Expectation) => (failed(e) ? 0 : e.pass === false ? 1 : e.pass ? 2 : 3);
+const failed = (e: Expectation) => (e.pass === false || e.standing === "failed") && !e.advisory;
+const order = (e: Expectation, judged: boolean) => (failed(e) ? 0 : judged ? (e.pass === false ? 1 : e.pass ? 2 : 3) : ["failed", "not_yet", "holds", "passed", "unknown", "shown"].indexOf(e.standing ?? "unknown") + 1);
+
+const said: Record<Standing, { text: string; look: string; title: string }> = {
+  unknown: { text: "… not yet known", look: "soft", title: "its time has not begun, or what it waits for has not come" },
+  holds: { text: "✓ holds so far", look: "soft", title: "the value is in the accepted band and may leave it yet" },
+  not_yet: { text: "… not yet", look: "soft", title: "the value is outside of the accepted band and may come into it yet" },
+  passed: { text: "✓ pass", look: "good", title: "whatever comes" },
+  failed: { text: "✕ failed for good", look: "bad", title: "whatever comes" },
+  shown: { text: "shown", look: "soft", title: "it is not judged" },
+};
 
 function Mark({ e, judged }: { e: Expectation; judged: boolean }) {
-  if (!judged) return <span class="soft">…</span>;
+  if (!judged) {
+    const s = e.standing === null ? null : said[e.standing];
+    return s === null ? <span class="soft">…</span> : <span class={s.look === "bad" && e.advisory ? "warn" : s.look} title={s.title}>{s.text}</span>;
+  }
   if (e.pass === null) return <span class="soft">shown</span>;
   return e.pass ? <span class="good">✓ pass</span> : e.advisory ? <span class="warn">▲ advisory</span> : <span class="bad">✕ fail</span>;
 }
@@ -29,7 +41,11 @@ const value = (e: Expectation) => (e.value === null ? "–" : /^(always|never|ev
 
 function headline(v: Verdict): { text: string; look: string } {
   const bad = v.expectations.filter(failed).length, all = v.expectations.length;
-  if (!v.judged) return { text: `${all} expectation${all === 1 ? "" : "s"}, judged when the run has ended`, look: "" };
+  if (!v.judged && v.reached_s === undefined) return { text: `${all} expectation${all === 1 ? "" : "s"}, judged when the run has ended`, look: "" };
+  if (!v.judged) {
+    const known = v.expectations.filter(e => e.standing === "holds" || e.standing === "passed").length;
+    return bad ? { text: `✕ ${bad} of ${all} expectations failed already`, look: "bad" } : { text: `${known} of ${all} expectations hold so far, none has failed`, look: "" };
+  }
   if (bad) return { text: `✕ ${bad} of ${all} expectations failed`, look: "bad" };
   if (v.exit && v.exit !== 1) return { text: `✕ ${v.cause || `exit code ${v.exit}`}`, look: "bad" };
   return { text: "✓ every expectation holds", look: "good" };
@@ -53,11 +69,12 @@ export function VerdictView() {
     <>
       <p class={`verdict ${said.look}`} role="status">{said.text}</p>
       <p class={`pace ${speed.look}`}>{speed.text}</p>
+      {!v.judged && v.reached_s !== undefined && <p class="pace">By what is recorded up to {time(v.reached_s, run.value?.duration_s || v.reached_s)}. The report says the last word.</p>}
       <div class="scroll" tabindex={0} aria-label="expectations, with value and band">
         <table class="plain">
           <thead><tr><th /><th>expectation</th><th class="number">value</th><th class="number">accepted</th></tr></thead>
           <tbody>
-            {[...v.expectations].sort((a, b) => order(a) - order(b)).map(e => (
+            {[...v.expectations].sort((a, b) => order(a, v.judged) - order(b, v.judged)).map(e => (
               <tr key={e.name} title={`${e.rule}${e.detail ? `\n${e.detail}` : ""}`}>
                 <td class="sign"><Mark e={e} judged={v.judged} /></td>
                 <td>{e.name.replace(/_/g, "_\u200b")}{failed(e) && e.detail && <div class="soft">{e.detail}</div>}</td>

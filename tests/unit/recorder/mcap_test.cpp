@@ -5,7 +5,9 @@
 #include "recorder/mcap/mcap_writer.hpp"
 #include "tests/support/temporary_folder.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
@@ -105,6 +107,31 @@ TEST_P(Recording, CutAnywhereGivesItsBeginningAndNeverAnythingElse) {
         before = sut.good;
     }
     EXPECT_EQ(before, 1000U);
+}
+
+TEST_P(Recording, IsReadWhileItGrowsByWhateverPieces) {
+    GrowingFile sut{file_};
+    EXPECT_FALSE(sut.read_on([](Message const&) { return true; })) << "it is not there";
+    std::filesystem::path const whole = file_.string() + ".whole";
+    write(1200, true);
+    std::filesystem::rename(file_, whole);
+    std::ifstream from{whole, std::ios::binary};
+    std::uint32_t good = 0, all = 0;
+    std::uint64_t came_at_once = 0;
+    for (std::vector<char> piece(1777); from.read(piece.data(), 1777), from.gcount() > 0;) {
+        std::ofstream{file_, std::ios::binary | std::ios::app}.write(piece.data(), from.gcount());
+        std::uint32_t const before = all;
+        sut.read_on([&](Message const& m) {
+            good += m.time_ns == 1000 + all && std::ranges::equal(m.data, sample(all)) ? 1 : 0;
+            ++all;
+            return true;
+        });
+        came_at_once = std::max<std::uint64_t>(came_at_once, all - before);
+    }
+    EXPECT_EQ(all, 1200U);
+    EXPECT_EQ(good, 1200U);
+    EXPECT_LT(came_at_once, 1200U) << "nothing was read while it grew";
+    EXPECT_FALSE(sut.read_on([](Message const&) { return true; })) << "it has ended";
 }
 
 TEST_P(Recording, WithAFlippedBitNeverGivesAChangedMessage) {
