@@ -10,11 +10,7 @@
 #include "launcher/judge/wall_clock.hpp"
 #include "launcher/judge/wire_timing.hpp"
 #include "recorder/mcap/mcap_reader.hpp"
-<<<<<<< HEAD
 #include "recorder/pcapng/pcapng_reader.hpp"
-#include "recorder/signals/cdr_cursor.hpp"
-=======
->>>>>>> 66662404 (Expectations are told while a run goes on: value, band, and whether they hold so far or have failed for good)
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -7,6 +7,7 @@
 #include "launcher/folder/event_log.hpp"
 #include "launcher/run/domain_lock.hpp"
 #include "launcher/run/emulation.hpp"
+#include "launcher/run/follower.hpp"
 #include "launcher/run/listening.hpp"
 #include "launcher/run/live_verdict.hpp"
 #include "launcher/run/monitor_client.hpp"
@@ -17,179 +18,17 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 #include <ctime>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <poll.h>
 #include <sys/socket.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 namespace gridspace::launcher {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Json = nlohmann::ordered_json;
-
-/// Follows the supervisor of a run until it is gone.
-class Follower {
-  public:
-    Follower(RunPlan const& plan, Progress& progress, EventLog& events)
-        : plan_{plan}, progress_{progress}, events_{events} {}
-
-    RunOutcome follow(pid_t supervisor, int channel, InterruptWatch& interrupts) {
-        UniqueFd const pidfd{static_cast<int>(::syscall(SYS_pidfd_open, supervisor, 0))};
-        int asked = 0;
-        bool gone = false;
-        while (!gone) {
-            pollfd fds[] = {{channel, POLLIN, 0},
-                            {pidfd.get(), POLLIN, 0},
-                            {interrupts.fd(), POLLIN, 0},
-                            {progress_.waits_for(), POLLOUT, 0}};
-            ::poll(fds, 4, 1000);
-            progress_.flush();
-            if (fds[0].revents != 0) {
-                read(channel);
-            }
-            if (fds[2].revents != 0) {
-                asked += interrupts.take();
-                if (asked == 1) {
-                    progress_.note("stopping (once more: at once)");
-                    [[maybe_unused]] auto const sent = ::write(channel, "stop", 4);
-                } else if (asked > 1) {
-                    ::kill(supervisor, SIGKILL); // its namespaces go with it
-                }
-            }
-            gone = fds[1].revents != 0;
-        }
-        while (read(channel)) {
-        }
-        int status = 0;
-        ::waitpid(supervisor, &status, 0);
-        progress_.finish();
-        if (!over_) {
-            outcome_.exit_code =
-                asked > 1 ? static_cast<int>(ExitCode::interrupted) : static_cast<int>(ExitCode::child_died);
-            outcome_.cause = asked > 1 ? "stopped at once" : "the supervisor of the run died, and everything with it";
-        }
-        if (started_) {
-            outcome_.wall_s = std::chrono::duration<double>(last_progress_ - clock_started_).count();
-        }
-        outcome_.simulated_s = time_s_;
-        return outcome_;
-    }
-
-  private:
-    /// False when nothing more can come.
-    bool read(int channel) {
-        char buffer[65536];
-        ssize_t const size = ::recv(channel, buffer, sizeof buffer, MSG_DONTWAIT);
-        if (size <= 0) {
-            return false;
-        }
-        pending_.append(buffer, static_cast<std::size_t>(size));
-        for (std::size_t end = 0; (end = pending_.find('\n')) != std::string::npos;) {
-            Json const line = Json::parse(pending_.substr(0, end), nullptr, false);
-            pending_.erase(0, end + 1);
-            if (line.is_object()) {
-                on_line(line);
-            }
-        }
-        return true;
-    }
-
-    void on_line(Json const& line) {
-        std::string const kind = line.value("kind", ""), process = line.value("process", "");
-        if (kind == "status") {
-            on_status(process, line);
-        } else if (kind == "exit") {
-            std::erase_if(outcome_.ends, [&](auto const& e) { return e.process == process; });
-            outcome_.ends.push_back({process, line.value("how", ""), line.value("code", 0), line.value("cpu_s", 0.0)});
-            if (line.value("code", 0) != 0 && !line.value("expected", false)) { // a planned kill is an event already
-                events_.write(time_s_, process, "exit", line.value("how", ""));
-            }
-        } else if (kind == "returned") {
-            events_.write(time_s_, process, "started_again",
-                          fmt::format("incarnation {}; the run went on without it", line.value("incarnation", 0)));
-        } else if (kind == "process_action") {
-            std::string const text = fmt::format("{} {}", line.value("process", ""), line.value("what", ""));
-            events_.write(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
-            progress_.event(line.value("time_s", 0.0), "launcher", line.value("event", ""), text);
-        } else if (kind == "failed") {
-            bool const stopped = line.value("code", 0) == static_cast<int>(ExitCode::interrupted);
-            events_.write(time_s_, "launcher", stopped ? "run_stopped" : "run_failed", line.value("cause", ""));
-        } else if (kind == "over") {
-            over_ = true;
-            outcome_.exit_code = line.value("code", 0);
-            outcome_.cause = line.value("cause", "");
-            outcome_.remedy = line.value("remedy", "");
-            if (auto const left_out = line.value("left_out", std::uint64_t{0}); left_out > 0) {
-                std::string const text =
-                    fmt::format("{} lines about the run are left out: this process did not take them", left_out);
-                events_.write(time_s_, "launcher", "left_out", text);
-                progress_.note(text);
-            }
-        }
-    }
-
-    /// In real time nobody waits for what somebody else starts, and nobody knows whether it is there.
-    [[nodiscard]] std::string ready_text() const {
-        std::vector<std::string> others;
-        for (PlannedProcess const& process : plan_.processes) {
-            if (!plan_.lockstep && process.run_on.kind == RunOn::Kind::external) {
-                others.push_back(process.name);
-            }
-        }
-        return others.empty() ? fmt::format("all {} processes are ready", plan_.processes.size())
-                              : fmt::format("all {} processes that are started here are ready; {} may join at any time",
-                                            plan_.processes.size() - others.size(), join(others, ", "));
-    }
-
-    /// When the process wrote it.
-    static Clock::time_point instant_of(Json const& line) {
-        auto const at_ns = line.value("at_ns", std::int64_t{0});
-        return at_ns == 0 ? Clock::now() : Clock::time_point{std::chrono::nanoseconds{at_ns}};
-    }
-
-    void on_status(std::string const& process, Json const& line) {
-        std::string const status = line.value("status", "");
-        if (status == "ready") {
-            progress_.note(ready_text());
-            clock_started_ = last_progress_ = instant_of(line);
-            started_ = true;
-        } else if (status == "progress") {
-            time_s_ = line.value("time_s", 0.0);
-            last_progress_ = instant_of(line);
-            outcome_.overruns = line.value("overruns", std::uint64_t{0});
-            progress_.update(time_s_, outcome_.overruns);
-        } else if (status == "event") {
-            events_.write(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
-                          line.value("text", ""));
-            progress_.event(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
-                            line.value("text", ""));
-        } else if (status == "paused" || status == "resumed") {
-            time_s_ = line.value("time_s", 0.0);
-            events_.write(time_s_, "launcher", status, fmt::format("the run is {}", status));
-            progress_.note(fmt::format("the run is {} at {} s", status, time_s_));
-        } else if (status == "serving") {
-            progress_.note(fmt::format("{}: {}", process, line.value("url", "")));
-        }
-    }
-
-    RunPlan const& plan_;
-    Progress& progress_;
-    EventLog& events_;
-    RunOutcome outcome_;
-    std::string pending_;
-    bool over_{false}, started_{false};
-    double time_s_{0};
-    Clock::time_point clock_started_, last_progress_;
-};
 
 /// A text of the settings of a process; empty when it is not there.
 std::string setting(PlannedProcess const& process, std::string_view key) {
@@ -202,6 +41,69 @@ bool has_boards(Scenario const& scenario) {
     return std::any_of(scenario.processes.begin(), scenario.processes.end(), [](Process const& process) {
         return parse_run_on(process.run_on).value_or(RunOn{}).kind == RunOn::Kind::ssh;
     });
+}
+
+/// Forged frames on a real network only where that was said.
+Result<void> check_attacks(Scenario const& scenario, std::string const& allowed_on) {
+    for (Process const& process : scenario.processes) {
+        if (process.program.name == "gridspace-attacker" && !process.interface.empty() &&
+            process.interface != allowed_on) {
+            return fail(
+                ExitCode::usage,
+                fmt::format("process '{}' would attack on '{}', which is a real network", process.name.name,
+                            process.interface),
+                fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
+                            process.interface));
+        }
+    }
+    return {};
+}
+
+/// The network in which real interfaces are, for a run that uses any, also those of boards; nothing for others.
+Result<UniqueFd> open_outer_network(RunPlan const& plan, bool with_boards) {
+    bool const takes = std::any_of(plan.processes.begin(), plan.processes.end(),
+                                   [](PlannedProcess const& p) { return !p.interface.empty(); });
+    bool const plugs =
+        std::any_of(plan.ports.begin(), plan.ports.end(), [](Port const& port) { return !port.plug.empty(); });
+    if (!takes && !plugs && !with_boards) {
+        return UniqueFd{};
+    }
+    if (::geteuid() != 0) {
+        return fail(
+            ExitCode::environment,
+            fmt::format("the scenario {}, and only root can do that",
+                        takes ? "takes real interfaces into its hosts" : "plugs real interfaces into its switches"),
+            takes ? "run it as root, or without `interface:`" : "run it as root, or without `plugs:`");
+    }
+    return UniqueFd{::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC)};
+}
+
+/// What a run listens on, opened before anybody starts.
+struct Listening {
+    std::map<std::string, UniqueFd> sockets; ///< by process
+    UniqueFd monitor_note;                   ///< locked while the run is under way
+};
+
+Result<Listening> listen(RunPlan const& plan, std::filesystem::path const& folder, Progress& progress) {
+    Listening out;
+    for (PlannedProcess const& process : plan.processes) {
+        if (process.listen.empty()) {
+            continue;
+        }
+        auto socket = open_listening(process.listen);
+        if (!socket) {
+            return std::unexpected{socket.error()};
+        }
+        out.sockets[process.name] = std::move(socket->fd);
+        MonitorAddress const monitor{socket->address, setting(process, "tls_cert"), setting(process, "token_file")};
+        progress.note(fmt::format("{}: {}", process.name, monitor.url()));
+        auto noted = note_monitor(folder, monitor); // for `gridspace graph` and `topic`
+        if (!noted) {
+            return std::unexpected{noted.error()};
+        }
+        out.monitor_note = std::move(*noted);
+    }
+    return out;
 }
 
 } // namespace
@@ -227,16 +129,8 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     if (auto ok = check_emulators(scenario); !ok) {
         return std::unexpected{ok.error()};
     }
-    for (Process const& process : scenario.processes) {
-        bool const allowed = process.interface == options.allow_attacks_on;
-        if (process.program.name == "gridspace-attacker" && !process.interface.empty() && !allowed) {
-            return fail(
-                ExitCode::usage,
-                fmt::format("process '{}' would attack on '{}', which is a real network", process.name.name,
-                            process.interface),
-                fmt::format("forged frames can operate real switchgear; if that is meant: --allow-attacks-on {}",
-                            process.interface));
-        }
+    if (auto ok = check_attacks(scenario, options.allow_attacks_on); !ok) {
+        return std::unexpected{ok.error()};
     }
     Progress progress{options.style, scenario.name, scenario.simulation.duration().to_double()};
     bool const with_boards = has_boards(scenario);
@@ -266,50 +160,19 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     if (plan.scheduling.starts_with("SCHED_OTHER:")) {
         progress.note("note: " + plan.scheduling);
     }
-    UniqueFd outer;
-    if (std::any_of(plan.processes.begin(), plan.processes.end(),
-                    [](PlannedProcess const& p) { return !p.interface.empty(); })) {
-        if (!root) {
-            return fail(ExitCode::environment,
-                        "the scenario takes real interfaces into its hosts, and only root can do that",
-                        "run it as root, or without `interface:`");
-        }
-        outer.reset(::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC));
-        plan.outer_network = outer.get();
+    auto const outer = open_outer_network(plan, with_boards);
+    if (!outer) {
+        return std::unexpected{outer.error()};
     }
-    if ((with_boards ||
-         std::any_of(plan.ports.begin(), plan.ports.end(), [](Port const& port) { return !port.plug.empty(); })) &&
-        !outer) {
-        if (!root) {
-            return fail(ExitCode::environment,
-                        "the scenario plugs real interfaces into its switches, and only root can do that",
-                        "run it as root, or without `plugs:`");
-        }
-        outer.reset(::open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC));
-        plan.outer_network = outer.get();
-    }
+    plan.outer_network = outer->get();
     for (PlannedProcess& process : plan.processes) {
         if (process.run_on.kind == RunOn::Kind::ssh) { // of the supervisor, which is process 1 where this is read
-            process.environment["GRIDSPACE_OUTER_NETWORK"] = fmt::format("/proc/1/fd/{}", outer.get());
+            process.environment["GRIDSPACE_OUTER_NETWORK"] = fmt::format("/proc/1/fd/{}", outer->get());
         }
     }
-    std::map<std::string, UniqueFd> listen_fds;
-    UniqueFd monitor_note; // locked while the run is under way
-    for (PlannedProcess& process : plan.processes) {
-        if (!process.listen.empty()) {
-            auto socket = open_listening(process.listen);
-            if (!socket) {
-                return std::unexpected{socket.error()};
-            }
-            listen_fds[process.name] = std::move(socket->fd);
-            MonitorAddress const monitor{socket->address, setting(process, "tls_cert"), setting(process, "token_file")};
-            progress.note(fmt::format("{}: {}", process.name, monitor.url()));
-            auto noted = note_monitor(*folder, monitor); // for `gridspace graph` and `topic`
-            if (!noted) {
-                return std::unexpected{noted.error()};
-            }
-            monitor_note = std::move(*noted);
-        }
+    auto listening = listen(plan, *folder, progress);
+    if (!listening) {
+        return std::unexpected{listening.error()};
     }
     int ends[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
@@ -328,7 +191,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     Result<pid_t> supervisor = fail(ExitCode::environment, "");
     auto const body = [&] {
         channel.reset();
-        return supervise(plan, supervisors_end.get(), listen_fds);
+        return supervise(plan, supervisors_end.get(), listening->sockets);
     };
     auto const write = [&](std::vector<int> const& bus_domains) -> Result<void> {
         auto ok = secure(scenario, plan, bus_domains, std::time(nullptr));
@@ -360,7 +223,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
         supervisor = start_without_namespaces(body);
     }
     supervisors_end.reset();
-    listen_fds.clear();
+    listening->sockets.clear();
     if (!supervisor) {
         return std::unexpected{supervisor.error()};
     }
@@ -368,7 +231,7 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     finished.folder = *folder;
     {
         LiveVerdict const so_far{scenario, *folder};
-        finished.outcome = Follower{plan, progress, *events}.follow(*supervisor, channel.get(), interrupts);
+        finished.outcome = follow(plan, *supervisor, channel.get(), progress, *events, interrupts);
     }
     channel.reset();
     forget_run_keys(*folder);
