@@ -28,6 +28,7 @@ class DescriptionWriter {
         text("variableNamingConvention", "structured");
         interface();
         units();
+        enumerations();
         log_categories();
         experiment();
         out_.OpenElement("ModelVariables");
@@ -84,6 +85,34 @@ class DescriptionWriter {
         out_.CloseElement();
     }
 
+    static std::string type_of(Variable const& v) { return "type." + v.name; }
+
+    void enumerations() {
+        bool any = false;
+        for (Variable const& v : d_.variables) {
+            if (v.type != Type::enumeration) {
+                continue;
+            }
+            if (!any) {
+                out_.OpenElement("TypeDefinitions");
+                any = true;
+            }
+            out_.OpenElement("EnumerationType");
+            text("name", type_of(v));
+            int value = 0;
+            for (std::string const& item : v.items) {
+                out_.OpenElement("Item");
+                text("name", item);
+                out_.PushAttribute("value", ++value);
+                out_.CloseElement();
+            }
+            out_.CloseElement();
+        }
+        if (any) {
+            out_.CloseElement();
+        }
+    }
+
     void base_unit(Unit const& unit) {
         out_.OpenElement("BaseUnit");
         for (auto const& [name, exponent] : {std::pair{"kg", unit.kg},
@@ -123,12 +152,14 @@ class DescriptionWriter {
     }
 
     void variable(Variable const& v) {
-        out_.OpenElement(v.type == Type::boolean ? "Boolean" : "Float64");
+        bool const words = v.type == Type::enumeration;
+        out_.OpenElement(words ? "Enumeration" : v.type == Type::boolean ? "Boolean" : "Float64");
         text("name", v.name);
         out_.PushAttribute("valueReference", static_cast<unsigned>(v.reference));
         text("description", v.description);
         text("causality", std::string{name_of(v.causality)});
         text("variability", std::string{name_of(v.variability)});
+        text("declaredType", words ? type_of(v) : "");
         text("unit", v.unit);
         number("min", v.min);
         number("max", v.max);

@@ -60,6 +60,7 @@ struct Variable {
     std::string unit, description;
     std::optional<std::string> start;   ///< as written
     std::optional<double> min{}, max{}; ///< of those that are written; not read
+    std::vector<std::string> items{};   ///< the same, of an enumeration: its words, by their values from 1 on
     bool is_array{false};
 
     /// Before the initialisation a value may be given.

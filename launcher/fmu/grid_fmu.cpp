@@ -34,7 +34,8 @@ std::optional<double> finite(double bound) {
 fmi::Variable to_variable(sim::GridInput const& input) {
     fmi::Variable v;
     v.name = input.name;
-    v.type = input.is_command ? Type::boolean : Type::float64;
+    v.type = input.is_command ? Type::boolean : input.modes.empty() ? Type::float64 : Type::enumeration;
+    v.items = input.modes;
     v.causality = Causality::input;
     v.variability = Variability::discrete; // held from set to set: nobody interpolates between two
     v.unit = input.unit;

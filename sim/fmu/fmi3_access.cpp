@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The functions of FMI 3.0.1 that read and write variables (section 2.2.6.2). Set-points and signals are Float64,
-// commands are Boolean; of the other types an exported network has none.
+// commands are Boolean, modes are enumerations, which are set as Int64; of the other types an exported network has
+// none.
 #include "sim/fmu/instance.hpp"
 
 #include <fmt/format.h>
@@ -13,13 +14,18 @@ using namespace gridspace::sim::fmi3;
 
 namespace {
 
-enum class Kind { number, command };
+enum class Kind { number, command, mode };
 
 Result<void> check_type(sim::GridModel const& model, Reference reference, Kind kind) {
-    bool const right = kind == Kind::command ? model.is_command(reference) : model.is_number(reference);
+    bool const right = kind == Kind::command ? model.is_command(reference)
+                       : kind == Kind::mode  ? model.is_mode(reference)
+                                             : model.is_number(reference);
     return right ? Result<void>{}
                  : fail(ExitCode::usage, fmt::format("there is no {} with value reference {}",
-                                                     kind == Kind::command ? "Boolean" : "Float64", reference));
+                                                     kind == Kind::command ? "Boolean"
+                                                     : kind == Kind::mode  ? "Enumeration"
+                                                                           : "Float64",
+                                                     reference));
 }
 
 Result<void> check_count(std::size_t references, std::size_t values) {
@@ -78,6 +84,15 @@ GRIDSPACE_FMI3 int fmi3SetBoolean(void* instance, Reference const* references, s
     return set<Kind::command>(instance, "fmi3SetBoolean", references, count, values, value_count);
 }
 
+GRIDSPACE_FMI3 int fmi3GetInt64(void* instance, Reference const* references, std::size_t count, std::int64_t* values,
+                                std::size_t value_count) {
+    return get<Kind::mode>(instance, "fmi3GetInt64", references, count, values, value_count);
+}
+GRIDSPACE_FMI3 int fmi3SetInt64(void* instance, Reference const* references, std::size_t count,
+                                std::int64_t const* values, std::size_t value_count) {
+    return set<Kind::mode>(instance, "fmi3SetInt64", references, count, values, value_count);
+}
+
 // NOLINTBEGIN(bugprone-macro-parentheses): TYPE is a type
 #define GRIDSPACE_NO_VARIABLES(NAME, TYPE)                                                                             \
     GRIDSPACE_FMI3 int fmi3Get##NAME(void* instance, Reference const*, std::size_t count, TYPE*, std::size_t) {        \
@@ -93,7 +108,6 @@ GRIDSPACE_NO_VARIABLES(Int16, std::int16_t)
 GRIDSPACE_NO_VARIABLES(UInt16, std::uint16_t)
 GRIDSPACE_NO_VARIABLES(Int32, std::int32_t)
 GRIDSPACE_NO_VARIABLES(UInt32, std::uint32_t)
-GRIDSPACE_NO_VARIABLES(Int64, std::int64_t)
 GRIDSPACE_NO_VARIABLES(UInt64, std::uint64_t)
 GRIDSPACE_NO_VARIABLES(String, char const*)
 // NOLINTEND(bugprone-macro-parentheses)

@@ -73,9 +73,35 @@ void add_commands(Network const& n, ActionKind const& kind, std::string const& e
     }
 }
 
+void add_mode(Network const& n, ActionKind const& kind, std::string const& element, bool waveform,
+              std::vector<GridInput>& out) {
+    CommandUse const* const use = kind.use(Command::mode, waveform);
+    if (use == nullptr) {
+        return;
+    }
+    NetworkAround const around{n};
+    GridInput input;
+    for (std::string const& word : mode_words(kind)) {
+        if (!around.element(kind.section, {element, {}})->refuses_mode(word, around)) {
+            input.modes.push_back(word);
+        }
+    }
+    if (input.modes.size() < 2) {
+        return; // there is no choice
+    }
+    input.name = fmt::format("command.{}.{}.mode", kind.prefix, element);
+    input.doc = use->doc;
+    input.start = 1;
+    input.element = element;
+    out.push_back(std::move(input));
+}
+
 } // namespace
 
 Action GridInput::action(double value) const {
+    if (!modes.empty()) {
+        return SetMode{element, modes.at(static_cast<std::size_t>(value) - 1)};
+    }
     return is_command ? action_of(value != 0 ? on : off, element) : Action{SetParameter{path, value}};
 }
 
@@ -85,6 +111,7 @@ std::vector<GridInput> grid_inputs(Network const& n, bool waveform) {
         for (std::string const& element : kind.names(n)) {
             add_set_points(n, kind, element, waveform, out);
             add_commands(n, kind, element, waveform, out);
+            add_mode(n, kind, element, waveform, out);
         }
     }
     return out;

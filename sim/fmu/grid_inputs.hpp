@@ -12,7 +12,7 @@ namespace gridspace::sim {
 
 /// A variable of causality input of an exported network: what an agent may do with a sample (sim/actions).
 struct GridInput {
-    /// "set_point.battery.BAT1.p_kw"; of a command "command.breaker.B1.closed".
+    /// "set_point.battery.BAT1.p_kw"; of commands "command.breaker.B1.closed", "command.machine.G1.mode".
     std::string name;
     std::string unit, doc;
     /// Of a set-point: what it is before anybody sets it, and the values that it can have.
@@ -21,6 +21,9 @@ struct GridInput {
     /// Of a command: what `true` and `false` mean at the start.
     bool is_command{false}, on_at_start{true};
 
+    /// Of a mode: the words of what this element is able to, by their values from 1 on.
+    std::vector<std::string> modes;
+
     /// What becomes of the grid when the input has a new value; of a command 0 is false.
     [[nodiscard]] Action action(double value) const;
 
@@ -28,8 +31,8 @@ struct GridInput {
     Command on{}, off{};       ///< of a command
 };
 
-/// All that elements of this network take in that solver, in the order of the table of actions: per element first its
-/// quantities, then its commands.
+/// All that elements of this network take in that solver, in the order of the table of actions: per element its
+/// quantities, its commands, its mode.
 [[nodiscard]] std::vector<GridInput> grid_inputs(Network const& network, bool waveform);
 
 } // namespace gridspace::sim

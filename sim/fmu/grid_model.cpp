@@ -89,8 +89,13 @@ bool GridModel::is_command(Reference reference) const {
     return found != nullptr && found->is_command;
 }
 
+bool GridModel::is_mode(Reference reference) const {
+    GridInput const* found = input(reference);
+    return found != nullptr && !found->modes.empty();
+}
+
 bool GridModel::is_number(Reference reference) const {
-    return reference <= inputs_.size() + outputs_.size() && !is_command(reference);
+    return reference <= inputs_.size() + outputs_.size() && !is_command(reference) && !is_mode(reference);
 }
 
 Result<void> GridModel::start() {
@@ -118,6 +123,11 @@ Result<void> GridModel::set(Reference reference, double value) {
     GridInput const* changed = input(reference);
     if (changed == nullptr) {
         return fail(ExitCode::usage, fmt::format("value reference {} is no input", reference));
+    }
+    auto const modes = static_cast<double>(changed->modes.size());
+    if (modes > 0 && !(value >= 1 && value <= modes && value == std::floor(value))) {
+        return fail(ExitCode::usage, fmt::format("'{}' cannot be {}", changed->name, shortest(value)),
+                    fmt::format("its modes are 1 to {}: {}", modes, join(changed->modes, ", ")));
     }
     if (!changed->is_command && !within(changed->range, value)) {
         std::string const range = range_text(changed->range);

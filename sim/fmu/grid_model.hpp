@@ -25,7 +25,8 @@ class GridModel {
     [[nodiscard]] static Result<std::unique_ptr<GridModel>> load(std::filesystem::path const& resources);
 
     [[nodiscard]] std::string const& token() const { return settings_.token; }
-    [[nodiscard]] bool is_command(Reference reference) const;
+    [[nodiscard]] bool is_command(Reference reference) const; ///< true or false
+    [[nodiscard]] bool is_mode(Reference reference) const;
     [[nodiscard]] bool is_number(Reference reference) const; ///< the time, a set-point or a signal
 
     /// Puts the network into its steady state at time 0, whatever the inputs are. From here on outputs can be read.
@@ -33,7 +34,7 @@ class GridModel {
     /// As it was when it was loaded.
     void reset();
 
-    /// Of an input; commands: 0 is false. Takes effect with the next step. Fails out of its range.
+    /// Of an input; commands: 0 is false; modes: from 1. Takes effect with the next step. Fails out of its range.
     [[nodiscard]] Result<void> set(Reference reference, double value);
     /// Fails for an output before the start.
     [[nodiscard]] Result<double> get(Reference reference) const;

@@ -54,9 +54,8 @@ class Instance:
         return status or self.call("fmi3ExitInitializationMode")
 
     def set(self, name, value):
-        boolean = isinstance(value, bool)
-        kind = c_bool if boolean else c_double
-        return self.call("fmi3SetBoolean" if boolean else "fmi3SetFloat64", (ctypes.c_uint32 * 1)(self.fmu.reference(name)), c_size(1),
+        kind, function = {bool: (c_bool, "fmi3SetBoolean"), int: (ctypes.c_int64, "fmi3SetInt64"), float: (c_double, "fmi3SetFloat64")}[type(value)]
+        return self.call(function, (ctypes.c_uint32 * 1)(self.fmu.reference(name)), c_size(1),
                          (kind * 1)(value), c_size(1))
 
     def get(self, *names):

@@ -58,7 +58,7 @@ class ItsDescription(ExportTest):
                 self.assertEqual(root.get("modelName"), network)
 
     def assert_follows_the_rules(self, root):
-        self.assertEqual([child.tag for child in root], ["CoSimulation", "UnitDefinitions", "LogCategories", "DefaultExperiment", "ModelVariables", "ModelStructure"])
+        self.assertEqual([child.tag for child in root if child.tag != "TypeDefinitions"], ["CoSimulation", "UnitDefinitions", "LogCategories", "DefaultExperiment", "ModelVariables", "ModelStructure"])
         self.assertEqual(root.get("fmiVersion"), "3.0")
         self.assertRegex(root.get("instantiationToken"), "^[0-9a-f]{64}$")
         self.assertRegex(root.find("CoSimulation").get("modelIdentifier"), "^[A-Za-z_][A-Za-z0-9_]*$")
@@ -80,6 +80,11 @@ class ItsDescription(ExportTest):
             self.assertIsNone(v.get("initial"))
             if v.tag == "Boolean":
                 self.assertEqual((kind, v.get("start") in ("true", "false"), v.get("unit")), (("input", "discrete"), True, None))
+            elif v.tag == "Enumeration":
+                kinds, = [t for t in root.find("TypeDefinitions") if t.get("name") == v.get("declaredType")]
+                self.assertEqual([item.get("value") for item in kinds], [str(n + 1) for n in range(len(kinds))])
+                self.assertGreater(len(kinds), 1)
+                self.assertEqual((kind, v.get("start"), kinds.get("name") in names), (("input", "discrete"), "1", False))
             elif "start" in v.attrib:
                 self.assertTrue(math.isfinite(float(v.get("start"))), v.attrib)
                 self.assertLessEqual(float(v.get("min", "-inf")), float(v.get("start")))
@@ -206,6 +211,26 @@ class ItsResults(ExportTest):
             sut.set("set_point.load.HEATING.p_kw", 10.0 if millisecond >= 100 else 40.0)
             self.assertEqual(sut.step(0.001), OK, sut.said)
         self.assertEqual((wanted[0][4], wanted[-1][4]), (2, 1))  # closed, open
+
+    def test_of_a_governor_whose_mode_changes_are_those_of_simulate(self):
+        signals = ["system.coi_hz", "machine.G1.p_kw"]
+        network, how = NETWORKS / "adn_set_b_islanded.yaml", ("--solver", "phasor", "--step", "1/100", "--until", "2s")
+        fmu = self.load(self.export(network, *how, "--signals", ",".join(signals)))
+        modes = [i.get("name") for t in fmu.root.find("TypeDefinitions") if t.get("name") == "type.command.machine.G1.mode" for i in t]
+        load = next(n for n in fmu.variables if re.fullmatch(r"set_point\.load\.\w+\.p_kw", n))
+        more = 1.2 * float(fmu.variables[load].get("start"))
+        wanted = self.simulate(network, signals, {"mode": {"at_s": 0.2, "mode": {"G1": "fixed_power"}},
+                                                  "load": {"at_s": 0.4, "set": {f"loads.{load.split('.')[2]}.p_kw": more}}}, *how)
+        sut = self.begun(fmu)
+        for tenth in range(20):
+            self.assertEqual(sut.get(*signals), wanted[10 * tenth][1:], tenth)
+            sut.set("command.machine.G1.mode", modes.index("fixed_power") + 1 if tenth >= 2 else 1)
+            if tenth >= 4:
+                sut.set(load, more)
+            self.assertEqual(sut.step(0.1), OK, sut.said)
+        self.assertEqual(sut.get(*signals), wanted[-1][1:])
+        self.assertEqual(sut.set("command.machine.G1.mode", len(modes) + 1), ERROR)
+        self.assertIn(f"its modes are 1 to {len(modes)}: {', '.join(modes)}", sut.said[-1][2])
 
     def test_are_the_same_of_several_instances_in_threads_of_one_process_and_after_a_reset(self):
         fmu = self.load(self.export(NETWORKS / "islanding_microgrid.yaml", "--step", "1/24000", "--signals", "bus.SITE.v.*"))

@@ -80,6 +80,27 @@ TEST(DescriptionWriter, ListsEachOutputWithoutDependenciesAndEachUnitOnce) {
     EXPECT_EQ(xml.find("<Output"), xml.rfind("<Output"));
 }
 
+TEST(DescriptionWriter, GivesEachEnumerationATypeWithItsWords) {
+    ModelDescription d = description();
+    Variable mode = variable("mode", 4, Causality::input);
+    mode.type = Type::enumeration;
+    mode.variability = Variability::discrete;
+    mode.start = "1";
+    mode.items = {"droop", "fixed_power"};
+    d.variables.push_back(mode);
+
+    std::string const xml = write_model_description(d);
+
+    for (char const* part : {"<EnumerationType name=\"type.mode\">", "<Item name=\"fixed_power\" value=\"2\"/>",
+                             "declaredType=\"type.mode\""}) {
+        EXPECT_NE(xml.find(part), std::string::npos) << part << '\n' << xml;
+    }
+    auto const read = parse_model_description(xml, "grid.fmu");
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->variables.back().type, Type::enumeration);
+    EXPECT_EQ(write_model_description(description()).find("TypeDefinitions"), std::string::npos);
+}
+
 TEST(DescriptionWriter, HasNoEmptyListOfUnits) {
     ModelDescription d = description();
     for (Variable& v : d.variables) {

@@ -84,6 +84,16 @@ TEST(GridInputs, AreCommandsByTheStateThatTheyBringAbout) {
     EXPECT_EQ(named(sut, "command.line.L.closed"), nullptr);
 }
 
+TEST(GridInputs, AreTheModesThatAnElementIsAbleTo) {
+    auto const sut = inputs_of_each_kind(true);
+
+    GridInput const* mode = named(sut, "command.machine.M.mode");
+    ASSERT_NE(mode, nullptr);
+    EXPECT_EQ(mode->modes, (std::vector<std::string>{"droop", "fixed_power"})) << "its governor has no integral";
+    EXPECT_EQ(std::get<SetMode>(mode->action(2)).mode, "fixed_power");
+    EXPECT_EQ(named(sut, "command.battery.Battery.mode"), nullptr) << "it follows the grid";
+}
+
 TEST(GridInputs, HaveNamesOfTheirOwnThatNoSignalHas) {
     for (bool const waveform : {false, true}) {
         Network const network = network_of(kOfEachKind);
