@@ -21,9 +21,10 @@ inline Network shipped_network(std::string const& file) {
     return network.value_or(Network{});
 }
 
-inline Network network_of(std::string_view body) {
+inline Network network_of(std::string_view body, int power_kva = 100) {
     std::string const text =
-        "gridspace_network: 1\nname: t\nbase: {frequency_hz: 60, power_kva: 100}\n" + std::string{body};
+        "gridspace_network: 1\nname: t\nbase: {frequency_hz: 60, power_kva: " + std::to_string(power_kva) + "}\n" +
+        std::string{body};
     config::Diagnostics diagnostics;
     auto const root = config::parse_yaml(text, config::make_source("n.yaml", text), diagnostics);
     auto network = read_network(*root, diagnostics);
