@@ -162,10 +162,15 @@ class NodeFields final : public Fields {
         if (node == nullptr) {
             return;
         }
+        if (!spec.word.empty() && node->is_scalar() && node->text == spec.word) {
+            return;
+        }
         std::optional<Rational> const v =
             node->is_scalar() && !node->quoted ? Rational::parse(node->text) : std::nullopt;
         if (!v) {
-            wrong(key, *node, expected_number(key, "a number or a fraction like 1/48000", spec));
+            wrong(key, *node,
+                  expected_number(key, "a number or a fraction like 1/48000", spec) +
+                      (spec.word.empty() ? "" : fmt::format(", or {}", spec.word)));
         } else if (!in_bounds(v->to_double(), spec)) {
             out_of_range(key, *node, spec);
         } else {

@@ -102,6 +102,9 @@ class KeyFields final : public Fields {
         entry.max = bound(spec.max);
         entry.above = bound(spec.above);
         entry.below = bound(spec.below);
+        if (!spec.word.empty()) {
+            entry.words = {std::string{spec.word}};
+        }
         return entry;
     }
     static void nest(Key& entry, std::function<void(Fields&)> const& body) { entry.children = keys_of(body); }
@@ -122,7 +125,8 @@ void read_key(Fields& fields, Key const& key) {
                             .min = key.min.value_or(-kInfinity),
                             .max = key.max.value_or(kInfinity),
                             .above = key.above.value_or(-kInfinity),
-                            .below = key.below.value_or(kInfinity)};
+                            .below = key.below.value_or(kInfinity),
+                            .word = key.words.empty() ? std::string_view{} : key.words.front()};
     auto const nested = [&](Fields& f) { read_keys(f, key.children); };
     auto const ignore = [&](auto value, auto member, auto const& how) { (fields.*member)(key.key, value, how); };
     switch (key.kind) {

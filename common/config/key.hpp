@@ -36,7 +36,7 @@ struct Key {
     std::string default_text{};             ///< empty: none
     std::optional<double> min{}, max{};     ///< inclusive
     std::optional<double> above{}, below{}; ///< exclusive
-    std::vector<std::string> words{};       ///< of a word
+    std::vector<std::string> words{};       ///< of a word; of a fraction what may stand in its place
     std::vector<Key> children{};            ///< of an object, a map's entries, a list's items
 };
 

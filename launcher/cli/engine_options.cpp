@@ -5,6 +5,7 @@
 #include "common/text.hpp"
 #include "common/time.hpp"
 #include "launcher/cli/checks.hpp"
+#include "sim/solvers/step.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -15,7 +16,9 @@ void engine_options(Command verb, EngineOptions& o) {
     verb.add_flag("--fixed-step", o.fixed_step, "phasor: steps of --step, not of the integrator's choice");
     verb.add_option("--solver", o.solver, "emt (waveforms) or phasor").check(one_of({"emt", "phasor"}));
     verb.add_option("--until", o.until, "end at this simulated time: 10s, 5min, 2h");
-    verb.add_option("--step", o.step, "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor)");
+    verb.add_option(
+        "--step", o.step,
+        "time step in seconds (default: 1/48000 for emt, 1/1000 for phasor), or auto (emt): what the network needs");
 }
 
 Result<ChosenEngine> chosen_engine(EngineOptions const& o) {
@@ -24,7 +27,12 @@ Result<ChosenEngine> chosen_engine(EngineOptions const& o) {
         return fail(ExitCode::usage, "--fixed-step is for phasors: waveforms always have fixed steps", "leave it out");
     }
     auto const until = parse_duration(o.until);
-    auto const step = Rational::parse(o.step.empty() ? (emt ? "1/48000" : "1/1000") : o.step);
+    bool const automatic = o.step == "auto";
+    if (automatic && !emt) {
+        return fail(ExitCode::usage, "--step auto is for waveforms: phasors have nothing that rings",
+                    "a time in seconds, for example 1/1000");
+    }
+    auto const step = Rational::parse(o.step.empty() || automatic ? (emt ? "1/48000" : "1/1000") : o.step);
     if (!until) {
         return fail(ExitCode::usage, fmt::format("--until '{}' is not a duration", o.until),
                     "for example 10s, 5min or 2h");
@@ -36,8 +44,22 @@ Result<ChosenEngine> chosen_engine(EngineOptions const& o) {
     sim::EngineSettings settings;
     settings.solver = emt ? sim::SolverKind::emt : sim::SolverKind::phasor;
     settings.step_s = *step;
+    settings.step_auto = automatic;
     settings.fixed_step = o.fixed_step;
     return ChosenEngine{settings, *until};
+}
+
+void settle_step(sim::EngineSettings& settings, sim::Network const& network, bool quiet) {
+    sim::settle_step(settings, network, sim::kUsualSamplePeriod);
+    if (quiet) {
+        return;
+    }
+    if (settings.step_auto) {
+        fmt::print(stderr, "steps of {} s\n", settings.step_s.to_string());
+    }
+    if (auto const warning = sim::step_warning(settings, network, sim::kUsualSamplePeriod)) {
+        fmt::print(stderr, "warning: {}: {}\n", warning->message, warning->hint);
+    }
 }
 
 Result<std::vector<std::size_t>> choose(std::vector<std::string> const& names, std::vector<std::string> const& asked,

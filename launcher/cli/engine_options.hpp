@@ -5,6 +5,7 @@
 #include "common/result.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "sim/engine/engine.hpp"
+#include "sim/network/network.hpp"
 #include "sim/solvers/engine_settings.hpp"
 
 #include <string>
@@ -24,6 +25,9 @@ struct ChosenEngine {
     Rational until_s;
 };
 [[nodiscard]] Result<ChosenEngine> chosen_engine(EngineOptions const& options);
+
+/// Gives `--step auto` its value; says it, and what steps of any other length show wrongly, unless it is to be quiet.
+void settle_step(sim::EngineSettings& settings, sim::Network const& network, bool quiet);
 
 /// Those names that match one of the patterns, in the order of the patterns; a pattern that was asked for and matches
 /// nothing is a mistake. `what`: "signal"; `shown_by`: "--list-signals shows what there is".

@@ -106,6 +106,7 @@ int export_fmu(FmuExportArguments const& a) {
     }
     grid.name = network->name;
     grid.files = std::move(*files);
+    settle_step(grid.engine, *network, false);
     for (std::string const& unseen :
          grid.engine.waveform() ? std::vector<std::string>{} : sim::phasor::unseen_by_phasors(*network)) {
         fmt::print(stderr, "note: {} (--solver emt does)\n", unseen);

@@ -223,10 +223,11 @@ int simulate(SimulateArguments const& a) {
         fmt::print(stderr, "{}\n", diagnostics.render());
         return static_cast<int>(ExitCode::usage);
     }
-    auto const chosen = chosen_engine(a.engine);
+    auto chosen = chosen_engine(a.engine);
     if (!chosen) {
         return print_error(chosen.error());
     }
+    settle_step(chosen->settings, *network, a.quiet);
     Rational const until = chosen->until_s, step = chosen->settings.step_s;
     std::vector<sim::TimedAction> const timeline = sim::timeline(*events);
     for (sim::TimedAction const& event : timeline) {

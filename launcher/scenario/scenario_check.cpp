@@ -294,7 +294,15 @@ bool check_physics(Scenario const& s, Diagnostics& diagnostics) {
     }
     auto const engine = sim::make_engine(s.simulation, *s.network, TimeBase{s.simulation.step_s});
     auto const started = engine ? (*engine)->initialise() : std::unexpected{engine.error()};
-    return started || refuse(started.error());
+    if (!started) {
+        return refuse(started.error());
+    }
+    if (auto const warning = sim::step_warning(s.simulation, *s.network)) {
+        config::Node const* simulation = s.resolved.find("simulation");
+        config::Node const* step = simulation == nullptr ? nullptr : simulation->find("step_s");
+        diagnostics.warning(step == nullptr ? s.simulation.network_mark : step->where, warning->message, warning->hint);
+    }
+    return true;
 }
 
 } // namespace

@@ -342,6 +342,16 @@ std::vector<sim::Event> process_events(Scenario const& scenario) {
     return out;
 }
 
+/// `step_s: auto` becomes a number, for everybody who reads the scenario after that.
+static void settle_step(Scenario& scenario) {
+    if (scenario.simulation.step_auto) {
+        sim::settle_step(scenario.simulation, *scenario.network, scenario.clock.tick_s);
+        Node& simulation = *scenario.resolved.find("simulation");
+        simulation.set("step_s",
+                       Node::scalar(scenario.simulation.step_s.to_string(), simulation.find("step_s")->where));
+    }
+}
+
 /// `tick_samples: auto` becomes a number, once it is known what the programs are.
 static void settle_tick(Scenario& scenario) {
     bool const readable =
@@ -397,6 +407,9 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
         if (auto network = sim::load_simulated_network(scenario->simulation, diagnostics)) {
             scenario->network = std::make_shared<sim::Network const>(std::move(*network));
         }
+    }
+    if (scenario->network) {
+        settle_step(*scenario);
     }
     for (Process& process : scenario->processes) {
         if (process.settings != nullptr) {

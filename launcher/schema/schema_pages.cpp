@@ -86,6 +86,9 @@ Json schema_of(Key const& key) {
     case Kind::number:
     case Kind::fraction:
         json = Json{{"anyOf", Json::array({number_schema(key, "number"), fraction})}};
+        if (!key.words.empty()) {
+            json["anyOf"].push_back(Json{{"enum", key.words}});
+        }
         break;
     case Kind::integer:
         json = number_schema(key, "integer");
@@ -159,7 +162,8 @@ std::string kind_text(Key const& key) {
     }
     case Kind::fraction: {
         std::string_view const unit = config::unit_of_key(key.key);
-        return unit.empty() ? "fraction" : fmt::format("{}, exact", unit);
+        std::string const number = unit.empty() ? "fraction" : fmt::format("{}, exact", unit);
+        return key.words.empty() ? number : fmt::format("{}, or `{}`", number, key.words.front());
     }
     case Kind::integer:
         return "integer";

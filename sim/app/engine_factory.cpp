@@ -3,6 +3,7 @@
 #include "sim/app/engine_factory.hpp"
 
 #include "common/config/merge.hpp"
+#include "sim/gateway/gateway_config.hpp"
 #include "sim/network/network_config.hpp"
 
 namespace gridspace::sim {
@@ -21,6 +22,29 @@ std::optional<Network> load_simulated_network(SimulationConfig const& simulation
     }
     config::merge(*root, simulation.network_changes);
     return read_network(*root, diagnostics);
+}
+
+namespace {
+
+/// Steps are whole parts of it.
+Rational sample_period(SimulationConfig const& simulation) {
+    config::Diagnostics ignored; // reported where the sampling is used
+    return simulation.sampling.is_null() ? kUsualSamplePeriod
+                                         : Rational{1} / read_sampling(simulation.sampling, ignored).rate_hz;
+}
+
+} // namespace
+
+void settle_step(SimulationConfig& simulation, Network const& network, std::optional<Rational> tick_s) {
+    Rational period = sample_period(simulation);
+    for (Rational const other : {tick_s.value_or(Rational{0}), simulation.duration()}) {
+        period = other > Rational{0} ? common_divisor(period, other) : period;
+    }
+    settle_step(simulation, network, period);
+}
+
+std::optional<StepWarning> step_warning(SimulationConfig const& simulation, Network const& network) {
+    return step_warning(simulation, network, sample_period(simulation));
 }
 
 std::vector<SignalDef> engine_signals(SimulationConfig const& simulation, Network const& network) {

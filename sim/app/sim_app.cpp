@@ -349,6 +349,10 @@ class SimApp {
 
 void check(SimConfig const& config, config::Diagnostics& diagnostics) {
     if (auto const network = load_simulated_network(config.simulation, diagnostics)) {
+        if (config.simulation.step_auto) {
+            diagnostics.error({}, "simulation.step_s: auto is settled where a scenario is read",
+                              "`gridspace run` does it; a number here");
+        }
         check_events(config.events, *network, config.simulation.solver != SolverKind::phasor, diagnostics);
     }
 }

@@ -5,14 +5,25 @@
 #include "common/time.hpp"
 
 #include <fmt/format.h>
+#include <optional>
 
 namespace gridspace::sim {
 
 void describe(config::Fields& f, EngineSettings& s) {
     f.choice<SolverKind>("solver", s.solver, {{"phasor", SolverKind::phasor}, {"emt", SolverKind::emt}},
                          {.doc = "balanced phasors, or waveforms", .required = true});
-    f.fraction("step_s", s.step_s,
-               {.doc = "time step; fractions like 1/48000 are exact", .required = true, .above = 0});
+    std::optional<Rational> step_s;
+    f.fraction("step_s", step_s,
+               {.doc = "time step; fractions like 1/48000 are exact; auto (waveforms): the longest that resolves what "
+                       "the network rings with",
+                .required = true,
+                .above = 0,
+                .word = "auto"});
+    s.step_s = step_s.value_or(s.step_s);
+    s.step_auto = f.has("step_s") && !step_s; // or it is wrong, which was said
+    if (s.step_auto && s.solver == SolverKind::phasor) {
+        f.error("step_s", "phasors have no step that would have to resolve an oscillation", "give a number");
+    }
     f.choice<bool>("integration", s.fixed_step, {{"adaptive", false}, {"fixed_step", true}},
                    {.doc = "phasor: steps chosen by the integrator, or of step_s with bounded work, for real time"});
     if (s.fixed_step && s.solver == SolverKind::emt) {

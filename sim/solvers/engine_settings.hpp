@@ -14,6 +14,7 @@ enum class SolverKind { phasor, emt };
 struct EngineSettings {
     SolverKind solver{SolverKind::phasor};
     Rational step_s{1};
+    bool step_auto{false};                     ///< `step_s: auto` (waveforms): settle_step() says which it is
     bool fixed_step{false};                    ///< phasors in steps of step_s, not in steps of the integrator's choice
     std::string epoch{"2020-01-01T00:00:00Z"}; ///< UTC of simulated time 0
     [[nodiscard]] bool waveform() const { return solver == SolverKind::emt; }
