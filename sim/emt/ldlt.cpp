@@ -5,6 +5,8 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
+#include <utility>
+
 namespace gridspace::sim::emt {
 namespace {
 
@@ -106,40 +108,65 @@ std::vector<int> Ldlt<S>::factor(int n, std::vector<Entry<S>> const& entries) {
         pivot[uk] = d;
         inverse_pivot_[uk] = S(1) / d;
     }
-    start_.assign(size + 1, 0);
-    rows_.clear();
-    values_.clear();
-    for (std::size_t i = 0; i < size; ++i) {
-        for (auto const& [row, value] : columns[i]) {
-            rows_.push_back(row);
-            values_.push_back(value);
-        }
-        start_[i + 1] = static_cast<int>(rows_.size());
-    }
+    keep(columns, parent);
     work_.assign(size, S{});
     return anchored;
 }
 
 template <class S>
+void Ldlt<S>::keep(std::vector<std::vector<std::pair<int, S>>> const& columns, std::vector<int> const& parent) {
+    auto const size = static_cast<std::size_t>(n_);
+    std::vector<int> height(size, 0), by_height(size), place(size);
+    for (std::size_t k = 0; k < size; ++k) { // children come before their parents
+        if (parent[k] >= 0) {
+            int& above = height[static_cast<std::size_t>(parent[k])];
+            above = std::max(above, height[k] + 1);
+        }
+        by_height[k] = static_cast<int>(k);
+    }
+    std::ranges::stable_sort(by_height, {}, [&](int k) { return height[static_cast<std::size_t>(k)]; });
+    std::vector<int> order(size);
+    std::vector<S> inverse(size);
+    for (std::size_t p = 0; p < size; ++p) {
+        auto const k = static_cast<std::size_t>(by_height[p]);
+        place[k] = static_cast<int>(p);
+        order[p] = order_[k];
+        inverse[p] = inverse_pivot_[k];
+    }
+    order_ = std::move(order);
+    inverse_pivot_ = std::move(inverse);
+    std::vector<std::vector<std::pair<int, S>>> rows(size);
+    columns_.clear(size);
+    for (std::size_t k = 0; k < size; ++k) {
+        for (auto const& [row, value] : columns[k]) {
+            rows[static_cast<std::size_t>(row)].emplace_back(static_cast<int>(k), value);
+        }
+    }
+    rows_.clear(size);
+    for (int const k : by_height) {
+        rows_.add(rows[static_cast<std::size_t>(k)], place);
+        columns_.add(columns[static_cast<std::size_t>(k)], place);
+    }
+}
+
+template <class S>
 void Ldlt<S>::solve(S* x) const {
     S* const w = work_.data();
-    int const *const order = order_.data(), *const start = start_.data(), *const rows = rows_.data();
-    S const *const values = values_.data(), *const inverse = inverse_pivot_.data();
-    for (int k = 0; k < n_; ++k) {
-        w[k] = x[order[k]];
-    }
-    for (int k = 0; k < n_; ++k) {
-        S const wk = w[k];
-        for (int p = start[k]; p < start[k + 1]; ++p) {
-            w[rows[p]] -= values[p] * wk;
+    int const* const order = order_.data();
+    S const* const inverse = inverse_pivot_.data();
+    auto const reduce = [w](Lists const& lists, int k, S wk) {
+        int const* const places = lists.places.data();
+        S const* const values = lists.values.data();
+        for (int p = lists.start[static_cast<std::size_t>(k)]; p < lists.start[static_cast<std::size_t>(k) + 1]; ++p) {
+            wk -= values[p] * w[places[p]];
         }
+        return wk;
+    };
+    for (int k = 0; k < n_; ++k) {
+        w[k] = reduce(rows_, k, x[order[k]]);
     }
     for (int k = n_ - 1; k >= 0; --k) {
-        S wk = w[k] * inverse[k];
-        for (int p = start[k]; p < start[k + 1]; ++p) {
-            wk -= values[p] * w[rows[p]];
-        }
-        w[k] = wk;
+        w[k] = reduce(columns_, k, w[k] * inverse[k]);
     }
     for (int k = 0; k < n_; ++k) {
         x[order[k]] = w[k];

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace gridspace::sim::emt {
@@ -30,13 +31,36 @@ class Ldlt {
     void solve(S* x) const;
     [[nodiscard]] int size() const { return n_; }
     /// Multiplications in a solve.
-    [[nodiscard]] std::size_t work() const { return 2 * values_.size() + static_cast<std::size_t>(n_); }
+    [[nodiscard]] std::size_t work() const { return 2 * rows_.values.size() + static_cast<std::size_t>(n_); }
 
   private:
+    /// Rows or columns of L without its diagonal, one after the other.
+    struct Lists {
+        std::vector<int> start, places;
+        std::vector<S> values;
+        void clear(std::size_t count) {
+            start.assign(1, 0);
+            start.reserve(count + 1);
+            places.clear();
+            values.clear();
+        }
+        void add(std::vector<std::pair<int, S>> const& list, std::vector<int> const& place) {
+            for (auto const& [at, value] : list) {
+                places.push_back(place[static_cast<std::size_t>(at)]);
+                values.push_back(value);
+            }
+            start.push_back(static_cast<int>(places.size()));
+        }
+    };
+    /// Keeps L by rows for the way down and by columns for the way up, its unknowns by their height in the elimination
+    /// tree: what has one height does not depend on each other, so a processor works on many at once. Each sum keeps
+    /// its order, and so its bits.
+    void keep(std::vector<std::vector<std::pair<int, S>>> const& columns, std::vector<int> const& parent);
+
     int n_{0};
-    std::vector<int> order_;        ///< position -> unknown
-    std::vector<int> start_, rows_; ///< columns of L below the diagonal
-    std::vector<S> values_, inverse_pivot_;
+    std::vector<int> order_; ///< place -> unknown
+    Lists rows_, columns_;
+    std::vector<S> inverse_pivot_;
     mutable std::vector<S> work_;
 };
 
