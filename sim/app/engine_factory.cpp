@@ -6,6 +6,8 @@
 #include "sim/gateway/gateway_config.hpp"
 #include "sim/network/network_config.hpp"
 
+#include <stdexcept>
+
 namespace gridspace::sim {
 
 std::optional<Network> load_simulated_network(SimulationConfig const& simulation, config::Diagnostics& diagnostics) {
@@ -33,12 +35,23 @@ Rational sample_period(SimulationConfig const& simulation) {
                                          : Rational{1} / read_sampling(simulation.sampling, ignored).rate_hz;
 }
 
+/// Of which both are whole multiples. Without one of use `a` stays: that the other is no whole number of steps is then
+/// said where times are checked.
+Rational shared_period(Rational a, Rational b) {
+    try {
+        Rational const both = common_divisor(a, b);
+        return both.to_double() < emt::kShortestAutoStep ? a : both;
+    } catch (std::overflow_error const&) {
+        return a;
+    }
+}
+
 } // namespace
 
 void settle_step(SimulationConfig& simulation, Network const& network, std::optional<Rational> tick_s) {
     Rational period = sample_period(simulation);
     for (Rational const other : {tick_s.value_or(Rational{0}), simulation.duration()}) {
-        period = other > Rational{0} ? common_divisor(period, other) : period;
+        period = other > Rational{0} ? shared_period(period, other) : period;
     }
     settle_step(simulation, network, period);
 }

@@ -11,7 +11,7 @@
 namespace gridspace::sim {
 
 /// Of which steps are whole parts where nothing is sampled.
-inline constexpr Rational kUsualSamplePeriod{1, 4800};
+inline const Rational kUsualSamplePeriod{1, 4800};
 
 /// Gives `step_s: auto` its value, a whole part of `period`. Nothing happens to a step that is a number, and to a
 /// network that has no waveforms: making its engine says why.

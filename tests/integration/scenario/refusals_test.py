@@ -46,6 +46,10 @@ class Refusals(ScenarioTest):
                                 (("simulate", NETWORK, "--every", "0"), "'0' is not a number above 0")):
             self.assertIn(expected, self.refused(*words))
 
+    def test_a_step_that_the_network_decides_is_for_waveforms(self):
+        self.assertIn("phasors have no step that would have to resolve", self.refused("validate", CASE_1, "--set", "simulation.step_s=auto"))
+        self.assertIn("or auto", self.refused("validate", PROTECTION, "--set", "simulation.step_s=autp"))
+
     def test_a_run_that_is_not_there_is_called_that(self):
         missing = self.folder / "nolatest"
         self.assertIn(f"there is no '{missing}'", self.refused("export", missing, "--csv"))

@@ -130,6 +130,27 @@ class Simulate(unittest.TestCase):
             self.assertEqual(code, 2, f"{arguments}: {out}{err}")
             self.assertTrue(err, arguments)
 
+    def test_a_step_that_is_too_long_for_what_rings_is_warned_of_and_auto_takes_one_that_is_not(self):
+        banks = self.write("banks.yaml", """gridspace_network: 1
+name: banks
+base: {frequency_hz: 60, power_kva: 10000}
+buses: {A: {voltage_v: 13800}, B: {voltage_v: 13800}}
+sources: {S: {bus: A, r_ohm: 0.05, l_mh: 2}}
+lines: {L: {from: A, to: B, r_ohm: 0.005, l_mh: 0.02}}
+shunt_capacitors: {C1: {bus: A, q_kvar: 3000, rated_kv: 13.8}, C2: {bus: B, q_kvar: 3000, rated_kv: 13.8, state: open}}
+""")
+        code, _, err = simulate(banks, "--until", "1ms")
+        self.assertEqual(code, 0, err)
+        for words in ("warning: steps of 20.8 us", "7796 Hz", "shunt capacitor 'C1', shunt capacitor 'C2'", "37 %", "steps of 1/235200 s"):
+            self.assertIn(words, err)
+        code, _, err = simulate(banks, "--until", "1ms", "--step", "auto")
+        self.assertEqual(code, 0, err)
+        self.assertIn("steps of 1/235200 s", err)
+        self.assertNotIn("warning", err)
+        code, _, err = simulate(banks, "--until", "1ms", "--step", "auto", "--solver", "phasor")
+        self.assertEqual(code, 2)
+        self.assertIn("--step auto is for waveforms", err)
+
     def test_a_folder_that_is_not_there_is_an_environment_error(self):
         code, _, err = simulate(SET_A, "--until", "0.01s", "--csv", self.folder / "no/such/file.csv")
         self.assertEqual(code, 3)
