@@ -3,6 +3,7 @@
 #include "sim/app/engine_factory.hpp"
 
 #include "common/config/merge.hpp"
+#include "sim/emt/step_choice.hpp"
 #include "sim/gateway/gateway_config.hpp"
 #include "sim/network/network_config.hpp"
 
@@ -53,7 +54,7 @@ void settle_step(SimulationConfig& simulation, Network const& network, std::opti
     for (Rational const other : {tick_s.value_or(Rational{0}), simulation.duration()}) {
         period = other > Rational{0} ? shared_period(period, other) : period;
     }
-    settle_step(simulation, network, period);
+    settle_step(static_cast<EngineSettings&>(simulation), network, period);
 }
 
 std::optional<StepWarning> step_warning(SimulationConfig const& simulation, Network const& network) {
