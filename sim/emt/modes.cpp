@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/emt/modes.hpp"
 
+#include "sim/emt/mode_elements.hpp"
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <tuple>
 
 namespace gridspace::sim::emt {
 namespace {
@@ -22,17 +22,11 @@ constexpr int kMaxTried = 12;
 constexpr double kRingsBelow = 0.344;
 /// Newton's method is given up when it moves a mode further.
 constexpr double kLargestCorrection = 0.5;
-/// Share of the energy from which an element is named, and how many are.
-constexpr double kNamedShare = 0.1;
-constexpr std::size_t kMaxNamed = 4;
 /// Ties between two nodes without inductance are taken as their resistance at this angular frequency.
 constexpr double kTieOmega = 2 * std::numbers::pi * 1e4;
 
-/// Resistance and inductance behind an element with states of its own, from its conductance in two step lengths.
-struct Behind {
-    PhaseMatrix r, l;
-};
-Behind behind(NortonElement const& element) {
+/// From its conductance in two step lengths.
+NortonImpedance behind(NortonElement const& element) {
     constexpr double kShort = 1e-6, kLong = 2e-6;
     PhaseMatrix const a = element.conductance(kShort), b = element.conductance(kLong);
     auto const split = [&](double ga, double gb) { // 1/g = r + 2 l / h
@@ -51,11 +45,6 @@ double inverse_or_none(double x) {
     return x > 0 ? 1 / x : 0;
 }
 
-bool is_zero(Matrix3 const& m) {
-    return std::ranges::all_of(
-        m, [](auto const& row) { return std::ranges::all_of(row, [](double x) { return x == 0; }); });
-}
-
 /// Inverse inductances of all elements; capacitances stay out.
 Admittances<double> inverse_inductances(Circuit const& c) {
     Admittances<double> y;
@@ -67,7 +56,7 @@ Admittances<double> inverse_inductances(Circuit const& c) {
     }
     y.capacitors.resize(c.capacitors.size());
     for (CoupledBranch const& b : c.coupled) {
-        y.coupled.push_back(b.kind == CoupledBranch::Kind::capacitive || is_zero(b.l) ? Matrix3{} : inverse(b.l));
+        y.coupled.push_back(b.kind == CoupledBranch::Kind::capacitive || no_inductance(b.l) ? Matrix3{} : inverse(b.l));
     }
     for (NortonPort const& p : c.norton) {
         PhaseMatrix const l = behind(*p.element).l;
@@ -100,7 +89,7 @@ Admittances<double> capacitances(Circuit const& c) {
 }
 
 /// All elements at the complex frequency s.
-Admittances<Complex> admittances_at(Circuit const& c, std::vector<Behind> const& norton, Complex s) {
+Admittances<Complex> admittances_at(Circuit const& c, std::vector<NortonImpedance> const& norton, Complex s) {
     auto const inverse_of = [&](double r, double l) { return r == 0 && l == 0 ? Complex{} : 1.0 / (r + s * l); };
     auto const branch = [&](PhaseMatrix const& r, PhaseMatrix const& l) {
         return ComplexPhaseMatrix::sequence(inverse_of(r.one, l.one), inverse_of(r.zero(), l.zero()));
@@ -122,7 +111,7 @@ Admittances<Complex> admittances_at(Circuit const& c, std::vector<Behind> const&
         }
         y.coupled.push_back(capacitive ? m : inverse(m));
     }
-    for (Behind const& b : norton) {
+    for (NortonImpedance const& b : norton) {
         y.norton.push_back(branch(b.r, b.l));
     }
     for (BergeronLine const& b : c.bergeron) {
@@ -303,17 +292,11 @@ Complex form(std::vector<Entry<Complex>> const& a, std::vector<Complex> const& v
     return sum;
 }
 
-/// A mode of the circuit with its losses.
-struct Damped {
-    Complex s;
-    std::vector<Complex> v;
-};
-
 /// Newton's method on Y(s) v = 0 with the Rayleigh functional and inverse iteration for v. Where it leads away, losses
 /// are large, or there are others close by: its first step says whether it rings, then without losses. Nothing when it
 /// does not.
 std::optional<Damped> with_losses(Circuit const& c, Topology const& t, SwitchBits const& bits,
-                                  std::vector<Behind> const& norton, LosslessModes::Found const& from) {
+                                  std::vector<NortonImpedance> const& norton, LosslessModes::Found const& from) {
     Damped mode{{0, from.omega}, {from.v.begin(), from.v.end()}};
     Damped const lossless = mode;
     std::optional<Damped> otherwise;
@@ -362,116 +345,6 @@ std::optional<Damped> with_losses(Circuit const& c, Topology const& t, SwitchBit
     return otherwise;
 }
 
-/// Elements have no names in a circuit; the switch in front of them has that of their owner.
-class Names {
-  public:
-    explicit Names(Circuit const& c) {
-        for (Switch const& s : c.switches) {
-            for (CurrentTerm const& term : s.terms) {
-                names_.try_emplace({term.kind, term.index}, s.name.substr(0, s.name.find(" (")));
-            }
-        }
-    }
-    [[nodiscard]] std::string of(CurrentTerm::Kind kind, std::size_t index, std::string const& otherwise) const {
-        auto const found = names_.find({kind, static_cast<int>(index)});
-        return found == names_.end() ? otherwise : found->second;
-    }
-
-  private:
-    std::map<std::pair<CurrentTerm::Kind, int>, std::string> names_;
-};
-
-/// Those that hold most of the energy of a mode.
-std::vector<std::string> holders(Circuit const& c, Topology const& t, std::vector<Behind> const& norton,
-                                 Damped const& mode) {
-    using Kind = CurrentTerm::Kind;
-    Names const names{c};
-    std::vector<std::pair<std::string, double>> energy;
-    double total = 0;
-    auto const holds = [&](std::string const& name, double joule) {
-        total += joule;
-        auto const seen = std::find_if(energy.begin(), energy.end(), [&](auto const& e) { return e.first == name; });
-        if (seen == energy.end()) {
-            energy.emplace_back(name, joule);
-        } else {
-            seen->second += joule;
-        }
-    };
-    auto const at = [&](int node) {
-        int const slot = t.slot[static_cast<std::size_t>(node)];
-        return slot < t.unknowns ? mode.v[static_cast<std::size_t>(slot)] : Complex{};
-    };
-    // Of a capacitance C |dv|^2, of an inductance L |i|^2, both twice their mean.
-    auto const triple = [&](int from, int to, auto const& entry) {
-        double sum = 0;
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) {
-                sum += (std::conj(at(from + i) - at(to + i)) * entry(i, j) * (at(from + j) - at(to + j))).real();
-            }
-        }
-        return sum;
-    };
-    double const s2 = std::norm(mode.s);
-    auto const across = [&](auto const& element) {
-        Complex sum{};
-        for (std::size_t k = 0; k < 4; ++k) {
-            sum += element.weights[k] * at(element.nodes[k]);
-        }
-        return std::norm(sum);
-    };
-    // L |1/(r + s l)|^2 |dv|^2, by sequence
-    auto const magnetic = [&](PhaseMatrix const& r, PhaseMatrix const& l, int from, int to) {
-        auto const weight = [&](double r_ohm, double l_h) {
-            return l_h > 0 ? l_h / std::norm(r_ohm + mode.s * l_h) : 0;
-        };
-        auto const m = PhaseMatrix::sequence(weight(r.one, l.one), weight(r.zero(), l.zero()));
-        return triple(from, to, [&](int i, int j) { return m.entry(i, j); });
-    };
-    for (std::size_t i = 0; i < c.rl.size(); ++i) {
-        RlBranch const& b = c.rl[i];
-        holds(names.of(Kind::rl, i, c.triples[static_cast<std::size_t>(b.from / 3)]), magnetic(b.r, b.l, b.from, b.to));
-    }
-    for (std::size_t i = 0; i < c.capacitors.size(); ++i) {
-        CapacitorBranch const& b = c.capacitors[i];
-        holds(names.of(Kind::capacitor, i, c.triples[static_cast<std::size_t>(b.from / 3)]),
-              triple(b.from, b.to, [&](int row, int column) { return b.c.entry(row, column); }));
-    }
-    for (std::size_t i = 0; i < c.coupled.size(); ++i) {
-        CoupledBranch const& b = c.coupled[i];
-        bool const capacitive = b.kind == CoupledBranch::Kind::capacitive;
-        if (!capacitive && is_zero(b.l)) {
-            continue;
-        }
-        Matrix3 const m = capacitive ? b.c : inverse(b.l);
-        double const sum = triple(b.from, b.to, [&](int row, int column) {
-            return m[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
-        });
-        holds(names.of(Kind::coupled, i, c.triples[static_cast<std::size_t>(b.from / 3)]), capacitive ? sum : sum / s2);
-    }
-    for (std::size_t i = 0; i < c.norton.size(); ++i) {
-        int const node = c.norton[i].node;
-        holds(names.of(Kind::norton, i, c.triples[static_cast<std::size_t>(node / 3)]),
-              magnetic(norton[i].r, norton[i].l, node, kEarth));
-    }
-    for (std::size_t i = 0; i < c.windings.size(); ++i) {
-        Winding const& w = c.windings[i];
-        holds(names.of(Kind::winding, i, c.triples[static_cast<std::size_t>(w.nodes[0] / 3)]),
-              w.l > 0 ? across(w) * w.l / std::norm(w.r + mode.s * w.l) : 0);
-    }
-    for (std::size_t i = 0; i < c.cores.size(); ++i) {
-        holds(names.of(Kind::core, i, c.triples[static_cast<std::size_t>(c.cores[i].nodes[0] / 3)]),
-              across(c.cores[i]) / (s2 * c.cores[i].l));
-    }
-    std::stable_sort(energy.begin(), energy.end(), [](auto const& a, auto const& b) { return a.second > b.second; });
-    std::vector<std::string> out;
-    for (auto const& [name, joule] : energy) {
-        if (out.size() < kMaxNamed && joule >= kNamedShare * total) {
-            out.push_back(name);
-        }
-    }
-    return out;
-}
-
 } // namespace
 
 SwitchBits switch_state(Circuit const& c, bool all_closed) {
@@ -489,7 +362,7 @@ Result<std::optional<Mode>> fastest_mode(Circuit const& c, SwitchBits const& bit
     if (!topology) {
         return std::unexpected{topology.error()};
     }
-    std::vector<Behind> norton;
+    std::vector<NortonImpedance> norton;
     for (NortonPort const& p : c.norton) {
         norton.push_back(behind(*p.element));
     }
@@ -501,7 +374,7 @@ Result<std::optional<Mode>> fastest_mode(Circuit const& c, SwitchBits const& bit
         auto const mode = with_losses(c, *topology, bits, norton, found);
         double const hz = mode ? std::abs(mode->s.imag()) / (2 * std::numbers::pi) : 0;
         if (hz > (out ? out->frequency_hz : 0)) {
-            out = Mode{hz, -mode->s.real(), holders(c, *topology, norton, *mode)};
+            out = Mode{hz, -mode->s.real(), mode_elements(c, *topology, norton, *mode)};
         }
     }
     return out;

@@ -20,11 +20,7 @@ constexpr double kLeastShare = 0.01;
 std::vector<double> nominal_voltages(NetworkCircuit const& n) {
     Circuit const& c = n.circuit;
     std::vector<double> v(static_cast<std::size_t>(c.nodes()));
-    auto const set = [&](int node, double peak_v) {
-        for (int k = 0; k < 3; ++k) {
-            v[static_cast<std::size_t>(node + k)] = peak_v;
-        }
-    };
+    auto const set = [&](int node, double peak_v) { std::fill_n(v.begin() + node, 3, peak_v); };
     for (std::size_t b = 0; b < n.bus_node.size(); ++b) {
         set(n.bus_node[b], n.bus_peak_v[b]);
     }
@@ -111,8 +107,8 @@ std::optional<StepAdvice> step_advice(StepNeeds const& needs, double step_s, Rat
     }
     double const good_s = 1 / (kGoodStepsPerPeriod * needs.mode->frequency_hz);
     StepAdvice out{
-        fmt::format("steps of {:.3g} us are long for what rings at {:.4g} Hz between {}: {:.1f} steps a period, "
-                    "{:.0f} % of it are lost after a switching",
+        fmt::format("steps of {:.3g} us are too long for what rings at {:.4g} Hz between {}: {:.1f} steps a period, "
+                    "{:.0f} % of it is lost after a switching",
                     1e6 * step_s, needs.mode->frequency_hz, fmt::join(needs.mode->elements, ", "), steps,
                     lost_percent(steps)),
         fmt::format("steps of {} s show it within {:.1f} %", part_of(period, good_s).to_string(),

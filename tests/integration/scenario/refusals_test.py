@@ -50,6 +50,14 @@ class Refusals(ScenarioTest):
         self.assertIn("phasors have no step that would have to resolve", self.refused("validate", CASE_1, "--set", "simulation.step_s=auto"))
         self.assertIn("or auto", self.refused("validate", PROTECTION, "--set", "simulation.step_s=autp"))
 
+    def test_a_step_that_is_too_long_for_what_rings_is_warned_of_at_its_place(self):
+        banks = "{X: {bus: B1, q_kvar: 2, rated_kv: 0.208}, Y: {bus: B2, q_kvar: 2, rated_kv: 0.208}}"
+        code, out, err = gridspace("validate", PROTECTION, "--set", f"simulation.network_changes={{shunt_capacitors: {banks}}}")
+        self.assertEqual(code, 0, err)
+        self.assertRegex(err, r"protection.yaml:11:\d+: warning: steps of 20.8 us are too long .* line 'TIE12', shunt capacitor 'X', shunt capacitor 'Y'")
+        code, out, err = gridspace("validate", PROTECTION)
+        self.assertNotIn("warning", err, "negative control")
+
     def test_a_run_that_is_not_there_is_called_that(self):
         missing = self.folder / "nolatest"
         self.assertIn(f"there is no '{missing}'", self.refused("export", missing, "--csv"))
