@@ -96,17 +96,21 @@ ElementValues DifferentialElement::evaluate_phasor(Row const* window) const {
     return v;
 }
 
+double operating_current_a(ElementParams const& params, double restraint_a) {
+    if (params.kind != ElementParams::Kind::phasor) {
+        return params.pickup_a;
+    }
+    double restrained = params.slope_percent / 100 * restraint_a;
+    if (params.slope2_percent > 0 && restraint_a > params.slope2_from_a) {
+        restrained = params.slope_percent / 100 * params.slope2_from_a +
+                     params.slope2_percent / 100 * (restraint_a - params.slope2_from_a);
+    }
+    return std::max(params.pickup_a, restrained);
+}
+
 void DifferentialElement::decide(ElementValues& v) const {
     for (std::size_t p = 0; p < 3; ++p) {
-        double needed = params_.pickup_a;
-        if (params_.kind == ElementParams::Kind::phasor) {
-            double restrained = params_.slope_percent / 100 * v.restraint_a[p];
-            if (params_.slope2_percent > 0 && v.restraint_a[p] > params_.slope2_from_a) {
-                restrained = params_.slope_percent / 100 * params_.slope2_from_a +
-                             params_.slope2_percent / 100 * (v.restraint_a[p] - params_.slope2_from_a);
-            }
-            needed = std::max(needed, restrained);
-        }
+        double const needed = operating_current_a(params_, v.restraint_a[p]);
         v.operate_at_a[p] = needed;
         if (v.differential_a[p] >= needed) { // Eq. (6); false for anything that is not a number
             v.pickup_phases = static_cast<std::uint8_t>(v.pickup_phases | (1U << p));

@@ -30,6 +30,9 @@ struct ElementParams {
 /// then ripple at the fundamental.
 [[nodiscard]] Result<int> whole_samples(Rational rate_hz, Rational frequency_hz, Rational cycles);
 
+/// What the differential current has to reach at a restraint current, by pickup and slopes; RMS amperes.
+[[nodiscard]] double operating_current_a(ElementParams const& params, double restraint_a);
+
 /// Magnitudes over one window; RMS amperes.
 struct ElementValues {
     Abc from_a{}, to_a{};

@@ -36,6 +36,9 @@ class DifferentialRelay final : public RelayMember {
         if (parts_.event_report != nullptr) {
             parts_.event_report->sample(sample, out, time_->utc_ns(sample.index));
         }
+        if (out.evaluated) {
+            parts_.signals->element(sample.index, out.values, *time_);
+        }
         if (sample.from.present && sample.to.present) {
             parts_.signals->decided(sample.index, clock_.utc_ns(0), *time_);
         }

@@ -22,6 +22,8 @@ void describe(config::Fields& f, RelayLogicConfig& config) {
                  {.doc = "phasor: mean current where the second slope starts", .min = 0});
         e.integer("confirm_samples", config.confirm_samples,
                   {.doc = "samples in a row above pickup before the trip", .min = 1, .max = 1000});
+        e.flag("publish_values", config.publish_values,
+               {.doc = "differential, restraint and operating current of each sample as signals"});
         if (config.kind == Kind::rms && (e.has("slope_percent") || e.has("slope2_percent") || e.has("slope2_from_a"))) {
             e.error("slope_percent", "the element 'rms' has no restraint", "use kind: phasor, or leave the slope out");
         }

@@ -13,6 +13,7 @@ struct RelayLogicConfig {
     Rational window_cycles{1};
     double pickup_a{0}, slope_percent{30}, slope2_percent{0}, slope2_from_a{0};
     std::int64_t confirm_samples{1};
+    bool publish_values{false}; ///< differential and restraint currents as signals
 
     enum class SealIn { until_reset, while_pickup } seal_in{SealIn::until_reset};
 

@@ -42,7 +42,26 @@ Result<std::unique_ptr<RelaySignals>> RelaySignals::create(bus::Node& node, Rela
     if (auto ok = out->clock_.simulated() ? Result<void>{} : out->open_ages(config, rate_hz); !ok) {
         return std::unexpected{ok.error()};
     }
+    if (auto ok = config.logic.publish_values ? out->open_element(rate_hz) : Result<void>{}; !ok) {
+        return std::unexpected{ok.error()};
+    }
     return out;
+}
+
+/// The times of these rows are those of the samples that complete the window.
+Result<void> RelaySignals::open_element(double rate_hz) {
+    std::vector<bus::SignalColumn> columns;
+    for (char const* quantity : {"differential_a", "restraint_a", "operate_at_a"}) {
+        for (char const* phase : {"a", "b", "c"}) {
+            columns.push_back({"relay." + node_.config().process + "." + quantity + "." + phase, "A"});
+        }
+    }
+    auto element = bus::SignalPublisher::create(node_, "element", rate_hz, std::move(columns));
+    if (!element) {
+        return std::unexpected{element.error()};
+    }
+    element_ = std::move(*element);
+    return {};
 }
 
 /// The times of these rows are those of the samples.
@@ -68,9 +87,9 @@ Result<void> RelaySignals::open_ages(RelayConfig const& config, double rate_hz) 
 
 std::vector<bus::SignalPublisher*> RelaySignals::all() const {
     std::vector<bus::SignalPublisher*> out{state_.get(), counters_.get()};
-    for (auto const* ages : {&arrival_ages_[0], &arrival_ages_[1], &decision_ages_}) {
-        if (*ages != nullptr) {
-            out.push_back(ages->get());
+    for (auto const* some : {&arrival_ages_[0], &arrival_ages_[1], &decision_ages_, &element_}) {
+        if (*some != nullptr) {
+            out.push_back(some->get());
         }
     }
     return out;
@@ -105,8 +124,25 @@ void RelaySignals::publish_age(bus::SignalPublisher* ages, std::int64_t index, s
                                SampleTime const& time) {
     if (ages != nullptr && time.was_known_on_arrival()) {
         double const age_ms = time.age_ms(index, unix_ns);
-        ages->row(node_.time_base().from_nanoseconds(std::llround(time.instant_s(index) * 1e9)), {&age_ms, 1});
+        ages->row(instant(index, time), {&age_ms, 1});
     }
+}
+
+SimTime RelaySignals::instant(std::int64_t index, SampleTime const& time) const {
+    return node_.time_base().from_nanoseconds(std::llround(time.instant_s(index) * 1e9));
+}
+
+void RelaySignals::element(std::int64_t index, ElementValues const& values, SampleTime const& time) {
+    if (element_ == nullptr || !time.is_known()) {
+        return;
+    }
+    std::array<double, 9> row{};
+    for (std::size_t p = 0; p < 3; ++p) {
+        row[p] = values.differential_a[p];
+        row[3 + p] = values.restraint_a[p];
+        row[6 + p] = values.operate_at_a[p];
+    }
+    element_->row(instant(index, time), row);
 }
 
 bool RelaySignals::due(SimTime now, bool final) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "agents/relay/current_inputs.hpp"
+#include "agents/relay/differential_element.hpp"
 #include "agents/relay/relay_program.hpp"
 #include "agents/relay/sample_time.hpp"
 #include "agents/relay/trip_publisher.hpp"
@@ -29,6 +30,8 @@ class RelaySignals {
     /// Real time: how old a sample is when it comes, of end 0 or 1, and when it has been decided about.
     void arrived(std::size_t end, std::int64_t index, std::int64_t unix_ns, SampleTime const& time);
     void decided(std::int64_t index, std::int64_t unix_ns, SampleTime const& time);
+    /// What the differential element found at a sample, where its settings ask for that.
+    void element(std::int64_t index, ElementValues const& values, SampleTime const& time);
 
     /// Is it time for the counters again? Once a simulated second, and at the end.
     [[nodiscard]] bool due(SimTime now, bool final);
@@ -41,6 +44,8 @@ class RelaySignals {
   private:
     RelaySignals(bus::Node& node) : node_{node}, clock_{node} {}
     Result<void> open_ages(RelayConfig const& config, double rate_hz);
+    Result<void> open_element(double rate_hz);
+    [[nodiscard]] SimTime instant(std::int64_t index, SampleTime const& time) const;
     void publish_age(bus::SignalPublisher* ages, std::int64_t index, std::int64_t unix_ns, SampleTime const& time);
     [[nodiscard]] std::vector<bus::SignalPublisher*> all() const;
 
@@ -50,6 +55,7 @@ class RelaySignals {
     std::unique_ptr<bus::SignalPublisher> state_, counters_;
     std::array<std::unique_ptr<bus::SignalPublisher>, 2> arrival_ages_; ///< real time
     std::unique_ptr<bus::SignalPublisher> decision_ages_;               ///< real time
+    std::unique_ptr<bus::SignalPublisher> element_;                     ///< where it is asked for
     std::unique_ptr<gateways::StatisticsPublisher> statistics_;
     std::vector<StreamStatistics*> rows_; ///< the inputs, the trip
     std::int64_t reported_{-1}, reported_wall_ns_{0};

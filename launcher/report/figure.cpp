@@ -21,12 +21,23 @@ constexpr std::size_t kMaxPoints = 3000;
 
 } // namespace
 
+bool Figure::interactive() const {
+    return !log_x && x_names.empty() &&
+           std::none_of(series.begin(), series.end(), [](auto const& s) { return s.path; });
+}
+
 std::string_view palette_colour(int wanted, std::size_t place) {
     return kPalette[(wanted >= 0 ? static_cast<std::size_t>(wanted) : place) % kPalette.size()];
 }
 
 std::vector<std::pair<double, double>> drawn_points(Figure::Series const& s, double from_s, double to_s) {
     std::vector<std::pair<double, double>> points;
+    if (s.path) {
+        for (std::size_t i = 0; i < s.values.size(); ++i) {
+            points.emplace_back(static_cast<double>(s.times_ns[i]) / 1e9, s.values[i]);
+        }
+        return points;
+    }
     std::size_t first = 0, last = s.values.size();
     while (first + 1 < last && static_cast<double>(s.times_ns[first + 1]) / 1e9 < from_s) {
         ++first;
@@ -64,7 +75,25 @@ TimeUnit time_unit(double span_s) {
                           : TimeUnit{"s", 1};
 }
 
+namespace {
+
+std::string paths_csv(Figure const& f) {
+    std::string out = "series,x,value\n";
+    for (Figure::Series const& s : f.series) {
+        for (std::size_t i = 0; i < s.values.size() && !s.name.empty(); ++i) {
+            out += fmt::format("{},{},{}\n", s.name, shortest(static_cast<double>(s.times_ns[i]) / 1e9),
+                               shortest(s.values[i]));
+        }
+    }
+    return out;
+}
+
+} // namespace
+
 std::string to_csv(Figure const& f) {
+    if (std::any_of(f.series.begin(), f.series.end(), [](auto const& s) { return s.path; })) {
+        return paths_csv(f);
+    }
     std::string out = f.x_label.empty() ? "time_s" : "x";
     std::set<std::int64_t> times;
     for (Figure::Series const& s : f.series) {

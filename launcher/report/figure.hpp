@@ -15,7 +15,7 @@ struct Figure {
     std::string title;
     std::string y_label, right_label;
     struct Series {
-        std::string name;
+        std::string name; ///< empty: it belongs to another series and stands in no legend
         std::vector<std::int64_t> times_ns;
         std::vector<double> values;
         bool steps{false}; ///< a value holds until the next one
@@ -26,6 +26,7 @@ struct Figure {
         bool bars{false};     ///< a bar from 0 to each value instead
         bool right_axis{false};
         std::vector<std::string> point_names{}; ///< beside the dots; empty, or one for each value
+        bool path{false};                       ///< of places in their order, which need not increase
     };
     std::vector<Series> series;
     struct Line {
@@ -61,7 +62,7 @@ struct Figure {
     std::string note;  ///< the method, below the drawing
 
     /// Has a cursor and zooms.
-    [[nodiscard]] bool interactive() const { return !log_x && x_names.empty(); }
+    [[nodiscard]] bool interactive() const;
 };
 
 /// Hours for long runs, seconds, or milliseconds.
@@ -81,7 +82,8 @@ struct TimeUnit {
 /// A complete drawing that stands alone; it carries what the report's script needs.
 [[nodiscard]] std::string to_svg(Figure const& figure);
 
-/// One row per instant: time_s, then a column per series; empty where a series has no value yet.
+/// One row per instant: time_s, then a column per series; empty where a series has no value yet. Of a figure with paths
+/// a row per point: series, x, value.
 [[nodiscard]] std::string to_csv(Figure const& figure);
 
 /// The values of all series at a few thousand instants, as JSON that may stand in a script element (for the report's

@@ -6,6 +6,7 @@
 #include "common/text.hpp"
 #include "launcher/report/detector_figures.hpp"
 #include "launcher/report/report_assets.hpp"
+#include "launcher/report/restraint_figure.hpp"
 #include "launcher/report/series.hpp"
 #include "launcher/report/stream_figures.hpp"
 
@@ -307,6 +308,9 @@ std::vector<Figure> make_figures(ReportSettings const& settings, Drawn const& ru
             break;
         case Kind::roc:
             roc_curves(figure, run, out);
+            break;
+        case Kind::restraint:
+            restraint_planes(figure, run, out);
             break;
         default:
             from_expressions(figure, run, out);

@@ -95,6 +95,9 @@ class Drawing {
         };
         for (std::size_t i = 0; i < f_.series.size() && !f_.lanes && f_.x_names.empty(); ++i) {
             Figure::Series const& s = f_.series[i];
+            if (s.name.empty()) { // it belongs to another one
+                continue;
+            }
             std::string const name = i < kMaxNamed ? s.name : fmt::format("and {} more", f_.series.size() - i);
             place(21 + width_of(name));
             if (i < kMaxNamed) {
@@ -189,8 +192,8 @@ class Drawing {
             }
             for (std::size_t i = 0; i < s.values.size(); ++i) { // what a line holds at the begin is drawn too
                 bool const begun =
-                    i + 1 >= s.values.size() || static_cast<double>(s.times_ns[i + 1]) / 1e9 >= f_.from_s;
-                if (begun && static_cast<double>(s.times_ns[i]) / 1e9 <= f_.to_s) {
+                    s.path || i + 1 >= s.values.size() || static_cast<double>(s.times_ns[i + 1]) / 1e9 >= f_.from_s;
+                if (begun && (s.path || static_cast<double>(s.times_ns[i]) / 1e9 <= f_.to_s)) {
                     include(scaled(s.values[i]));
                 }
             }

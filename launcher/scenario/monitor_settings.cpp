@@ -3,7 +3,8 @@
 #include "launcher/scenario/monitor_settings.hpp"
 
 #include "common/text.hpp"
-#include "launcher/judge/expectation.hpp"
+#include "launcher/judge/expectation_rule.hpp"
+#include "launcher/judge/protection_chain.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_use.hpp"
 #include "sim/network/network.hpp"
@@ -93,15 +94,26 @@ Node faults_of(std::vector<sim::Event> const& events) {
     return faults;
 }
 
-/// "time of breaker.CB3.position == open, since fault"
-std::string rule_of(Expectation const& e) {
-    std::string verb = e.verb_name;
-    std::ranges::replace(verb, '_', ' ');
-    std::string out = verb + " " + (e.expression ? e.expression->text() : e.stream);
-    for (auto const& [word, moment] : {std::pair{"since", &e.since}, {"from", &e.from}, {"until", &e.until}}) {
-        out += *moment ? fmt::format(", {} {}", word, to_text(**moment)) : "";
+Node relays_of(Node const& scenario) {
+    Node relays = Node::sequence();
+    for (ProtectionChain const& chain : protection_chains(scenario)) {
+        if (chain.ends[1].stream.empty()) { // of a bay: it has functions instead of a differential element
+            continue;
+        }
+        Node node = entry({{"name", chain.relay}}), cts = Node::sequence(), breakers = Node::sequence();
+        for (ProtectionChain::End const& end : chain.ends) {
+            if (!end.transformer.empty()) {
+                cts.items.push_back(Node::quoted_text(end.transformer));
+            }
+        }
+        for (std::string const& breaker : chain.breakers()) {
+            breakers.items.push_back(Node::quoted_text(breaker));
+        }
+        node.set("cts", std::move(cts));
+        node.set("breakers", std::move(breakers));
+        relays.items.push_back(std::move(node));
     }
-    return out;
+    return relays;
 }
 
 Node expectations_of(Node const& expect) {
@@ -155,6 +167,7 @@ Node monitored_run(Scenario const& scenario, std::string const& folder) {
     if (scenario.network) {
         add_network(run, *scenario.network);
     }
+    run.set("relays", relays_of(scenario.resolved));
     run.set("faults", faults_of(scenario.events));
     run.set("expectations", expectations_of(scenario.expect));
     return run;

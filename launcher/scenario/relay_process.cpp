@@ -116,6 +116,13 @@ class RelaySettings final : public ProcessSettings {
             out.push_back({prefix + function.key + ".str", "", 0});
             out.push_back({prefix + function.key + ".op", "", 0});
         }
+        if (config_.logic.publish_values) {
+            for (char const* quantity : {"differential_a", "restraint_a", "operate_at_a"}) {
+                for (char const* phase : {"a", "b", "c"}) {
+                    out.push_back({prefix + quantity + "." + phase, "A", 0});
+                }
+            }
+        }
         out.push_back({prefix + "sample_to_decision_ms", "ms", 0});
         for (char const* name : {"st_num", "sq_num"}) {
             out.push_back({"stream." + config_.trip.name + "." + name, "", 0});

@@ -141,7 +141,8 @@ void describe_figure(Fields& f, FigureSettings& s) {
                           {"frame_intervals", FigureKind::frame_intervals},
                           {"forged_sample", FigureKind::forged_sample},
                           {"trip_comparison", FigureKind::trip_comparison},
-                          {"roc", FigureKind::roc}},
+                          {"roc", FigureKind::roc},
+                          {"restraint", FigureKind::restraint}},
                          {.doc = "how it is drawn: docs/reference/report.md"});
     f.text("title", s.title, {.doc = "above it; without it, its name"});
     s.title = label_of(s.title, s.name);
@@ -162,7 +163,7 @@ void describe_figure(Fields& f, FigureSettings& s) {
     f.text("statistic", s.statistic, {.doc = "bar: last, min, max or mean of the window"});
     f.reference("streams", s.streams,
                 {.doc = "message_intervals, sample_rate, frame_intervals, forged_sample, roc: pattern of the streams; "
-                        "trip_comparison: of the relays"});
+                        "trip_comparison, restraint: of the relays"});
     if (s.statistic != "last" && s.statistic != "min" && s.statistic != "max" && s.statistic != "mean") {
         f.error("statistic", fmt::format("'{}' is not a statistic", s.statistic), "last, min, max or mean");
     }

@@ -24,7 +24,8 @@ struct FigureSettings {
         frame_intervals,
         forged_sample,
         trip_comparison,
-        roc
+        roc,
+        restraint
     };
     /// One expression, or a pattern that gives a line for each signal that fits.
     struct Series {

@@ -36,6 +36,17 @@ std::string Api::network() const {
     for (auto const& d : plan.devices) {
         devices.push_back({{"name", d.name}, {"label", d.label}, {"bus", d.bus}, {"kind", d.kind}});
     }
+    Json relays = Json::array();
+    auto const names = [](std::vector<config::Ref> const& refs) {
+        Json out = Json::array();
+        for (config::Ref const& ref : refs) {
+            out.push_back(ref.name);
+        }
+        return out;
+    };
+    for (auto const& r : plan.relays) {
+        relays.push_back({{"name", r.name}, {"cts", names(r.cts)}, {"breakers", names(r.breakers)}});
+    }
     Json faults = Json::array();
     for (auto const& fault : plan.faults) {
         Json entry{{"name", fault.name}, {"at_s", fault.at_s}};
@@ -50,8 +61,8 @@ std::string Api::network() const {
         }
         faults.push_back(std::move(entry));
     }
-    Json const out{{"buses", buses}, {"branches", branches}, {"breakers", breakers},
-                   {"cts", cts},     {"devices", devices},   {"faults", faults}};
+    Json const out{{"buses", buses},     {"branches", branches}, {"breakers", breakers}, {"cts", cts},
+                   {"devices", devices}, {"relays", relays},     {"faults", faults}};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -65,6 +65,11 @@ void describe_run(config::Fields& f, RunPlan& run) {
         d.text("bus", out.bus);
         d.text("kind", out.kind);
     });
+    list(f, "relays", "differential relays of lines", run.relays, [](config::Fields& r, RunPlan::Relay& out) {
+        r.text("name", out.name, {.required = true});
+        r.references("cts", out.cts);
+        r.references("breakers", out.breakers);
+    });
     list(f, "faults", "that the scenario applies", run.faults, [](config::Fields& e, RunPlan::Fault& out) {
         e.text("name", out.name, {.required = true});
         e.text("line", out.line);

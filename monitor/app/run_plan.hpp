@@ -50,6 +50,11 @@ struct RunPlan {
     struct Device {
         std::string name, label, bus, kind;
     };
+    /// The differential relay of a line, as far as the scenario tells what belongs to it.
+    struct Relay {
+        std::string name;
+        std::vector<config::Ref> cts, breakers;
+    };
     /// A fault on a line, or at a bus.
     struct Fault {
         std::string name, line, bus;
@@ -66,6 +71,7 @@ struct RunPlan {
     std::vector<Breaker> breakers;
     std::vector<Ct> cts;
     std::vector<Device> devices;
+    std::vector<Relay> relays;
     std::vector<Fault> faults;
     std::vector<Expectation> expectations;
 };

@@ -13,6 +13,8 @@ const dark = () => {
   const theme = document.documentElement.dataset.theme;
   return theme ? theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
 };
+/** Of phase a, b or c. */
+export const phaseColour = (phase: string) => (dark() ? kDark : kLight)["abc".indexOf(phase)];
 const css = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 /** Of three phases the colours are the same everywhere: a, b, c by their letter, other places of the same quantity by dashes. */

@@ -9,9 +9,10 @@ export interface Choice {
   framework: boolean; observers: boolean; // shown in the graph
   find: string; // marked in the graph
   ids: string;  // relay.stream.phase whose verdicts are drawn
+  relay: string; // whose currents are drawn
   theme: string; // "", light, dark
 }
-const initial: Choice = { plots: [], window: "all", t0: null, t1: null, at: null, framework: false, observers: false, find: "", ids: "", theme: "" };
+const initial: Choice = { plots: [], window: "all", t0: null, t1: null, at: null, framework: false, observers: false, find: "", ids: "", relay: "", theme: "" };
 
 function read(): Choice {
   const q = new URLSearchParams(location.hash.slice(1));
@@ -21,7 +22,7 @@ function read(): Choice {
     window: q.get("window") ?? initial.window,
     t0: time("t0"), t1: time("t1"), at: time("at"),
     framework: q.has("framework"), observers: q.has("observers"),
-    find: q.get("find") ?? "", ids: q.get("ids") ?? "", theme: q.get("theme") ?? "",
+    find: q.get("find") ?? "", ids: q.get("ids") ?? "", relay: q.get("relay") ?? "", theme: q.get("theme") ?? "",
   };
 }
 export const choice = signal<Choice>(read());
@@ -41,6 +42,7 @@ effect(() => {
   if (c.observers) q.set("observers", "1");
   if (c.find) q.set("find", c.find);
   if (c.ids) q.set("ids", c.ids);
+  if (c.relay) q.set("relay", c.relay);
   if (c.theme) { q.set("theme", c.theme); document.documentElement.dataset.theme = c.theme; }
   else delete document.documentElement.dataset.theme;
   history.replaceState(null, "", "#" + q.toString());

@@ -5,6 +5,7 @@
 #include "launcher/report/series.hpp"
 #include "launcher/report/tables.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -220,6 +221,73 @@ TEST(ReportSettings, MistakesNameTheKeyAndWhatBelongsThere) {
     says("tables: {t: {rows: [A], columns: {c: {calculate: column.d + 1}}}}", "no column before it");
     says("tables: {t: {rows: [A], columns: {c: {last_of: x.y, values: [1]}}}}", "has 2 sources");
     EXPECT_EQ(mistakes("figures: {a: {signals: [x.y, max(y.*) - 1], from: 4 h, until: 5 h}}"), "");
+}
+
+/// Relays r1 (an internal fault, 10 samples a second), with values that its element would publish, and r2 (none).
+Results run_of_relays() {
+    Results r = run();
+    for (int i = 0; i < 100; ++i) {
+        std::int64_t const t = i * kSecond / 10;
+        double const restraint = i < 50 ? 100 : i < 60 ? 100 + 90 * (i - 50) : 0;
+        double const differential = i < 50 ? 1 : i < 60 ? 200 * (i - 50) : 0;
+        for (char const* phase : {"a", "b", "c"}) {
+            for (auto const& [quantity, value] :
+                 {std::pair{"restraint_a.", restraint}, {"differential_a.", differential}}) {
+                SignalSeries& s = r.signals[std::string{"relay.r1."} + quantity + phase];
+                s.times_ns.push_back(t);
+                s.values.push_back(value);
+            }
+        }
+    }
+    r.signals["relay.r1.pickup"] = {"", {0, 5'200'000'000}, {0, 1}};
+    r.signals["relay.r1.trip"] = {"", {0, 5'400'000'000}, {0, 1}};
+    r.signals["relay.r1.sample_s"] = {"s", {0, 5'200'000'000, 5'400'000'000}, {0, 5.1, 5.3}};
+    return r;
+}
+
+TEST(RestraintPlane, HasThePathOfEachPhaseInItsOrderAndTheCharacteristicWithItsCorners) {
+    static WireTiming const none;
+    config::Node const scenario =
+        yaml("processes:\n"
+             "  r1: {program: gridspace-relay, currents: {from: A, to: B}, trip: T, element: {pickup_a: 30, "
+             "slope_percent: 30, slope2_percent: 80, slope2_from_a: 500}}\n"
+             "  r2: {program: gridspace-relay, currents: {from: A, to: B}, trip: U, element: {pickup_a: 30}}\n"
+             "report: {figures: {p: {kind: restraint, title: Plane, from: fault - 1 s, until: fault + 2 s, zero: "
+             "fault}}}\n");
+    Results const r = run_of_relays();
+    auto const sut = make_figures(report_settings(scenario), {r, scenario, none});
+    ASSERT_EQ(sut.size(), 1U) << "r2 publishes nothing";
+    Figure const& f = sut[0];
+    EXPECT_EQ(f.title, "Plane: r1");
+    ASSERT_EQ(f.series.size(), 7U) << "the characteristic, and a path with named points for each phase";
+    std::vector<std::pair<double, double>> corners;
+    for (std::size_t i = 0; i < f.series[0].values.size(); ++i) {
+        corners.emplace_back(static_cast<double>(f.series[0].times_ns[i]) / 1e9, f.series[0].values[i]);
+    }
+    // By hand: 30 A up to 30/0.3 = 100 A, 30 % up to 500 A (150 A), 80 % beyond: 150 + 0.8 (to - 500).
+    double const to_a = 1.05 * 910;
+    for (auto const& corner : {std::pair{0.0, 30.0}, {100.0, 30.0}, {500.0, 150.0}, {to_a, 150 + 0.8 * (to_a - 500)}}) {
+        EXPECT_TRUE(std::ranges::any_of(corners, [&](auto const& c) {
+            return std::abs(c.first - corner.first) < 1e-6 && std::abs(c.second - corner.second) < 1e-6;
+        })) << corner.first;
+    }
+    EXPECT_EQ(f.series[1].values.front(), 1);
+    EXPECT_EQ(f.series[1].values.back(), 0) << "it comes back to where there is no current, in its order";
+    EXPECT_EQ(*std::ranges::max_element(f.series[1].values), 1800);
+    EXPECT_EQ(f.series[2].point_names, (std::vector<std::string>{"", "pickup (100 ms)", "trip (300 ms)"}))
+        << "of the samples that they come from, without the latency";
+    EXPECT_FALSE(f.interactive());
+    EXPECT_TRUE(to_csv(f).starts_with("series,x,value\ncharacteristic,0,30\n")) << to_csv(f).substr(0, 80);
+    EXPECT_NE(to_svg(f).find("restraint current (mean of both ends), A"), std::string::npos);
+}
+
+TEST(RestraintPlane, OfRelaysWithoutTheirValuesThereIsNone) {
+    Results r = run_of_relays();
+    std::erase_if(r.signals, [](auto const& signal) { return signal.first.starts_with("relay.r1.restraint"); });
+    static WireTiming const none;
+    config::Node const scenario = yaml("processes: {r1: {program: gridspace-relay, element: {pickup_a: 30}}}\n"
+                                       "report: {figures: {p: {kind: restraint}}}\n");
+    EXPECT_TRUE(make_figures(report_settings(scenario), {r, scenario, none}).empty());
 }
 
 } // namespace
