@@ -108,7 +108,7 @@ class DifferentialRelay final : public RelayMember {
     static std::string text_of(RelayEvent const& event) {
         std::string text = fmt::format("sample {}", event.index);
         if (event.phases != 0) {
-            text += fmt::format(", phases {}, {:.1f} {:.1f} {:.1f} A", phase_names(event.phases),
+            text += fmt::format(", phases {}, differential {:.1f} {:.1f} {:.1f} A", phase_names(event.phases),
                                 event.differential_a[0], event.differential_a[1], event.differential_a[2]);
         }
         return event.reasons != 0 ? text + ": " + block_names(event.reasons) : text;

@@ -413,11 +413,14 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
     }
     SignalSeries const *states = find(signals, "stream." + chain.trip_stream + ".st_num"),
                        *sent = find(signals, "stream." + chain.trip_stream + ".sent_after_ms");
+    constexpr double kRounding_ms = 1e-3;
+    // Another member of the stream may have changed before: the trip is what was sent after the decision.
+    double const earliest_ms = std::max(out.event_s, decided_ms.value_or(sample_s * 1e3) / 1e3) * 1e3 - kRounding_ms;
     std::optional<double> state;
     for (std::size_t i = 1;
          states != nullptr && sent != nullptr && i < std::min(states->values.size(), sent->values.size()) && !state;
          ++i) {
-        if (states->values[i] != states->values[i - 1] && sent->values[i] >= out.event_s * 1e3) {
+        if (states->values[i] != states->values[i - 1] && sent->values[i] >= earliest_ms) {
             state = states->values[i];
             add("trip GOOSE sent", sent->values[i], false,
                 clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");

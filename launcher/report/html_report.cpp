@@ -6,6 +6,8 @@
 #include "common/text.hpp"
 #include "common/time.hpp"
 #include "launcher/folder/write_file.hpp"
+#include "launcher/judge/expectation_rule.hpp"
+#include "launcher/judge/protection_chain.hpp"
 #include "launcher/report/detector_tables.hpp"
 #include "launcher/report/figures.hpp"
 #include "launcher/report/html_page.hpp"
@@ -16,6 +18,9 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
 
 namespace gridspace::launcher {
 namespace {
@@ -23,9 +28,16 @@ namespace {
 namespace fs = std::filesystem;
 using Status = ExpectationResult::Status;
 
-std::string expectations(Results const& r) {
+std::string expectations(Results const& r, config::Node const& scenario) {
     if (r.expectations.empty()) {
         return "";
+    }
+    std::map<std::string, std::string> rules;
+    if (config::Node const* expect = scenario.find("expect"); expect != nullptr) {
+        config::Diagnostics unread; // it was judged, so it can be read
+        for (Expectation const& e : read_expectations(*expect, unread)) {
+            rules[e.name.name] = rule_of(e);
+        }
     }
     std::string out = "<section tabindex=\"0\"><h2>Expectations</h2>\n<table class=\"expect\">" +
                       html_row({"", "name", "value", "accepted", "what happened"}, "th");
@@ -39,7 +51,9 @@ std::string expectations(Results const& r) {
                                                                        : "<span class=\"bad\">✗ fail</span>")
                                                          : "<span class=\"dim\">shown</span>";
         out += html_row(
-            {badge, escape_markup(e.name), value, escape_markup(e.band.to_string()), escape_markup(e.detail)}, "td");
+            {badge, fmt::format("{}<div class=\"rule\">{}</div>", escape_markup(e.name), escape_markup(rules[e.name])),
+             value, escape_markup(e.band.to_string()), escape_markup(e.detail)},
+            "td");
     }
     return out + "</table></section>\n";
 }
@@ -76,7 +90,7 @@ std::string facts(Results const& r) {
         {"clock", r.mode},
         {"simulated", human_duration(r.outcome.simulated_s)},
         {"wall time", fmt::format("{} (×{:.4g})", human_duration(r.outcome.wall_s), speed)},
-        {"overruns", std::to_string(r.outcome.overruns)},
+        {"late ticks (overruns)", r.mode == "lockstep" ? "" : std::to_string(r.outcome.overruns)},
         {"scheduling", r.scheduling.empty() ? "" : r.scheduling.substr(0, r.scheduling.find(':'))},
         {"epoch", format_utc(r.epoch_unix_s)},
     };
@@ -107,6 +121,57 @@ ReportTable process_table(Results const& r) {
     for (Results::ProcessRow const& p : r.processes) {
         t.rows.push_back({escape_markup(p.name), escape_markup(p.program), escape_markup(p.host), escape_markup(p.end),
                           p.cpu_s > 0 ? fmt::format("{:.2f} s", p.cpu_s) : "-"});
+    }
+    return t;
+}
+
+/// "kind: rms, pickup_a: 30", as the scenario says it.
+std::string settings_text(config::Node const& node) {
+    if (node.is_sequence()) {
+        std::vector<std::string> items;
+        std::ranges::transform(node.items, std::back_inserter(items), settings_text);
+        return "[" + join(items, ", ") + "]";
+    }
+    if (!node.is_map()) {
+        return node.text;
+    }
+    std::vector<std::string> out;
+    for (config::Node::Entry const& entry : node.entries) {
+        bool const nested = entry.value.is_map();
+        out.push_back(
+            fmt::format("{}: {}{}{}", entry.key, nested ? "{" : "", settings_text(entry.value), nested ? "}" : ""));
+    }
+    return join(out, ", ");
+}
+
+/// What a relay was set to, and what belongs to it.
+ReportTable relay_settings(config::Node const& scenario) {
+    ReportTable t{"Relays", {"relay", "measures", "settings", "trips"}, {}};
+    config::Node const* const processes = scenario.find("processes");
+    for (ProtectionChain const& chain : protection_chains(scenario)) {
+        config::Node const& process = *processes->find(chain.relay);
+        std::vector<std::string> measures, settings;
+        for (ProtectionChain::End const& end : chain.ends) {
+            if (!end.stream.empty()) {
+                measures.push_back(
+                    end.transformer.empty() ? end.stream : fmt::format("{} (stream {})", end.transformer, end.stream));
+            }
+        }
+        for (char const* key : {"element", "functions"}) {
+            config::Node const* const group = process.find(key);
+            for (config::Node::Entry const& entry :
+                 group == nullptr ? std::vector<config::Node::Entry>{} : group->entries) {
+                settings.push_back(entry.key + ": " + settings_text(entry.value));
+            }
+        }
+        for (char const* key : {"seal_in", "latency_us"}) {
+            if (config::Node const* value = process.find(key); value != nullptr && !value->text.empty()) {
+                settings.push_back(fmt::format("{}: {}", key, value->text));
+            }
+        }
+        t.rows.push_back({escape_markup(chain.relay), escape_markup(join(measures, ", ")),
+                          escape_markup(join(settings, "; ")),
+                          escape_markup(fmt::format("{} by {}", join(chain.breakers(), ", "), chain.trip_stream))});
     }
     return t;
 }
@@ -166,6 +231,19 @@ ReportTable event_table(Results const& r) {
     return t;
 }
 
+/// Of a long list, what the scenario did and what was switched; the rest stands at the end.
+ReportTable main_events(Results const& r) {
+    static std::set<std::string> const kMain{"event", "trip", "command", "release", "run_failed", "run_stopped"};
+    Results few;
+    std::ranges::copy_if(r.events, std::back_inserter(few.events),
+                         [](LoggedEvent const& e) { return kMain.contains(e.event); });
+    ReportTable t = event_table(few);
+    t.note =
+        fmt::format("{} of {} events: those of the timeline, trips and commands; all are in the table near the end.",
+                    few.events.size(), r.events.size());
+    return t;
+}
+
 /// The drawings, one after the other; beside them as files. `data`: what the page's script needs of them.
 Result<std::vector<std::string>> drawings(Results const& r, std::vector<Figure> figures, std::string& data) {
     std::vector<std::string> out;
@@ -220,10 +298,14 @@ Result<fs::path> write_html_report(Results const& r) {
     }
     std::string const events = r.events.empty() ? "" : html_table(event_table(r));
     bool const few_events = r.events.size() <= kFewEvents;
+    if (ReportTable const main = few_events ? ReportTable{} : main_events(r);
+        !main.rows.empty() && main.rows.size() <= 2 * kFewEvents) {
+        body += html_table(main);
+    }
     body += few_events ? events : "";
     auto const rest = figures->begin() + static_cast<std::ptrdiff_t>(std::min(kStoryFigures, figures->size()));
     std::for_each(figures->begin(), rest, [&](std::string const& drawing) { body += drawing; });
-    body += expectations(r);
+    body += expectations(r, scenario);
     for (auto const& tables :
          {make_tables(settings, r), r.consequences ? consequence_tables(*r.consequences) : std::vector<ReportTable>{},
           detector_tables(r.intrusion), wire_timing_tables(timing, published_of(scenario))}) {
@@ -236,7 +318,14 @@ Result<fs::path> write_html_report(Results const& r) {
     if (ReportTable const strangers = stranger_table(r); !strangers.rows.empty()) {
         body += html_table(strangers);
     }
-    body += few_events ? "" : events;
+    if (!few_events) {
+        ReportTable all = event_table(r);
+        all.title = "All that happened";
+        body += html_table(all);
+    }
+    if (ReportTable const settings_table = relay_settings(scenario); !settings_table.rows.empty()) {
+        body += html_table(settings_table);
+    }
     body += html_table(process_table(r)) + html_table(topic_table(r));
     std::string const page =
         html_page(r.scenario + " – Gridspace report", body, fmt::format("const figures=[{}];\n{}", data, kReportJs));

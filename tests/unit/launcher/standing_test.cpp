@@ -26,7 +26,7 @@ SignalStore until(SignalStore const& all, double s) {
     SignalStore out;
     for (auto const& [name, series] : all) {
         out[name].unit = series.unit;
-        for (std::size_t i = 0; i < series.times_ns.size() && series.times_ns[i] <= s * kNs; ++i) {
+        for (std::size_t i = 0; i < series.times_ns.size() && static_cast<double>(series.times_ns[i]) <= s * 1e9; ++i) {
             out[name].times_ns.push_back(series.times_ns[i]);
             out[name].values.push_back(series.values[i]);
         }

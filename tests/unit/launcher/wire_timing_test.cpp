@@ -154,6 +154,33 @@ TEST(WireTiming, ThePickupOfTheChainIsTheLastOneBeforeTheTrip) {
     EXPECT_NEAR(sut.relays[0].chain[0].after_ms, 101, 1e-6);
 }
 
+TEST(WireTiming, TheTripOfTheChainIsTheMessageAfterTheDecisionAndNotAnotherMemberThatChangedBefore) {
+    Results r = run();
+    // At 0.95 s, after the fault, the stream says that the relay has started; the trip is its next state.
+    auto const put = [&](char const* name, std::initializer_list<double> seconds,
+                         std::initializer_list<double> values) {
+        SignalSeries series;
+        for (double const s : seconds) {
+            series.times_ns.push_back(ns(s));
+        }
+        series.values = values;
+        r.signals[name] = series;
+    };
+    put("stream.TRIP2.st_num", {0.89, 0.95, 1.004, 1.005}, {1, 2, 3, 3});
+    put("stream.TRIP2.interval_ms", {0.89, 0.95, 1.004, 1.005}, {0, 60, 54, 1});
+    put("stream.TRIP2.sent_after_ms", {0.89, 0.95, 1.004, 1.005}, {890, 950, 1004, 1005});
+    put("stream.TRIP2.heard_st_num", {0.95, 1.004}, {2, 3});
+    put("stream.TRIP2.heard_after_ms", {0.95, 1.004}, {950.2, 1004.25});
+
+    WireTiming const sut = measure_wire_timing(r, scenario());
+
+    ASSERT_GT(sut.relays[0].chain.size(), 3U);
+    EXPECT_EQ(sut.relays[0].chain[2].what, "trip GOOSE sent");
+    EXPECT_NEAR(sut.relays[0].chain[2].after_ms, 104, 1e-6);
+    EXPECT_EQ(sut.relays[0].chain[3].what, "trip GOOSE received");
+    EXPECT_NEAR(sut.relays[0].chain[3].after_ms, 104.25, 1e-6);
+}
+
 TEST(WireTiming, TheChainIsCountedFromTheFaultOnTheRelaysOwnLine) {
     Results r = run();
     r.folder = std::filesystem::path{testing::TempDir()} / "wire_timing_own_line";
