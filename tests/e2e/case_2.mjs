@@ -35,6 +35,9 @@ export async function case_2() {
   check("the first plot shows the faulted line", /TL2|CT2[12]/.test(first), first);
   await until_drawn(live, ".plot", 4);
   check("its three phases are drawn", true);
+  await live.waitForSelector(".panel.verdict >> text=holds so far");
+  await live.waitForSelector(".panel.verdict >> text=By what is recorded up to");
+  check("expectations have values and stand so or so while the run runs", /\d/.test(await live.evaluate(() => [...document.querySelectorAll(".panel.verdict td.number")].map(c => c.textContent).join(" "))));
   await shot(live, "case_2_live_light");
   const code = await run.ended;
   check("the run ends as it should", code === 0 || code === 1, code); // its expectations are about a fault at 5.5 s

@@ -4,14 +4,16 @@
 // What the end-to-end tests share: runs of the real programs, pages of a real browser, and a count of what was not as expected.
 import { chromium } from "playwright-core";
 import { spawn } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync } from "node:fs";
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
 export const root = resolve(here, "../..");
-export const build = resolve(process.argv[2] ?? join(root, "build/release"));
+const renews = process.argv.includes("--renew-pictures");
+export const [given, ...wanted] = process.argv.slice(2).filter(word => !word.startsWith("--"));
+export const build = resolve(given ?? join(root, "build/release"));
 export const shots = join(here, "shots");
 mkdirSync(shots, { recursive: true });
 
@@ -102,6 +104,12 @@ export const until_drawn = (page, selector, least) => until(page, ([s, n]) => {
 }, [selector, least]);
 
 export const shot = (page, name, fullPage = true) => page.screenshot({ path: join(shots, `${name}.png`), fullPage });
+
+/** A picture of the documentation, docs/images/NAME.png, of what the window shows or a part of the page; --renew-pictures puts it there. */
+export async function picture(page, name, part = "") {
+  await (part ? page.locator(part).screenshot({ path: join(shots, `${name}.png`) }) : shot(page, name, false));
+  if (renews) copyFileSync(join(shots, `${name}.png`), join(root, "docs/images", `${name}.png`));
+}
 
 const axe = readFileSync(join(here, "node_modules/axe-core/axe.min.js"), "utf8");
 

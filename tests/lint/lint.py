@@ -321,6 +321,16 @@ def self_test():
         if [m for m in lint(folder)] != ["README.md:1: names 'sim/b.hpp', which is not there"]:
             print("self-test: a file that a page names and that is not there is not found")
             wrong += 1
+    with tempfile.TemporaryDirectory() as folder:
+        for path, text in (("docs/images/made.png", ""), ("docs/images/drawn.png", ""), ("docs/page.md", "![a](images/made.png) ![b](images/drawn.png)\n"),
+                           ("tests/e2e/a.mjs", HEAD + 'await picture(page, "made");\nawait picture(page, "unseen");\n')):
+            (pathlib.Path(folder) / path).parent.mkdir(parents=True, exist_ok=True)
+            (pathlib.Path(folder) / path).write_text(text)
+        found = lint(folder)
+        for expected in ("shows 'images/drawn.png', which no test", "makes the picture 'unseen'", "drawn.png:1: no test"):
+            if not any(expected in m for m in found) or any("'made'" in m for m in found):
+                print(f"self-test: {expected} is not found of pictures: {found}")
+                wrong += 1
     for page, expected in PAGE_TESTS:
         with tempfile.TemporaryDirectory() as folder:
             for name, text in PAGE_TREE.items():

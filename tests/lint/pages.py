@@ -17,6 +17,7 @@ HTML_LINK = re.compile(r"<(?:a|img)\s[^>]*(?:href|src)=\"([^\"]+)\"")
 COMMAND = re.compile(r"^\s*(?:\$ )?(?:sudo )?(?:[A-Z_]+=\S+ )*(?:\./)?gridspace +(.*)$")
 VERB = re.compile(r"\bapp\.add_subcommand\(\s*\"([a-z][a-z0-9-]*)\"")
 VERBS_BY_NAME = re.compile(r"\bapp\.add_subcommand\(name\b.*?\n}", re.S)  # a function that adds several: add("pause", ...)
+PICTURE = re.compile(r"\bpicture\(\w+, \"([\w-]+)\"")
 OPTION = re.compile(r"--[a-z][a-z0-9-]*")
 SCRIPT_VERBS = re.compile(r"^  ([a-z][a-z0-9-]*)\)", re.M)
 
@@ -160,8 +161,29 @@ def check_site(root, pages):
             yield f"mkdocs.yml:1: its navigation names {path}, which is not there"
 
 
+def check_pictures(root, pages):
+    """Screenshots of the documentation are those that tests make of the pages they open, and each of them is shown."""
+    if not (root / "tests/e2e").is_dir():
+        return
+    made = {name for test in (root / "tests/e2e").glob("*.mjs") for name in PICTURE.findall(test.read_text())}
+    shown = set()
+    for path, text in pages.items():
+        for number, target in links(text):
+            picture = re.search(r"images/([\w-]+)\.png$", target)
+            if picture and not re.match(r"[a-z]+:", target):
+                shown.add(picture.group(1))
+                if picture.group(1) not in made:
+                    yield f"{path}:{number}: shows '{target}', which no test in tests/e2e makes: picture(page, \"{picture.group(1)}\")"
+    for name in sorted(made - shown):
+        yield f"tests/e2e:1: makes the picture '{name}', which no page shows"
+    for file in sorted((root / "docs/images").glob("*.png")):
+        if file.stem not in made:
+            yield f"docs/images/{file.name}:1: no test in tests/e2e makes it"
+
+
 def check_pages(root, pages):
     root = pathlib.Path(root)
     yield from check_links(root, pages)
     yield from check_commands(root, pages)
     yield from check_site(root, pages)
+    yield from check_pictures(root, pages)
