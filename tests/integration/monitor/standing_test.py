@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the expectations stand is told while a run goes on, and what is told for good is what the report says."""
 import json
+import os
+import signal
 import unittest
 
 import client
@@ -50,6 +52,26 @@ class Standing(harness.ScenarioTest):
         self.assertEqual(at(summary, "trips")["value"], at(late, "trips")["value"], "the same judge")
         self.assertGreaterEqual(at(summary, "current_within")["value"], at(late, "current_within")["value"])
         self.assertFalse((run.folder / "so_far.json").exists(), "the report has taken its place")
+
+    def test_who_judges_while_it_runs_decides_nothing(self):
+        run = self.start("killed", ["--set", "simulation.duration_s=0.6", "--set", "events.fault.at_s=0.2", "--set", f"expect={EXPECT}", "--speed", "0.05"], scenario=CASE_2)
+        monitor = client.monitor_of(run)
+        monitor.until("/api/v1/verdict", lambda v: at(v, "current_within")["standing"] == "holds", "a value before the end")
+        judges = [pid for pid, name in harness.processes_of_session(run.pid).items() if name == "gridspace-judge"]
+        self.assertEqual(len(judges), 1)
+        os.kill(judges[0], signal.SIGKILL)
+        self.assertEqual(run.finish(), harness.EXPECTATION, "it ends as it does beside its judge")
+        wanted = {"trips": True, "quiet_before": True, "current_within": True, "current_below_a_tenth_of_the_load": False, "opens_too_early": False}
+        self.assertEqual({name: at(run.summary(), name)["pass"] for name in wanted}, wanted)
+        self.assertEqual(run.left_over(), {})
+        self.assertFalse((run.folder / "so_far.json").exists())
+
+    def test_without_a_monitor_nobody_judges_while_it_runs(self):
+        run = self.start("alone", ["--set", "processes.monitor=~", "--set", "simulation.duration_s=0.4", "--set", "events.fault.at_s=0.2", "--set", f"expect={EXPECT}",
+                                   "--speed", "0.2"], scenario=CASE_2)
+        run.wait_for_time(0.1)
+        self.assertNotIn("gridspace-judge", harness.processes_of_session(run.pid).values())
+        self.assertEqual(run.finish(), harness.EXPECTATION)
 
     def test_with_a_wider_bound_it_does_not_fail(self):
         told, summary, _ = self.run_watched("wider", WIDER)
