@@ -64,6 +64,7 @@ TEST_F(ApiAnswers, RefuseAStretchThatEndsBeforeItBegins) {
 
 TEST_F(ApiAnswers, TellWhatIsExpectedAndOfARecordedRunWhatCameOfIt) {
     std::filesystem::path const folder = std::filesystem::path{testing::TempDir()} / "verdict_of_a_run";
+    std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder / "report");
     std::ofstream{folder / "report" / "summary.json"}
         << R"({"exit": 1, "overruns": 3, "expectations": [{"name": "late", "value": 7.5, "unit": "ms", "pass": false, "detail": "at 1 s"}]})";
@@ -75,12 +76,23 @@ TEST_F(ApiAnswers, TellWhatIsExpectedAndOfARecordedRunWhatCameOfIt) {
     json const live = json::parse(sut.verdict());
     EXPECT_EQ(live["judged"], false);
     EXPECT_TRUE(live["expectations"][0]["pass"].is_null());
+    EXPECT_TRUE(live["expectations"][0]["standing"].is_null()) << "nobody says it";
+    std::ofstream{folder / "so_far.json"}
+        << R"({"reached_s": 2.5, "expectations": [{"name": "late", "value": 4, "unit": "ms", "standing": "failed", "detail": ""}]})";
+    json const standing = json::parse(sut.verdict());
+    EXPECT_EQ(standing["judged"], false) << "the report says the last word";
+    EXPECT_EQ(standing["reached_s"], 2.5);
+    EXPECT_EQ(standing["expectations"][0]["standing"], "failed");
+    EXPECT_EQ(standing["expectations"][0]["value"], 4);
+    EXPECT_TRUE(standing["expectations"][0]["pass"].is_null());
+    EXPECT_TRUE(standing["expectations"][1]["standing"].is_null());
 
-    run.recorded = true;
+    run.recorded = true; // what a killed launcher has left behind says nothing of it
     json const recorded = json::parse(sut.verdict());
 
     EXPECT_EQ(recorded["judged"], true);
     EXPECT_EQ(recorded["overruns"], 3);
+    EXPECT_FALSE(recorded.contains("reached_s"));
     EXPECT_EQ(recorded["expectations"][0], json({{"name", "late"},
                                                  {"rule", "max of x"},
                                                  {"accepted", "< 3"},
@@ -88,7 +100,8 @@ TEST_F(ApiAnswers, TellWhatIsExpectedAndOfARecordedRunWhatCameOfIt) {
                                                  {"advisory", false},
                                                  {"value", 7.5},
                                                  {"pass", false},
-                                                 {"detail", "at 1 s"}}));
+                                                 {"detail", "at 1 s"},
+                                                 {"standing", nullptr}}));
     EXPECT_TRUE(recorded["expectations"][1]["pass"].is_null()) << "nobody has judged it";
     std::ofstream{folder / "report" / "summary.json"} << "{";
     EXPECT_EQ(json::parse(sut.verdict())["judged"], false);
