@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -22,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::chrono::milliseconds kBetweenLooks{1000};
-constexpr int kRestPerLook = 19; ///< times as long as a look took: of 20 parts one is work
+constexpr double kRestPerLook = 19; ///< times as long as a look worked: of 20 parts one is work
 
 JudgedRun judged_run(Scenario const& scenario, std::filesystem::path const& folder) {
     config::Diagnostics reported; // when the scenario was checked
@@ -49,14 +50,14 @@ std::string to_json(LiveJudge::Look const& look) {
 }
 
 [[noreturn]] void judge_on(JudgedRun run, std::filesystem::path const& file) {
-    using Clock = std::chrono::steady_clock;
     LiveJudge judge{std::move(run)};
     while (true) {
-        auto const begin = Clock::now();
+        std::clock_t const before = std::clock(); // of work: beside a run in real time it waits long for the processor
         if (auto const look = judge.look()) {
             (void)replace_file(file, to_json(*look)); // on a full disk there is none, and the run says so itself
         }
-        std::this_thread::sleep_for(std::max<Clock::duration>(kBetweenLooks, kRestPerLook * (Clock::now() - begin)));
+        std::chrono::duration<double> const worked{static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC};
+        std::this_thread::sleep_for(std::max<std::chrono::duration<double>>(kBetweenLooks, kRestPerLook * worked));
     }
 }
 
