@@ -128,7 +128,8 @@ void restraint_planes(FigureSettings const& settings, Drawn const& run, std::vec
             std::vector<std::int64_t> instants;
             for (std::size_t i = 0; i < std::min(x->second.values.size(), y->second.values.size()); ++i) {
                 double const t = static_cast<double>(x->second.times_ns[i]) / 1e9;
-                if (t >= from_s && t <= to_s) {
+                bool const has_place = std::isfinite(x->second.values[i]) && std::isfinite(y->second.values[i]);
+                if (has_place && t >= from_s && t <= to_s) {
                     instants.push_back(x->second.times_ns[i]);
                     path.times_ns.push_back(place_of(x->second.values[i]));
                     path.values.push_back(y->second.values[i]);

@@ -239,6 +239,7 @@ Results run_of_relays() {
             }
         }
     }
+    r.signals["relay.r1.restraint_a.a"].values[48] = std::nan(""); // it has no place in the plane
     r.signals["relay.r1.pickup"] = {"", {0, 5'200'000'000}, {0, 1}};
     r.signals["relay.r1.trip"] = {"", {0, 5'400'000'000}, {0, 1}};
     r.signals["relay.r1.sample_s"] = {"s", {0, 5'200'000'000, 5'400'000'000}, {0, 5.1, 5.3}};
@@ -272,6 +273,8 @@ TEST(RestraintPlane, HasThePathOfEachPhaseInItsOrderAndTheCharacteristicWithItsC
         })) << corner.first;
     }
     EXPECT_EQ(f.series[1].values.front(), 1);
+    EXPECT_EQ(f.series[3].values.size(), 31U) << "from 4 s to 7 s";
+    EXPECT_EQ(f.series[1].values.size(), 30U) << "all but the one that is no number";
     EXPECT_EQ(f.series[1].values.back(), 0) << "it comes back to where there is no current, in its order";
     EXPECT_EQ(*std::ranges::max_element(f.series[1].values), 1800);
     EXPECT_EQ(f.series[2].point_names, (std::vector<std::string>{"", "pickup (100 ms)", "trip (300 ms)"}))
