@@ -413,9 +413,9 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
     }
     SignalSeries const *states = find(signals, "stream." + chain.trip_stream + ".st_num"),
                        *sent = find(signals, "stream." + chain.trip_stream + ".sent_after_ms");
-    constexpr double kRounding_ms = 1e-3;
+    constexpr double kRoundingMs = 1e-3;
     // Another member of the stream may have changed before: the trip is what was sent after the decision.
-    double const earliest_ms = std::max(out.event_s, decided_ms.value_or(sample_s * 1e3) / 1e3) * 1e3 - kRounding_ms;
+    double const earliest_ms = std::max(out.event_s, decided_ms.value_or(sample_s * 1e3) / 1e3) * 1e3 - kRoundingMs;
     std::optional<double> state;
     for (std::size_t i = 1;
          states != nullptr && sent != nullptr && i < std::min(states->values.size(), sent->values.size()) && !state;

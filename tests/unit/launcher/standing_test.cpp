@@ -11,7 +11,7 @@ namespace gridspace::launcher {
 namespace {
 
 constexpr std::int64_t kNs = 1'000'000'000;
-constexpr int kEnd_s = 10;
+constexpr int kEndS = 10;
 
 std::vector<Expectation> expectations_of(std::string const& text) {
     config::Diagnostics diagnostics;
@@ -37,7 +37,7 @@ SignalStore until(SignalStore const& all, double s) {
 /// 0, 1, 2 … at whole seconds, and a trip at 5 s.
 SignalStore ramp() {
     SignalStore out;
-    for (int t = 0; t <= kEnd_s; ++t) {
+    for (int t = 0; t <= kEndS; ++t) {
         out["ramp.R.value"].times_ns.push_back(t * kNs);
         out["ramp.R.value"].values.push_back(t);
     }
@@ -47,7 +47,7 @@ SignalStore ramp() {
 
 ExpectationStanding ramp_at(double s, std::string const& settings) {
     auto const list = expectations_of("e: " + settings);
-    return stand(list.at(0), until(ramp(), s), {{"fault", 4}}, s, kEnd_s, true);
+    return stand(list.at(0), until(ramp(), s), {{"fault", 4}}, s, kEndS, true);
 }
 
 TEST(Standing, AMaximumAboveItsUpperBoundHasFailedForGood) {
@@ -69,7 +69,7 @@ TEST(Standing, AMeanMayComeBackFromAnywhereUntilItsTimeIsOver) {
     EXPECT_EQ(ramp_at(3, "{mean_of: ramp.R.value, above: 100, until: fault}").standing, Standing::not_yet);
     EXPECT_EQ(ramp_at(4, "{mean_of: ramp.R.value, above: 100, until: fault}").standing, Standing::failed);
     EXPECT_EQ(ramp_at(4, "{mean_of: ramp.R.value, is: 2, until: fault}").standing, Standing::passed);
-    EXPECT_EQ(ramp_at(kEnd_s, "{mean_of: ramp.R.value, is: 5}").standing, Standing::passed);
+    EXPECT_EQ(ramp_at(kEndS, "{mean_of: ramp.R.value, is: 5}").standing, Standing::passed);
 }
 
 TEST(Standing, NothingIsSaidBeforeTheTimeBeginsAndOfSignalsThatAreMadeAtTheEnd) {
@@ -130,7 +130,7 @@ SignalStore walks(std::mt19937& random) {
     std::normal_distribution<double> step{0, 0.7};
     std::bernoulli_distribution changes{0.08};
     double a = 0, b = 0, on = 0;
-    for (int i = 0; i <= 10 * kEnd_s; ++i) {
+    for (int i = 0; i <= 10 * kEndS; ++i) {
         std::int64_t const t = i * kNs / 10;
         a = 0.9 * a + step(random);
         b = 0.9 * b + step(random);
@@ -158,23 +158,23 @@ TEST(Standing, WhatIsDecidedEarlyIsWhatTheWholeRunIsJudged) {
         double const again_s = 5.5 + 0.01 * static_cast<double>(seed % 7);
         Moments const all{{"fault", 2.05}, {"again", again_s}};
         for (Expectation const& e : expectations) {
-            ExpectationResult const last = judge(e, whole, all, kEnd_s, true);
-            for (double s = 0; s <= kEnd_s; s += 0.35) {
+            ExpectationResult const last = judge(e, whole, all, kEndS, true);
+            for (double s = 0; s <= kEndS; s += 0.35) {
                 Moments known = all;
                 if (again_s > s) { // it is reported when it happens
                     known.erase("again");
                 }
-                ExpectationStanding const sut = stand(e, until(whole, s), known, s, kEnd_s, true);
+                ExpectationStanding const sut = stand(e, until(whole, s), known, s, kEndS, true);
                 bool const passed = last.status == ExpectationResult::Status::passed;
                 if (sut.standing == Standing::passed) {
                     EXPECT_TRUE(passed) << e.name.name << " of seed " << seed << " at " << s << " s";
-                    early_passes[e.name.name] += s < kEnd_s ? 1 : 0;
+                    early_passes[e.name.name] += s < kEndS ? 1 : 0;
                 } else if (sut.standing == Standing::failed) {
                     EXPECT_FALSE(passed) << e.name.name << " of seed " << seed << " at " << s << " s";
-                    early_failures[e.name.name] += s < kEnd_s ? 1 : 0;
+                    early_failures[e.name.name] += s < kEndS ? 1 : 0;
                 }
             }
-            ExpectationStanding const sut = stand(e, whole, all, kEnd_s, kEnd_s, true);
+            ExpectationStanding const sut = stand(e, whole, all, kEndS, kEndS, true);
             EXPECT_EQ(sut.standing,
                       last.status == ExpectationResult::Status::passed ? Standing::passed : Standing::failed)
                 << e.name.name;
