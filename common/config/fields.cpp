@@ -163,6 +163,7 @@ class NodeFields final : public Fields {
             return;
         }
         if (!spec.word.empty() && node->is_scalar() && node->text == spec.word) {
+            value.reset();
             return;
         }
         std::optional<Rational> const v =

@@ -41,7 +41,7 @@ struct NumberSpec {
     double max{std::numeric_limits<double>::infinity()};
     double above{-std::numeric_limits<double>::infinity()}; ///< exclusive lower bound
     double below{std::numeric_limits<double>::infinity()};  ///< exclusive upper bound
-    std::string_view word{}; ///< of a fraction: may stand in its place, and leaves the value as it is
+    std::string_view word{}; ///< of a fraction: may stand in its place; there is no value then
 };
 
 /// The keys of one map. A configuration struct is described once, in `void describe(Fields&, T&)`; the same description

@@ -12,7 +12,8 @@ namespace gridspace::sim {
 void describe(config::Fields& f, EngineSettings& s) {
     f.choice<SolverKind>("solver", s.solver, {{"phasor", SolverKind::phasor}, {"emt", SolverKind::emt}},
                          {.doc = "balanced phasors, or waveforms", .required = true});
-    std::optional<Rational> step_s;
+    bool const given = f.has("step_s");
+    std::optional<Rational> step_s = given ? std::optional{s.step_s} : std::nullopt; // kept where it is wrong
     f.fraction("step_s", step_s,
                {.doc = "time step; fractions like 1/48000 are exact; auto (waveforms): the longest that resolves what "
                        "the network rings with",
@@ -20,7 +21,7 @@ void describe(config::Fields& f, EngineSettings& s) {
                 .above = 0,
                 .word = "auto"});
     s.step_s = step_s.value_or(s.step_s);
-    s.step_auto = f.has("step_s") && !step_s; // or it is wrong, which was said
+    s.step_auto = given && !step_s;
     if (s.step_auto && s.solver == SolverKind::phasor) {
         f.error("step_s", "phasors have no step that would have to resolve an oscillation", "give a number");
     }
