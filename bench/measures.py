@@ -159,6 +159,11 @@ def real_time(build: Build) -> Iterator[Figure]:
     """Case 2 in real time, 8 s, beside what the machine itself can do."""
     summary, _, _ = build.run("configs/scenarios/protection.yaml")
     yield Figure("overruns", "case 2 in real time: late ticks", summary["overruns"], "ticks", False, aim=10 * summary["simulated_s"] / 60)
+    yield Figure("late_p99", "a tick is late by, p99", summary["ticks"]["p99_us"], "us", False)
+    smv = summary["wire_timing"]["smv"]["SMV21"]
+    for share, aim in (("p50", 2), ("p99", 2.2)):
+        yield Figure(f"age_{share}", f"age of a sample when its frame is sent, {share}", smv["publish_age_ms"][share], "ms", False, aim=aim)
+    yield Figure("rate", "rate of a stream", smv["rate_hz"], "Hz", True)
     latency = json.loads(build.output("bin/gridspace", "doctor", "--latency", "--seconds", "3", "--json"))
     ways = [way for way in latency["ways"] if "p99_us" in way and way["waiting"] != "polling"]
     yield Figure("wakeup_p99", f"a wake-up of this machine ({ways[-1]['waiting']}), p99", ways[-1]["p99_us"], "us", False, ways[0]["p99_us"], "sleeping")

@@ -255,6 +255,18 @@ void StatusReporter::progress(double time_s, double duration_s, std::uint64_t ov
          !now);
 }
 
+void StatusReporter::lateness(Lateness::Summary const& ticks) {
+    send(Json{{"status", "lateness"},
+              {"period_us", ticks.period_us},
+              {"instants", ticks.instants},
+              {"p50_us", ticks.p50_us},
+              {"p99_us", ticks.p99_us},
+              {"p999_us", ticks.p999_us},
+              {"worst_us", ticks.worst_us},
+              {"later_than_a_period", ticks.later_than_a_period}}
+             .dump());
+}
+
 void StatusReporter::event(double time_s, std::string_view source, std::string_view kind, std::string_view text) {
     send(Json{{"status", "event"}, {"time_s", time_s}, {"source", source}, {"event", kind}, {"text", text}}.dump(
         -1, ' ', false, Json::error_handler_t::replace));

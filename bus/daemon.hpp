@@ -5,6 +5,7 @@
 #include "bus/node.hpp"
 #include "bus/node_config.hpp"
 #include "common/config/fields.hpp"
+#include "common/lateness.hpp"
 #include "common/line_output.hpp"
 #include "common/program/declaration.hpp"
 #include "common/result.hpp"
@@ -32,6 +33,8 @@ class StatusReporter {
     void failed(Error const& error);
     /// Progress of the simulator. Cheap; sends at most ten times a second unless `now` is set.
     void progress(double time_s, double duration_s, std::uint64_t overruns, bool now = false);
+    /// How late the simulator's ticks were, at the end of a run in real time.
+    void lateness(Lateness::Summary const& ticks);
     void event(double time_s, std::string_view source, std::string_view kind, std::string_view text);
     /// "Between tick and tick, the launcher has to act." With `wait`, returns what it answers on standard input: lines
     /// like "drop ev1", "rejoin ev1" or "restarted ev1 2".

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/cli/doctor_latency.hpp"
 
+#include "common/time.hpp"
 #include "launcher/doctor/wakeup_latency.hpp"
+#include "launcher/folder/lateness_json.hpp"
+#include "launcher/folder/machine_latency.hpp"
 #include "launcher/run/progress_bar.hpp"
 
 #include <cstdlib>
+#include <ctime>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -47,15 +51,12 @@ nlohmann::ordered_json as_json(WayToWait const& way, WakeupLatency const& found,
     for (auto const& one : launcher::lateness_classes(found.late_us)) {
         classes.push_back({{"from_us", one.from_us}, {"below_us", one.below_us}, {"count", one.count}});
     }
-    return {{"waiting", way.key},
-            {"processor", found.processor},
-            {"wake_ups", found.late_us.size()},
-            {"p50_us", found.percentile_us(0.5)},
-            {"p99_us", found.percentile_us(0.99)},
-            {"p999_us", found.percentile_us(0.999)},
-            {"worst_us", found.percentile_us(1)},
-            {"later_than_a_period", found.later_than(period_us)},
-            {"histogram", std::move(classes)}};
+    nlohmann::ordered_json out{{"waiting", way.key}, {"name", way.name}, {"processor", found.processor}};
+    out.update(
+        launcher::to_json({period_us, found.late_us.size(), found.later_than(period_us), found.percentile_us(0.5),
+                           found.percentile_us(0.99), found.percentile_us(0.999), found.percentile_us(1)}));
+    out["histogram"] = std::move(classes);
+    return out;
 }
 
 } // namespace
@@ -63,7 +64,10 @@ nlohmann::ordered_json as_json(WayToWait const& way, WakeupLatency const& found,
 int show_latency(LatencyQuestion const& asked) {
     auto const count = static_cast<std::size_t>(asked.seconds * 1e6 / asked.period_us);
     std::string const load = load_text();
-    nlohmann::ordered_json all = {{"period_us", asked.period_us}, {"seconds", asked.seconds}, {"load", load}};
+    nlohmann::ordered_json all = {{"measured", format_utc(std::time(nullptr))},
+                                  {"period_us", asked.period_us},
+                                  {"seconds", asked.seconds},
+                                  {"load", load}};
     if (!asked.json) {
         fmt::print("Wake-ups every {:.1f} us, {:g} s for each way to wait; {}. Late by, in microseconds:\n\n",
                    asked.period_us, asked.seconds, load);
@@ -74,11 +78,13 @@ int show_latency(LatencyQuestion const& asked) {
     for (WayToWait const& way : launcher::kWaysToWait) {
         auto found = launcher::measure_wakeups(
             way.waiting, std::chrono::nanoseconds{static_cast<std::int64_t>(asked.period_us * 1e3)}, count);
+        all["ways"].push_back(
+            found ? as_json(way, *found, asked.period_us)
+                  : nlohmann::ordered_json{{"waiting", way.key}, {"not_permitted", found.error().message}});
         if (asked.json) {
-            all["ways"].push_back(
-                found ? as_json(way, *found, asked.period_us)
-                      : nlohmann::ordered_json{{"waiting", way.key}, {"not_permitted", found.error().message}});
-        } else if (found) {
+            continue;
+        }
+        if (found) {
             print_row(way, *found, asked.period_us);
         } else {
             fmt::print("{:<21} {}\n", way.name, found.error().message);
@@ -88,6 +94,7 @@ int show_latency(LatencyQuestion const& asked) {
             (plain ? best : plain) = {way.name, std::move(*found)};
         }
     }
+    auto const kept = launcher::keep_machine_latency(all);
     if (asked.json) {
         fmt::print("{}\n", all.dump(2));
         return 0;
@@ -101,7 +108,9 @@ int show_latency(LatencyQuestion const& asked) {
                "and locks\n"
                "their memory where it may. Busy polling takes a whole processor, of which the kernel takes some of "
                "each second\n"
-               "back: sysctl kernel.sched_rt_runtime_us.\n");
+               "back: sysctl kernel.sched_rt_runtime_us.\n{}\n",
+               kept ? fmt::format("Reports of runs in real time show it from now on (kept in {}).", kept->string())
+                    : "Not kept for the reports of runs: " + kept.error().message);
     return 0;
 }
 

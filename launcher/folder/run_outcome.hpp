@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/lateness.hpp"
+
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +19,7 @@ struct RunOutcome {
     double total_wall_s{0}; ///< of everything
     double simulated_s{0};
     std::uint64_t overruns{0};
+    std::optional<Lateness::Summary> ticks; ///< how late they were, in real time
     struct ProcessEnd {
         std::string process, how;
         int code{0};

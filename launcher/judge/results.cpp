@@ -6,6 +6,7 @@
 #include "common/json_value.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
+#include "launcher/folder/lateness_json.hpp"
 #include "launcher/judge/recording_loss.hpp"
 #include "launcher/judge/wall_clock.hpp"
 #include "launcher/judge/wire_timing.hpp"
@@ -43,6 +44,8 @@ void read_manifest(fs::path const& folder, Results& out) {
     out.outcome.simulated_s = value_of(m, "simulated_s", 0.0);
     out.outcome.wall_s = value_of(m, "wall_s", 0.0);
     out.outcome.overruns = value_of(m, "overruns", std::uint64_t{0});
+    out.outcome.ticks = lateness_of(part_of(m, "ticks"));
+    out.machine_latency = machine_latency_of(part_of(m, "machine_latency"));
     Json const processes = part_of(m, "processes");
     for (auto const& [name, p] : processes.items()) {
         out.processes.push_back({name, value_of(p, "program", none), value_of(p, "host", none),

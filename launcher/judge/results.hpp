@@ -3,6 +3,7 @@
 #pragma once
 
 #include "launcher/folder/event_log.hpp"
+#include "launcher/folder/machine_latency.hpp"
 #include "launcher/folder/run_outcome.hpp"
 #include "launcher/judge/consequences.hpp"
 #include "launcher/judge/counters.hpp"
@@ -47,11 +48,12 @@ struct Results {
     CounterGaps counter_gaps;   ///< what counters of processes that were killed or started again do not hold
     /// What the capture of the run says, read where a declared stream has no counters of its own or these have a gap.
     std::optional<wire::CaptureStatistics> capture;
-    IntrusionScore intrusion;                 ///< of detectors and attacks, where there were some
-    std::optional<Consequences> consequences; ///< of attacks
-    std::string scheduling;                   ///< of the processes, in real time
-    std::vector<std::string> comtrade;        ///< disturbance records in RUN/comtrade
-    std::vector<std::string> notes;           ///< what the user should know
+    IntrusionScore intrusion;                      ///< of detectors and attacks, where there were some
+    std::optional<Consequences> consequences;      ///< of attacks
+    std::string scheduling;                        ///< of the processes, in real time
+    std::optional<MachineLatency> machine_latency; ///< as the user has measured it, in real time
+    std::vector<std::string> comtrade;             ///< disturbance records in RUN/comtrade
+    std::vector<std::string> notes;                ///< what the user should know
 
     [[nodiscard]] bool passed() const; ///< no expectation failed that is not advisory
     /// The exit code of `gridspace run`: that of the run, or 1 when an expectation failed.

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 #include <set>
 
 namespace gridspace::launcher {
@@ -52,6 +53,20 @@ std::optional<double> declared(Node const& scenario, std::string const& stream, 
     return value == nullptr ? std::nullopt : config::number_of(*value);
 }
 
+/// The slope of the straight line that fits the number of frames over their arrivals best (least squares): where the
+/// first or the last was late, the time between the two would be no measure of their rate. 0: fewer than two instants.
+double frames_per_ms(std::vector<double> const& arrival_ms) {
+    auto const n = static_cast<double>(arrival_ms.size());
+    double const middle_ms = std::accumulate(arrival_ms.begin(), arrival_ms.end(), 0.0) / n, middle = (n - 1) / 2;
+    double both = 0, times = 0;
+    for (std::size_t i = 0; i < arrival_ms.size(); ++i) {
+        double const t = arrival_ms[i] - middle_ms;
+        both += t * (static_cast<double>(i) - middle);
+        times += t * t;
+    }
+    return times > 0 ? both / times : 0;
+}
+
 SmvTiming smv_timing(SignalStore const& signals, Node const& scenario, std::string const& stream) {
     std::string const prefix = "stream." + stream + ".";
     SmvTiming out;
@@ -76,9 +91,7 @@ SmvTiming smv_timing(SignalStore const& signals, Node const& scenario, std::stri
             }
         }
         out.interval = spread_of(std::move(intervals));
-        double const seconds = (out.arrival_ms.back() - out.arrival_ms.front()) / 1e3;
-        std::size_t const samples = (out.arrival_ms.size() - 1) * out.samples_per_frame; // a row of ages is a frame
-        out.mean_hz = seconds > 0 ? static_cast<double>(samples) / seconds : 0;
+        out.mean_hz = frames_per_ms(out.arrival_ms) * 1e3 * static_cast<double>(out.samples_per_frame);
     }
     return out;
 }

@@ -36,7 +36,7 @@ struct SmvTiming {
     std::size_t refused{0};  ///< simulated, damaged, or of another identity, revision or size; they are among the lost
     std::string not_counted; ///< "what relay1 counted from 0 s to 0.4 s": the counters are no less than that much
     std::size_t samples_per_frame{1};
-    double mean_hz{0};                   ///< samples over the time between the first and the last frame; 0 in lockstep
+    double mean_hz{0};                   ///< samples over arrivals, by least squares; 0 in lockstep
     std::vector<std::int64_t> sample_ns; ///< simulated instants of the last samples of the frames, in order
     std::vector<double> arrival_ms;      ///< of each frame on the wall clock, since the start; empty in lockstep
     Spread interval;                     ///< between the arrivals of two frames

@@ -11,6 +11,7 @@
 #include "launcher/report/detector_tables.hpp"
 #include "launcher/report/figures.hpp"
 #include "launcher/report/html_page.hpp"
+#include "launcher/report/real_time_table.hpp"
 #include "launcher/report/report_assets.hpp"
 #include "launcher/report/tables.hpp"
 #include "launcher/report/wire_timing_page.hpp"
@@ -312,6 +313,9 @@ Result<fs::path> write_html_report(Results const& r) {
         for (ReportTable const& t : tables) {
             body += html_table(t);
         }
+    }
+    if (ReportTable const real_time = real_time_table(r); !real_time.rows.empty()) {
+        body += html_table(real_time);
     }
     std::for_each(rest, figures->end(), [&](std::string const& drawing) { body += drawing; });
     body += notes(scenario) + files_table(r);

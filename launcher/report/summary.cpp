@@ -5,6 +5,7 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
+#include "launcher/folder/lateness_json.hpp"
 #include "launcher/folder/write_file.hpp"
 #include "launcher/report/wire_timing_page.hpp"
 
@@ -89,6 +90,7 @@ std::string summary_json(Results const& r) {
                  {"exit", r.exit_code()},
                  {"cause", r.outcome.cause},
                  {"overruns", r.outcome.overruns},
+                 {"ticks", r.outcome.ticks ? to_json(*r.outcome.ticks) : Json(nullptr)},
                  {"scheduling", r.scheduling},
                  {"notes", r.notes},
                  {"expectations", expectations},

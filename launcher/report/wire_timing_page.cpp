@@ -73,8 +73,8 @@ ReportTable streams_table(WireTiming const& t, Published const& published) {
     out.note = t.lockstep
                    ? "Counted by smpCnt at the relay. Lockstep: frames are sent at simulated instants, so the "
                      "rate is exact and there is no jitter to measure."
-                   : "Counted by smpCnt at the relay. Rate: samples over the time between the first and the last "
-                     "arrival. Intervals: between the receiving kernel's stamps "
+                   : "Counted by smpCnt at the relay. Rate: the straight line that fits samples over arrivals best "
+                     "(least squares). Intervals: between the receiving kernel's stamps "
                      "(CLOCK_REALTIME) of consecutive frames, at the relay's end of its cable.";
     out.note +=
         " Refused: simulated (S bit), damaged, or of another identity, revision or size; a frame refused is one that "

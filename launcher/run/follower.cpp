@@ -4,6 +4,7 @@
 
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
+#include "launcher/folder/lateness_json.hpp"
 
 #include <chrono>
 #include <csignal>
@@ -154,6 +155,8 @@ class Follower {
             last_progress_ = instant_of(line);
             outcome_.overruns = line.value("overruns", std::uint64_t{0});
             progress_.update(time_s_, outcome_.overruns);
+        } else if (status == "lateness") {
+            outcome_.ticks = lateness_of(line);
         } else if (status == "event") {
             events_.write(line.value("time_s", 0.0), line.value("source", process), line.value("event", ""),
                           line.value("text", ""));

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_folder.hpp"
 
+#include "launcher/folder/lateness_json.hpp"
+#include "launcher/folder/machine_latency.hpp"
 #include "launcher/folder/sha256.hpp"
 #include "launcher/folder/write_file.hpp"
 #include "launcher/scenario/monitor_settings.hpp"
@@ -143,7 +145,7 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         return ok;
     }
     Version const& v = version();
-    Json const manifest{
+    Json manifest{
         {"scenario", scenario.name},
         {"description", scenario.description},
         {"started", utc_stamp()},
@@ -171,6 +173,9 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         {"scheduling", plan.scheduling},
         {"host", host_of(root)},
     };
+    if (auto const machine = kept_machine_latency(); machine && scenario.clock.mode == bus::ClockMode::realtime) {
+        manifest["machine_latency"] = *machine;
+    }
     return replace_file(plan.folder / "manifest.json", manifest.dump(2) + "\n");
 }
 
@@ -185,6 +190,9 @@ Result<void> write_outcome(fs::path const& folder, RunOutcome const& outcome) {
     manifest["simulated_s"] = outcome.simulated_s;
     manifest["wall_s"] = outcome.wall_s;
     manifest["overruns"] = outcome.overruns;
+    if (outcome.ticks) {
+        manifest["ticks"] = to_json(*outcome.ticks);
+    }
     for (RunOutcome::ProcessEnd const& end : outcome.ends) {
         manifest["processes"][end.process]["exit"] = end.code;
         manifest["processes"][end.process]["end"] = end.how;

@@ -4,6 +4,7 @@
 
 #include "bus/clock_server.hpp"
 #include "bus/tick_grid.hpp"
+#include "common/lateness.hpp"
 #include "common/log.hpp"
 #include "common/pacer.hpp"
 #include "common/realtime.hpp"
@@ -19,11 +20,18 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <thread>
 
 namespace gridspace::sim {
 namespace {
+
+/// A tick by the wall clock, at the pace of the run; 0 where it has none.
+std::chrono::nanoseconds tick_in_real_time(SimConfig const& config, bus::Node const& node) {
+    double const tick_s = node.config().clock.tick_s.to_double();
+    return std::chrono::nanoseconds{config.speed > 0 ? std::llround(tick_s / config.speed * 1e9) : 0};
+}
 
 /// The simulator's side of a co-simulation: engine, gateways, clock.
 class SimApp {
@@ -33,7 +41,7 @@ class SimApp {
           simulation_{std::move(engine),
                       {node.time_base(), node.time_base().nearest(config.simulation.step_s)},
                       timeline(config.events)},
-          clock_{node, config.members}, pacer_{config.speed},
+          clock_{node, config.members}, pacer_{config.speed}, lateness_{tick_in_real_time(config, node)},
           duration_{SimTime{} + node.time_base().nearest(config.simulation.duration())}, grid_{node.config().clock} {}
 
     Result<void> run() {
@@ -63,6 +71,9 @@ class SimApp {
         }
         log::info("{} ticks, {} overruns, worst {:.3f} ms late", clock_.ticks(), pacer_.overruns(),
                   static_cast<double>(pacer_.worst().count()) / 1e6);
+        if (!node_.lockstep() && pacer_.paced()) {
+            run_.status.lateness(lateness_.summary());
+        }
         if (controls_ != nullptr && controls_->controls().refused() > 0) {
             log::info("{} set-points and commands refused", controls_->controls().refused());
         }
@@ -170,33 +181,29 @@ class SimApp {
     Result<void> simulate() {
         auto const observer = [this](SimTime t) { observe(t); };
         double const duration_s = node_.time_base().seconds(duration_);
-        start_the_pace();
         signals_->announce({});
         if (!node_.lockstep()) {
             publisher_ =
                 std::make_unique<PublisherThread>([this](SimTime end, bool final) { return publish(end, final); });
             step_below_the_others();
         }
+        log::set_time(0);
+        if (auto ok = simulation_.start(observer); !ok) {
+            return ok;
+        }
+        start_the_pace(); // the steady state is there: what it took makes no tick late
         for (std::uint64_t k = 0;; ++k) {
             SimTime const end = std::min(grid_.end_of(k), duration_);
             log::set_time(node_.time_base().seconds(end));
             if (k > 0) {
-                for (auto const& gateway : gateways_) {
-                    gateway->take_commands(simulation_, end);
+                take_commands(end);
+                if (auto const advanced = simulation_.run_until(end, observer); !advanced) {
+                    return simulation_.refused_event() != nullptr ? advanced : broken_off(advanced.error());
                 }
-                for (auto const& gateway : line_gateways_) {
-                    gateway->take_commands(simulation_);
-                }
-                if (controls_ != nullptr) {
-                    controls_->take_commands(simulation_, end);
-                }
+                // Lockstep or not, tick k is not published before its time at the wanted pace.
+                pacer_.wait(node_.time_base().seconds(end), stop_);
+                lateness_.add(pacer_.late());
             }
-            // Lockstep or not, tick k is not published before its time at the wanted pace.
-            auto const advanced = k == 0 ? simulation_.start(observer) : simulation_.run_until(end, observer);
-            if (!advanced) {
-                return k == 0 || simulation_.refused_event() != nullptr ? advanced : broken_off(advanced.error());
-            }
-            pacer_.wait(node_.time_base().seconds(end), stop_);
             for (auto const& gateway : line_gateways_) {
                 gateway->flush();
             }
@@ -217,6 +224,18 @@ class SimApp {
             if (auto ok = hold_for_launcher(end); !ok) {
                 return ok;
             }
+        }
+    }
+
+    void take_commands(SimTime end) {
+        for (auto const& gateway : gateways_) {
+            gateway->take_commands(simulation_, end);
+        }
+        for (auto const& gateway : line_gateways_) {
+            gateway->take_commands(simulation_);
+        }
+        if (controls_ != nullptr) {
+            controls_->take_commands(simulation_, end);
         }
     }
 
@@ -333,6 +352,7 @@ class SimApp {
     Simulation simulation_;
     bus::ClockServer clock_;
     Pacer pacer_;
+    Lateness lateness_; ///< of ticks, in real time
     SimTime duration_;
     bus::TickGrid grid_;
     std::vector<std::unique_ptr<BusGateway>> gateways_;

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 Gridspace contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A run in real time says how late its ticks were, beside what `gridspace doctor --latency` has found of this machine."""
+import json
+import os
+import unittest
+
+import harness
+
+
+class RealTime(harness.ScenarioTest):
+    def run_short(self, scenario="protection", *changes):
+        file = self.write("short.yaml", harness.short_case_2(scenario, 0.2, "{}"))
+        out = self.folder / "run"
+        env = {**os.environ, "GRIDSPACE_CACHE": str(self.folder / "cache")}
+        code, _, err = harness.gridspace("run", file, "--out", out, "--quiet", *changes, env=env)
+        self.assertEqual(code, harness.OK, err)
+        return json.loads((out / "report/summary.json").read_text()), (out / "report/index.html").read_text(encoding="utf-8")
+
+    def test_the_ticks_of_a_run_are_counted_and_a_machine_that_was_not_measured_is_said_to_be_so(self):
+        summary, page = self.run_short()
+        ticks = summary["ticks"]
+        self.assertEqual(ticks["instants"], 240)  # 0.2 s of 4 samples of 4800 Hz
+        self.assertAlmostEqual(ticks["period_us"], 833.333, places=3)
+        self.assertLessEqual(ticks["p50_us"], ticks["p99_us"])
+        self.assertLessEqual(ticks["p99_us"], ticks["p999_us"])
+        self.assertLessEqual(ticks["p999_us"], ticks["worst_us"])
+        self.assertIn("How real-time it was", page)
+        self.assertIn("was not measured before the run", page)
+
+    def test_at_half_the_pace_a_tick_is_twice_as_long(self):
+        summary, _ = self.run_short("protection", "--set", "clock.speed=0.5", "--set", "clock.start_at=~")
+        self.assertAlmostEqual(summary["ticks"]["period_us"], 1666.667, places=3)
+
+    def test_what_the_doctor_has_measured_stands_beside_them(self):
+        env = {**os.environ, "GRIDSPACE_CACHE": str(self.folder / "cache")}
+        code, told, err = harness.gridspace("doctor", "--latency", "--seconds", "0.1", env=env)
+        self.assertEqual(code, harness.OK, err)
+        self.assertIn(str(self.folder / "cache/latency.json"), told)
+        _, page = self.run_short()
+        self.assertIn("a wake-up of this machine, sleeping", page)
+        other = self.folder / "other"  # what another machine can do says nothing here
+        (other / "cache").mkdir(parents=True)
+        kept = json.loads((self.folder / "cache/latency.json").read_text())
+        (other / "cache/latency.json").write_text(json.dumps({**kept, "machine": "another one"}))
+        self.folder = other
+        _, page = self.run_short()
+        self.assertNotIn("a wake-up of this machine", page)
+
+    def test_lockstep_knows_no_late_ticks(self):
+        summary, page = self.run_short("protection_lockstep")
+        self.assertIsNone(summary["ticks"])
+        self.assertNotIn("How real-time it was", page)
+
+
+if __name__ == "__main__":
+    unittest.main()
