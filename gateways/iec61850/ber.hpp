@@ -16,7 +16,7 @@ struct Tlv {
     Octets value{};
 
     [[nodiscard]] DecodeError error(Reason reason) const noexcept {
-        return {reason, offset, static_cast<std::uint8_t>(tag)};
+        return {offset, reason, static_cast<std::uint8_t>(tag)};
     }
 };
 
@@ -101,6 +101,10 @@ template <class T>
 [[nodiscard]] inline Reason read_unsigned(Octets value, T& out) noexcept {
     if (value.size() == sizeof(T)) [[likely]] {
         out = load_be<T>(value.data());
+        return Reason::none;
+    }
+    if (value.size() == 1) { // numbers of messages are short, in their shortest form
+        out = value[0];
         return Reason::none;
     }
     if (value.empty() || value.size() > 9) {

@@ -30,10 +30,11 @@ enum class Reason : std::uint8_t {
 inline constexpr std::size_t kReasons = 13;
 
 /// A frame that cannot be read: the reason, where (octets from the start of the frame as it was given), and the tag of
-/// the element concerned (0: none).
+/// the element concerned (0: none). Eight octets without a gap: an error travels in a register, and whether there is
+/// one in another.
 struct DecodeError {
-    Reason reason{Reason::none};
     std::uint32_t offset{0};
+    Reason reason{Reason::none};
     std::uint8_t tag{0};
     friend bool operator==(DecodeError const&, DecodeError const&) = default;
 };
@@ -43,7 +44,7 @@ using Decoded = std::expected<T, DecodeError>;
 
 [[nodiscard]] inline std::unexpected<DecodeError> undecodable(Reason reason, std::size_t offset,
                                                               std::uint32_t tag = 0) noexcept {
-    return std::unexpected{DecodeError{reason, static_cast<std::uint32_t>(offset), static_cast<std::uint8_t>(tag)}};
+    return std::unexpected{DecodeError{static_cast<std::uint32_t>(offset), reason, static_cast<std::uint8_t>(tag)}};
 }
 
 /// "truncated", for statistics.

@@ -118,6 +118,19 @@ std::optional<BasicType> natural_type(Tlv const& e) noexcept {
     }
 }
 
+/// The members of a data set without structures, as nearly all are; nothing where there is one, or anything wrong.
+std::optional<std::uint32_t> members_of_flat(Octets all_data, std::uint32_t offset) noexcept {
+    BerCursor cursor{all_data, offset};
+    Tlv element;
+    std::uint32_t members = 0;
+    for (; !cursor.at_end(); ++members) {
+        if (cursor.next(element) != Reason::none || is_container(element.tag) || !plausible(element)) {
+            return std::nullopt;
+        }
+    }
+    return members;
+}
+
 } // namespace
 
 DataWalker::DataWalker(Octets all_data, std::uint32_t offset) noexcept
@@ -154,6 +167,9 @@ bool DataWalker::next(Tlv& out) noexcept {
 }
 
 Decoded<std::uint32_t> check_data(Octets all_data, std::uint32_t offset) noexcept {
+    if (auto const members = members_of_flat(all_data, offset)) [[likely]] {
+        return *members;
+    }
     DataWalker walker{all_data, offset};
     Tlv element;
     std::uint32_t members = 0;

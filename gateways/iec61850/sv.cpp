@@ -99,8 +99,11 @@ Decoded<void> read_sequence(Tlv const& sequence, SvFrame& out) noexcept {
 }
 
 /// Each element one by one, in any order and form.
-Decoded<void> read_pdu(SvFrame& out) noexcept {
+[[gnu::cold]] Decoded<void> read_any_pdu(SvFrame& out) noexcept {
     out.count = 0;
+    if (out.header.ethertype != kSvEthertype) {
+        return undecodable(Reason::other_ethertype, out.header.apdu_offset - kHeaderOctets - 2);
+    }
     Tlv pdu, part, sequence;
     BerCursor whole{out.header.apdu, out.header.apdu_offset};
     if (Reason const reason = whole.next(pdu); reason != Reason::none) {
@@ -247,7 +250,8 @@ bool read_usual_asdu(std::uint8_t const* at, std::uint8_t const* end, Asdu& out)
     return at == end;
 }
 
-/// A PDU as nearly every publisher writes it. False: read_pdu() has to look, and says what is wrong, if anything is.
+/// A PDU as nearly every publisher writes it. False: read_any_pdu() has to look, and says what is wrong, if anything
+/// is.
 bool read_usual_pdu(FrameHeader const& header, SvFrame& out) noexcept {
     std::uint8_t const* at = header.apdu.data();
     std::uint8_t const* end = at + header.apdu.size();
@@ -275,31 +279,25 @@ bool read_usual_pdu(FrameHeader const& header, SvFrame& out) noexcept {
     return count != 0 && count == declared && at == end;
 }
 
-Decoded<void> read_header(Octets frame, SvFrame& out) noexcept {
-    out.count = 0;
-    out.secured = false;
-    if (auto ok = decode_header(frame, out.header); !ok) {
-        return ok;
-    }
-    if (out.header.ethertype != kSvEthertype) {
-        return undecodable(Reason::other_ethertype, out.header.apdu_offset - kHeaderOctets - 2);
-    }
-    return {};
-}
-
 } // namespace
 
 Decoded<void> decode_sv(Octets frame, SvFrame& out) noexcept {
-    auto ok = read_header(frame, out);
-    if (ok && !read_usual_pdu(out.header, out)) [[unlikely]] {
-        ok = read_pdu(out);
+    out.secured = false;
+    if (auto bad = decode_header(frame, out.header); !bad) [[unlikely]] {
+        out.count = 0;
+        return bad;
     }
-    return ok;
+    if (out.header.ethertype == kSvEthertype && read_usual_pdu(out.header, out)) [[likely]] {
+        return {};
+    }
+    return read_any_pdu(out);
 }
 
 Decoded<void> decode_sv_without_shortcut(Octets frame, SvFrame& out) noexcept {
-    auto ok = read_header(frame, out);
-    return ok ? read_pdu(out) : ok;
+    out.secured = false;
+    out.count = 0;
+    auto ok = decode_header(frame, out.header);
+    return ok ? read_any_pdu(out) : ok;
 }
 
 } // namespace gridspace::iec61850

@@ -221,7 +221,7 @@ TEST(SvDecoder, GivesTheOffsetOfWhatIsWrong) {
     SvFrame sut;
     auto const result = decode_sv(frame, sut);
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error(), (DecodeError{Reason::bad_length_form, 33, 0x30}));
+    EXPECT_EQ(result.error(), (DecodeError{33, Reason::bad_length_form, 0x30}));
     EXPECT_EQ(describe(result.error()), "a length is in a form that is not allowed (tag 0x30, octet 33)");
 }
 
