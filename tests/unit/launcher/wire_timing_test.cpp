@@ -270,7 +270,7 @@ TEST(WireTiming, IntervalsAndRateComeFromArrivals) {
     EXPECT_EQ(sut.smv[0].lost, 3U);
     EXPECT_EQ(sut.smv[0].interval.count, 3U);
     EXPECT_NEAR(sut.smv[0].interval.max, 1.5, 1e-9);
-    EXPECT_NEAR(sut.smv[0].mean_hz, 3 / 0.0025, 1e-6);
+    EXPECT_NEAR(sut.smv[0].mean_hz, 1000, 1e-6); // the line through 0, 1, 2.5 and 2.5 ms: 4.5 / 4.5 a millisecond
     ASSERT_EQ(sut.goose.size(), 1U);
     EXPECT_EQ(sut.goose[0].event, std::optional<std::size_t>{2});
     EXPECT_EQ(sut.goose[0].steady_ms, std::nullopt) << "one interval alone does not say whether it still grows";
@@ -339,6 +339,18 @@ TEST(WireTiming, WithSomebodyElsesRelayTheCaptureAndTheBreakerIedTell) {
     EXPECT_NE(cells(tables, "Sampled values").find("SMV21, in the capture|"), std::string::npos);
     EXPECT_NE(tables[0].note.find("not measurable"), std::string::npos);
     EXPECT_NE(tables[1].note.find("Neither counted nor captured: GONE."), std::string::npos);
+}
+
+TEST(WireTiming, AFirstFrameThatWasLateDoesNotMoveTheRate) {
+    Results r = run();
+    SignalSeries& ages = r.signals["stream.SMV21.arrival_age_ms"];
+    ages = {"ms", {}, {}};
+    for (int frame = 0; frame < 48'000; ++frame) { // ten seconds of 4800 Hz; the first comes 20 ms late
+        ages.times_ns.push_back(ns(frame / 4800.0));
+        ages.values.push_back(frame == 0 ? 22 : 2);
+    }
+
+    EXPECT_NEAR(measure_wire_timing(r, scenario()).smv[0].mean_hz, 4800, 0.01); // over its time: 4809.6 Hz
 }
 
 TEST(WireTiming, FramesOfSeveralSamplesCountAsSoManySamples) {
