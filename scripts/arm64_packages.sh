@@ -74,11 +74,20 @@ arm64_unpack() {
   local link=$1 folder
   shift
   folder=$arm64_cache/root-$(printf '%s\n' "$@" "$(cat /etc/debian_version)" | sha256sum | cut -c 1-24)
-  cached "$folder" arm64_unpack_into "$folder" "$@" || return
+  cached "$folder" arm64_unpack_into "$folder" "$@" && arm64_mend_links "$folder" || return
   mkdir -p "$(dirname "$link")" "$root/build"
   ln -sfn "$arm64_cache" "$root/build/arm64-packages"
   [ -L "$link" ] || rm -rf "$link"
   ln -sfn "$folder" "$link"
+}
+
+# arm64_mend_links FOLDER: absolute links of libraries, which would lead out of the folder, become relative. CMake would otherwise find the
+# static library beside such a link, and no package would be known to depend on the shared one. Quick where nothing is left to do.
+arm64_mend_links() {
+  local link
+  find "$1/usr/lib" -lname '/*' -name '*.so*' -print0 | while IFS= read -r -d '' link; do
+    [ ! -e "$1$(readlink "$link")" ] || ln -sfrn "$1$(readlink "$link")" "$link" || return
+  done
 }
 
 # arm64_unpack_into NAME PACKAGE... FOLDER: the same into an empty folder that will be called NAME. One at a time: apt has one set of books.
