@@ -157,12 +157,14 @@ tier_long_sanitizers() {
 tier_long_fuzz() { build_sanitizers && "$root/scripts/fuzz.sh" "${GRIDSPACE_FUZZ_SECONDS:-600}"; }
 
 tier_long_packages() {
-  "$root/scripts/package.sh" >/dev/null || return
+  "$root/scripts/package.sh" >/dev/null && "$root/scripts/package.sh" --arch arm64 >/dev/null && "$root/scripts/arm64.sh" build >/dev/null || return
   local log=$root/build/packages-tier.log status=0
   "$root/tests/packages/packages_test.sh" >"$log" 2>&1 || status=$?
   note=$(tail -n 1 "$log")
   "$root/tests/packages/container_test.sh" >>"$log" 2>&1 || status=$?
   note="$note; containers: $(tail -n 1 "$log")"
+  "$root/tests/packages/arm64_test.sh" >>"$log" 2>&1 || status=$?
+  note="$note; $(tail -n 1 "$log")"
   [ "$status" -eq 0 ] || cat "$log"
   return "$status"
 }
