@@ -11,6 +11,7 @@
 #include "launcher/report/detector_tables.hpp"
 #include "launcher/report/figures.hpp"
 #include "launcher/report/html_page.hpp"
+#include "launcher/report/one_line_figure.hpp"
 #include "launcher/report/real_time_table.hpp"
 #include "launcher/report/report_assets.hpp"
 #include "launcher/report/tables.hpp"
@@ -304,6 +305,11 @@ Result<fs::path> write_html_report(Results const& r) {
         body += html_table(main);
     }
     body += few_events ? events : "";
+    auto const diagram = one_line_figure(r);
+    if (!diagram) {
+        return std::unexpected{diagram.error()};
+    }
+    body += *diagram;
     auto const rest = figures->begin() + static_cast<std::ptrdiff_t>(std::min(kStoryFigures, figures->size()));
     std::for_each(figures->begin(), rest, [&](std::string const& drawing) { body += drawing; });
     body += expectations(r, scenario);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/monitor_settings.hpp"
 
+#include "agents/relay/functions/function_set.hpp"
 #include "common/text.hpp"
 #include "launcher/judge/expectation_rule.hpp"
 #include "launcher/judge/protection_chain.hpp"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
 namespace gridspace::launcher {
 namespace {
@@ -65,6 +67,7 @@ void add_network(Node& run, sim::Network const& network) {
                                        {"bus", e->bus.name},
                                        {"kind", std::string{e->kind().prefix}}}));
     }
+    run.set("frequency_hz", Node::scalar(shortest(network.frequency_hz)));
     run.set("buses", std::move(buses));
     run.set("branches", std::move(branches));
     run.set("breakers", std::move(breakers));
@@ -94,12 +97,26 @@ Node faults_of(std::vector<sim::Event> const& events) {
     return faults;
 }
 
+/// What a relay does: the differential of a line, or each class of its functions once.
+Node functions_of(Node const& process) {
+    Node out = Node::sequence();
+    Node const* const functions = process.find("functions");
+    if (functions == nullptr) {
+        out.items.push_back(Node::quoted_text("87L"));
+        return out;
+    }
+    std::set<std::string_view> known;
+    for (Node::Entry const& entry : functions->entries) {
+        if (relay::NodeClass of{}; relay::class_in(entry.key, of) && known.insert(relay::device_number(of)).second) {
+            out.items.push_back(Node::quoted_text(std::string{relay::device_number(of)}));
+        }
+    }
+    return out;
+}
+
 Node relays_of(Node const& scenario) {
     Node relays = Node::sequence();
     for (ProtectionChain const& chain : protection_chains(scenario)) {
-        if (chain.ends[1].stream.empty()) { // of a bay: it has functions instead of a differential element
-            continue;
-        }
         Node node = entry({{"name", chain.relay}}), cts = Node::sequence(), breakers = Node::sequence();
         for (ProtectionChain::End const& end : chain.ends) {
             if (!end.transformer.empty()) {
@@ -109,6 +126,7 @@ Node relays_of(Node const& scenario) {
         for (std::string const& breaker : chain.breakers()) {
             breakers.items.push_back(Node::quoted_text(breaker));
         }
+        node.set("functions", functions_of(*scenario.find("processes")->find(chain.relay)));
         node.set("cts", std::move(cts));
         node.set("breakers", std::move(breakers));
         relays.items.push_back(std::move(node));

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "monitor/app/api.hpp"
+#include "monitor/diagram/picture.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -45,7 +46,10 @@ std::string Api::network() const {
         return out;
     };
     for (auto const& r : plan.relays) {
-        relays.push_back({{"name", r.name}, {"cts", names(r.cts)}, {"breakers", names(r.breakers)}});
+        relays.push_back({{"name", r.name},
+                          {"functions", names(r.functions)},
+                          {"cts", names(r.cts)},
+                          {"breakers", names(r.breakers)}});
     }
     Json faults = Json::array();
     for (auto const& fault : plan.faults) {
@@ -61,8 +65,15 @@ std::string Api::network() const {
         }
         faults.push_back(std::move(entry));
     }
-    Json const out{{"buses", buses},     {"branches", branches}, {"breakers", breakers}, {"cts", cts},
-                   {"devices", devices}, {"relays", relays},     {"faults", faults}};
+    Json const out{{"diagram", diagram::one_line(plan, {nullptr, true}).svg},
+                   {"frequency_hz", plan.frequency_hz},
+                   {"buses", buses},
+                   {"branches", branches},
+                   {"breakers", breakers},
+                   {"cts", cts},
+                   {"devices", devices},
+                   {"relays", relays},
+                   {"faults", faults}};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -35,49 +35,7 @@ void describe_run(config::Fields& f, RunPlan& run) {
              w.text("link", out.link);
              w.flag("sends", out.sends);
          });
-    list(f, "buses", "of the network", run.buses, [](config::Fields& b, RunPlan::Bus& out) {
-        b.text("name", out.name, {.required = true});
-        b.text("label", out.label);
-        b.number("voltage_v", out.voltage_v);
-        b.number("x", out.x);
-        b.number("y", out.y);
-    });
-    list(f, "branches", "of the network", run.branches, [](config::Fields& b, RunPlan::Branch& out) {
-        b.text("name", out.name, {.required = true});
-        b.text("label", out.label);
-        b.text("from", out.from);
-        b.text("to", out.to);
-        b.text("kind", out.kind);
-    });
-    list(f, "breakers", "of the network", run.breakers, [](config::Fields& b, RunPlan::Breaker& out) {
-        b.text("name", out.name, {.required = true});
-        b.text("line", out.line);
-        b.text("end", out.end);
-    });
-    list(f, "cts", "current transformers of the network", run.cts, [](config::Fields& c, RunPlan::Ct& out) {
-        c.text("name", out.name, {.required = true});
-        c.text("line", out.line);
-        c.text("end", out.end);
-    });
-    list(f, "devices", "what hangs on the buses", run.devices, [](config::Fields& d, RunPlan::Device& out) {
-        d.text("name", out.name, {.required = true});
-        d.text("label", out.label);
-        d.text("bus", out.bus);
-        d.text("kind", out.kind);
-    });
-    list(f, "relays", "differential relays of lines", run.relays, [](config::Fields& r, RunPlan::Relay& out) {
-        r.text("name", out.name, {.required = true});
-        r.references("cts", out.cts);
-        r.references("breakers", out.breakers);
-    });
-    list(f, "faults", "that the scenario applies", run.faults, [](config::Fields& e, RunPlan::Fault& out) {
-        e.text("name", out.name, {.required = true});
-        e.text("line", out.line);
-        e.text("bus", out.bus);
-        e.number("position_percent", out.position_percent);
-        e.number("at_s", out.at_s);
-        e.number("until_s", out.until_s);
-    });
+    diagram::describe(f, run);
     list(f, "expectations", "of the scenario", run.expectations, [](config::Fields& e, RunPlan::Expectation& out) {
         e.text("name", out.name, {.required = true});
         e.text("rule", out.rule);

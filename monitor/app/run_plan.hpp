@@ -3,17 +3,18 @@
 #pragma once
 
 #include "common/config/fields.hpp"
+#include "monitor/diagram/grid.hpp"
 
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace gridspace::monitor {
 
-/// What the monitor is told about the run that it looks at. A monitor beside a foreign bus is told nothing.
-struct RunPlan {
+/// What the monitor is told about the run that it looks at, its network included. A monitor beside a foreign bus is
+/// told nothing.
+struct RunPlan : diagram::Grid {
     std::string scenario, mode, speed;
     double duration_s{0};         ///< 0: not known
     std::filesystem::path events; ///< events.ndjson of the run, which the launcher writes
@@ -32,47 +33,11 @@ struct RunPlan {
     };
     std::vector<Wire> wires;
 
-    // The network, as far as a one-line diagram needs it.
-    struct Bus {
-        std::string name, label;
-        double voltage_v{0};
-        std::optional<double> x, y;
-    };
-    struct Branch {
-        std::string name, label, from, to, kind;
-    };
-    struct Breaker {
-        std::string name, line, end;
-    };
-    struct Ct {
-        std::string name, line, end;
-    };
-    struct Device {
-        std::string name, label, bus, kind;
-    };
-    /// The differential relay of a line, as far as the scenario tells what belongs to it.
-    struct Relay {
-        std::string name;
-        std::vector<config::Ref> cts, breakers;
-    };
-    /// A fault on a line, or at a bus.
-    struct Fault {
-        std::string name, line, bus;
-        double position_percent{50}, at_s{0};
-        std::optional<double> until_s;
-    };
     /// What the scenario expects; whether it held is judged when the run has ended.
     struct Expectation {
         std::string name, rule, accepted, unit;
         bool advisory{false};
     };
-    std::vector<Bus> buses;
-    std::vector<Branch> branches;
-    std::vector<Breaker> breakers;
-    std::vector<Ct> cts;
-    std::vector<Device> devices;
-    std::vector<Relay> relays;
-    std::vector<Fault> faults;
     std::vector<Expectation> expectations;
 };
 

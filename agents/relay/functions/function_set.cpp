@@ -9,11 +9,17 @@ namespace {
 
 constexpr std::array<std::string_view, 12> kNames{"RDIR", "PTOC", "PIOC", "PDIS", "PTUV", "PTOV",
                                                   "PTUF", "PTOF", "PFRC", "RSYN", "RBRF", "RREC"};
+constexpr std::array<std::string_view, 12> kNumbers{"67",  "51",  "50",  "21", "27",   "59",
+                                                    "81U", "81O", "81R", "25", "50BF", "79"};
 
 } // namespace
 
 std::string_view name_of(NodeClass of) {
     return kNames[static_cast<std::size_t>(of)];
+}
+
+std::string_view device_number(NodeClass of) {
+    return kNumbers[static_cast<std::size_t>(of)];
 }
 
 bool class_in(std::string_view name, NodeClass& of) {

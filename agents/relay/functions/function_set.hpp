@@ -15,6 +15,8 @@ namespace gridspace::relay {
 /// come first.
 enum class NodeClass : std::uint8_t { rdir, ptoc, pioc, pdis, ptuv, ptov, ptuf, ptof, pfrc, rsyn, rbrf, rrec };
 [[nodiscard]] std::string_view name_of(NodeClass of);
+/// Its device number by IEEE C37.2: "51".
+[[nodiscard]] std::string_view device_number(NodeClass of);
 /// "Z1PDIS1": prefix, class and number (IEC 61850-7-2). Nothing when no class is in the name.
 [[nodiscard]] bool class_in(std::string_view name, NodeClass& of);
 

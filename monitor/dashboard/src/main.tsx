@@ -173,7 +173,7 @@ function App() {
         <Panel area="happened" title="Events" note={events.value.length ? String(events.value.length) : ""}><div class="scroll grow" tabindex={0} aria-label="events, the newest first"><Events /></div></Panel>
         {events.value.length > 0 && <Panel area="axis" title="Timeline" note="click: this moment everywhere"><Timeline /></Panel>}
         <Panel area="waves" title="Signals"><Plots /></Panel>
-        {(network.value?.relays.length ?? 0) > 0 && <Panel area="relay" title="Line differential" note="times relative to the fault"><Relays /></Panel>}
+        {(network.value?.relays.length ?? 0) > 0 && <Panel area="relay" title="Relays" note="times relative to the fault"><Relays /></Panel>}
         <Panel area="side" title="Processes"><div class="scroll" tabindex={0} aria-label="processes"><Processes /></div></Panel>
         {watched && <Panel area="ids" title="Intrusion detection" note="verdicts of the relays"><Ids /></Panel>}
         {(g?.wires.length ?? 0) > 0 && <Panel area="wire" title="Wire timing" note="SMV and GOOSE"><Wire /></Panel>}

@@ -24,10 +24,10 @@ export interface Branch { name: string; label: string; from: string; to: string;
 export interface Breaker { name: string; line: string; end: string }
 export interface Ct { name: string; line: string; end: string }
 export interface Device { name: string; label: string; bus: string; kind: string }
-/** The differential relay of a line, the transformers of its two ends and the breakers that it trips. */
-export interface Relay { name: string; cts: string[]; breakers: string[] }
+/** A relay, the device numbers of what it does (87L: differential of a line), its current transformers and the breakers that it trips. */
+export interface Relay { name: string; functions: string[]; cts: string[]; breakers: string[] }
 export interface Fault { name: string; line?: string; bus?: string; position_percent?: number; at_s: number; until_s?: number }
-export interface Network { buses: Bus[]; branches: Branch[]; breakers: Breaker[]; cts: Ct[]; devices: Device[]; relays: Relay[]; faults: Fault[] }
+export interface Network { diagram: string; frequency_hz: number; buses: Bus[]; branches: Branch[]; breakers: Breaker[]; cts: Ct[]; devices: Device[]; relays: Relay[]; faults: Fault[] }
 export interface SignalInfo { name: string; unit: string; source: string }
 export interface TopicState {
   name: string; network: string; type: string; framework: boolean; writers: number; readers: number; samples: number;

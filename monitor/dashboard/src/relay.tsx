@@ -1,4 +1,4 @@
-// The differential relay of a line around a fault: its restraint plane, the currents of both ends, and what it and its breakers said.
+// A relay around a fault: the currents that it hears, what it and its breakers said, and of a line differential its restraint plane.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { phaseColour } from "./canvas";
 import { ask, drawn, events, forget, network, run, signals, type Relay, type Series } from "./model";
@@ -149,7 +149,7 @@ export function Relays() {
         {zero && <span class="soft">times since {zero.said}</span>}
         {kPhases.map(p => <span key={p}><i class="key" style={{ background: phaseColour(p) }} />{p}</span>)}
         {relay.cts.length > 1 && <span class="soft">solid: {relay.cts[0]}, dashed: {relay.cts[1]}</span>}
-        {!element.length && <span class="soft">its restraint plane is drawn where it publishes its values (element: publish_values)</span>}
+        {!element.length && relay.functions.includes("87L") && <span class="soft">its restraint plane is drawn where it publishes its values (element: publish_values)</span>}
         {element.length > 0 && <span class="soft">left: above the dashed characteristic the element picks up; small dots: begin, large: {choice.value.at === null ? "end" : "the moment that is shown"}</span>}
       </div>
       {zero === null ? <p class="empty">no fault yet, and nothing has picked up</p> : (

@@ -1,0 +1,472 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "monitor/diagram/layout.hpp"
+
+#include "monitor/diagram/places.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace gridspace::diagram {
+namespace {
+
+constexpr double kMargin = 10, kAbove = 20, kBelow = 12, kFirstTap = 22, kUprightRow = 19, kTrack = 12, kLane = 18,
+                 kLabelRoom = 30, kBetweenRows = 16;
+
+/// A branch while its place is looked for. Its left bus is the one in the column further left, or the upper one.
+struct Run {
+    enum class Way {
+        upright,   ///< from bar to bar within a column
+        loop,      ///< within a column, past a bar: out to the right and back
+        straight,  ///< within a row
+        turns,     ///< in the gap behind the left bus, then along the row of the right one
+        late_turn, ///< along the row of the left bus, then in the gap before the right one
+        lane       ///< both, and between the rows in a lane
+    };
+    Route route;
+    std::size_t left{0}, right{0};
+    bool turned{false}; ///< the branch begins at the right bus
+    Way way{Way::straight};
+    std::array<std::size_t, 2> slots{};
+    std::array<double, 2> reach{}; ///< of the symbols at the left and the right bus
+    std::size_t lane_row{0}, lane{0};
+    std::array<double, 2> tracks{};
+};
+
+class Layouter {
+  public:
+    Layouter(Grid const& grid, std::size_t value)
+        : grid_{grid}, value_{6.6 * static_cast<double>(value)}, cells_{places(grid)} {
+        for (std::size_t b = 0; b < grid.buses.size(); ++b) {
+            number_.emplace(grid.buses[b].name, b);
+            columns_ = std::max(columns_, cells_[b].column + 1);
+            rows_ = std::max(rows_, cells_[b].row + 1);
+        }
+    }
+
+    Layout lay_out() {
+        taps_.resize(grid_.buses.size());
+        lanes_.resize(rows_);
+        find_ways();
+        find_slots();
+        find_devices();
+        find_heights();
+        find_widths();
+        draw_routes();
+        for (std::size_t b = 0; b < grid_.buses.size(); ++b) {
+            out_.bars.push_back({&grid_.buses[b], x_[cells_[b].column], top(b), top(b) + taps_[b].bottom, is_tied(b)});
+        }
+        for (Hanging& h : out_.devices) {
+            h.at.x = x_[cells_[number_.at(h.device->bus)].column];
+        }
+        return std::move(out_);
+    }
+
+  private:
+    /// What stands at a bar, by its height below the bar's top.
+    struct Taps {
+        std::set<std::size_t> left, right; ///< slots in use
+        std::vector<Grid::Device const*> devices;
+        Grid::Device const* source{nullptr}; ///< at the left
+        double bottom{30}, block{30};        ///< of the bar; of all that belongs to it
+    };
+    struct Gap {
+        double symbols{0}, label{0}, tracks{0}, before{0}; ///< behind a bar, in the middle, for turns, before the next
+        double beside{0};                                  ///< symbols and label together at least
+    };
+
+    bool is_free(std::size_t row, std::size_t from_column, std::size_t to_column) const {
+        return std::none_of(cells_.begin(), cells_.end(), [&](Cell const& c) {
+            return c.row == row && c.column > from_column && c.column < to_column;
+        });
+    }
+
+    void find_ways() {
+        std::set<std::pair<std::size_t, std::size_t>> upright;
+        for (Grid::Branch const& branch : grid_.branches) {
+            auto const from = number_.find(branch.from), to = number_.find(branch.to);
+            if (from == number_.end() || to == number_.end()) {
+                continue;
+            }
+            Run run;
+            run.route.branch = &branch;
+            Cell const a = cells_[from->second], b = cells_[to->second];
+            run.turned = a.column != b.column ? a.column > b.column : a.row > b.row;
+            run.left = run.turned ? to->second : from->second;
+            run.right = run.turned ? from->second : to->second;
+            Cell const l = cells_[run.left], r = cells_[run.right];
+            if (l.column == r.column) {
+                bool const next = std::none_of(cells_.begin(), cells_.end(), [&](Cell const& c) {
+                    return c.column == l.column && c.row > l.row && c.row < r.row;
+                });
+                bool const first = next && run.left != run.right && upright.emplace(run.left, run.right).second;
+                run.way = first ? Run::Way::upright : Run::Way::loop;
+            } else if (l.row == r.row && is_free(l.row, l.column, r.column)) {
+                run.way = Run::Way::straight;
+            } else if (l.row != r.row && is_free(r.row, l.column, r.column)) {
+                run.way = Run::Way::turns;
+            } else if (l.row != r.row && is_free(l.row, l.column, r.column)) {
+                run.way = Run::Way::late_turn;
+            } else {
+                run.way = Run::Way::lane;
+                run.lane_row = std::min(l.row, r.row);
+                run.lane = lanes_[run.lane_row]++;
+            }
+            run.route.upright = run.way == Run::Way::upright;
+            runs_.push_back(std::move(run));
+        }
+    }
+
+    static std::size_t first_free(std::set<std::size_t> const& used, std::set<std::size_t> const* also = nullptr) {
+        std::size_t slot = 0;
+        while (used.contains(slot) || (also != nullptr && also->contains(slot))) {
+            ++slot;
+        }
+        return slot;
+    }
+
+    /// Straight branches first: they leave both bars at one height. Then the others, in the order of where they go to.
+    void find_slots() {
+        std::vector<Run*> others;
+        for (Run& run : runs_) {
+            if (run.way == Run::Way::straight) {
+                auto &right = taps_[run.left].right, &left = taps_[run.right].left;
+                run.slots[0] = run.slots[1] = first_free(right, &left);
+                right.insert(run.slots[0]);
+                left.insert(run.slots[0]);
+            } else if (run.way != Run::Way::upright) {
+                others.push_back(&run);
+            }
+        }
+        auto const take = [&](std::size_t end) {
+            std::stable_sort(others.begin(), others.end(), [&](Run const* a, Run const* b) {
+                return cells_[end == 0 ? a->right : a->left].row < cells_[end == 0 ? b->right : b->left].row;
+            });
+            for (Run* run : others) {
+                auto& used = end == 0 || run->way == Run::Way::loop ? taps_[end == 0 ? run->left : run->right].right
+                                                                    : taps_[run->right].left;
+                run->slots[end] = first_free(used);
+                used.insert(run->slots[end]);
+            }
+        };
+        take(0);
+        take(1);
+    }
+
+    void find_devices() {
+        for (Grid::Device const& device : grid_.devices) {
+            if (auto const bus = number_.find(device.bus); bus != number_.end()) {
+                Taps& taps = taps_[bus->second];
+                bool const left = device.kind == "source" && taps.left.empty() && taps.source == nullptr;
+                (left ? taps.source = &device : taps.devices.emplace_back(&device));
+            }
+        }
+    }
+
+    double top(std::size_t bus) const { return tops_[cells_[bus].row]; }
+    double tap(std::size_t bus, std::size_t slot) const {
+        return top(bus) + kFirstTap + pitch_ * static_cast<double>(slot);
+    }
+
+    void find_heights() {
+        std::map<std::string, double> faults, tags;
+        for (Grid::Fault const& fault : grid_.faults) {
+            below_ = std::max(below_, fault.line.empty() ? 0 : 30 + kFaultRow * faults[fault.line]++);
+        }
+        for (Grid::Relay const& relay : grid_.relays) {
+            for (config::Ref const& ct : relay.cts) {
+                below_ = std::max(below_, 34 + kTagRow * tags[ct.name]++);
+            }
+        }
+        pitch_ = kAbove + below_ + 2;
+        std::vector<double> heights(rows_, 30), needs(rows_, 0);
+        for (std::size_t b = 0; b < grid_.buses.size(); ++b) {
+            Taps& taps = taps_[b];
+            auto const last = [&](std::set<std::size_t> const& slots) {
+                return slots.empty() ? -1.0 : kFirstTap + pitch_ * static_cast<double>(*slots.rbegin());
+            };
+            double const left = std::max(last(taps.left), taps.source != nullptr ? kFirstTap : -1),
+                         right = last(taps.right);
+            double y = right < 0 ? kFirstTap : right + below_ + 10;
+            for (Grid::Device const* device : taps.devices) {
+                out_.devices.push_back({device, {0, y}, false}); // y is from the bar's top as yet
+                y += kDeviceRow;
+            }
+            double const devices = taps.devices.empty() ? -1 : y - kDeviceRow;
+            taps.bottom = std::max({30.0, left + 12, right + 12, devices + 12});
+            taps.block = std::max({taps.bottom, left + below_, right + below_});
+            if (auto const own =
+                    std::count_if(grid_.faults.begin(), grid_.faults.end(),
+                                  [&](auto const& f) { return f.line.empty() && f.bus == grid_.buses[b].name; });
+                own > 0) { // below all that belongs to it
+                taps.bottom = taps.block;
+                taps.block += 22 + kFaultRow * static_cast<double>(own);
+            }
+            heights[cells_[b].row] = std::max(heights[cells_[b].row], taps.block);
+        }
+        for (Run& run : runs_) {
+            find_symbols(run);
+            if (run.way == Run::Way::upright) {
+                double const own = (run.route.branch->kind == "transformer" ? 44 : 24) +
+                                   kUprightRow * static_cast<double>(run.route.symbols.size() + 1);
+                std::size_t const row = cells_[run.left].row;
+                needs[row] = std::max(needs[row], own - (heights[row] - taps_[run.left].block));
+            }
+        }
+        double y = kLabelRoom;
+        for (std::size_t r = 0; r < rows_; ++r) {
+            tops_.push_back(y);
+            lane_tops_.push_back(y + heights[r] + std::max(kBetweenRows, needs[r]));
+            y = lane_tops_[r] + kLane * static_cast<double>(lanes_[r]) + kLabelRoom;
+        }
+        out_.height = lane_tops_.empty() ? 0 : y - kLabelRoom;
+        for (Hanging& h : out_.devices) {
+            h.at.y += top(number_.at(h.device->bus));
+        }
+        for (std::size_t b = 0; b < grid_.buses.size(); ++b) {
+            if (taps_[b].source != nullptr) {
+                out_.devices.push_back({taps_[b].source, {0, tap(b, 0)}, true});
+            }
+        }
+    }
+
+    /// The symbols of both ends; until the columns have places, x is the distance from the bar.
+    void find_symbols(Run& run) {
+        for (std::size_t end = 0; end < 2; ++end) {
+            std::string const word = (end == 0) == run.turned ? "to" : "from";
+            double x = 10, tag_x = 6;
+            auto const add = [&](std::string const& name, bool is_ct) {
+                Symbol s{name, is_ct, {}, {}, {}};
+                double const half = std::max(width_of(name) / 2, 8.0);
+                s.at.x = x + half;
+                x += 2 * half + 6;
+                for (Grid::Relay const& relay : grid_.relays) {
+                    if (is_ct && std::any_of(relay.cts.begin(), relay.cts.end(),
+                                             [&](config::Ref const& ct) { return ct.name == name; })) {
+                        std::string tag = relay.name;
+                        for (config::Ref const& function : relay.functions) {
+                            tag += " " + function.name;
+                        }
+                        double const wide = width_of(tag) / 2 + 5;
+                        s.tags_x.push_back(std::max(s.at.x, tag_x + wide));
+                        s.tags.push_back(std::move(tag));
+                    }
+                }
+                for (std::size_t t = 0; t < s.tags.size(); ++t) {
+                    tag_x = std::max(tag_x, s.tags_x[t] + width_of(s.tags[t]) / 2 + 9);
+                }
+                s.at.y = static_cast<double>(end);
+                run.route.symbols.push_back(std::move(s));
+            };
+            for (Grid::Breaker const& breaker : grid_.breakers) {
+                if (breaker.line == run.route.branch->name && breaker.end == word) {
+                    add(breaker.name, false);
+                }
+            }
+            for (Grid::Ct const& ct : grid_.cts) {
+                if (ct.line == run.route.branch->name && ct.end == word) {
+                    add(ct.name, true);
+                }
+            }
+            run.reach[end] = x > 10 ? std::max(x, tag_x) : 0;
+        }
+    }
+
+    void find_widths() {
+        std::vector<Gap> gaps(columns_ + 1); // before the first column, and behind each
+        for (std::size_t b = 0; b < grid_.buses.size(); ++b) {
+            Gap &before = gaps[cells_[b].column], &behind = gaps[cells_[b].column + 1];
+            double const label = width_of(grid_.buses[b].label) + value_;
+            before.before = std::max(before.before, is_tied(b) ? 14 : label / 2 + 8);
+            behind.beside = std::max(behind.beside, is_tied(b) ? label + 14 : label / 2 + 8);
+            if (taps_[b].source != nullptr) {
+                before.before = std::max(before.before, 33 + std::max(17.0, width_of(taps_[b].source->label) / 2 + 6));
+            }
+            for (Grid::Device const* device : taps_[b].devices) {
+                behind.beside = std::max(behind.beside, kStub + 46 + width_of(device->label) + 1.5 * value_);
+            }
+            for (Grid::Fault const& fault : grid_.faults) {
+                if (fault.line.empty() && fault.bus == grid_.buses[b].name) {
+                    before.before = std::max(before.before, 34 + width_of(fault.name));
+                }
+            }
+        }
+        std::vector<std::vector<std::pair<Run*, std::size_t>>> turns(columns_ + 1);
+        for (Run& run : runs_) {
+            Gap& behind = gaps[cells_[run.left].column + 1];
+            double label = width_of(run.route.branch->label) + value_;
+            if (run.way == Run::Way::upright) {
+                for (Symbol const& s : run.route.symbols) {
+                    double wide = width_of(s.name) + 22;
+                    for (std::string const& tag : s.tags) {
+                        wide += width_of(tag) + 18;
+                    }
+                    label = std::max(label, wide);
+                }
+                behind.beside = std::max(behind.beside, label + 30);
+                for (Grid::Fault const& fault : grid_.faults) {
+                    Gap& before = gaps[cells_[run.left].column];
+                    before.before =
+                        std::max(before.before, fault.line == run.route.branch->name ? width_of(fault.name) + 24 : 0);
+                }
+                continue;
+            }
+            for (Grid::Fault const& fault : grid_.faults) {
+                label = std::max(label, fault.line == run.route.branch->name ? 2 * (width_of(fault.name) + 18) : 0);
+            }
+            behind.symbols = std::max({behind.symbols, run.reach[0], run.way == Run::Way::loop ? run.reach[1] : 0});
+            behind.label =
+                std::max(behind.label, std::max(label, run.route.branch->kind == "transformer" ? 40 : 0.0) + 18);
+            if (run.way != Run::Way::loop) {
+                Gap& last = gaps[cells_[run.right].column];
+                last.before = std::max(last.before, run.reach[1] + 4);
+            }
+            if (run.way == Run::Way::turns || run.way == Run::Way::loop || run.way == Run::Way::lane) {
+                turns[cells_[run.left].column + 1].emplace_back(&run, 0);
+            }
+            if (run.way == Run::Way::late_turn || run.way == Run::Way::lane) {
+                turns[cells_[run.right].column].emplace_back(&run, 1);
+            }
+        }
+        double x = kMargin + gaps[0].before;
+        for (std::size_t c = 0; c < columns_; ++c) {
+            Gap& gap = gaps[c + 1];
+            gap.label = std::max(gap.label, gap.beside - gap.symbols);
+            gap.tracks = turns[c + 1].empty() ? 0 : 16 + kTrack * static_cast<double>(turns[c + 1].size());
+            x_.push_back(x);
+            label_x_.push_back(x + gap.symbols + gap.label / 2);
+            place_turns(turns[c + 1], x + gap.symbols + gap.label + 6);
+            x += gap.symbols + gap.label + gap.tracks + (c + 1 < columns_ ? std::max(gap.before, 10.0) : 0);
+        }
+        out_.width = x + kMargin;
+    }
+
+    /// The heights between which a branch runs in its track.
+    std::pair<double, double> turn_of(Run const& run, std::size_t which) const {
+        double const y1 = tap(run.left, run.slots[0]), y2 = tap(run.right, run.slots[1]);
+        return run.way != Run::Way::lane ? std::pair{y1, y2}
+               : which == 0              ? std::pair{y1, lane_y(run)}
+                                         : std::pair{lane_y(run), y2};
+    }
+    double lane_y(Run const& run) const {
+        return lane_tops_[run.lane_row] + kLane * (static_cast<double>(run.lane) + 0.5);
+    }
+
+    /// Of branches that go down, the lowest turns first, of those that go up the highest: so they do not cross.
+    void place_turns(std::vector<std::pair<Run*, std::size_t>>& turns, double x) {
+        std::stable_sort(turns.begin(), turns.end(), [&](auto const& a, auto const& b) {
+            auto const [ya, za] = turn_of(*a.first, a.second);
+            auto const [yb, zb] = turn_of(*b.first, b.second);
+            bool const down_a = za > ya, down_b = zb > yb;
+            return down_a != down_b ? down_a : down_a ? ya > yb : ya < yb;
+        });
+        for (auto& [run, which] : turns) {
+            run->tracks[which] = x += kTrack;
+        }
+    }
+
+    bool is_tied(std::size_t bus) const {
+        return std::any_of(runs_.begin(), runs_.end(),
+                           [&](Run const& r) { return r.way == Run::Way::upright && r.right == bus; });
+    }
+
+    void draw_routes() {
+        for (Run& run : runs_) {
+            double const x1 = x_[cells_[run.left].column], x2 = x_[cells_[run.right].column];
+            Route& route = run.route;
+            if (run.way == Run::Way::upright) {
+                draw_upright(run, x1);
+            } else {
+                double const y1 = tap(run.left, run.slots[0]), y2 = tap(run.right, run.slots[1]);
+                double const first = run.tracks[0], last = run.tracks[1];
+                switch (run.way) {
+                case Run::Way::turns:
+                case Run::Way::loop:
+                    route.path = {{x1, y1}, {first, y1}, {first, y2}, {x2, y2}};
+                    break;
+                case Run::Way::late_turn:
+                    route.path = {{x1, y1}, {last, y1}, {last, y2}, {x2, y2}};
+                    break;
+                case Run::Way::lane:
+                    route.path = {{x1, y1},   {first, y1}, {first, lane_y(run)}, {last, lane_y(run)},
+                                  {last, y2}, {x2, y2}};
+                    break;
+                default:
+                    route.path = {{x1, y1}, {x2, y2}};
+                }
+                route.label = {label_x_[cells_[run.left].column], y1};
+                bool const turns = route.path.size() > 2; // then the piece before the first turn has the room
+                route.bare = {Point{x1 + run.reach[0], y1}, Point{turns ? route.path[1].x - 6 : x2 - run.reach[1], y1}};
+                for (Symbol& s : route.symbols) {
+                    bool const second = s.at.y != 0, leftwards = second && run.way != Run::Way::loop;
+                    double const bar = second ? x2 : x1, sign = leftwards ? -1 : 1;
+                    s.at = {bar + sign * s.at.x, second ? y2 : y1};
+                    for (double& tag : s.tags_x) {
+                        tag = bar + sign * tag;
+                    }
+                }
+            }
+            if (run.turned) {
+                std::reverse(route.path.begin(), route.path.end());
+                std::swap(route.bare[0], route.bare[1]);
+            }
+            out_.routes.push_back(std::move(route));
+        }
+    }
+
+    /// From the upper bar down: its symbols, the label, those of the lower bar.
+    void draw_upright(Run& run, double x) {
+        Route& route = run.route;
+        double const from = top(run.left) + taps_[run.left].bottom, to = top(run.right);
+        route.path = {{x, from}, {x, to}};
+        double down = top(run.left) + taps_[run.left].block + 12,
+               up = to - 34; // above the lower bar its label has to stand
+        route.bare = {Point{x, down - 8}, Point{x, up}};
+        for (Symbol& s : route.symbols) {
+            bool const second = s.at.y != 0;
+            double& y = second ? up : down;
+            s.at = {x, y};
+            y += second ? -kUprightRow : kUprightRow;
+            double tag_x = x + 14 + width_of(s.name);
+            for (std::size_t t = 0; t < s.tags.size(); ++t) {
+                s.tags_x[t] = tag_x + 9 + width_of(s.tags[t]) / 2;
+                tag_x += 18 + width_of(s.tags[t]);
+            }
+        }
+        route.label = {x, (down + up) / 2};
+    }
+
+    Grid const& grid_;
+    double value_;
+    std::vector<Cell> cells_;
+    std::map<std::string, std::size_t> number_;
+    std::size_t columns_{0}, rows_{0};
+    std::vector<Run> runs_;
+    std::vector<Taps> taps_;
+    std::vector<std::size_t> lanes_;
+    double below_{kBelow}, pitch_{0};
+    std::vector<double> tops_, lane_tops_, x_, label_x_;
+    Layout out_;
+};
+
+} // namespace
+
+double width_of(std::string_view text) {
+    double out = 0;
+    for (char const c : text) {
+        bool const wide = (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+        out += (c & 0xC0) == 0x80 ? 0 : wide ? 7.6 : c == ' ' || c == '.' || c == ',' || c == 'i' || c == 'l' ? 4 : 7;
+    }
+    return out;
+}
+
+Point Route::at(double share) const {
+    return {bare[0].x + share * (bare[1].x - bare[0].x), bare[0].y + share * (bare[1].y - bare[0].y)};
+}
+
+Layout lay_out(Grid const& grid, std::size_t value) {
+    return Layouter{grid, value}.lay_out();
+}
+
+} // namespace gridspace::diagram
