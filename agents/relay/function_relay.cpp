@@ -3,7 +3,10 @@
 #include "agents/relay/functions/function_config.hpp"
 #include "agents/relay/relay_member.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <span>
 
 namespace gridspace::relay {
 namespace {
@@ -33,6 +36,9 @@ class FunctionRelay final : public RelayMember {
             return std::unexpected{states.error()};
         }
         states_ = std::move(*states);
+        if (auto ok = open_values(prefix); !ok) {
+            return ok;
+        }
         for (auto const& [member, what] : settings_.relay.bay.outputs) {
             auto const of = find_output(bay().functions(), what.name);
             if (!of) {
@@ -50,9 +56,40 @@ class FunctionRelay final : public RelayMember {
         return {};
     }
 
+    /// Of functions that are asked for them. The times of these rows are those of the samples.
+    Result<void> open_values(std::string const& prefix) {
+        std::vector<bus::SignalColumn> columns;
+        for (NamedFunction const& f : bay().functions().functions()) {
+            for (MeasuredQuantity const& q :
+                 f.publishes ? f.function->quantities() : std::span<MeasuredQuantity const>{}) {
+                columns.push_back({fmt::format("{}{}.{}", prefix, f.name, q.name), std::string{q.unit}});
+            }
+        }
+        values_row_.resize(columns.size());
+        if (columns.empty()) {
+            return {};
+        }
+        auto values = bus::SignalPublisher::create(node_, "values", parts_.rate_hz, std::move(columns));
+        if (!values) {
+            return std::unexpected{values.error()};
+        }
+        values_ = std::move(*values);
+        return {};
+    }
+
     [[nodiscard]] BayRelay& bay() { return *parts_.bay; }
 
-    void announce(SimTime now) override { states_->announce(now); }
+    void announce(SimTime now) override {
+        states_->announce(now);
+        if (values_ != nullptr) {
+            values_->announce(now);
+        }
+    }
+    void report_relay(bus::Tick const&) override {
+        if (values_ != nullptr) {
+            values_->flush();
+        }
+    }
 
     void pair(LineSample const& sample) override {
         BaySample out{sample.index, {}, {}, {}};
@@ -67,6 +104,10 @@ class FunctionRelay final : public RelayMember {
         put(parts_.sources.voltages, true, out.v_v);
         put(parts_.sources.bus_voltages, true, out.bus_v);
         bay().step(out);
+        if (values_ != nullptr && bay().index() == sample.index && sample.index != published_) {
+            published_ = sample.index;
+            publish_values();
+        }
         if (sample.from.present && sample.to.present) {
             parts_.signals->decided(sample.index, clock_.utc_ns(0), *time_);
         }
@@ -119,6 +160,26 @@ class FunctionRelay final : public RelayMember {
         states_->row(now(), row_);
     }
 
+    void publish_values() {
+        if (!time_->is_known()) {
+            return;
+        }
+        std::span<double> rest{values_row_};
+        FunctionSet const& set = bay().functions();
+        for (std::size_t i = 0; i < set.functions().size(); ++i) {
+            NamedFunction const& f = set.functions()[i];
+            std::span<double> const own = rest.first(f.publishes ? f.function->quantities().size() : 0);
+            rest = rest.subspan(own.size());
+            if (set.is_blocked(i)) {
+                std::ranges::fill(own, std::nan(""));
+            } else if (!own.empty()) {
+                f.function->measure(bay().measured(), own);
+            }
+        }
+        SimTime const instant = node_.time_base().from_nanoseconds(std::llround(time_->instant_s(bay().index()) * 1e9));
+        values_->row(instant, values_row_);
+    }
+
     void publish_events() {
         bay().events().drain([&](FunctionEvent const& event) { tell(name_of(event.kind), text_of(event)); });
     }
@@ -141,10 +202,11 @@ class FunctionRelay final : public RelayMember {
         return text;
     }
 
-    RelayParams params_; ///< which samples are trusted
-    std::unique_ptr<bus::SignalPublisher> states_;
-    std::vector<double> row_;
+    RelayParams params_;                                    ///< which samples are trusted
+    std::unique_ptr<bus::SignalPublisher> states_, values_; ///< values: where a function is asked for them
+    std::vector<double> row_, values_row_;
     std::vector<Output> outputs_;
+    std::int64_t published_{-1}; ///< index of the sample whose values were last
     std::uint64_t seen_{0};
     bool tripped_{false};
 };

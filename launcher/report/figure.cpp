@@ -81,6 +81,9 @@ std::string paths_csv(Figure const& f) {
     std::string out = "series,x,value\n";
     for (Figure::Series const& s : f.series) {
         for (std::size_t i = 0; i < s.values.size() && !s.name.empty(); ++i) {
+            if (!std::isfinite(s.values[i])) { // the path goes on elsewhere
+                continue;
+            }
             out += fmt::format("{},{},{}\n", s.name, shortest(static_cast<double>(s.times_ns[i]) / 1e9),
                                shortest(s.values[i]));
         }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,9 +58,12 @@ struct Figure {
     std::vector<std::string> x_names{}; ///< of the places 0, 1, 2 … of such an axis, instead of numbers
     std::string axis{"time"};           ///< figures with the same axis zoom together
     bool log_y{false};
-    bool log_x{false}; ///< "times" are decimal logarithms
-    bool lanes{false}; ///< digital: each series in a lane of its own, up where it is not zero
-    std::string note;  ///< the method, below the drawing
+    bool log_x{false};                                  ///< "times" are decimal logarithms
+    std::optional<std::pair<double, double>> y_range{}; ///< what is shown, of a logarithmic axis as decimal logarithms
+    double plot_height{238};
+    bool zero_axes{false}; ///< a plane: both axes through the origin
+    bool lanes{false};     ///< digital: each series in a lane of its own, up where it is not zero
+    std::string note;      ///< the method, below the drawing
 
     /// Has a cursor and zooms.
     [[nodiscard]] bool interactive() const;

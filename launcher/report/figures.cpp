@@ -5,10 +5,12 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "launcher/report/detector_figures.hpp"
+#include "launcher/report/impedance_figure.hpp"
 #include "launcher/report/report_assets.hpp"
 #include "launcher/report/restraint_figure.hpp"
 #include "launcher/report/series.hpp"
 #include "launcher/report/stream_figures.hpp"
+#include "launcher/report/time_current_figure.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -69,12 +71,6 @@ std::vector<double> in_window(Figure::Series const& s, double from_s, double to_
         }
     }
     return out;
-}
-
-/// A value as a place on an axis that is not time.
-std::int64_t as_place(double value) {
-    constexpr double kFarthest = 9e9;
-    return std::llround(std::clamp(value, -kFarthest, kFarthest) * 1e9);
 }
 
 /// What is drawn over a value instead of time.
@@ -311,6 +307,12 @@ std::vector<Figure> make_figures(ReportSettings const& settings, Drawn const& ru
             break;
         case Kind::restraint:
             restraint_planes(figure, run, out);
+            break;
+        case Kind::impedance:
+            impedance_planes(figure, run, out);
+            break;
+        case Kind::time_current:
+            time_current_curves(figure, run, out);
             break;
         default:
             from_expressions(figure, run, out);

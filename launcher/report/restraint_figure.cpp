@@ -15,11 +15,6 @@ namespace {
 
 using config::Node;
 
-/// A current as a place on the horizontal axis.
-std::int64_t place_of(double amperes) {
-    return std::llround(std::clamp(amperes, 0.0, 9e9) * 1e9);
-}
-
 relay::ElementParams element_of(Node const& process) {
     relay::RelayLogicConfig logic;
     config::Diagnostics other_keys; // and what is wrong was said before the run
@@ -51,23 +46,11 @@ Figure::Series characteristic(relay::ElementParams const& element, double to_a) 
     std::sort(corners.begin(), corners.end());
     for (double const restraint_a : corners) {
         if (restraint_a >= 0 && restraint_a <= to_a) {
-            out.times_ns.push_back(place_of(restraint_a));
+            out.times_ns.push_back(as_place(restraint_a));
             out.values.push_back(relay::operating_current_a(element, restraint_a));
         }
     }
     return out;
-}
-
-/// When a state becomes true in the window; seconds.
-std::optional<double> rises(SignalStore const& signals, std::string const& name, double from_s, double to_s) {
-    auto const it = signals.find(name);
-    for (std::size_t i = 0; it != signals.end() && i < it->second.values.size(); ++i) {
-        double const t = static_cast<double>(it->second.times_ns[i]) / 1e9;
-        if (t >= from_s && t <= to_s && it->second.values[i] != 0) {
-            return t;
-        }
-    }
-    return std::nullopt;
 }
 
 /// The states come with the latency of the relay, and say which sample they come from.
@@ -131,7 +114,7 @@ void restraint_planes(FigureSettings const& settings, Drawn const& run, std::vec
                 bool const has_place = std::isfinite(x->second.values[i]) && std::isfinite(y->second.values[i]);
                 if (has_place && t >= from_s && t <= to_s) {
                     instants.push_back(x->second.times_ns[i]);
-                    path.times_ns.push_back(place_of(x->second.values[i]));
+                    path.times_ns.push_back(as_place(x->second.values[i]));
                     path.values.push_back(y->second.values[i]);
                     farthest = std::max(farthest, x->second.values[i]);
                 }

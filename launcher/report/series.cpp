@@ -206,4 +206,20 @@ std::optional<double> first_true(Expression const& expression, SignalStore const
     return out;
 }
 
+std::int64_t as_place(double value) {
+    constexpr double kFarthest = 9e9;
+    return std::llround(std::clamp(value, -kFarthest, kFarthest) * 1e9);
+}
+
+std::optional<double> rises(SignalStore const& signals, std::string const& name, double from_s, double to_s) {
+    auto const it = signals.find(name);
+    for (std::size_t i = 0; it != signals.end() && i < it->second.values.size(); ++i) {
+        double const t = static_cast<double>(it->second.times_ns[i]) / 1e9;
+        if (t >= from_s && t <= to_s && it->second.values[i] != 0) {
+            return t;
+        }
+    }
+    return std::nullopt;
+}
+
 } // namespace gridspace::launcher

@@ -42,6 +42,13 @@ class Colours {
 [[nodiscard]] std::vector<double> sliding_rms(std::vector<std::int64_t> const& times_ns,
                                               std::vector<double> const& values, double window_s);
 
+/// A value as a place on an axis that is not time.
+[[nodiscard]] std::int64_t as_place(double value);
+
+/// The first time in a window at which a signal is told and not zero; seconds.
+[[nodiscard]] std::optional<double> rises(SignalStore const& signals, std::string const& name, double from_s,
+                                          double to_s);
+
 /// Spans in which an expression is true.
 [[nodiscard]] std::vector<Figure::Shade> spans(Expression const& expression, SignalStore const& signals,
                                                double until_s);

@@ -14,7 +14,7 @@
 namespace gridspace::launcher {
 namespace {
 
-constexpr double kWidth = 860, kPlotHeight = 238, kLaneHeight = 26, kBottomMargin = 36, kRow = 14, kMarkRow = 12;
+constexpr double kWidth = 860, kLaneHeight = 26, kBottomMargin = 36, kRow = 14, kMarkRow = 12;
 constexpr double kCharacter = 6.2, kSmallCharacter = 5.6; // widths of text of 11 and 10 pixels
 constexpr std::size_t kMaxNamed = 24;                     // series in the legend
 
@@ -31,7 +31,7 @@ class Drawing {
   public:
     explicit Drawing(Figure const& figure) : f_{figure} {
         lay_out();
-        left_ = range_of(false);
+        left_ = f_.y_range ? Range{f_.y_range->first, f_.y_range->second} : range_of(false);
         right_ = range_of(true);
     }
 
@@ -120,7 +120,7 @@ class Drawing {
         }
         marks_top_ = y + 8;
         y1_ = marks_top_ + kMarkRow * static_cast<double>(mark_rows());
-        y0_ = y1_ + (f_.lanes ? kLaneHeight * static_cast<double>(f_.series.size()) : kPlotHeight);
+        y0_ = y1_ + (f_.lanes ? kLaneHeight * static_cast<double>(f_.series.size()) : f_.plot_height);
     }
 
     /// A label stands at the right of its own line (at the left near the right end), in a row above the labels of all
@@ -214,6 +214,20 @@ class Drawing {
         return {r.low - pad, r.high + pad};
     }
 
+    /// Of a logarithmic axis between two decimal logarithms: its powers of ten, of a short one 2 and 5 times them too.
+    static std::vector<double> decades(double low, double high) {
+        std::vector<double> out;
+        for (double decade = std::floor(low); decade <= high; ++decade) {
+            for (double const times : {1.0, 2.0, 5.0}) {
+                double const place = decade + std::log10(times);
+                if (place >= low - 1e-9 && place <= high + 1e-9 && (times == 1 || high - low < 2.5)) {
+                    out.push_back(times * std::pow(10, decade));
+                }
+            }
+        }
+        return out;
+    }
+
     void y_ticks() {
         if (f_.lanes) {
             for (std::size_t i = 0; i < f_.series.size(); ++i) {
@@ -224,10 +238,7 @@ class Drawing {
         }
         std::vector<double> values = ticks(left_.low, left_.high, 6);
         if (f_.log_y) {
-            values.clear();
-            for (double decade = std::ceil(left_.low); decade <= left_.high; ++decade) {
-                values.push_back(std::pow(10, decade));
-            }
+            values = decades(left_.low, left_.high);
         }
         for (double const v : values) {
             out_ += fmt::format("<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/><text x=\"{}\" "
@@ -255,8 +266,8 @@ class Drawing {
             return;
         }
         if (f_.log_x) {
-            for (double decade = std::ceil(f_.from_s); decade <= f_.to_s; ++decade) {
-                tick(decade, fmt::format("{:.4g}", std::pow(10, decade)));
+            for (double const v : decades(f_.from_s, f_.to_s)) {
+                tick(std::log10(v), fmt::format("{:.4g}", v));
             }
             return;
         }
@@ -326,7 +337,10 @@ class Drawing {
         if (!dots.empty()) { // dots that stay round when the drawing is stretched
             out_ += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
                                 "stroke-linecap=\"round\" vector-effect=\"non-scaling-stroke\"/>\n",
-                                dots, palette_colour(s.colour, i), s.connected ? 6 : 4);
+                                dots, palette_colour(s.colour, i),
+                                s.path        ? 7
+                                : s.connected ? 6
+                                              : 4);
         }
         out_ += names;
     }
@@ -391,6 +405,10 @@ class Drawing {
         out_ += fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/><line class=\"axis\" "
                             "x1=\"{0}\" x2=\"{0}\" y1=\"{2}\" y2=\"{3}\"/>\n",
                             x0_, x1_, y0_, y1_);
+        if (f_.zero_axes) {
+            out_ += fmt::format("<path class=\"axis\" d=\"M{0:.1f} {1:.1f}H{2:.1f}M{3:.1f} {4:.1f}V{5:.1f}\"/>\n", x0_,
+                                py(0), x1_, px(0), y0_, y1_);
+        }
         if (x1_ < kWidth - 14) {
             out_ += fmt::format("<line class=\"axis\" x1=\"{0}\" x2=\"{0}\" y1=\"{1}\" y2=\"{2}\"/>"
                                 "<text x=\"{3}\" y=\"{4}\" text-anchor=\"end\">{5}</text>\n",

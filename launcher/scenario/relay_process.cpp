@@ -116,6 +116,7 @@ class RelaySettings final : public ProcessSettings {
             out.push_back({prefix + function.key + ".str", "", 0});
             out.push_back({prefix + function.key + ".op", "", 0});
         }
+        add_measured(prefix, out);
         if (config_.logic.publish_values) {
             for (char const* quantity : {"differential_a", "restraint_a", "operate_at_a"}) {
                 for (char const* phase : {"a", "b", "c"}) {
@@ -164,6 +165,21 @@ class RelaySettings final : public ProcessSettings {
     }
 
   private:
+    /// What functions are asked to publish.
+    void add_measured(std::string const& prefix, std::vector<SignalUse>& out) const {
+        relay::FunctionContext any;
+        any.inputs = relay::kCurrents | relay::kVoltages | relay::kBusVoltages;
+        Diagnostics said; // when the relay was checked
+        auto const set = config_.is_of_bay() ? relay::make_functions(config_.bay.functions, any, said) : std::nullopt;
+        for (std::size_t i = 0; set && i < set->functions().size(); ++i) {
+            relay::NamedFunction const& f = set->functions()[i];
+            for (relay::MeasuredQuantity const& q :
+                 f.publishes ? f.function->quantities() : std::span<relay::MeasuredQuantity const>{}) {
+                out.push_back({fmt::format("{}{}.{}", prefix, f.name, q.name), std::string{q.unit}, 0});
+            }
+        }
+    }
+
     [[nodiscard]] Rational frequency() const {
         return Rational::parse(shortest(config_.frequency_hz)).value_or(Rational{60});
     }

@@ -142,7 +142,9 @@ void describe_figure(Fields& f, FigureSettings& s) {
                           {"forged_sample", FigureKind::forged_sample},
                           {"trip_comparison", FigureKind::trip_comparison},
                           {"roc", FigureKind::roc},
-                          {"restraint", FigureKind::restraint}},
+                          {"restraint", FigureKind::restraint},
+                          {"impedance", FigureKind::impedance},
+                          {"time_current", FigureKind::time_current}},
                          {.doc = "how it is drawn: docs/reference/report.md"});
     f.text("title", s.title, {.doc = "above it; without it, its name"});
     s.title = label_of(s.title, s.name);
@@ -163,7 +165,7 @@ void describe_figure(Fields& f, FigureSettings& s) {
     f.text("statistic", s.statistic, {.doc = "bar: last, min, max or mean of the window"});
     f.reference("streams", s.streams,
                 {.doc = "message_intervals, sample_rate, frame_intervals, forged_sample, roc: pattern of the streams; "
-                        "trip_comparison, restraint: of the relays"});
+                        "trip_comparison, restraint, impedance, time_current: of the relays"});
     if (s.statistic != "last" && s.statistic != "min" && s.statistic != "max" && s.statistic != "mean") {
         f.error("statistic", fmt::format("'{}' is not a statistic", s.statistic), "last, min, max or mean");
     }

@@ -25,7 +25,9 @@ struct FigureSettings {
         forged_sample,
         trip_comparison,
         roc,
-        restraint
+        restraint,
+        impedance,
+        time_current
     };
     /// One expression, or a pattern that gives a line for each signal that fits.
     struct Series {

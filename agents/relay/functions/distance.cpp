@@ -4,6 +4,7 @@
 
 #include "common/elementary.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -73,6 +74,33 @@ bool Pdis::is_within(Loop const& loop) const {
     Complex const z = loop.v / i;
     double const beside = z.real() - z.imag() * turn_.real() / turn_.imag();
     return z.imag() < reach_.imag() && std::fabs(beside) < (loop.to_earth ? params_.r_earth_ohm : params_.r_ohm);
+}
+
+std::span<MeasuredQuantity const> Pdis::quantities() const {
+    static constexpr std::array<MeasuredQuantity, 12> kLoops{{{"r_ohm.a", "ohm"},
+                                                              {"r_ohm.b", "ohm"},
+                                                              {"r_ohm.c", "ohm"},
+                                                              {"r_ohm.ab", "ohm"},
+                                                              {"r_ohm.bc", "ohm"},
+                                                              {"r_ohm.ca", "ohm"},
+                                                              {"x_ohm.a", "ohm"},
+                                                              {"x_ohm.b", "ohm"},
+                                                              {"x_ohm.c", "ohm"},
+                                                              {"x_ohm.ab", "ohm"},
+                                                              {"x_ohm.bc", "ohm"},
+                                                              {"x_ohm.ca", "ohm"}}};
+    return kLoops;
+}
+
+void Pdis::measure(Measurement const& m, std::span<double> out) const {
+    std::uint8_t const counted = loops(m);
+    for (std::size_t n = 0; n < 6; ++n) {
+        Loop const loop = loop_of(m, n, params_.k0);
+        bool const is_seen = (counted & (1U << n)) != 0 && magnitude(loop.i) > std::max(params_.minimum_a, 1e-9);
+        Complex const z = is_seen ? loop.v / loop.i : Complex{std::nan(""), std::nan("")};
+        out[n] = z.real();
+        out[6 + n] = z.imag();
+    }
 }
 
 FunctionState Pdis::step(FunctionInput const& input) {

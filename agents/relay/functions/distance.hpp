@@ -34,9 +34,14 @@ struct PdisParams {
 class Pdis final : public Function {
   public:
     explicit Pdis(PdisParams const& params);
+    [[nodiscard]] PdisParams const& params() const { return params_; }
     [[nodiscard]] std::uint8_t needs() const override { return kCurrents | kVoltages | kPolarising; }
     FunctionState step(FunctionInput const& input) override;
     void reset() override;
+    /// Resistance and reactance of the six loops in ohm, primary, seen from the transformers into what is protected.
+    /// Of a loop that does not count, or whose current is too small, there is none.
+    [[nodiscard]] std::span<MeasuredQuantity const> quantities() const override;
+    void measure(Measurement const& m, std::span<double> out) const override;
 
     /// Which loops count: bits 0 to 2: a, b, c to earth; 3 to 5: ab, bc, ca.
     [[nodiscard]] std::uint8_t loops(Measurement const& m) const;

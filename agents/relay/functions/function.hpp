@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace gridspace::relay {
 
@@ -44,6 +45,11 @@ struct FunctionInput {
     bool trip{false};                      ///< of the relay, as it was at the last instant
 };
 
+/// A quantity that a function measures and may publish: the end of its signal's name, and its unit.
+struct MeasuredQuantity {
+    std::string_view name, unit;
+};
+
 /// A protection or protection-related function: one logical node. Takes a measurement per sample; allocates nothing.
 class Function {
   public:
@@ -52,6 +58,12 @@ class Function {
     [[nodiscard]] virtual std::uint8_t needs() const = 0;
     virtual FunctionState step(FunctionInput const& input) = 0;
     virtual void reset() = 0;
+
+    /// What it measures, where that can be published.
+    [[nodiscard]] virtual std::span<MeasuredQuantity const> quantities() const { return {}; }
+    /// Their values now, in that order; NaN: there is none, or it does not count. Only while what it needs is
+    /// available.
+    virtual void measure(Measurement const& /*measured*/, std::span<double> /*out*/) const {}
 };
 
 /// Samples of a time, to the nearest.

@@ -39,10 +39,15 @@ class Reader {
         : context_{context}, all_{all}, diagnostics_{diagnostics} {}
 
     NamedFunction read(Named const& one) {
-        NamedFunction out{one.name.name, one.of, one.of < NodeClass::rsyn && one.of != NodeClass::rdir, nullptr};
+        NamedFunction out{one.name.name, one.of, one.of < NodeClass::rsyn && one.of != NodeClass::rdir, nullptr, false};
+        bool const measures = one.of == NodeClass::ptoc || one.of == NodeClass::pioc || one.of == NodeClass::pdis;
         config::read_fields(*one.settings, "functions." + one.name.name, diagnostics_, [&](Fields& f) {
             if (out.trips) {
                 f.flag("trip", out.trips, {.doc = "operating, it trips the relay"});
+            }
+            if (measures) {
+                f.flag("publish_values", out.publishes,
+                       {.doc = "currents, or impedances of the loops that count, of each sample as signals"});
             }
             out.function = make(one.of, f);
         });

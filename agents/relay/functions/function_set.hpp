@@ -26,6 +26,7 @@ struct NamedFunction {
     NodeClass of{NodeClass::ptoc};
     bool trips{true}; ///< operating, it trips the relay
     std::unique_ptr<Function> function;
+    bool publishes{false}; ///< what it measures, at each sample
 };
 
 /// The functions of a relay, worked on in the order of their classes and, within a class, as they stand. Pure; no

@@ -18,6 +18,19 @@ Abc current_of(CurrentOf what, Measurement const& m) {
     return magnitudes(m.i);
 }
 
+std::span<MeasuredQuantity const> currents_of(CurrentOf what) {
+    static constexpr std::array<MeasuredQuantity, 3> kPhases{
+        {{"current_a.a", "A"}, {"current_a.b", "A"}, {"current_a.c", "A"}}};
+    static constexpr std::array<MeasuredQuantity, 1> kOne{{{"current_a", "A"}}};
+    return what == CurrentOf::phases ? std::span<MeasuredQuantity const>{kPhases}
+                                     : std::span<MeasuredQuantity const>{kOne};
+}
+
+void measure_currents(CurrentOf what, Measurement const& m, std::span<double> out) {
+    Abc const current = current_of(what, m);
+    std::copy_n(current.begin(), out.size(), out.begin());
+}
+
 std::uint8_t Direction::phases(FunctionInput const& input) const {
     return !of ? std::uint8_t{7} : forward ? input.others[*of].forward : input.others[*of].reverse;
 }

@@ -16,6 +16,9 @@ enum class CurrentOf : std::uint8_t {
     negative_sequence,
 };
 [[nodiscard]] Abc current_of(CurrentOf what, Measurement const& m);
+/// current_a of each phase, or of the one that there is.
+[[nodiscard]] std::span<MeasuredQuantity const> currents_of(CurrentOf what);
+void measure_currents(CurrentOf what, Measurement const& m, std::span<double> out);
 
 /// A function that gives direction (RDIR), and which one is wanted.
 struct Direction {
@@ -44,9 +47,16 @@ struct PtocParams {
 class Ptoc final : public Function {
   public:
     explicit Ptoc(PtocParams const& params);
+    [[nodiscard]] PtocParams const& params() const { return params_; }
     [[nodiscard]] std::uint8_t needs() const override { return kCurrents; }
     FunctionState step(FunctionInput const& input) override;
     void reset() override;
+    [[nodiscard]] std::span<MeasuredQuantity const> quantities() const override {
+        return currents_of(params_.measures);
+    }
+    void measure(Measurement const& m, std::span<double> out) const override {
+        measure_currents(params_.measures, m, out);
+    }
 
   private:
     struct Phase {
@@ -75,9 +85,16 @@ struct PiocParams {
 class Pioc final : public Function {
   public:
     explicit Pioc(PiocParams const& params) : params_{params} {}
+    [[nodiscard]] PiocParams const& params() const { return params_; }
     [[nodiscard]] std::uint8_t needs() const override { return kCurrents; }
     FunctionState step(FunctionInput const& input) override;
     void reset() override { confirmed_ = {}; }
+    [[nodiscard]] std::span<MeasuredQuantity const> quantities() const override {
+        return currents_of(params_.measures);
+    }
+    void measure(Measurement const& m, std::span<double> out) const override {
+        measure_currents(params_.measures, m, out);
+    }
 
   private:
     PiocParams params_;

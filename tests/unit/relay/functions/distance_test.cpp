@@ -4,6 +4,9 @@
 
 #include "tests/unit/relay/functions/signals.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace gridspace::relay {
@@ -113,6 +116,33 @@ TEST(Pdis, MeasuresThePlaceOfFaultsOfEveryKindWithK0) {
         near_end.z0 = 3.0 * near_end.z1;
         EXPECT_FALSE(starts(without, near_end.phase_to_earth()));
     }
+}
+
+TEST(Pdis, TellsTheImpedanceUpToTheFaultOfTheLoopsThatCountAndNoOther) {
+    PdisParams p = zone();
+    p.k0 = 2.0 / 3.0; // z0 = 3 z1
+    p.minimum_residual_a = 0.5;
+    Pdis const sut{p};
+    ASSERT_EQ(sut.quantities().size(), 12U);
+    EXPECT_EQ(sut.quantities()[4].name, "r_ohm.bc");
+    EXPECT_EQ(sut.quantities()[6].name, "x_ohm.a");
+    std::array<double, 12> out{};
+    for (double const at : {0.2, 0.6, 1.4}) {
+        Faulted f;
+        f.z1 = polar(8 * at, 75);
+        f.z0 = 3.0 * f.z1;
+        sut.measure(f.phase_to_earth(), out);
+        EXPECT_NEAR(out[0], f.z1.real(), 1e-9) << at;
+        EXPECT_NEAR(out[6], f.z1.imag(), 1e-9) << at;
+        EXPECT_TRUE(std::isnan(out[1]) && std::isnan(out[7]) && std::isnan(out[3])) << "b and ab are not faulted";
+        sut.measure(f.phases_b_and_c(), out);
+        EXPECT_NEAR(out[4], f.z1.real(), 1e-9) << at;
+        EXPECT_NEAR(out[10], f.z1.imag(), 1e-9) << at;
+        EXPECT_TRUE(std::isnan(out[0])) << "no loop to earth counts without residual current";
+    }
+    p.minimum_a = 1e6;
+    Pdis{p}.measure(seen_as({1, 2}), out);
+    EXPECT_TRUE(std::ranges::all_of(out, [](double v) { return std::isnan(v); })) << "no loop carries so much";
 }
 
 TEST(Pdis, NamesTheFaultedPhases) {

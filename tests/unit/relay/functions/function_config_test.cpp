@@ -32,6 +32,21 @@ TEST(FunctionConfig, MakesFunctionsInTheOrderInWhichTheyAskEachOther) {
     EXPECT_FALSE(find_output(*set, "PTOC1.st")) << "neither op nor str";
 }
 
+TEST(FunctionConfig, AsksForValuesOnlyOfFunctionsThatMeasureSome) {
+    config::Diagnostics diagnostics;
+    auto const set = read("PTOC1: {pickup_a: 400, publish_values: true}\n"
+                          "PIOC1: {pickup_a: 400, measures: residual, publish_values: true}\n"
+                          "PDIS1: {reach_ohm: 4}\n",
+                          diagnostics, kCurrents | kVoltages);
+    ASSERT_TRUE(set) << diagnostics.render();
+    EXPECT_TRUE(set->functions()[0].publishes && set->functions()[1].publishes);
+    EXPECT_FALSE(set->functions()[2].publishes);
+    EXPECT_EQ(set->functions()[0].function->quantities().size(), 3U);
+    EXPECT_EQ(set->functions()[1].function->quantities()[0].name, "current_a");
+    EXPECT_FALSE(read("RBRF1: {pickup_a: 5, publish_values: true}", diagnostics));
+    EXPECT_NE(diagnostics.render().find("publish_values"), std::string::npos);
+}
+
 TEST(FunctionConfig, NamesWhatIsWrongWithItsPlace) {
     for (auto const& [text, expected] :
          {std::pair{"PTOX1: {pickup_a: 1}", "'PTOX1' is not the name of a function"},
