@@ -7,12 +7,12 @@
 #include "common/time.hpp"
 #include "launcher/folder/write_file.hpp"
 #include "launcher/judge/expectation_rule.hpp"
-#include "launcher/judge/protection_chain.hpp"
 #include "launcher/report/detector_tables.hpp"
 #include "launcher/report/figures.hpp"
 #include "launcher/report/html_page.hpp"
 #include "launcher/report/one_line_figure.hpp"
 #include "launcher/report/real_time_table.hpp"
+#include "launcher/report/relay_settings_table.hpp"
 #include "launcher/report/report_assets.hpp"
 #include "launcher/report/tables.hpp"
 #include "launcher/report/wire_timing_page.hpp"
@@ -123,57 +123,6 @@ ReportTable process_table(Results const& r) {
     for (Results::ProcessRow const& p : r.processes) {
         t.rows.push_back({escape_markup(p.name), escape_markup(p.program), escape_markup(p.host), escape_markup(p.end),
                           p.cpu_s > 0 ? fmt::format("{:.2f} s", p.cpu_s) : "-"});
-    }
-    return t;
-}
-
-/// "kind: rms, pickup_a: 30", as the scenario says it.
-std::string settings_text(config::Node const& node) {
-    if (node.is_sequence()) {
-        std::vector<std::string> items;
-        std::ranges::transform(node.items, std::back_inserter(items), settings_text);
-        return "[" + join(items, ", ") + "]";
-    }
-    if (!node.is_map()) {
-        return node.text;
-    }
-    std::vector<std::string> out;
-    for (config::Node::Entry const& entry : node.entries) {
-        bool const nested = entry.value.is_map();
-        out.push_back(
-            fmt::format("{}: {}{}{}", entry.key, nested ? "{" : "", settings_text(entry.value), nested ? "}" : ""));
-    }
-    return join(out, ", ");
-}
-
-/// What a relay was set to, and what belongs to it.
-ReportTable relay_settings(config::Node const& scenario) {
-    ReportTable t{"Relays", {"relay", "measures", "settings", "trips"}, {}};
-    config::Node const* const processes = scenario.find("processes");
-    for (ProtectionChain const& chain : protection_chains(scenario)) {
-        config::Node const& process = *processes->find(chain.relay);
-        std::vector<std::string> measures, settings;
-        for (ProtectionChain::End const& end : chain.ends) {
-            if (!end.stream.empty()) {
-                measures.push_back(
-                    end.transformer.empty() ? end.stream : fmt::format("{} (stream {})", end.transformer, end.stream));
-            }
-        }
-        for (char const* key : {"element", "functions"}) {
-            config::Node const* const group = process.find(key);
-            for (config::Node::Entry const& entry :
-                 group == nullptr ? std::vector<config::Node::Entry>{} : group->entries) {
-                settings.push_back(entry.key + ": " + settings_text(entry.value));
-            }
-        }
-        for (char const* key : {"seal_in", "latency_us"}) {
-            if (config::Node const* value = process.find(key); value != nullptr && !value->text.empty()) {
-                settings.push_back(fmt::format("{}: {}", key, value->text));
-            }
-        }
-        t.rows.push_back({escape_markup(chain.relay), escape_markup(join(measures, ", ")),
-                          escape_markup(join(settings, "; ")),
-                          escape_markup(fmt::format("{} by {}", join(chain.breakers(), ", "), chain.trip_stream))});
     }
     return t;
 }
@@ -333,7 +282,7 @@ Result<fs::path> write_html_report(Results const& r) {
         all.title = "All that happened";
         body += html_table(all);
     }
-    if (ReportTable const settings_table = relay_settings(scenario); !settings_table.rows.empty()) {
+    if (ReportTable const settings_table = relay_settings_table(scenario); !settings_table.rows.empty()) {
         body += html_table(settings_table);
     }
     body += html_table(process_table(r)) + html_table(topic_table(r));

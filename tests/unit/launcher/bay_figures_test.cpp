@@ -4,6 +4,7 @@
 // Figures of relays with functions, from signals that are made up here.
 #include "common/config/yaml.hpp"
 #include "launcher/report/figures.hpp"
+#include "launcher/report/relay_settings_table.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -197,6 +198,22 @@ TEST(TimeCurrent, HasTheTimesOfIec60255AndThePointAtWhichTheRelayOperates) {
     EXPECT_NE(figure->note.find("r PTOC2 is started for 1 s with up to 500 A, and would need 3 s"), std::string::npos)
         << figure->note;
     EXPECT_NE(to_svg(*figure).find("starts only"), std::string::npos);
+}
+
+TEST(RelaySettings, AreSaidInTheTermsOfAManualWithTheirKeysAndUnits) {
+    auto const text = [](std::string const& key, std::string const& value) {
+        return setting_text(key, *read("{k: " + value + "}").find("k"));
+    };
+    EXPECT_EQ(text("slope2_from_a", "500"), "slope 2 from: 500 A (slope2_from_a)");
+    EXPECT_EQ(text("delay_ms", "300"), "operate delay: 300 ms (delay_ms)");
+    EXPECT_EQ(text("dead_times_ms", "[500, 1000]"), "dead times: 500, 1000 ms (dead_times_ms)");
+    EXPECT_EQ(text("dead_line", "true"), "closing onto a dead line: yes (dead_line)");
+    EXPECT_EQ(text("new_key_a", "1"), "new_key_a: 1 A") << "of a key without a term the key is said";
+    auto const sut = relay_settings_table(scenario_with("{PDIS1: {reach_ohm: 2.64, publish_values: true}}"));
+    ASSERT_EQ(sut.rows.size(), 1U);
+    EXPECT_EQ(sut.rows[0][1], "T (stream SV)");
+    EXPECT_EQ(sut.rows[0][2], "<b>PDIS1: distance zone, 21</b><br>reach Z1: 2.64 ohm (reach_ohm)<br>");
+    EXPECT_EQ(sut.rows[0][3], "Q by TRIP");
 }
 
 } // namespace
