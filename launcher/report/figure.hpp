@@ -27,7 +27,8 @@ struct Figure {
         bool bars{false};     ///< a bar from 0 to each value instead
         bool right_axis{false};
         std::vector<std::string> point_names{}; ///< beside the dots; empty, or one for each value
-        bool path{false};                       ///< of places in their order, which need not increase
+        bool double_point{false};               ///< a breaker's position: in a lane it is up where that is open
+    bool path{false};                       ///< of places in their order, which need not increase
     };
     std::vector<Series> series;
     struct Line {

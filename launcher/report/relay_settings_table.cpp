@@ -40,7 +40,7 @@ std::map<std::string_view, std::string_view> const& terms() {
         {"reset", "reset characteristic"},
         {"reset_ms", "reset time"},
         {"characteristic", "zone characteristic"},
-        {"reach_ohm", "reach Z1"},
+        {"reach_ohm", "reach, positive sequence"},
         {"angle_deg", "line angle"},
         {"r_ohm", "resistive reach, phase to phase"},
         {"r_earth_ohm", "resistive reach, phase to earth"},
@@ -193,7 +193,7 @@ ReportTable relay_settings_table(Node const& scenario) {
             }
         }
         t.rows.push_back({escape_markup(chain.relay), escape_markup(join(measures, ", ")),
-                          settings_of(*processes->find(chain.relay)),
+                          "<span class=\"lines\">" + settings_of(*processes->find(chain.relay)) + "</span>",
                           escape_markup(fmt::format("{} by {}", join(chain.breakers(), ", "), chain.trip_stream))});
     }
     t.note = t.rows.empty()

@@ -136,6 +136,7 @@ std::vector<Figure::Series> drawn_series(FigureSettings::Series const& settings,
                                                : std::move(series.values);
         drawn.steps = settings.steps;
         drawn.dashed = settings.dashed;
+        drawn.double_point = series.unit == "dpc";
         drawn.right_axis = settings.right_axis;
         drawn.colour = colours.of(key);
         for (auto const& [signal, of_signal] : silences) {

@@ -312,7 +312,7 @@ class Drawing {
             if (!std::isfinite(scaled(v))) {
                 continue;
             }
-            double const x = px(t), y = f_.lanes ? lane_y(i, v != 0) : py(v, s.right_axis);
+            double const x = px(t), y = f_.lanes ? lane_y(i, s.double_point ? v == 1 : v != 0) : py(v, s.right_axis);
             if (s.points) {
                 dots += fmt::format("M{:.2f} {:.2f}h.01", x, y);
             }

@@ -11,7 +11,7 @@
 namespace gridspace::diagram {
 namespace {
 
-constexpr double kMargin = 10, kAbove = 20, kBelow = 12, kFirstTap = 22, kUprightRow = 19, kTrack = 12, kLane = 18,
+constexpr double kMargin = 10, kAbove = 20, kBelow = 12, kUprightRow = 19, kTrack = 12, kLane = 18,
                  kLabelRoom = 30, kBetweenRows = 16;
 
 /// A branch while its place is looked for. Its left bus is the one in the column further left, or the upper one.
@@ -36,8 +36,9 @@ struct Run {
 
 class Layouter {
   public:
-    Layouter(Grid const& grid, std::size_t value)
-        : grid_{grid}, value_{6.6 * static_cast<double>(value)}, cells_{places(grid)} {
+    Layouter(Grid const& grid, bool live)
+        : grid_{grid}, value_{live ? kValueRoom : 0}, above_{live ? kAbove + kValueRow : kAbove}, first_tap_{above_ + 2},
+          cells_{places(grid)} {
         for (std::size_t b = 0; b < grid.buses.size(); ++b) {
             number_.emplace(grid.buses[b].name, b);
             columns_ = std::max(columns_, cells_[b].column + 1);
@@ -166,7 +167,7 @@ class Layouter {
 
     double top(std::size_t bus) const { return tops_[cells_[bus].row]; }
     double tap(std::size_t bus, std::size_t slot) const {
-        return top(bus) + kFirstTap + pitch_ * static_cast<double>(slot);
+        return top(bus) + first_tap_ + pitch_ * static_cast<double>(slot);
     }
 
     void find_heights() {
@@ -179,16 +180,16 @@ class Layouter {
                 below_ = std::max(below_, 34 + kTagRow * tags[ct.name]++);
             }
         }
-        pitch_ = kAbove + below_ + 2;
+        pitch_ = above_ + below_ + 2;
         std::vector<double> heights(rows_, 30), needs(rows_, 0);
         for (std::size_t b = 0; b < grid_.buses.size(); ++b) {
             Taps& taps = taps_[b];
             auto const last = [&](std::set<std::size_t> const& slots) {
-                return slots.empty() ? -1.0 : kFirstTap + pitch_ * static_cast<double>(*slots.rbegin());
+                return slots.empty() ? -1.0 : first_tap_ + pitch_ * static_cast<double>(*slots.rbegin());
             };
-            double const left = std::max(last(taps.left), taps.source != nullptr ? kFirstTap : -1),
+            double const left = std::max(last(taps.left), taps.source != nullptr ? first_tap_ : -1),
                          right = last(taps.right);
-            double y = right < 0 ? kFirstTap : right + below_ + 10;
+            double y = right < 0 ? first_tap_ : right + below_ + 10;
             for (Grid::Device const* device : taps.devices) {
                 out_.devices.push_back({device, {0, y}, false}); // y is from the bar's top as yet
                 y += kDeviceRow;
@@ -295,8 +296,9 @@ class Layouter {
         std::vector<std::vector<std::pair<Run*, std::size_t>>> turns(columns_ + 1);
         for (Run& run : runs_) {
             Gap& behind = gaps[cells_[run.left].column + 1];
-            double label = width_of(run.route.branch->label) + value_;
+            double label = std::max(width_of(run.route.branch->label), value_);
             if (run.way == Run::Way::upright) {
+                label = width_of(run.route.branch->label) + value_;
                 for (Symbol const& s : run.route.symbols) {
                     double wide = width_of(s.name) + 22;
                     for (std::string const& tag : s.tags) {
@@ -438,7 +440,8 @@ class Layouter {
     }
 
     Grid const& grid_;
-    double value_;
+    double value_; ///< room for what is measured: behind a label, or above a branch in a row of its own
+    double above_, first_tap_;
     std::vector<Cell> cells_;
     std::map<std::string, std::size_t> number_;
     std::size_t columns_{0}, rows_{0};
@@ -465,8 +468,8 @@ Point Route::at(double share) const {
     return {bare[0].x + share * (bare[1].x - bare[0].x), bare[0].y + share * (bare[1].y - bare[0].y)};
 }
 
-Layout lay_out(Grid const& grid, std::size_t value) {
-    return Layouter{grid, value}.lay_out();
+Layout lay_out(Grid const& grid, bool live) {
+    return Layouter{grid, live}.lay_out();
 }
 
 } // namespace gridspace::diagram

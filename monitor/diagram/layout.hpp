@@ -14,7 +14,7 @@
 namespace gridspace::diagram {
 
 // Lengths in the units of the drawing, which are pixels on a wide screen.
-inline constexpr double kDeviceRow = 25, kStub = 14, kTagRow = 18, kFaultRow = 12;
+inline constexpr double kDeviceRow = 25, kStub = 14, kTagRow = 18, kFaultRow = 12, kValueRow = 12, kValueRoom = 64;
 
 struct Point {
     double x{0}, y{0};
@@ -64,7 +64,7 @@ struct Layout {
 
 /// Buses in columns and rows: those of the network file or, where a bus has none, by the distance from the first bus.
 /// Branches run horizontally from bar to bar and turn in a track before the next column, so that nothing runs through
-/// a bar, and no two labels share a place. `value`: characters kept free behind each label for a live value.
-[[nodiscard]] Layout lay_out(Grid const& grid, std::size_t value);
+/// a bar, and no two labels share a place. `live`: there is room for values beside the labels.
+[[nodiscard]] Layout lay_out(Grid const& grid, bool live);
 
 } // namespace gridspace::diagram

@@ -42,7 +42,7 @@ enum class Anchor { start, middle, end };
 class Painter {
   public:
     Painter(Grid const& grid, Look const& look)
-        : grid_{grid}, look_{look}, layout_{lay_out(grid, look.live ? 10 : 0)} {}
+        : grid_{grid}, look_{look}, layout_{lay_out(grid, look.live)} {}
 
     Picture paint() {
         for (Route const& route : layout_.routes) {
@@ -64,16 +64,23 @@ class Painter {
     }
 
   private:
-    /// `classes`: small, tiny; `value`: a place for a live value behind it.
-    void text(Point at, std::string const& content, Anchor anchor, char const* classes, bool value = false) {
-        double const width = width_of(content);
+    /// `classes`: small, tiny; `room`: for a live value behind it, or (`below`) in a row below it.
+    void text(Point at, std::string const& content, Anchor anchor, char const* classes, double room = 0,
+              bool below = false) {
+        room = look_.live ? room : 0;
+        double const own = width_of(content), width = below ? std::max(own, room) : own + room;
         double const left = at.x - (anchor == Anchor::start ? 0 : anchor == Anchor::middle ? width / 2 : width);
-        out_.labels.push_back({content, left, at.y - 10, left + width, at.y + 3});
-        svg_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"{}{}\">{}{}</text>", at.x, at.y, classes,
+        out_.labels.push_back({content, left, at.y - 10, left + width, at.y + (below && room > 0 ? kValueRow : 0) + 3});
+        svg_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"{}{}\">{}", at.x, at.y, classes,
                             anchor == Anchor::start    ? ""
                             : anchor == Anchor::middle ? " middle"
                                                        : " end",
-                            escape_markup(content), value && look_.live ? " <tspan class=\"value\"></tspan>" : "");
+                            escape_markup(content));
+        if (room > 0) {
+            svg_ += below ? fmt::format(" <tspan class=\"value\" x=\"{:.1f}\" dy=\"{}\"></tspan>", at.x, kValueRow)
+                          : " <tspan class=\"value\"></tspan>";
+        }
+        svg_ += "</text>";
     }
     std::optional<double> last(std::string const& signal) const {
         return look_.last ? look_.last(signal) : std::nullopt;
@@ -105,9 +112,10 @@ class Painter {
                 fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"9\"/>", route.label.x - dx, route.label.y - dy);
         }
         if (route.upright) {
-            text({route.label.x + (transformer ? 16 : 8), route.label.y + 4}, b.label, Anchor::start, "small", true);
+            text({route.label.x + (transformer ? 16 : 8), route.label.y + 4}, b.label, Anchor::start, "small", kValueRoom);
         } else {
-            text({route.label.x, route.label.y - (transformer ? 12 : 7)}, b.label, Anchor::middle, "small", true);
+            double const up = (transformer ? 12 : 7) + (look_.live ? kValueRow : 0);
+            text({route.label.x, route.label.y - up}, b.label, Anchor::middle, "small", kValueRoom, true);
         }
         for (Symbol const& s : route.symbols) {
             symbol(s, route.upright);
@@ -164,7 +172,7 @@ class Painter {
         Grid::Bus const& b = *bar.bus;
         begin("bus", b.name, fmt::format("bus {}, {} V", b.label, shortest(b.voltage_v)));
         svg_ += fmt::format("<path class=\"bar\" d=\"M{0:.1f} {1:.1f}V{2:.1f}\"/>", bar.x, bar.top, bar.bottom);
-        text({bar.tied ? bar.x + 7 : bar.x, bar.top - 8}, b.label, bar.tied ? Anchor::start : Anchor::middle, "", true);
+        text({bar.tied ? bar.x + 7 : bar.x, bar.top - 8}, b.label, bar.tied ? Anchor::start : Anchor::middle, "", kValueRoom);
         end();
     }
 
@@ -208,7 +216,7 @@ class Painter {
             return d.kind == "source" && b.name == d.bus && b.label == d.label;
         });
         if (!h.left) {
-            text({label, y + 4}, d.label, Anchor::start, "small", true);
+            text({label, y + 4}, d.label, Anchor::start, "small", 1.5 * kValueRoom);
         } else if (!same) { // the bus says it already
             text({x - 11, y + 22}, d.label, Anchor::middle, "small");
         }

@@ -50,6 +50,13 @@ export async function start(scenario, ...more) {
   return { url, folder, child, ended };
 }
 
+/** Runs a scenario that has no monitor to its end. */
+export async function run_to_end(scenario, ...more) {
+  const folder = join(mkdtempSync(join(tmpdir(), "gridspace-e2e-")), "run");
+  const child = spawn(join(build, "bin/gridspace"), ["run", join(root, scenario), "--out", folder, ...more], { cwd: root, stdio: "ignore" });
+  return { folder, code: await new Promise(done => child.on("exit", done)) };
+}
+
 /** `gridspace monitor FOLDER`: its process and address. */
 export async function look(folder) {
   const child = spawn(join(build, "bin/gridspace"), ["monitor", folder], { cwd: root });
@@ -121,6 +128,18 @@ export async function check_accessible(page, what) {
   check(`${what}: axe-core finds nothing serious`, found.length === 0, found.join(" | "));
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   check(`${what}: it needs no sideways scrolling`, wide <= 0, wide);
+}
+
+/** Of the texts of the one-line diagram, as the browser has drawn them, no two lie on each other. */
+export async function check_diagram(page, what) {
+  await page.waitForSelector(".oneline .bus");
+  const found = await page.evaluate(() => {
+    const texts = [...document.querySelectorAll(".oneline text")].map(e => ({ says: e.textContent, box: e.getBoundingClientRect() })).filter(t => t.box.width > 0);
+    const one = document.querySelector(".oneline .bus text"), slack = one.getBoundingClientRect().height / 4; // a box has room for accents
+    const over = (a, b) => a.left < b.right - 0.5 && b.left < a.right - 0.5 && a.top + slack < b.bottom && b.top + slack < a.bottom;
+    return texts.flatMap((a, i) => texts.slice(i + 1).filter(b => over(a.box, b.box)).map(b => `${a.says} on ${b.says}`)).concat(texts.length ? [] : ["no text at all"]);
+  });
+  check(`${what}: no two labels of the one-line diagram lie on each other`, found.length === 0, found.join("; "));
 }
 
 /** Processes and topics of the scenario that the graph must show. */

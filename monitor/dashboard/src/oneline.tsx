@@ -1,7 +1,8 @@
 // The one-line diagram: the monitor draws it, the report shows the same; here it gets what is measured: voltages by band, breakers by
 // shape, flows, what hangs on the buses, and the faults of the moment.
 import { useEffect, useRef } from "preact/hooks";
-import { network, run, values, type Network } from "./model";
+import { FlowTable, useFlows, type Flow } from "./flows";
+import { drawn, network, run, signals, values, type Network } from "./model";
 import { choice, choose } from "./state";
 import { fixed } from "./text";
 import { position as instant } from "./transport";
@@ -21,7 +22,7 @@ function say(group: Element, look: string, value?: string, title?: string) {
   if (name && title !== undefined && name.textContent !== title) name.textContent = title;
 }
 
-function dress(svg: Element, net: Network) {
+function dress(svg: Element, net: Network, flows: Flow[]) {
   const now = values.value, t = run.value?.recorded ? instant() : (run.value?.time_s ?? 0);
   const position = (name: string) => now.get(`breaker.${name}.position`) ?? now.get(`fuse.${name}.position`); // 1 open, 2 closed
   const each = (look: string, body: (group: Element, name: string) => void) => svg.querySelectorAll(`g.${look}`).forEach(g => body(g, (g as SVGElement).dataset.name!));
@@ -36,9 +37,9 @@ function dress(svg: Element, net: Network) {
   });
   each("branch", (g, name) => {
     const open = net.breakers.some(c => c.line === name && position(c.name) === 1);
-    const flow = now.get(`line.${name}.from.i_a`), power = now.get(`line.${name}.from.p_kw`), b = net.branches.find(o => o.name === name)!;
-    say(g, `branch${open ? " open" : ""}`, open ? "open" : power !== undefined ? `${power.toFixed(1)} kW` : flow !== undefined ? `${flow.toFixed(1)} A` : "",
-      `${b.kind} ${b.label}${flow !== undefined ? `: ${flow.toFixed(2)} A` : ""}; click: its current`);
+    const f = flows.find(o => o.branch.name === name), b = net.branches.find(o => o.name === name)!, amps = f?.i.map(i => fixed(i, 2)).join(", ");
+    say(g, `branch${open ? " open" : ""}`, open ? "open" : f?.p !== undefined ? `${f.p.toFixed(1)} kW` : amps ? `${fixed(f!.i[0], 1)} A` : "",
+      `${b.kind} ${b.label}${amps ? `: ${amps} A` : ""}${f?.p !== undefined ? `, ${fixed(f.p, 2)} kW, ${fixed(f.q, 2)} kvar into it from ${b.from}` : ""}; click: its current`);
   });
   each("device", (g, name) => {
     const kind = g.classList[1], of = (quantity: string) => now.get(`${kind}.${name}.${quantity}`);
@@ -53,20 +54,32 @@ function dress(svg: Element, net: Network) {
   });
 }
 
+/** What is told of the current of a branch: its magnitude, or the phases at its begin. */
+function currentOf(name: string): string {
+  const b = network.value?.branches.find(o => o.name === name), ct = network.value?.cts.find(c => c.line === name), end = `${b?.kind}.${name}.from`;
+  const told = (n: string) => signals.value.some(s => s.name === n);
+  return told(`${end}.i_a`) ? `${end}.i_a` : told(`${end}.i.a`) ? `${end}.i.*` : ct && told(`ct.${ct.name}.i.a`) ? `ct.${ct.name}.i.*` : "";
+}
+
 /** A click on an element: its signals are plotted. */
 function plot(target: Element) {
   const g = target.closest<SVGElement>("g[data-name]"), name = g?.dataset.name, kind = g?.classList[1] ?? "";
-  const pattern = !g ? "" : g.classList[0] === "bus" ? "bus.*.v_pu" : g.classList[0] === "branch" ? `line.${name}.from.i_a` : g.classList[0] === "ct" ? `ct.${name}.i.*`
+  const pattern = !g ? "" : g.classList[0] === "bus" ? "bus.*.v_pu" : g.classList[0] === "branch" ? currentOf(name!) : g.classList[0] === "ct" ? `ct.${name}.i.*`
     : g.classList[0] === "device" ? (g.querySelector(".charge") ? `${kind}.*.soc_percent` : `${kind}.${name}.p_kw`) : "";
   if (pattern) choose({ plots: [pattern, ...choice.value.plots.filter(p => p !== pattern)].slice(0, 3) });
 }
 
 export function OneLine() {
   const holder = useRef<HTMLDivElement>(null), net = network.value;
-  const now = values.value, at = run.value?.recorded ? instant() : run.value?.time_s;
+  const flows = useFlows(), now = values.value, at = run.value?.recorded ? instant() : run.value?.time_s;
   const shown = net && net.buses.length > 0;
   useEffect(() => { if (holder.current) holder.current.innerHTML = net?.diagram ?? ""; }, [net?.diagram, shown]);
-  useEffect(() => { if (holder.current && shown) dress(holder.current, net); }, [now, at, net]);
+  useEffect(() => { if (holder.current && shown) dress(holder.current, net, flows); }, [now, at, net, drawn.value]);
   if (!shown) return <p class="empty">the monitor was not told of a network</p>;
-  return <div class="scroll" tabindex={0} aria-label="one-line diagram" ref={holder} onClick={e => plot(e.target as Element)} />;
+  return (
+    <>
+      <div class="scroll" tabindex={0} aria-label="one-line diagram" ref={holder} onClick={e => plot(e.target as Element)} />
+      <FlowTable flows={flows} />
+    </>
+  );
 }

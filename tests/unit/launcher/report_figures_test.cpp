@@ -116,6 +116,19 @@ TEST(ReportFigures, MarksAreAtInstantsAndAtTheFirstTimeThatSomethingHolds) {
     EXPECT_EQ(sut[0].shades[0].from_s, 6);
 }
 
+TEST(ReportFigures, InALaneABreakerIsUpWhereItIsOpenAndNotWhereItIsClosed) {
+    auto sut = drawn("    d: {kind: digital, signals: [breaker.*.position]}\n");
+    ASSERT_EQ(sut[0].series.size(), 1U);
+    EXPECT_TRUE(sut[0].series[0].double_point);
+    std::string const as_it_is = to_svg(sut[0]);
+    sut[0].series[0] = {"CB1", {0, 6 * kSecond}, {0, 1}};
+    EXPECT_NE(as_it_is.find("L"), std::string::npos);
+    auto const path = [](std::string const& svg) { return svg.substr(svg.find("class=\"data\"")).substr(0, 90); };
+    sut[0].series[0].steps = true;
+    sut[0].series[0].colour = 0;
+    EXPECT_EQ(path(as_it_is), path(to_svg(sut[0]))) << "as one that rises when the breaker opens";
+}
+
 TEST(ReportFigures, WhatIsExpectedOfADrawnSignalIsALine) {
     Results r = run();
     ExpectationResult e;

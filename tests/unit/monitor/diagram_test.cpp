@@ -116,7 +116,7 @@ TEST_P(OneLineOfRandomGrids, HasNoTwoLabelsAtOnePlaceAndNoBranchThroughAForeignB
                 }
             }
         }
-        for (Cut const& cut : cuts(lay_out(grid, 0))) {
+        for (Cut const& cut : cuts(lay_out(grid, false))) {
             ADD_FAILURE() << cut.branch << " runs through " << cut.bus;
         }
     }
@@ -124,7 +124,7 @@ TEST_P(OneLineOfRandomGrids, HasNoTwoLabelsAtOnePlaceAndNoBranchThroughAForeignB
 
 TEST_P(OneLineOfRandomGrids, HasEachBranchFromBarToBarWithinThePicture) {
     Grid const grid = random_grid(GetParam(), 2 + GetParam() % 18, true);
-    Layout const sut = lay_out(grid, 0);
+    Layout const sut = lay_out(grid, false);
     ASSERT_EQ(sut.routes.size(), grid.branches.size());
     for (Route const& route : sut.routes) {
         for (auto const& [bus, at] :
@@ -180,11 +180,11 @@ TEST(OneLine, HasAFaultAtItsShareOfTheLineFromItsBegin) {
     Grid grid = two_buses();
     grid.breakers.clear();
     grid.cts.clear();
-    Layout const sut = lay_out(grid, 0);
+    Layout const sut = lay_out(grid, false);
     Route const& route = sut.routes[0];
     EXPECT_NEAR(route.at(0.6).x, 0.4 * sut.bars[0].x + 0.6 * sut.bars[1].x, 1e-9);
     std::swap(grid.branches[0].from, grid.branches[0].to);
-    Layout const turned = lay_out(grid, 0);
+    Layout const turned = lay_out(grid, false);
     EXPECT_NEAR(turned.routes[0].at(0.6).x, 0.6 * turned.bars[0].x + 0.4 * turned.bars[1].x, 1e-9);
 }
 
