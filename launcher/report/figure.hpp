@@ -28,7 +28,7 @@ struct Figure {
         bool right_axis{false};
         std::vector<std::string> point_names{}; ///< beside the dots; empty, or one for each value
         bool double_point{false};               ///< a breaker's position: in a lane it is up where that is open
-    bool path{false};                       ///< of places in their order, which need not increase
+        bool path{false};                       ///< of places in their order, which need not increase
     };
     std::vector<Series> series;
     struct Line {

@@ -11,6 +11,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Beyond it nobody sees anything, and the picture fills the queues of slow clients.
+constexpr std::size_t kMostDrawn = 2000;
+
 } // namespace
 
 std::string Api::network() const {
@@ -65,15 +68,16 @@ std::string Api::network() const {
         }
         faults.push_back(std::move(entry));
     }
-    Json const out{{"diagram", diagram::one_line(plan, {nullptr, true}).svg},
-                   {"frequency_hz", plan.frequency_hz},
-                   {"buses", buses},
-                   {"branches", branches},
-                   {"breakers", breakers},
-                   {"cts", cts},
-                   {"devices", devices},
-                   {"relays", relays},
-                   {"faults", faults}};
+    Json const out{
+        {"diagram", plan.elements() > kMostDrawn ? std::string{} : diagram::one_line(plan, {nullptr, true}).svg},
+        {"frequency_hz", plan.frequency_hz},
+        {"buses", buses},
+        {"branches", branches},
+        {"breakers", breakers},
+        {"cts", cts},
+        {"devices", devices},
+        {"relays", relays},
+        {"faults", faults}};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "monitor/diagram/layout.hpp"
 
-#include "monitor/diagram/places.hpp"
+#include "monitor/diagram/ways.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,34 +11,25 @@
 namespace gridspace::diagram {
 namespace {
 
-constexpr double kMargin = 10, kAbove = 20, kBelow = 12, kUprightRow = 19, kTrack = 12, kLane = 18,
-                 kLabelRoom = 30, kBetweenRows = 16;
+constexpr double kMargin = 10, kAbove = 20, kBelow = 12, kUprightRow = 19, kTrack = 12, kLane = 18, kLabelRoom = 30,
+                 kBetweenRows = 16;
 
-/// A branch while its place is looked for. Its left bus is the one in the column further left, or the upper one.
-struct Run {
-    enum class Way {
-        upright,   ///< from bar to bar within a column
-        loop,      ///< within a column, past a bar: out to the right and back
-        straight,  ///< within a row
-        turns,     ///< in the gap behind the left bus, then along the row of the right one
-        late_turn, ///< along the row of the left bus, then in the gap before the right one
-        lane       ///< both, and between the rows in a lane
-    };
+/// A branch while its place is looked for.
+struct Run : Way {
+    explicit Run(Way const& way) : Way{way} {
+        route.branch = branch;
+        route.upright = kind == Kind::upright;
+    }
     Route route;
-    std::size_t left{0}, right{0};
-    bool turned{false}; ///< the branch begins at the right bus
-    Way way{Way::straight};
-    std::array<std::size_t, 2> slots{};
-    std::array<double, 2> reach{}; ///< of the symbols at the left and the right bus
-    std::size_t lane_row{0}, lane{0};
-    std::array<double, 2> tracks{};
+    std::array<double, 2> reach{};  ///< of the symbols at the left and the right bus
+    std::array<double, 2> tracks{}; ///< where it turns: behind the left bus, before the right one
 };
 
 class Layouter {
   public:
     Layouter(Grid const& grid, bool live)
-        : grid_{grid}, value_{live ? kValueRoom : 0}, above_{live ? kAbove + kValueRow : kAbove}, first_tap_{above_ + 2},
-          cells_{places(grid)} {
+        : grid_{grid}, value_{live ? kValueRoom : 0}, above_{live ? kAbove + kValueRow : kAbove},
+          first_tap_{above_ + 2}, cells_{places(grid)} {
         for (std::size_t b = 0; b < grid.buses.size(); ++b) {
             number_.emplace(grid.buses[b].name, b);
             columns_ = std::max(columns_, cells_[b].column + 1);
@@ -47,10 +38,14 @@ class Layouter {
     }
 
     Layout lay_out() {
-        taps_.resize(grid_.buses.size());
-        lanes_.resize(rows_);
-        find_ways();
-        find_slots();
+        Ways ways = find_ways(grid_, cells_, number_);
+        lanes_ = std::move(ways.lanes);
+        for (Way const& way : ways.all) {
+            runs_.emplace_back(way);
+        }
+        for (Ways::Slots& slots : ways.slots) {
+            static_cast<Ways::Slots&>(taps_.emplace_back()) = std::move(slots);
+        }
         find_devices();
         find_heights();
         find_widths();
@@ -66,8 +61,7 @@ class Layouter {
 
   private:
     /// What stands at a bar, by its height below the bar's top.
-    struct Taps {
-        std::set<std::size_t> left, right; ///< slots in use
+    struct Taps : Ways::Slots {
         std::vector<Grid::Device const*> devices;
         Grid::Device const* source{nullptr}; ///< at the left
         double bottom{30}, block{30};        ///< of the bar; of all that belongs to it
@@ -76,84 +70,6 @@ class Layouter {
         double symbols{0}, label{0}, tracks{0}, before{0}; ///< behind a bar, in the middle, for turns, before the next
         double beside{0};                                  ///< symbols and label together at least
     };
-
-    bool is_free(std::size_t row, std::size_t from_column, std::size_t to_column) const {
-        return std::none_of(cells_.begin(), cells_.end(), [&](Cell const& c) {
-            return c.row == row && c.column > from_column && c.column < to_column;
-        });
-    }
-
-    void find_ways() {
-        std::set<std::pair<std::size_t, std::size_t>> upright;
-        for (Grid::Branch const& branch : grid_.branches) {
-            auto const from = number_.find(branch.from), to = number_.find(branch.to);
-            if (from == number_.end() || to == number_.end()) {
-                continue;
-            }
-            Run run;
-            run.route.branch = &branch;
-            Cell const a = cells_[from->second], b = cells_[to->second];
-            run.turned = a.column != b.column ? a.column > b.column : a.row > b.row;
-            run.left = run.turned ? to->second : from->second;
-            run.right = run.turned ? from->second : to->second;
-            Cell const l = cells_[run.left], r = cells_[run.right];
-            if (l.column == r.column) {
-                bool const next = std::none_of(cells_.begin(), cells_.end(), [&](Cell const& c) {
-                    return c.column == l.column && c.row > l.row && c.row < r.row;
-                });
-                bool const first = next && run.left != run.right && upright.emplace(run.left, run.right).second;
-                run.way = first ? Run::Way::upright : Run::Way::loop;
-            } else if (l.row == r.row && is_free(l.row, l.column, r.column)) {
-                run.way = Run::Way::straight;
-            } else if (l.row != r.row && is_free(r.row, l.column, r.column)) {
-                run.way = Run::Way::turns;
-            } else if (l.row != r.row && is_free(l.row, l.column, r.column)) {
-                run.way = Run::Way::late_turn;
-            } else {
-                run.way = Run::Way::lane;
-                run.lane_row = std::min(l.row, r.row);
-                run.lane = lanes_[run.lane_row]++;
-            }
-            run.route.upright = run.way == Run::Way::upright;
-            runs_.push_back(std::move(run));
-        }
-    }
-
-    static std::size_t first_free(std::set<std::size_t> const& used, std::set<std::size_t> const* also = nullptr) {
-        std::size_t slot = 0;
-        while (used.contains(slot) || (also != nullptr && also->contains(slot))) {
-            ++slot;
-        }
-        return slot;
-    }
-
-    /// Straight branches first: they leave both bars at one height. Then the others, in the order of where they go to.
-    void find_slots() {
-        std::vector<Run*> others;
-        for (Run& run : runs_) {
-            if (run.way == Run::Way::straight) {
-                auto &right = taps_[run.left].right, &left = taps_[run.right].left;
-                run.slots[0] = run.slots[1] = first_free(right, &left);
-                right.insert(run.slots[0]);
-                left.insert(run.slots[0]);
-            } else if (run.way != Run::Way::upright) {
-                others.push_back(&run);
-            }
-        }
-        auto const take = [&](std::size_t end) {
-            std::stable_sort(others.begin(), others.end(), [&](Run const* a, Run const* b) {
-                return cells_[end == 0 ? a->right : a->left].row < cells_[end == 0 ? b->right : b->left].row;
-            });
-            for (Run* run : others) {
-                auto& used = end == 0 || run->way == Run::Way::loop ? taps_[end == 0 ? run->left : run->right].right
-                                                                    : taps_[run->right].left;
-                run->slots[end] = first_free(used);
-                used.insert(run->slots[end]);
-            }
-        };
-        take(0);
-        take(1);
-    }
 
     void find_devices() {
         for (Grid::Device const& device : grid_.devices) {
@@ -208,7 +124,7 @@ class Layouter {
         }
         for (Run& run : runs_) {
             find_symbols(run);
-            if (run.way == Run::Way::upright) {
+            if (run.kind == Way::Kind::upright) {
                 double const own = (run.route.branch->kind == "transformer" ? 44 : 24) +
                                    kUprightRow * static_cast<double>(run.route.symbols.size() + 1);
                 std::size_t const row = cells_[run.left].row;
@@ -285,7 +201,9 @@ class Layouter {
                 before.before = std::max(before.before, 33 + std::max(17.0, width_of(taps_[b].source->label) / 2 + 6));
             }
             for (Grid::Device const* device : taps_[b].devices) {
-                behind.beside = std::max(behind.beside, kStub + 46 + width_of(device->label) + 1.5 * value_);
+                behind.beside =
+                    std::max(behind.beside, kStub + label_offset(shape_of(device->kind)) + width_of(device->label) +
+                                                10 + (value_ > 0 ? room_of(shape_of(device->kind)) : 0));
             }
             for (Grid::Fault const& fault : grid_.faults) {
                 if (fault.line.empty() && fault.bus == grid_.buses[b].name) {
@@ -297,7 +215,7 @@ class Layouter {
         for (Run& run : runs_) {
             Gap& behind = gaps[cells_[run.left].column + 1];
             double label = std::max(width_of(run.route.branch->label), value_);
-            if (run.way == Run::Way::upright) {
+            if (run.kind == Way::Kind::upright) {
                 label = width_of(run.route.branch->label) + value_;
                 for (Symbol const& s : run.route.symbols) {
                     double wide = width_of(s.name) + 22;
@@ -317,17 +235,17 @@ class Layouter {
             for (Grid::Fault const& fault : grid_.faults) {
                 label = std::max(label, fault.line == run.route.branch->name ? 2 * (width_of(fault.name) + 18) : 0);
             }
-            behind.symbols = std::max({behind.symbols, run.reach[0], run.way == Run::Way::loop ? run.reach[1] : 0});
+            behind.symbols = std::max({behind.symbols, run.reach[0], run.kind == Way::Kind::loop ? run.reach[1] : 0});
             behind.label =
                 std::max(behind.label, std::max(label, run.route.branch->kind == "transformer" ? 40 : 0.0) + 18);
-            if (run.way != Run::Way::loop) {
+            if (run.kind != Way::Kind::loop) {
                 Gap& last = gaps[cells_[run.right].column];
                 last.before = std::max(last.before, run.reach[1] + 4);
             }
-            if (run.way == Run::Way::turns || run.way == Run::Way::loop || run.way == Run::Way::lane) {
+            if (run.kind == Way::Kind::turns || run.kind == Way::Kind::loop || run.kind == Way::Kind::lane) {
                 turns[cells_[run.left].column + 1].emplace_back(&run, 0);
             }
-            if (run.way == Run::Way::late_turn || run.way == Run::Way::lane) {
+            if (run.kind == Way::Kind::late_turn || run.kind == Way::Kind::lane) {
                 turns[cells_[run.right].column].emplace_back(&run, 1);
             }
         }
@@ -347,9 +265,9 @@ class Layouter {
     /// The heights between which a branch runs in its track.
     std::pair<double, double> turn_of(Run const& run, std::size_t which) const {
         double const y1 = tap(run.left, run.slots[0]), y2 = tap(run.right, run.slots[1]);
-        return run.way != Run::Way::lane ? std::pair{y1, y2}
-               : which == 0              ? std::pair{y1, lane_y(run)}
-                                         : std::pair{lane_y(run), y2};
+        return run.kind != Way::Kind::lane ? std::pair{y1, y2}
+               : which == 0                ? std::pair{y1, lane_y(run)}
+                                           : std::pair{lane_y(run), y2};
     }
     double lane_y(Run const& run) const {
         return lane_tops_[run.lane_row] + kLane * (static_cast<double>(run.lane) + 0.5);
@@ -370,27 +288,27 @@ class Layouter {
 
     bool is_tied(std::size_t bus) const {
         return std::any_of(runs_.begin(), runs_.end(),
-                           [&](Run const& r) { return r.way == Run::Way::upright && r.right == bus; });
+                           [&](Run const& r) { return r.kind == Way::Kind::upright && r.right == bus; });
     }
 
     void draw_routes() {
         for (Run& run : runs_) {
             double const x1 = x_[cells_[run.left].column], x2 = x_[cells_[run.right].column];
             Route& route = run.route;
-            if (run.way == Run::Way::upright) {
+            if (run.kind == Way::Kind::upright) {
                 draw_upright(run, x1);
             } else {
                 double const y1 = tap(run.left, run.slots[0]), y2 = tap(run.right, run.slots[1]);
                 double const first = run.tracks[0], last = run.tracks[1];
-                switch (run.way) {
-                case Run::Way::turns:
-                case Run::Way::loop:
+                switch (run.kind) {
+                case Way::Kind::turns:
+                case Way::Kind::loop:
                     route.path = {{x1, y1}, {first, y1}, {first, y2}, {x2, y2}};
                     break;
-                case Run::Way::late_turn:
+                case Way::Kind::late_turn:
                     route.path = {{x1, y1}, {last, y1}, {last, y2}, {x2, y2}};
                     break;
-                case Run::Way::lane:
+                case Way::Kind::lane:
                     route.path = {{x1, y1},   {first, y1}, {first, lane_y(run)}, {last, lane_y(run)},
                                   {last, y2}, {x2, y2}};
                     break;
@@ -401,7 +319,7 @@ class Layouter {
                 bool const turns = route.path.size() > 2; // then the piece before the first turn has the room
                 route.bare = {Point{x1 + run.reach[0], y1}, Point{turns ? route.path[1].x - 6 : x2 - run.reach[1], y1}};
                 for (Symbol& s : route.symbols) {
-                    bool const second = s.at.y != 0, leftwards = second && run.way != Run::Way::loop;
+                    bool const second = s.at.y != 0, leftwards = second && run.kind != Way::Kind::loop;
                     double const bar = second ? x2 : x1, sign = leftwards ? -1 : 1;
                     s.at = {bar + sign * s.at.x, second ? y2 : y1};
                     for (double& tag : s.tags_x) {
@@ -454,6 +372,27 @@ class Layouter {
 };
 
 } // namespace
+
+DeviceShape shape_of(std::string_view kind) {
+    static constexpr std::array<std::string_view, 5> kCircles{"machine", "generator", "pv", "induction_machine",
+                                                              "wind_turbine"};
+    static constexpr std::array<std::string_view, 3> kStores{"ev", "battery", "supercapacitor"};
+    return kind == "source"                                                      ? DeviceShape::source
+           : std::find(kCircles.begin(), kCircles.end(), kind) != kCircles.end() ? DeviceShape::circle
+           : std::find(kStores.begin(), kStores.end(), kind) != kStores.end()    ? DeviceShape::store
+                                                                                 : DeviceShape::arrow;
+}
+
+double label_offset(DeviceShape shape) {
+    return shape == DeviceShape::source   ? 27
+           : shape == DeviceShape::circle ? 21
+           : shape == DeviceShape::store  ? 35
+                                          : 14;
+}
+
+double room_of(DeviceShape shape) {
+    return shape == DeviceShape::store ? 1.5 * kValueRoom : kValueRoom;
+}
 
 double width_of(std::string_view text) {
     double out = 0;

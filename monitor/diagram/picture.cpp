@@ -32,17 +32,16 @@ constexpr std::string_view kStyle =
     "text{fill:var(--dg-bad)}"
     ".oneline .later{visibility:hidden}";
 
-/// What stands in the circle of a machine or a converter; what is in no list is an arrow.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kCircles{
-    {{"machine", "~"}, {"generator", "~"}, {"pv", "☀"}, {"induction_machine", "M"}, {"wind_turbine", ""}}};
-constexpr std::array<std::string_view, 3> kStores{"ev", "battery", "supercapacitor"};
+/// What stands in the circle of a machine or a converter; a wind turbine has blades.
+std::string_view sign_of(std::string_view kind) {
+    return kind == "pv" ? "☀" : kind == "induction_machine" ? "M" : "~";
+}
 
 enum class Anchor { start, middle, end };
 
 class Painter {
   public:
-    Painter(Grid const& grid, Look const& look)
-        : grid_{grid}, look_{look}, layout_{lay_out(grid, look.live)} {}
+    Painter(Grid const& grid, Look const& look) : grid_{grid}, look_{look}, layout_{lay_out(grid, look.live)} {}
 
     Picture paint() {
         for (Route const& route : layout_.routes) {
@@ -112,7 +111,8 @@ class Painter {
                 fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"9\"/>", route.label.x - dx, route.label.y - dy);
         }
         if (route.upright) {
-            text({route.label.x + (transformer ? 16 : 8), route.label.y + 4}, b.label, Anchor::start, "small", kValueRoom);
+            text({route.label.x + (transformer ? 16 : 8), route.label.y + 4}, b.label, Anchor::start, "small",
+                 kValueRoom);
         } else {
             double const up = (transformer ? 12 : 7) + (look_.live ? kValueRow : 0);
             text({route.label.x, route.label.y - up}, b.label, Anchor::middle, "small", kValueRoom, true);
@@ -172,7 +172,8 @@ class Painter {
         Grid::Bus const& b = *bar.bus;
         begin("bus", b.name, fmt::format("bus {}, {} V", b.label, shortest(b.voltage_v)));
         svg_ += fmt::format("<path class=\"bar\" d=\"M{0:.1f} {1:.1f}V{2:.1f}\"/>", bar.x, bar.top, bar.bottom);
-        text({bar.tied ? bar.x + 7 : bar.x, bar.top - 8}, b.label, bar.tied ? Anchor::start : Anchor::middle, "", kValueRoom);
+        text({bar.tied ? bar.x + 7 : bar.x, bar.top - 8}, b.label, bar.tied ? Anchor::start : Anchor::middle, "",
+             kValueRoom);
         end();
     }
 
@@ -181,42 +182,39 @@ class Painter {
         double const y = h.at.y, x = h.at.x + (h.left ? -22 : kStub);
         begin("device " + d.kind, d.name, d.kind + " " + d.label);
         svg_ += fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\"/>", h.at.x, y, x);
-        auto const* const circle =
-            std::find_if(kCircles.begin(), kCircles.end(), [&](auto const& c) { return c.first == d.kind; });
-        double label = x + 14;
-        if (d.kind == "source") {
+        DeviceShape const shape = shape_of(d.kind);
+        switch (shape) {
+        case DeviceShape::source: {
             double const left = h.left ? x - 22 : x;
             svg_ += fmt::format("<rect x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"22\" height=\"18\"/>", left, y - 9);
             text({left + 11, y + 3.5}, "grid", Anchor::middle, "tiny");
-            label = x + 27;
-        } else if (circle != kCircles.end()) {
+            break;
+        }
+        case DeviceShape::circle:
             svg_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"8\"/>", x + 8, y);
-            if (circle->second.empty()) { // blades
-                for (double const angle : {-90.0, 30.0, 150.0}) {
-                    double const turn = angle * 3.14159265 / 180;
-                    svg_ += fmt::format("<path d=\"M{0:.1f} {1:.1f}l{2:.1f} {3:.1f}\"/>", x + 8, y,
-                                        6.5 * std::cos(turn), 6.5 * std::sin(turn));
-                }
-            } else {
-                svg_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"tiny middle\">{}</text>", x + 8, y + 3.5,
-                                    circle->second);
-            }
-            label = x + 21;
-        } else if (std::find(kStores.begin(), kStores.end(), d.kind) != kStores.end()) {
+            svg_ +=
+                d.kind == "wind_turbine"
+                    ? fmt::format("<path d=\"M{0:.1f} {1:.1f}v-6.5m0 6.5l5.6 3.25m-5.6 -3.25l-5.6 3.25\"/>", x + 8, y)
+                    : fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" class=\"tiny middle\">{}</text>", x + 8, y + 3.5,
+                                  sign_of(d.kind));
+            break;
+        case DeviceShape::store: {
             double const charge = last(d.kind + "." + d.name + ".soc_percent").value_or(0);
             svg_ +=
                 fmt::format("<rect class=\"cell\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"30\" height=\"12\" rx=\"2\"/>"
                             "<rect class=\"charge\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"9\" rx=\"1\"/>",
                             x, y - 6, x + 1.5, y - 4.5, 0.27 * std::clamp(charge, 0.0, 100.0));
-            label = x + 35;
-        } else {
+            break;
+        }
+        case DeviceShape::arrow:
             svg_ += fmt::format("<path class=\"arrowhead\" d=\"M{0:.1f} {1:.1f}l9 4.5l-9 4.5z\"/>", x, y - 4.5);
         }
+        double const label = x + label_offset(shape);
         bool const same = std::any_of(grid_.buses.begin(), grid_.buses.end(), [&](Grid::Bus const& b) {
             return d.kind == "source" && b.name == d.bus && b.label == d.label;
         });
         if (!h.left) {
-            text({label, y + 4}, d.label, Anchor::start, "small", 1.5 * kValueRoom);
+            text({label, y + 4}, d.label, Anchor::start, "small", room_of(shape));
         } else if (!same) { // the bus says it already
             text({x - 11, y + 22}, d.label, Anchor::middle, "small");
         }

@@ -78,6 +78,7 @@ export function OneLine() {
   if (!shown) return <p class="empty">the monitor was not told of a network</p>;
   return (
     <>
+      {!net.diagram && <p class="empty">a grid of {net.buses.length} buses is not drawn</p>}
       <div class="scroll" tabindex={0} aria-label="one-line diagram" ref={holder} onClick={e => plot(e.target as Element)} />
       <FlowTable flows={flows} />
     </>

@@ -212,7 +212,8 @@ TEST(RelaySettings, AreSaidInTheTermsOfAManualWithTheirKeysAndUnits) {
     auto const sut = relay_settings_table(scenario_with("{PDIS1: {reach_ohm: 2.64, publish_values: true}}"));
     ASSERT_EQ(sut.rows.size(), 1U);
     EXPECT_EQ(sut.rows[0][1], "T (stream SV)");
-    EXPECT_EQ(sut.rows[0][2], "<span class=\"lines\"><b>PDIS1: distance zone, 21</b><br>reach, positive sequence: 2.64 ohm (reach_ohm)<br></span>");
+    EXPECT_EQ(sut.rows[0][2], "<span class=\"lines\"><b>PDIS1: distance zone, 21</b><br>reach, positive sequence: 2.64 "
+                              "ohm (reach_ohm)<br></span>");
     EXPECT_EQ(sut.rows[0][3], "Q by TRIP");
 }
 

@@ -61,5 +61,32 @@ TEST(MonitoredRun, HasWhatIsExpectedAsAReaderWouldSayIt) {
     EXPECT_EQ(expectation.find("unit")->text, "ms");
 }
 
+TEST(MonitoredRun, HasTheRelaysOfLinesAndBaysWithTheDeviceNumbersOfWhatTheyDo) {
+    Scenario s;
+    std::string const text =
+        "processes:\n"
+        "  mu: {program: gridspace-mu, from: BAY, to: SV}\n"
+        "  line: {program: gridspace-relay, currents: {from: SV, to: W}, element: {pickup_a: 3}, trip: T}\n"
+        "  bay: {program: gridspace-relay, inputs: {currents: SV}, trip: U, functions: {PDIS1: {}, PDIS2: {}, "
+        "PTOC1: {}, RBRF1: {}}}\n"
+        "simulation: {gateways: {G: {publish: {BAY: {ct: T1}}}}}\n";
+    config::Diagnostics diagnostics;
+    s.resolved = *config::parse_yaml(text, config::make_source("s.yaml", text), diagnostics);
+
+    config::Node const run = monitored_run(s, "..");
+
+    std::vector<std::string> said;
+    for (config::Node const& relay : run.find("relays")->items) {
+        std::string one = relay.find("name")->text + ":";
+        for (char const* key : {"functions", "cts"}) {
+            for (config::Node const& item : relay.find(key)->items) {
+                one += " " + item.text;
+            }
+        }
+        said.push_back(one);
+    }
+    EXPECT_THAT(said, testing::ElementsAre("line: 87L T1", "bay: 21 51 50BF T1"));
+}
+
 } // namespace
 } // namespace gridspace::launcher

@@ -107,6 +107,23 @@ TEST_F(ApiAnswers, TellWhatIsExpectedAndOfARecordedRunWhatCameOfIt) {
     EXPECT_EQ(json::parse(sut.verdict())["judged"], false);
 }
 
+TEST_F(ApiAnswers, HaveTheDiagramOfAGridThatCanBeSeenAndOfAVeryBigOneWhatItIsMadeOf) {
+    for (std::size_t const buses : {std::size_t{2}, std::size_t{2001}}) {
+        RunPlan plan;
+        plan.frequency_hz = 50;
+        for (std::size_t b = 0; b < buses; ++b) {
+            plan.buses.push_back({"B" + std::to_string(b), "B", 400, {}, {}});
+        }
+        plan.relays.push_back({"r", {{"21", {}}}, {}, {}});
+        LiveRun run{plan};
+        json const sut = json::parse(Api{run, [] { return web::ServerCounters{}; }}.network());
+        EXPECT_EQ(sut["buses"].size(), buses);
+        EXPECT_EQ(sut["diagram"].get<std::string>().starts_with("<svg"), buses == 2);
+        EXPECT_EQ(sut["frequency_hz"], 50);
+        EXPECT_EQ(sut["relays"][0]["functions"], json({"21"}));
+    }
+}
+
 TEST_F(ApiAnswers, MetricsNameATopicOfWhichNothingWasHeard) {
     run_.graph.participant_found("data", {"p1", {"ev1", 0, "gridspace-ev"}, {}});
     bus::DiscoveredEndpoint writer;
