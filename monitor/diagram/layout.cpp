@@ -69,6 +69,7 @@ class Layouter {
     struct Gap {
         double symbols{0}, label{0}, tracks{0}, before{0}; ///< behind a bar, in the middle, for turns, before the next
         double beside{0};                                  ///< symbols and label together at least
+        double name_behind{0}, name_before{0};             ///< of buses, which stand above all that
     };
 
     void find_devices() {
@@ -195,8 +196,8 @@ class Layouter {
         for (std::size_t b = 0; b < grid_.buses.size(); ++b) {
             Gap &before = gaps[cells_[b].column], &behind = gaps[cells_[b].column + 1];
             double const label = width_of(grid_.buses[b].label) + value_;
-            before.before = std::max(before.before, is_tied(b) ? 14 : label / 2 + 8);
-            behind.beside = std::max(behind.beside, is_tied(b) ? label + 14 : label / 2 + 8);
+            before.name_before = std::max(before.name_before, is_tied(b) ? 0 : label / 2 + 6);
+            behind.name_behind = std::max(behind.name_behind, is_tied(b) ? label + 14 : label / 2 + 6);
             if (taps_[b].source != nullptr) {
                 before.before = std::max(before.before, 33 + std::max(17.0, width_of(taps_[b].source->label) / 2 + 6));
             }
@@ -249,15 +250,19 @@ class Layouter {
                 turns[cells_[run.right].column].emplace_back(&run, 1);
             }
         }
-        double x = kMargin + gaps[0].before;
+        double x = kMargin + std::max(gaps[0].before, gaps[0].name_before);
         for (std::size_t c = 0; c < columns_; ++c) {
             Gap& gap = gaps[c + 1];
+            bool const last = c + 1 == columns_, turned = !turns[c + 1].empty();
+            gap.before = last ? 0 : std::max(gap.before, turned ? gap.name_before : 10); // no track runs through a name
+            gap.beside = std::max(
+                {gap.beside, turned || last ? gap.name_behind : 0, gap.name_behind + gap.name_before - gap.before});
             gap.label = std::max(gap.label, gap.beside - gap.symbols);
-            gap.tracks = turns[c + 1].empty() ? 0 : 16 + kTrack * static_cast<double>(turns[c + 1].size());
+            gap.tracks = turned ? 16 + kTrack * static_cast<double>(turns[c + 1].size()) : 0;
             x_.push_back(x);
             label_x_.push_back(x + gap.symbols + gap.label / 2);
             place_turns(turns[c + 1], x + gap.symbols + gap.label + 6);
-            x += gap.symbols + gap.label + gap.tracks + (c + 1 < columns_ ? std::max(gap.before, 10.0) : 0);
+            x += gap.symbols + gap.label + gap.tracks + gap.before;
         }
         out_.width = x + kMargin;
     }
@@ -391,7 +396,7 @@ double label_offset(DeviceShape shape) {
 }
 
 double room_of(DeviceShape shape) {
-    return shape == DeviceShape::store ? 1.5 * kValueRoom : kValueRoom;
+    return shape == DeviceShape::store ? 1.4 * kValueRoom : kValueRoom;
 }
 
 double width_of(std::string_view text) {
