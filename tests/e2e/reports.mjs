@@ -74,6 +74,9 @@ export async function reports() {
     const run = await run_to_end(`configs/scenarios/${scenario}.yaml`);
     check(`${scenario} ends with exit code 0`, run.code === 0, run.code);
     await on_every_page(`report_${scenario}`, pathToFileURL(join(run.folder, "report/index.html")).href, page => page.waitForSelector(`${figure} svg`));
+    const page = await open(pathToFileURL(join(run.folder, "report/index.html")).href, "light", { width: 1000, height: 900 });
+    await picture(page, `${scenario}_report`, figure);
+    await page.close();
   }
 
   // Relays with percentage restraint beside a fault on the line of another.
