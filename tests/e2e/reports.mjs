@@ -70,12 +70,16 @@ export async function reports() {
   await dashboard.close();
 
   // The relay of a bay: zones and measured impedance, curves and points of operation.
-  for (const [scenario, figure] of [["feeder_distance", "#impedance_relay_b"], ["feeder_overcurrent", "#time_current"]]) {
+  const bays = [
+    ["feeder_distance", "#impedance_relay_b", page => picture(page, "feeder_distance_report", "#impedance_relay_b")],
+    ["feeder_overcurrent", "#time_current", page => picture(page, "feeder_overcurrent_report", "#time_current")],
+  ];
+  for (const [scenario, figure, picture_of] of bays) {
     const run = await run_to_end(`configs/scenarios/${scenario}.yaml`);
     check(`${scenario} ends with exit code 0`, run.code === 0, run.code);
     await on_every_page(`report_${scenario}`, pathToFileURL(join(run.folder, "report/index.html")).href, page => page.waitForSelector(`${figure} svg`));
     const page = await open(pathToFileURL(join(run.folder, "report/index.html")).href, "light", { width: 1000, height: 900 });
-    await picture(page, `${scenario}_report`, figure);
+    await picture_of(page);
     await page.close();
   }
 
