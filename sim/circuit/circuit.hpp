@@ -5,6 +5,7 @@
 #include "sim/circuit/matrix3.hpp"
 #include "sim/circuit/norton.hpp"
 #include "sim/circuit/phase_matrix.hpp"
+#include "sim/circuit/pole_sum.hpp"
 
 #include <array>
 #include <memory>
@@ -62,6 +63,19 @@ struct BergeronLine {
     std::string name;
 };
 
+/// Frequency-dependent and transposed: each mode has a characteristic impedance and a propagation exp(-s tau) times a
+/// rational function [J. Marti, IEEE Trans. PAS-101(1), 1982].
+struct MartiLine {
+    struct Mode {
+        PoleSum impedance;   ///< ohm
+        PoleSum propagation; ///< without the travel time
+        double tau_s{0};
+    };
+    int from{kEarth}, to{kEarth};
+    Mode positive, zero;
+    std::string name;
+};
+
 /// Resistances from some phases of a triple to a common point, which may be earth. Each phase ends at its own current
 /// zero.
 struct FaultBranch {
@@ -82,6 +96,8 @@ struct CurrentTerm {
         core,
         bergeron_from,
         bergeron_to,
+        marti_from,
+        marti_to,
         fault,
         norton,
         injection
@@ -140,6 +156,7 @@ struct Circuit {
     std::vector<Winding> windings;
     std::vector<SaturableCore> cores;
     std::vector<BergeronLine> bergeron;
+    std::vector<MartiLine> marti;
     std::vector<FaultBranch> faults;
     std::vector<Switch> switches;
     std::vector<VoltageSource> sources;
@@ -173,7 +190,7 @@ struct Circuit {
 /// What a two-port is in a circuit: a triple behind the poles of each end, and what is between them.
 struct TwoPortParts {
     struct Section {
-        enum class Kind { rl, coupled, wave } kind{Kind::rl};
+        enum class Kind { rl, coupled, wave, marti } kind{Kind::rl};
         int index{0};            ///< of the branch or travelling-wave line
         double start{0}, end{1}; ///< shares of the length
     };

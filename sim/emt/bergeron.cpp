@@ -27,7 +27,7 @@ BergeronWaves::BergeronWaves(BergeronLine const& l, double step_s)
     // Events cut steps: more entries than a travel time has steps, with room for many of them. A cut of the line looks
     // back two travel times.
     auto const steps = static_cast<std::size_t>(std::ceil(std::max(l.tau1, l.tau0) / step_s));
-    past_.resize(4 * steps + 256);
+    past_ = {4 * steps + 256, step_s};
 }
 
 PhaseMatrix BergeronWaves::conductance() const {
@@ -49,7 +49,7 @@ BergeronWaves::Steady BergeronWaves::steady(double w) const {
 }
 
 void BergeronWaves::start(double w, Phasors const& v, Phasors const& i) {
-    written_ = 0;
+    past_.clear();
     std::size_t const count = past_.size() / 2;
     for (std::size_t n = 0; n < count; ++n) {
         double const t = -static_cast<double>(count - 1 - n) * step_s_;
@@ -66,23 +66,7 @@ void BergeronWaves::start(double w, Phasors const& v, Phasors const& i) {
 }
 
 BergeronWaves::Found BergeronWaves::find(double t, std::size_t end, std::size_t mode) const {
-    std::size_t const size = past_.size();
-    std::size_t newer = written_ - 1;
-    std::size_t const oldest = written_ > size ? written_ - size : 0;
-    // Times are nearly uniform: jump near, then look.
-    double const behind = (past_[newer % size].t - t) / step_s_;
-    if (behind > 2) {
-        newer -= std::min(newer - oldest, static_cast<std::size_t>(behind) - 1);
-    }
-    while (newer + 1 < written_ && past_[newer % size].t < t) {
-        ++newer;
-    }
-    while (newer > oldest + 1 && past_[(newer - 1) % size].t > t) {
-        --newer;
-    }
-    Wave const& b = past_[newer % size];
-    Wave const& a = past_[(newer > oldest ? newer - 1 : newer) % size];
-    double const share = b.t > a.t ? std::clamp((t - a.t) / (b.t - a.t), 0.0, 1.0) : 1;
+    auto const [a, b, share] = past_.around(t);
     return {a.f[end][mode] + share * (b.f[end][mode] - a.f[end][mode]),
             a.i[end][mode] + share * (b.i[end][mode] - a.i[end][mode])};
 }
@@ -104,7 +88,7 @@ BergeronWaves::Inside BergeronWaves::inside(double t, double x) const {
 }
 
 void BergeronWaves::continue_from(BergeronWaves const& whole, double t_now, double x0, double x1) {
-    written_ = 0;
+    past_.clear();
     std::size_t const count = past_.size() / 2;
     for (std::size_t n = 0; n < count; ++n) {
         double const t = t_now - static_cast<double>(count - 1 - n) * step_s_;
@@ -132,8 +116,7 @@ void BergeronWaves::history(double t, double* out) const {
 }
 
 void BergeronWaves::leave(double t, double const* v, double const* i) {
-    Wave& wave = past_[written_ % past_.size()];
-    ++written_;
+    Wave& wave = past_.next();
     wave.t = t;
     for (std::size_t end = 0; end < 2; ++end) {
         auto const volts = modes(v + 3 * end), amperes = modes(i + 3 * end);

@@ -3,10 +3,10 @@
 #pragma once
 
 #include "sim/circuit/circuit.hpp"
+#include "sim/emt/past.hpp"
 
 #include <array>
 #include <complex>
-#include <vector>
 
 namespace gridspace::sim::emt {
 
@@ -42,8 +42,8 @@ class BergeronWaves {
     void continue_from(BergeronWaves const& whole, double t_now, double x0, double x1);
 
     /// For going back to an earlier instant.
-    [[nodiscard]] std::size_t mark() const { return written_; }
-    void back_to(std::size_t mark) { written_ = mark; }
+    [[nodiscard]] std::size_t mark() const { return past_.mark(); }
+    void back_to(std::size_t mark) { past_.back_to(mark); }
 
   private:
     struct Wave {
@@ -58,8 +58,7 @@ class BergeronWaves {
     std::array<double, 3> z_, h_, tau_; ///< by mode
     std::array<double, 3> surge_, r_;   ///< by mode: surge impedance, resistance
     double step_s_;
-    std::vector<Wave> past_; ///< ring
-    std::size_t written_{0};
+    Past<Wave> past_;
 };
 
 } // namespace gridspace::sim::emt

@@ -81,7 +81,17 @@ int EmtEngine::far_node(TwoPortParts::Section const& section) const {
     using Kind = TwoPortParts::Section::Kind;
     Circuit const& c = solver_.circuit();
     auto const i = static_cast<std::size_t>(section.index);
-    return section.kind == Kind::rl ? c.rl[i].to : section.kind == Kind::coupled ? c.coupled[i].to : c.bergeron[i].to;
+    switch (section.kind) {
+    case Kind::rl:
+        return c.rl[i].to;
+    case Kind::coupled:
+        return c.coupled[i].to;
+    case Kind::wave:
+        return c.bergeron[i].to;
+    case Kind::marti:
+        return c.marti[i].to;
+    }
+    return kEarth;
 }
 
 /// Cuts a section of a line in two and returns the node between them.
@@ -105,6 +115,8 @@ Result<int> EmtEngine::cut(TwoPortParts& line, std::size_t s, double place, std:
         second.kind = parts.far_is_wave ? Section::Kind::wave : Section::Kind::rl;
         break;
     }
+    case Section::Kind::marti: // the line refused before
+        return fail(ExitCode::usage, fmt::format("{} has no node", name));
     }
     second.start = place;
     first.end = place;
@@ -152,6 +164,12 @@ Result<int> EmtEngine::fault_place(ApplyFault const& a) {
     if (!(a.position_percent >= 0 && a.position_percent <= 100)) {
         return fail(ExitCode::usage,
                     fmt::format("a fault at {} % of line '{}' is not on it", shortest(a.position_percent), a.line));
+    }
+    if (auto const refusal = (*found)->refuses_fault(a.position_percent)) {
+        return fail(ExitCode::usage,
+                    fmt::format("a fault at {} % of line '{}' cannot be: {}", shortest(a.position_percent), a.line,
+                                refusal->why),
+                    std::string{refusal->hint});
     }
     TwoPortParts& line = parts_.two_ports[index];
     double const place = a.position_percent / 100;

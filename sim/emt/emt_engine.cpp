@@ -175,16 +175,23 @@ Result<void> check_step(Network const& n, Circuit const& c, double step_s) {
             }
         }
     }
-    for (BergeronLine const& line : c.bergeron) {
-        double const tau = std::min(line.tau1, line.tau0);
+    auto const check_travel = [&](std::string const& line, double tau) -> Result<void> {
         if (tau < step_s) {
             return fail(ExitCode::usage,
                         fmt::format("line '{}': a wave travels along it in {:.3g} us, less than a step of {:.3g} us",
-                                    line.name, tau * 1e6, step_s * 1e6),
+                                    line, tau * 1e6, step_s * 1e6),
                         "use `model: pi` for this line, or a shorter step_s");
         }
+        return {};
+    };
+    Result<void> ok;
+    for (std::size_t i = 0; ok && i < c.bergeron.size(); ++i) {
+        ok = check_travel(c.bergeron[i].name, std::min(c.bergeron[i].tau1, c.bergeron[i].tau0));
     }
-    return {};
+    for (std::size_t i = 0; ok && i < c.marti.size(); ++i) {
+        ok = check_travel(c.marti[i].name, std::min(c.marti[i].positive.tau_s, c.marti[i].zero.tau_s));
+    }
+    return ok;
 }
 
 } // namespace

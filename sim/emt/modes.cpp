@@ -63,6 +63,7 @@ Admittances<double> inverse_inductances(Circuit const& c) {
         y.norton.push_back(PhaseMatrix::sequence(inverse_or_none(l.one), inverse_or_none(l.zero())));
     }
     y.bergeron.resize(c.bergeron.size());
+    y.marti.resize(c.marti.size());
     for (Winding const& w : c.windings) {
         y.windings.push_back(inverse_or_none(w.l));
     }
@@ -83,6 +84,7 @@ Admittances<double> capacitances(Circuit const& c) {
     }
     y.norton.resize(c.norton.size());
     y.bergeron.resize(c.bergeron.size());
+    y.marti.resize(c.marti.size());
     y.windings.resize(c.windings.size());
     y.cores.resize(c.cores.size());
     return y;
@@ -116,6 +118,9 @@ Admittances<Complex> admittances_at(Circuit const& c, std::vector<NortonImpedanc
     }
     for (BergeronLine const& b : c.bergeron) {
         y.bergeron.push_back(ComplexPhaseMatrix::sequence(1 / (b.z1 + b.r1 / 4), 1 / (b.z0 + b.r0 / 4)));
+    }
+    for (MartiLine const& b : c.marti) {
+        y.marti.push_back(ComplexPhaseMatrix::sequence(1.0 / b.positive.impedance.at(s), 1.0 / b.zero.impedance.at(s)));
     }
     for (Winding const& w : c.windings) {
         y.windings.push_back(inverse_of(w.r, w.l));

@@ -92,6 +92,10 @@ void fill_coefficients(Circuit const& c, double h, StepCoefficients& out) {
         out.winding_trapezoid.push_back(trapezoid(w.r, l2h));
         out.winding_euler.push_back(euler(w.r, l2h));
     }
+    out.marti.clear();
+    for (MartiLine const& line : c.marti) {
+        out.marti.emplace_back(line, h);
+    }
 }
 
 Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits const& bits) const {
@@ -107,6 +111,9 @@ Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits c
     }
     for (BergeronLine const& b : c.bergeron) {
         y.bergeron.push_back(PhaseMatrix::sequence(1 / (b.z1 + b.r1 / 4), 1 / (b.z0 + b.r0 / 4)));
+    }
+    for (MartiStep const& line : marti) {
+        y.marti.push_back(line.conductance());
     }
     for (std::size_t i = 0; i < c.cores.size(); ++i) {
         y.cores.push_back(h / (2 * (bits.segment[i] == 0 ? c.cores[i].l : c.cores[i].l_air)));
@@ -191,6 +198,8 @@ Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits co
     system->coupled_to = triple_slots(c.coupled, t, [](CoupledBranch const& b) { return b.to; });
     system->bergeron_from = triple_slots(c.bergeron, t, [](BergeronLine const& b) { return b.from; });
     system->bergeron_to = triple_slots(c.bergeron, t, [](BergeronLine const& b) { return b.to; });
+    system->marti_from = triple_slots(c.marti, t, [](MartiLine const& b) { return b.from; });
+    system->marti_to = triple_slots(c.marti, t, [](MartiLine const& b) { return b.to; });
     system->norton = triple_slots(c.norton, t, [](NortonPort const& p) { return p.node; });
     system->injection = triple_slots(c.injections, t, [](Injection const& i) { return i.node; });
     system->winding = weighted_slots(c.windings, t);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sim/circuit/circuit.hpp"
+#include "sim/emt/marti.hpp"
 #include "sim/emt/topology.hpp"
 
 #include <memory>
@@ -25,6 +26,7 @@ struct StepCoefficients {
     };
     std::vector<Coupled> coupled;
     std::vector<double> winding_g, winding_trapezoid, winding_euler;
+    std::vector<MartiStep> marti;
     Admittances<double> admittances(Circuit const& circuit, SwitchBits const& bits) const;
 };
 void fill_coefficients(Circuit const& circuit, double h, StepCoefficients& out);
@@ -41,7 +43,7 @@ struct NodalSystem {
     Ldlt<double> factors;
     // slots of elements' nodes, in element order
     std::vector<int> rl_from, rl_to, capacitor_from, capacitor_to, coupled_from, coupled_to, winding, core, norton,
-        injection, bergeron_from, bergeron_to;
+        injection, bergeron_from, bergeron_to, marti_from, marti_to;
     std::uint64_t last_used{0};
     /// What a system that differs little from another adds to its solution (nodal_update.cpp).
     struct Update {

@@ -65,6 +65,11 @@ void Solver::resize() {
     grow(state_.wave_i, 6 * c.bergeron.size());
     grow(wave_history_, 6 * c.bergeron.size());
     state_.wave_marks.resize(c.bergeron.size(), 0);
+    for (std::size_t i = marti_.size(); i < c.marti.size(); ++i) {
+        marti_.emplace_back(c.marti[i], step_s_);
+    }
+    grow(state_.marti_i, 6 * c.marti.size());
+    grow(marti_history_, 6 * c.marti.size());
     grow(injected_, 3 * c.injections.size());
     switches_.resize(c.switches.size());
     for (std::size_t i = bits_.closed.size(); i < c.switches.size(); ++i) {
@@ -172,6 +177,9 @@ Result<void> Solver::advance(double t_end, double h) {
         for (std::size_t w = 0; w < waves_.size(); ++w) {
             state_.wave_marks[w] = waves_[w].mark();
         }
+        for (MartiWaves& line : marti_) {
+            line.save();
+        }
         saved_ = state_;
         for (NortonPort const& p : circuit_.norton) {
             p.element->save();
@@ -198,6 +206,9 @@ Result<void> Solver::advance(double t_end, double h) {
             }
             for (std::size_t w = 0; w < waves_.size(); ++w) {
                 waves_[w].back_to(saved_.wave_marks[w]);
+            }
+            for (MartiWaves& line : marti_) {
+                line.restore();
             }
             t_ = t_start;
             damping_s_ = damping_s;

@@ -92,7 +92,7 @@ class Solver {
         std::vector<double> v; ///< by slot
         std::vector<double> rl_v, rl_i, capacitor_v, capacitor_i, coupled_v, coupled_i, winding_v, winding_i;
         std::vector<double> core_flux, core_v, core_i;
-        std::vector<double> wave_i;          ///< 6 per Bergeron line
+        std::vector<double> wave_i, marti_i; ///< 6 per line
         std::vector<std::size_t> wave_marks; ///< of waves_, when saved
     };
     struct SwitchControl {
@@ -111,7 +111,7 @@ class Solver {
     [[nodiscard]] Result<void> segment(double t_end, double h);
     void substep(double t_end, double h, Rule rule, StepCoefficients const& c);
     void histories(double t_end, Rule rule, StepCoefficients const& c);
-    void waves(double t_end);
+    void waves(double t_end, Rule rule, StepCoefficients const& c);
     void currents(StepCoefficients const& c);
     void source_voltages(double t);
     void solve_network();
@@ -137,8 +137,9 @@ class Solver {
     bool armed_{false}, waiting_{false};
     Dynamics state_, saved_;
     std::vector<BergeronWaves> waves_;
-    std::vector<double> wave_history_, rl_history_, capacitor_history_, coupled_history_, winding_history_,
-        core_history_, rhs_, correction_, injected_;
+    std::vector<MartiWaves> marti_;
+    std::vector<double> wave_history_, marti_history_, rl_history_, capacitor_history_, coupled_history_,
+        winding_history_, core_history_, rhs_, correction_, injected_;
     std::vector<double> watched_before_, watched_after_; ///< currents of armed poles at both ends of a segment
     std::vector<double> core_share_;       ///< by core: where in the segment its flux passes a knee; 2: nowhere
     std::vector<signed char> core_beyond_; ///< and the slope that it enters there

@@ -26,6 +26,10 @@ double Solver::current(CurrentTerm const& term, int phase) const {
         return term.sign * state_.wave_i[6 * i + k];
     case Kind::bergeron_to:
         return term.sign * state_.wave_i[6 * i + 3 + k];
+    case Kind::marti_from:
+        return term.sign * state_.marti_i[6 * i + k];
+    case Kind::marti_to:
+        return term.sign * state_.marti_i[6 * i + 3 + k];
     case Kind::fault:
         return term.sign * fault_current(i, phase);
     case Kind::norton:

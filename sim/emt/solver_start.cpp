@@ -59,14 +59,18 @@ Result<void> Solver::start(std::vector<NortonStart> const& norton_starts,
     for (NortonPort const& p : circuit_.norton) {
         y.norton.push_back(p.element->steady_admittance(speed));
     }
-    std::vector<ComplexPhaseMatrix> crosses;
     for (BergeronWaves const& line : waves_) { // true delays: they know the true frequency
         auto const steady = line.steady(w0);
         y.bergeron.push_back(steady.own);
-        crosses.push_back(steady.cross);
+        y.bergeron_cross.push_back(steady.cross);
+    }
+    for (std::size_t i = 0; i < marti_.size(); ++i) {
+        auto const steady = marti_[i].steady(usual_.marti[i], w0);
+        y.marti.push_back(steady.own);
+        y.marti_cross.push_back(steady.cross);
     }
     Topology const& t = system_->topology;
-    auto const assembly = assemble(circuit_, t, bits_, y, crosses);
+    auto const assembly = assemble(circuit_, t, bits_, y);
     Ldlt<Complex> factors;
     (void)factors.factor(t.unknowns, assembly.matrix);
     std::vector<Complex> v(static_cast<std::size_t>(t.slots));
@@ -133,9 +137,10 @@ Result<void> Solver::start(std::vector<NortonStart> const& norton_starts,
             state_.coupled_i[3 * b + k] = (row[0] * d[0] + row[1] * d[1] + row[2] * d[2]).real();
         }
     }
-    for (std::size_t b = 0; b < waves_.size(); ++b) {
-        BergeronWaves::Phasors volts, amperes;
-        std::array<int, 2> const nodes{circuit_.bergeron[b].from, circuit_.bergeron[b].to};
+    using EndPhasors = std::array<std::array<Complex, 3>, 2>;
+    auto const at_ends = [&](auto const& line, ComplexPhaseMatrix const& own, ComplexPhaseMatrix const& cross,
+                             EndPhasors& volts, EndPhasors& amperes, double* currents) {
+        std::array<int, 2> const nodes{line.from, line.to};
         std::array<Complex, 2> sum{};
         for (std::size_t end = 0; end < 2; ++end) {
             for (int k = 0; k < 3; ++k) {
@@ -145,12 +150,20 @@ Result<void> Solver::start(std::vector<NortonStart> const& norton_starts,
         }
         for (std::size_t end = 0; end < 2; ++end) {
             for (std::size_t k = 0; k < 3; ++k) {
-                amperes[end][k] = y.bergeron[b].one * volts[end][k] + y.bergeron[b].mutual * sum[end] +
-                                  crosses[b].one * volts[1 - end][k] + crosses[b].mutual * sum[1 - end];
-                state_.wave_i[6 * b + 3 * end + k] = amperes[end][k].real();
+                amperes[end][k] = own.one * volts[end][k] + own.mutual * sum[end] + cross.one * volts[1 - end][k] +
+                                  cross.mutual * sum[1 - end];
+                currents[3 * end + k] = amperes[end][k].real();
             }
         }
-        waves_[b].start(w0, volts, amperes);
+    };
+    EndPhasors end_v, end_i;
+    for (std::size_t b = 0; b < waves_.size(); ++b) {
+        at_ends(circuit_.bergeron[b], y.bergeron[b], y.bergeron_cross[b], end_v, end_i, &state_.wave_i[6 * b]);
+        waves_[b].start(w0, end_v, end_i);
+    }
+    for (std::size_t b = 0; b < marti_.size(); ++b) {
+        at_ends(circuit_.marti[b], y.marti[b], y.marti_cross[b], end_v, end_i, &state_.marti_i[6 * b]);
+        marti_[b].start(usual_.marti[b], w0, end_v, end_i);
     }
     auto const across = [&](auto const& element) {
         Complex sum{};

@@ -115,6 +115,14 @@ void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
             rhs[system_->bergeron_to[3 * w + k]] -= history[3 + k];
         }
     }
+    for (std::size_t w = 0; w < marti_.size(); ++w) {
+        double* const history = marti_history_.data() + 6 * w;
+        marti_[w].history(c.marti[w], rule, t_end, history);
+        for (std::size_t k = 0; k < 3; ++k) {
+            rhs[system_->marti_from[3 * w + k]] -= history[k];
+            rhs[system_->marti_to[3 * w + k]] -= history[3 + k];
+        }
+    }
     for (std::size_t k = 0; k < injected_.size(); ++k) {
         rhs[system_->injection[k]] += injected_[k];
     }
@@ -169,22 +177,36 @@ void Solver::currents(StepCoefficients const& c) {
     }
 }
 
-void Solver::waves(double t_end) {
+void Solver::waves(double t_end, Rule rule, StepCoefficients const& c) {
     double const* const x = state_.v.data();
-    for (std::size_t w = 0; w < waves_.size(); ++w) {
+    auto const at_ends = [&](std::vector<int> const& from, std::vector<int> const& to, std::size_t line) {
         std::array<double, 6> v;
         for (std::size_t k = 0; k < 3; ++k) {
-            v[k] = x[system_->bergeron_from[3 * w + k]];
-            v[3 + k] = x[system_->bergeron_to[3 * w + k]];
+            v[k] = x[from[3 * line + k]];
+            v[3 + k] = x[to[3 * line + k]];
         }
-        PhaseMatrix const g = waves_[w].conductance();
+        return v;
+    };
+    auto const set_currents = [](PhaseMatrix const& g, std::array<double, 6> const& v, double const* history,
+                                 double* i) {
         for (std::size_t end = 0; end < 2; ++end) {
             double const common = g.mutual * (v[3 * end] + v[3 * end + 1] + v[3 * end + 2]);
             for (std::size_t k = 3 * end; k < 3 * end + 3; ++k) {
-                state_.wave_i[6 * w + k] = g.one * v[k] + common + wave_history_[6 * w + k];
+                i[k] = g.one * v[k] + common + history[k];
             }
         }
-        waves_[w].leave(t_end, v.data(), state_.wave_i.data() + 6 * w);
+    };
+    for (std::size_t w = 0; w < waves_.size(); ++w) {
+        auto const v = at_ends(system_->bergeron_from, system_->bergeron_to, w);
+        double* const i = state_.wave_i.data() + 6 * w;
+        set_currents(waves_[w].conductance(), v, wave_history_.data() + 6 * w, i);
+        waves_[w].leave(t_end, v.data(), i);
+    }
+    for (std::size_t w = 0; w < marti_.size(); ++w) {
+        auto const v = at_ends(system_->marti_from, system_->marti_to, w);
+        double* const i = state_.marti_i.data() + 6 * w;
+        set_currents(c.marti[w].conductance(), v, marti_history_.data() + 6 * w, i);
+        marti_[w].leave(c.marti[w], rule, t_end, v.data(), i);
     }
 }
 
@@ -246,7 +268,7 @@ void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& 
         slot += 3;
     }
     currents(c);
-    waves(t_end);
+    waves(t_end, rule, c);
     double const half = c.h / 2; // of the trapezoid, or a whole backward Euler step: both weigh the new voltage alike
     for (std::size_t w = 0; w < circuit_.cores.size(); ++w) {
         double v = 0;

@@ -85,6 +85,9 @@ Result<StepNeeds> step_needs(Network const& network, double start_hour_of_day) {
     for (BergeronLine const& line : c.bergeron) {
         need(std::min(line.tau1, line.tau0), fmt::format("the travel time of line '{}'", line.name));
     }
+    for (MartiLine const& line : c.marti) {
+        need(std::min(line.positive.tau_s, line.zero.tau_s), fmt::format("the travel time of line '{}'", line.name));
+    }
     ModeSearch const search{nominal_voltages(*parts), kLeastShare * network.power_kva * 1e3 / 3};
     for (bool const all_closed : {false, true}) {
         auto const mode = fastest_mode(c, switch_state(c, all_closed), search);

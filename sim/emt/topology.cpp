@@ -136,8 +136,7 @@ Conductances fault_conductances(FaultBranch const& fault, std::array<bool, 3> co
 }
 
 template <class S>
-Assembly<S> assemble(Circuit const& c, Topology const& topology, SwitchBits const& bits, Admittances<S> const& y,
-                     std::vector<PhaseMatrixOf<S>> const& bergeron_cross) {
+Assembly<S> assemble(Circuit const& c, Topology const& topology, SwitchBits const& bits, Admittances<S> const& y) {
     Assembly<S> out;
     Stamper<S> stamp{topology, out};
     for (std::size_t i = 0; i < c.rl.size(); ++i) {
@@ -152,19 +151,21 @@ Assembly<S> assemble(Circuit const& c, Topology const& topology, SwitchBits cons
     for (std::size_t i = 0; i < c.norton.size(); ++i) {
         stamp.between(c.norton[i].node, kEarth, y.norton[i]);
     }
-    for (std::size_t i = 0; i < c.bergeron.size(); ++i) {
-        stamp.between(c.bergeron[i].from, kEarth, y.bergeron[i]);
-        stamp.between(c.bergeron[i].to, kEarth, y.bergeron[i]);
-        if (!bergeron_cross.empty()) {
-            for (int a = 0; a < 3; ++a) {
+    auto const waves = [&](auto const& lines, auto const& own, auto const& cross) {
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            stamp.between(lines[i].from, kEarth, own[i]);
+            stamp.between(lines[i].to, kEarth, own[i]);
+            for (int a = 0; !cross.empty() && a < 3; ++a) {
                 for (int b = 0; b < 3; ++b) {
-                    S const value = bergeron_cross[i].entry(a, b);
-                    stamp.add(c.bergeron[i].from + a, c.bergeron[i].to + b, value);
-                    stamp.add(c.bergeron[i].to + b, c.bergeron[i].from + a, value);
+                    S const value = cross[i].entry(a, b);
+                    stamp.add(lines[i].from + a, lines[i].to + b, value);
+                    stamp.add(lines[i].to + b, lines[i].from + a, value);
                 }
             }
         }
-    }
+    };
+    waves(c.bergeron, y.bergeron, y.bergeron_cross);
+    waves(c.marti, y.marti, y.marti_cross);
     for (std::size_t i = 0; i < c.windings.size(); ++i) {
         stamp.weighted(c.windings[i].nodes, c.windings[i].weights, y.windings[i]);
     }
@@ -184,10 +185,8 @@ Assembly<S> assemble(Circuit const& c, Topology const& topology, SwitchBits cons
     return out;
 }
 
-template Assembly<double> assemble(Circuit const&, Topology const&, SwitchBits const&, Admittances<double> const&,
-                                   std::vector<PhaseMatrix> const&);
+template Assembly<double> assemble(Circuit const&, Topology const&, SwitchBits const&, Admittances<double> const&);
 template Assembly<std::complex<double>> assemble(Circuit const&, Topology const&, SwitchBits const&,
-                                                 Admittances<std::complex<double>> const&,
-                                                 std::vector<ComplexPhaseMatrix> const&);
+                                                 Admittances<std::complex<double>> const&);
 
 } // namespace gridspace::sim::emt

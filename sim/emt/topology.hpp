@@ -37,7 +37,9 @@ using Conductances = std::array<std::array<double, 3>, 3>;
 /// What every element conducts: real for a time step, complex for the steady state.
 template <class S>
 struct Admittances {
-    std::vector<PhaseMatrixOf<S>> rl, capacitors, norton, bergeron;
+    std::vector<PhaseMatrixOf<S>> rl, capacitors, norton, bergeron, marti;
+    /// What couples the ends of travelling-wave lines: in the steady state, not within a step.
+    std::vector<PhaseMatrixOf<S>> bergeron_cross, marti_cross;
     std::vector<S> windings, cores;
     std::vector<Matrix3Of<S>> coupled;
 };
@@ -47,9 +49,8 @@ struct Assembly {
     std::vector<Entry<S>> matrix;   ///< among unknowns, row <= column
     std::vector<Entry<S>> coupling; ///< row unknown, column slot of a source node
 };
-/// `cross` is, per Bergeron line, what couples its ends (steady state only).
 template <class S>
 [[nodiscard]] Assembly<S> assemble(Circuit const& circuit, Topology const& topology, SwitchBits const& bits,
-                                   Admittances<S> const& y, std::vector<PhaseMatrixOf<S>> const& bergeron_cross = {});
+                                   Admittances<S> const& y);
 
 } // namespace gridspace::sim::emt

@@ -283,6 +283,14 @@ void check_events(std::vector<Event> const& events, Network const& n, bool wavef
         }
         must(n.lines, e.fault_line, "line", e);
         must(n.buses, e.fault_bus, "bus", e);
+        if (Line const* const line = find(n.lines, e.fault_line.name); waveform && e.fault && line != nullptr) {
+            if (auto const refusal = line->refuses_fault(e.fault->position_percent)) {
+                diagnostics.error(e.fault_line.where,
+                                  fmt::format("event '{}' has a fault at {} % of line '{}', but {}", e.name.name,
+                                              shortest(e.fault->position_percent), line->name.name, refusal->why),
+                                  std::string{refusal->hint}, static_cast<int>(e.fault_line.name.size()));
+            }
+        }
         for (auto const& [path, value] : e.set) {
             check_set(e, path, value, n, waveform, diagnostics);
         }

@@ -2,13 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sim/line_constants/line_constants.hpp"
 #include "sim/opendss/circuit.hpp"
 #include "sim/opendss/dss_value.hpp"
-#include "sim/opendss/line_constants.hpp"
 
 #include <string>
 
 namespace gridspace::opendss {
+
+using sim::Conductor;
+using sim::EarthModel;
+using sim::LineConstants;
 
 inline constexpr int kMaxPhases = 30;
 inline constexpr double kSqrt3 = 1.7320508075688772935;

@@ -25,7 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # Layers, lowest first. The first pattern that fits a file's path decides; a file sees its own layer and lower ones.
 LAYERS = [
     ("common", 0, ["common/*"]),
-    ("pure core", 1, ["bus/lockstep/*", "sim/solvers/*", "sim/fmu/*", "sim/network/*", "sim/circuit/*", "sim/components/*", "sim/actions/*", "sim/controls/*", "sim/opendss/*", "sim/powerflow/*", "sim/phasor/*", "sim/emt/*",                       "sim/events/*", "sim/engine/*", "sim/runtime/*", "fmi/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
+    ("pure core", 1, ["bus/lockstep/*", "sim/solvers/*", "sim/fmu/*", "sim/network/*", "sim/circuit/*", "sim/line_constants/*", "sim/components/*", "sim/actions/*", "sim/controls/*", "sim/opendss/*", "sim/powerflow/*", "sim/phasor/*", "sim/emt/*",                       "sim/events/*", "sim/engine/*", "sim/runtime/*", "fmi/*", "ids/*", "gateways/iec61850/*", "gateways/mapping/*",
                       "recorder/mcap/*", "recorder/compare/*", "recorder/export/*", "recorder/signals/*",
                       "recorder/pcapng/*", "common/comtrade/*", "agents/*_logic.?pp", "agents/relay/*element*", "agents/relay/line_relay.?pp",
                       "agents/relay/common/*", "agents/relay/functions/*", "agents/attacker/*_attack.?pp"]),

@@ -64,6 +64,8 @@ struct TwoPort : Element {
     };
     [[nodiscard]] virtual std::optional<Pi> pi(Surroundings const& /*around*/) const { return {}; }
     [[nodiscard]] virtual EarthPaths earth_paths(Surroundings const& around, Ends closed) const = 0;
+    /// Why a fault inside, at a place from `from`, cannot be simulated in waveforms, and what to do instead.
+    [[nodiscard]] virtual std::optional<Refusal> refuses_fault(double /*percent*/) const { return {}; }
     virtual Result<void> phases(PhaseNetworkFace& face, Surroundings const& around) const = 0;
     /// Puts its parts between the ends into a circuit; its currents count into the element at each end.
     virtual Result<void> circuit(emt::Circuit& circuit, emt::TwoPortParts& parts, Surroundings const& around) const = 0;

@@ -6,6 +6,7 @@
 #include "sim/components/faces/number_specs.hpp"
 #include "sim/components/faces/shared_checks.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -18,8 +19,10 @@ void LineType::fields(Fields& f) {
     f.numbers("phase_r_ohm_per_km", phase_r_ohm_per_km,
               not_negative("resistances aa, ab, bb, ac, bc, cc, instead of sequences"));
     f.numbers("phase_x_ohm_per_km", phase_x_ohm_per_km, any("reactances aa, ab, bb, ac, bc, cc"));
+    tower.fields(f);
     bool const given_by_phase = f.has("phase_r_ohm_per_km") || f.has("phase_x_ohm_per_km");
-    f.number("r_ohm_per_km", r_ohm_per_km, not_negative("resistance, positive sequence", !given_by_phase));
+    f.number("r_ohm_per_km", r_ohm_per_km,
+             not_negative("resistance, positive sequence", !given_by_phase && !tower.given()));
     f.number("x_ohm_per_km", x_ohm_per_km, not_negative("reactance at the base frequency"));
     f.number("l_mh_per_km", l_mh_per_km, not_negative("inductance, instead of a reactance"));
     f.number("c_nf_per_km", c_nf_per_km, not_negative("capacitance"));
@@ -27,7 +30,15 @@ void LineType::fields(Fields& f) {
     f.number("x0_ohm_per_km", x0_ohm_per_km, not_negative("reactance, zero sequence"));
     f.number("l0_mh_per_km", l0_mh_per_km, not_negative("inductance, zero sequence"));
     f.number("c0_nf_per_km", c0_nf_per_km, not_negative("capacitance, zero sequence"));
-    if (given_by_phase) {
+    if (tower.given()) {
+        for (std::string_view const key :
+             {"phase_r_ohm_per_km", "phase_x_ohm_per_km", "r_ohm_per_km", "x_ohm_per_km", "l_mh_per_km", "c_nf_per_km",
+              "r0_ohm_per_km", "x0_ohm_per_km", "l0_mh_per_km", "c0_nf_per_km"}) {
+            if (f.has(key)) {
+                f.error(key, fmt::format("line type '{}' has both conductors and values per km", name.name));
+            }
+        }
+    } else if (given_by_phase) {
         if (phase_r_ohm_per_km.size() != 6 || phase_x_ohm_per_km.size() != 6) {
             f.error("",
                     fmt::format("line type '{}' needs six phase_r_ohm_per_km and six phase_x_ohm_per_km", name.name),
@@ -48,6 +59,14 @@ void LineType::fields(Fields& f) {
         }
     } else if (x_ohm_per_km.has_value() == l_mh_per_km.has_value()) {
         f.error("", fmt::format("line type '{}' needs either x_ohm_per_km or l_mh_per_km", name.name));
+    } else if (f.has("earth_ohm_m")) {
+        f.error("earth_ohm_m", fmt::format("line type '{}' has no conductors over its earth", name.name));
+    }
+}
+
+void LineType::check(ElementCheck& check) const {
+    if (std::string const mistake = tower.given() ? tower.mistake() : ""; !mistake.empty()) {
+        check.wrong("is no line: " + mistake, "each phase needs a conductor at a place of its own");
     }
 }
 
@@ -62,8 +81,22 @@ void Line::fields(Fields& f) {
     f.number("x0_ohm", x0_ohm, not_negative("total reactance, zero sequence"));
     f.number("l0_mh", l0_mh, not_negative("total inductance, zero sequence"));
     f.number("c0_nf", c0_nf, not_negative("total capacitance, zero sequence"));
-    f.choice<LineModel>("model", model, {{"pi", LineModel::pi}, {"bergeron", LineModel::bergeron}},
+    f.choice<LineModel>("model", model,
+                        {{"pi", LineModel::pi},
+                         {"bergeron", LineModel::bergeron},
+                         {"frequency_dependent", LineModel::frequency_dependent}},
                         {.doc = "waveform model"});
+    f.numbers("fault_places_percent", fault_places_percent,
+              {.doc = "of a frequency-dependent line: where inside a fault can be, from its `from` end",
+               .above = 0,
+               .below = 100});
+    if (!fault_places_percent.empty() && model != LineModel::frequency_dependent) {
+        f.error("fault_places_percent",
+                fmt::format("line '{}' is not frequency dependent: a fault can be anywhere in it", name.name),
+                "leave it out");
+    } else if (!std::is_sorted(fault_places_percent.begin(), fault_places_percent.end(), std::less_equal<>{})) {
+        f.error("fault_places_percent", fmt::format("line '{}' has places of faults that do not rise", name.name));
+    }
     bool const totals = r_ohm || x_ohm || l_mh;
     if (!type.empty() && totals) {
         f.error("type", fmt::format("line '{}' has both a type and total values", name.name),
@@ -82,6 +115,14 @@ void Line::check(ElementCheck& check) const {
     Surroundings const& around = check.around();
     if (!type.empty() && !check.exists(LineType::kKind, type)) {
         return;
+    }
+    LineType const* const own = around.find<LineType>(type);
+    if (own != nullptr && own->tower.given() && !own->tower.mistake().empty()) {
+        return; // its type says it
+    }
+    if (model == LineModel::frequency_dependent && (own == nullptr || !own->tower.given())) {
+        check.wrong("is frequency dependent, but nothing says how",
+                    "give it a type with `conductors`, or use `model: bergeron`");
     }
     bool const ends = around.element("buses", from) != nullptr && around.element("buses", to) != nullptr;
     if (ends && !(from == to) && around.voltage_v(from) != around.voltage_v(to)) {
@@ -106,6 +147,12 @@ LineTotals Line::totals(Surroundings const& around) const {
     LineTotals t;
     if (LineType const* per_km = around.find<LineType>(type); per_km != nullptr) {
         double const km = length_km.value_or(0);
+        if (per_km->tower.given()) {
+            Tower::Sequences const s = per_km->tower.per_metre(omega);
+            double const m = 1e3 * km;
+            return {s.z1_ohm.real() * m, s.z1_ohm.imag() / omega * m, s.c1_f * m,
+                    s.z0_ohm.real() * m, s.z0_ohm.imag() / omega * m, s.c0_f * m};
+        }
         t.r_ohm = per_km->r_ohm_per_km * km;
         t.l_h = per_km->l_mh_per_km ? *per_km->l_mh_per_km * 1e-3 * km : per_km->x_ohm_per_km.value_or(0) / omega * km;
         t.c_f = per_km->c_nf_per_km * 1e-9 * km;

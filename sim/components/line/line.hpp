@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sim/components/faces/two_port.hpp"
+#include "sim/components/line/tower.hpp"
 
 namespace gridspace::sim {
 
@@ -17,15 +18,19 @@ struct LineType final : Element {
     /// values are then those of the transposed line.
     std::vector<double> phase_r_ohm_per_km, phase_x_ohm_per_km;
 
+    /// Instead of all of them: the geometry. Sequence values are then those at the nominal frequency.
+    Tower tower;
+
     [[nodiscard]] bool by_phase() const { return !phase_r_ohm_per_km.empty(); }
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;
+    void check(ElementCheck& check) const override;
     [[nodiscard]] std::string_view unseen_by_phasors() const override {
         return by_phase() ? "unequal phases: they transpose the lines of type" : "";
     }
 };
 
-enum class LineModel { pi, bergeron };
+enum class LineModel { pi, bergeron, frequency_dependent };
 
 /// A line's totals, whichever way it was written.
 struct LineTotals {
@@ -42,6 +47,7 @@ struct Line final : TwoPort {
     std::optional<double> r_ohm, x_ohm, l_mh, c_nf;
     std::optional<double> r0_ohm, x0_ohm, l0_mh, c0_nf;
     LineModel model{LineModel::pi};
+    std::vector<double> fault_places_percent; ///< where a fault can lie inside a frequency-dependent line
 
     [[nodiscard]] LineTotals totals(Surroundings const& around) const;
 
@@ -49,13 +55,14 @@ struct Line final : TwoPort {
     void fields(config::Fields& f) override;
     void check(ElementCheck& check) const override;
     [[nodiscard]] std::string_view unseen_by_phasors() const override {
-        return model == LineModel::bergeron ? "the travelling waves of line" : "";
+        return model != LineModel::pi ? "the travelling waves of line" : "";
     }
     [[nodiscard]] bool unbalanced(Surroundings const& around) const override;
     [[nodiscard]] Admittances admittances(Surroundings const& around, Ends closed) const override;
     [[nodiscard]] std::optional<Pi> pi(Surroundings const& around) const override;
     [[nodiscard]] EarthPaths earth_paths(Surroundings const& around, Ends closed) const override;
     Result<void> phases(PhaseNetworkFace& face, Surroundings const& around) const override;
+    [[nodiscard]] std::optional<Refusal> refuses_fault(double percent) const override;
     Result<void> circuit(emt::Circuit& circuit, emt::TwoPortParts& parts, Surroundings const& around) const override;
 };
 

@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "common/text.hpp"
 #include "sim/components/line/line.hpp"
+#include "sim/line_constants/mode_fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -39,6 +42,26 @@ LineType const* phase_type(Line const& line, Surroundings const& around) {
     return type != nullptr && type->by_phase() ? type : nullptr;
 }
 
+/// Of a frequency-dependent line; nothing without a tower, which was said.
+Tower const* tower_of(Line const& line, Surroundings const& around) {
+    LineType const* type = around.find<LineType>(line.type);
+    return line.model == LineModel::frequency_dependent && type != nullptr && type->tower.given() ? &type->tower
+                                                                                                  : nullptr;
+}
+
+/// The modes of the line on a tower, which must live as long.
+std::pair<ModePerMetre, ModePerMetre> modes_on(Tower const& tower) {
+    Tower::Sequences const c = tower.per_metre(1);
+    return {{[&tower](double omega) { return tower.per_metre(omega).z1_ohm; }, c.c1_f},
+            {[&tower](double omega) { return tower.per_metre(omega).z0_ohm; }, c.c0_f}};
+}
+
+/// The pi that has the same ends at an angular frequency.
+PiSection exact_pi(ModePerMetre const& mode, double length_m, double omega) {
+    Complex const gamma = mode.per_m(omega) * length_m, surge = mode.surge_ohm(omega);
+    return {surge * std::sinh(gamma), std::tanh(gamma / 2.0) / surge};
+}
+
 } // namespace
 
 bool Line::unbalanced(Surroundings const& around) const {
@@ -46,6 +69,11 @@ bool Line::unbalanced(Surroundings const& around) const {
 }
 
 std::optional<TwoPort::Pi> Line::pi(Surroundings const& around) const {
+    if (Tower const* const tower = tower_of(*this, around)) {
+        auto const [positive, zero] = modes_on(*tower);
+        double const length_m = 1e3 * length_km.value_or(0);
+        return Pi{exact_pi(positive, length_m, around.omega()), exact_pi(zero, length_m, around.omega())};
+    }
     LineTotals const t = totals(around);
     double const omega = around.omega();
     return Pi{{{t.r_ohm, omega * t.l_h}, {0, omega * t.c_f / 2}},
@@ -79,6 +107,12 @@ Result<void> Line::phases(PhaseNetworkFace& face, Surroundings const& around) co
     LineTotals const t = totals(around);
     double const omega = around.omega();
     PhaseBlock z = block({t.r_ohm, omega * t.l_h}, {t.r0_ohm, omega * t.l0_h});
+    if (model == LineModel::frequency_dependent) {
+        Pi const exact = *pi(around);
+        face.series(block(exact.positive.series_ohm, exact.zero.series_ohm),
+                    block(exact.positive.half_s, exact.zero.half_s));
+        return {};
+    }
     if (LineType const* own = phase_type(*this, around)) {
         double const km = length_km.value_or(0);
         emt::Matrix3 const r = full(own->phase_r_ohm_per_km, 1), x = full(own->phase_x_ohm_per_km, 1);
@@ -112,6 +146,38 @@ Result<void> wave(emt::Circuit& c, emt::TwoPortParts& parts, Line const& l, Line
     return {};
 }
 
+/// One line in a row for each part between the places where a fault can be.
+Result<void> frequency_dependent(emt::Circuit& c, emt::TwoPortParts& parts, Line const& l, Tower const& tower,
+                                 double omega) {
+    auto const [positive, zero] = modes_on(tower);
+    std::vector<double> places = l.fault_places_percent;
+    places.push_back(100);
+    double start = 0;
+    int from = parts.from_node;
+    for (double const percent : places) {
+        double const end = percent / 100, length_m = 1e3 * l.length_km.value_or(0) * (end - start);
+        auto one = fit_mode(positive, length_m, omega), none = fit_mode(zero, length_m, omega);
+        if (!one || !none) {
+            Error const& error = one ? none.error() : one.error();
+            return fail(error.code, fmt::format("line '{}': {}", l.name.name, error.message), error.remedy);
+        }
+        bool const last = percent == 100;
+        int const to =
+            last ? parts.to_node : c.add_triple(fmt::format("line '{}' at {} %", l.name.name, shortest(percent)));
+        if (start == 0) {
+            c.flows(parts.from_switch, Part::marti_from, c.marti.size(), 1);
+        }
+        if (last) {
+            c.flows(parts.to_switch, Part::marti_to, c.marti.size(), 1);
+        }
+        parts.sections.push_back({Section::Kind::marti, static_cast<int>(c.marti.size()), start, end});
+        c.marti.push_back({from, to, std::move(*one), std::move(*none), l.name.name});
+        from = to;
+        start = end;
+    }
+    return {};
+}
+
 /// Series impedance: of a transposed line, or with its phases as they are.
 void series(emt::Circuit& c, emt::TwoPortParts& parts, Line const& l, LineTotals const& t, LineType const* by_phase,
             double omega) {
@@ -142,6 +208,9 @@ Result<void> Line::circuit(emt::Circuit& c, emt::TwoPortParts& parts, Surroundin
     if (model == LineModel::bergeron) {
         return wave(c, parts, *this, t, by_phase != nullptr);
     }
+    if (Tower const* const tower = tower_of(*this, around)) {
+        return frequency_dependent(c, parts, *this, *tower, around.omega());
+    }
     series(c, parts, *this, t, by_phase, around.omega());
     if (t.c_f > 0 || t.c0_f > 0) {
         emt::PhaseMatrix const half = emt::PhaseMatrix::sequence(t.c_f / 2, t.c0_f / 2);
@@ -151,6 +220,16 @@ Result<void> Line::circuit(emt::Circuit& c, emt::TwoPortParts& parts, Surroundin
         }
     }
     return {};
+}
+
+std::optional<Refusal> Line::refuses_fault(double percent) const {
+    auto const same = [percent](double place) { return std::abs(place - percent) < 1e-7; };
+    if (model != LineModel::frequency_dependent || percent <= 0 || percent >= 100 ||
+        std::any_of(fault_places_percent.begin(), fault_places_percent.end(), same)) {
+        return {};
+    }
+    return Refusal{"a frequency-dependent line is not cut while it runs",
+                   "name the place in its fault_places_percent, or use `model: bergeron`"};
 }
 
 } // namespace gridspace::sim

@@ -45,17 +45,21 @@ ELSEWHERE |= {f"transformers.tap_changer.{key}" for key in (
 BUS = {"voltage_v": 400}
 NETWORK = {
     "gridspace_network": 1, "name": "n", "base": {"frequency_hz": 50, "power_kva": 100},
-    "buses": {"A": BUS, "B": BUS, "C": BUS, "D": BUS, "E": BUS, "F": BUS, "J": BUS, "U": BUS, "H": {"voltage_v": 230}},
+    "buses": {"A": BUS, "B": BUS, "C": BUS, "D": BUS, "E": BUS, "F": BUS, "J": BUS, "U": BUS, "Y": BUS, "H": {"voltage_v": 230}},
     "sources": {"S": {"bus": "A", "voltage_pu": 1.01, "angle_deg": 3, "r_ohm": 0.01, "l_mh": 0.1, "r0_ohm": 0.02, "l0_mh": 0.2,
                       "harmonics": [{"order": 5, "percent": 1, "angle_deg": 10}]}},
     "line_types": {"t": {"r_ohm_per_km": 0.2, "x_ohm_per_km": 0.1, "c_nf_per_km": 300, "r0_ohm_per_km": 0.4, "x0_ohm_per_km": 0.3,
                          "c0_nf_per_km": 200},
-                   "u": {"r_ohm_per_km": 0.2, "l_mh_per_km": 0.3, "l0_mh_per_km": 0.9}},
+                   "u": {"r_ohm_per_km": 0.2, "l_mh_per_km": 0.3, "l0_mh_per_km": 0.9},
+                   "w": {"earth_ohm_m": 90, "conductors": [
+                       {"phase": p, "x_m": x, "height_m": 7, "radius_m": 0.004, "dc_ohm_per_km": 0.6}
+                       for p, x in (("a", -0.5), ("b", 0), ("c", 0.5), ("earth", 1))]}},
     "lines": {"L": {"from": "A", "to": "B", "r_ohm": 0.05, "l_mh": 0.2, "c_nf": 900, "r0_ohm": 0.1, "l0_mh": 0.6, "c0_nf": 500},
               "M": {"from": "B", "to": "C", "r_ohm": 0.05, "x_ohm": 0.06, "x0_ohm": 0.2},
               "N": {"from": "C", "to": "D", "type": "t", "length_km": 0.3},
               "O": {"from": "D", "to": "E", "type": "u", "length_km": 0.3},
               "P": {"from": "E", "to": "F", "r_ohm": 0.05, "l_mh": 9.0, "c_nf": 800, "model": "pi"},
+              "X": {"from": "A", "to": "Y", "type": "w", "length_km": 16, "model": "frequency_dependent", "fault_places_percent": [50]},
               "R": {"from": "A", "to": "J", "r_ohm": 0.05, "l_mh": 0.2}, "FL1": {"from": "A", "to": "U", "r_ohm": 0.05, "l_mh": 0.2},
               "FL2": {"from": "A", "to": "U", "r_ohm": 0.06, "l_mh": 0.2}},
     "fuse_types": {"f": {"rated_a": 3, "melting_a": [5, 30], "melting_s": [1, 0.02], "i2t_a2s": 8, "arcing_ms": 1},
@@ -147,7 +151,10 @@ CHANGES = {
     "line_types.u.l_mh_per_km": 0.4, "line_types.u.l0_mh_per_km": 1.0,
     "lines.L.from": "C", "lines.L.to": "C", "lines.L.r_ohm": 0.06, "lines.L.l_mh": 0.3, "lines.L.c_nf": 1000, "lines.L.r0_ohm": 0.2,
     "lines.L.l0_mh": 0.7, "lines.L.c0_nf": 600, "lines.M.x_ohm": 0.07, "lines.M.x0_ohm": 0.3, "lines.N.type": "u",
-    "lines.N.length_km": 0.4, "lines.P.model": "bergeron",
+    "lines.N.length_km": 0.4, "lines.P.model": "bergeron", "lines.X.fault_places_percent": [45],
+    **{f"line_types.w.{key}": value for key, value in
+       {"earth_ohm_m": 200, "conductors.0.x_m": -0.7, "conductors.1.height_m": 8, "conductors.2.radius_m": 0.005,
+        "conductors.3.dc_ohm_per_km": 0.7, "conductors.3.phase": "c"}.items()},
     "breaker_types.b.mechanism_ms": 3, "breaker_types.b.opens": "at_once", "breaker_types.b.chop_a": 20,
     "breakers.K.line": "N", "breakers.K.end": "to", "breakers.K.type": "b2", "breakers.K.state": "open",
     "fuse_types.f.rated_a": 6, "fuse_types.f.i2t_a2s": 4, "fuse_types.f.arcing_ms": 3, "fuse_types.f.opens": "at_once",

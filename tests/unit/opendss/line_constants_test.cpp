@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/opendss/line_constants.hpp"
+#include "sim/line_constants/line_constants.hpp"
 
 #include "support.hpp"
 
 namespace gridspace::opendss {
 namespace {
+
+using sim::Conductor;
+using sim::EarthModel;
+using sim::LineConstants;
 
 constexpr double kMile = 1609.344, kFoot = 0.3048;
 

@@ -1,26 +1,28 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "sim/opendss/line_constants.hpp"
+#include "sim/line_constants/line_constants.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
-namespace gridspace::opendss {
+namespace gridspace::sim {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr double kMu0 = 4e-7 * std::numbers::pi, kEpsilon0 = 8.854187817e-12;
 
-/// Resistance of a round wire with its skin effect: R z/2 I0(z) / I1(z) by the power series of the Bessel functions.
-double skin_resistance(double dc_ohm_per_m, double omega) {
+/// Inner impedance of a solid round wire, ohm/m: R z/2 I0(z) / I1(z), z the radius over the complex depth of
+/// penetration, by the power series of the Bessel functions.
+Complex wire_impedance(double dc_ohm_per_m, double omega) {
     if (dc_ohm_per_m <= 0) {
         return 0;
     }
     Complex const z2 = Complex{0, omega * kMu0 / (std::numbers::pi * dc_ohm_per_m)} / 4.0;
-    if (std::abs(z2) > 100) { // the series would need too many terms: the asymptote
-        return dc_ohm_per_m * std::sqrt(z2).real();
+    if (std::abs(z2) > 100) { // the series would need too many terms: the asymptotic one [Abramowitz and Stegun 9.7.1]
+        Complex const z = 2.0 * std::sqrt(z2);
+        return dc_ohm_per_m * (z / 2.0 + 1.0 / 4.0 + 3.0 / (16.0 * z) + 3.0 / (16.0 * z * z));
     }
     Complex term{1}, zero{1}, one{1}; // I0(z), and I1(z) / (z/2)
     for (int k = 1; k < 60; ++k) {
@@ -28,7 +30,7 @@ double skin_resistance(double dc_ohm_per_m, double omega) {
         zero += term;
         one += term / static_cast<double>(k + 1);
     }
-    return (dc_ohm_per_m * zero / one).real();
+    return dc_ohm_per_m * zero / one;
 }
 
 } // namespace
@@ -51,8 +53,13 @@ LineConstants line_constants(std::vector<Conductor> const& conductors, int phase
     };
     for (int i = 0; i < n; ++i) {
         Conductor const& a = conductors[static_cast<std::size_t>(i)];
-        double const r = model == EarthModel::carson ? a.ac_ohm_per_m : skin_resistance(a.dc_ohm_per_m, omega);
-        z(i, i) = r - factor * std::log(a.gmr_m) + earth(a, a);
+        if (a.gmr_m > 0) {
+            double const r =
+                model == EarthModel::carson ? a.ac_ohm_per_m : wire_impedance(a.dc_ohm_per_m, omega).real();
+            z(i, i) = r - factor * std::log(a.gmr_m) + earth(a, a);
+        } else {
+            z(i, i) = wire_impedance(a.dc_ohm_per_m, omega) - factor * std::log(a.radius_m) + earth(a, a);
+        }
         p(i, i) = std::log(2 * a.height_m / a.radius_m) / (2 * std::numbers::pi * kEpsilon0);
         for (int j = 0; j < i; ++j) {
             Conductor const& b = conductors[static_cast<std::size_t>(j)];
@@ -71,4 +78,4 @@ LineConstants line_constants(std::vector<Conductor> const& conductors, int phase
     return out;
 }
 
-} // namespace gridspace::opendss
+} // namespace gridspace::sim

@@ -5,13 +5,14 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace gridspace::opendss {
+namespace gridspace::sim {
 
 /// A bare conductor over earth.
 struct Conductor {
     double x_m{0}, height_m{0};
     double dc_ohm_per_m{0}, ac_ohm_per_m{0};
-    double gmr_m{0}, radius_m{0};
+    double gmr_m{0}; ///< 0: a solid round wire, whose inner inductance falls with frequency as its resistance rises
+    double radius_m{0};
 };
 
 enum class EarthModel {
@@ -29,4 +30,4 @@ struct LineConstants {
 [[nodiscard]] LineConstants line_constants(std::vector<Conductor> const& conductors, int phases, double frequency_hz,
                                            double rho_ohm_m, EarthModel model);
 
-} // namespace gridspace::opendss
+} // namespace gridspace::sim
