@@ -89,8 +89,8 @@ def tanh(x):
 
 
 class Laplace:
-    """Time functions 0 <= t < END, of transforms at 2^12 odd frequencies with a Hann window."""
-    END, COUNT = 0.02, 4096
+    """Time functions 0 <= t < END, of transforms at 2^13 odd frequencies with a Hann window."""
+    END, COUNT = 0.02, 8192
     PERIOD = 2 * END
     DAMPING = math.log(1e6) / PERIOD
 
@@ -136,7 +136,7 @@ class FrequencyDependent(unittest.TestCase):
     def tearDownClass(cls):
         cls.holder.cleanup()
 
-    def simulated(self, signals, *, model="frequency_dependent", state="closed", events=None, until=0.021, step="1/250000"):
+    def simulated(self, signals, *, model="frequency_dependent", state="closed", events=None, until=0.021, step="1/1000000"):
         network = {
             "gridspace_network": 1, "name": "line", "base": {"frequency_hz": HZ, "power_kva": 1e6},
             "buses": {"A": {"voltage_v": VOLTS}, "B": {"voltage_v": VOLTS}}, "sources": {"S": {"bus": "A"}},
@@ -198,15 +198,15 @@ class FrequencyDependent(unittest.TestCase):
 
     def test_the_open_end_after_energising_is_that_of_the_exact_equations(self):
         for mean, worst in self.energised("frequency_dependent"):
-            self.assertLess(mean, 0.002)
-            self.assertLess(worst, 0.05)  # at the fronts, which the oracle's window rounds off
+            self.assertLess(mean, 0.0025)
+            self.assertLess(worst, 0.1)  # at the fronts, which the oracle's window rounds off
         for mean, _ in self.energised("bergeron"):  # negative control
             self.assertGreater(mean, 0.03)
 
     def test_an_earth_fault_at_the_end_is_that_of_the_exact_equations(self):
         for mean, worst in self.faulted("frequency_dependent"):
-            self.assertLess(mean, 0.006)
-            self.assertLess(worst, 0.08)
+            self.assertLess(mean, 0.001)
+            self.assertLess(worst, 0.04)
         for mean, _ in self.faulted("bergeron"):  # negative control
             self.assertGreater(mean, 0.04)
 

@@ -44,8 +44,10 @@ TEST(EmtEngineStep, AllocatesNothingWithConvertersWavesCoresAndFilters) {
         allocations_of_steps(network_of(
             "buses: {A: {voltage_v: 20000}, B: {voltage_v: 20000}, C: {voltage_v: 400}, D: {voltage_v: 20000}}\n"
             "sources: {S: {bus: A, r_ohm: 0.1, l_mh: 1, harmonics: [{order: 5, percent: 1}]}}\n"
-            "line_types: {t: {conductors: [{phase: a, x_m: -1, height_m: 9, radius_m: 0.006, dc_ohm_per_km: 0.3}, {phase: b, "
-            "x_m: 0, height_m: 9, radius_m: 0.006, dc_ohm_per_km: 0.3}, {phase: c, x_m: 1, height_m: 9, radius_m: 0.006, "
+            "line_types: {t: {conductors: [{phase: a, x_m: -1, height_m: 9, radius_m: 0.006, dc_ohm_per_km: 0.3}, "
+            "{phase: b, "
+            "x_m: 0, height_m: 9, radius_m: 0.006, dc_ohm_per_km: 0.3}, {phase: c, x_m: 1, height_m: 9, radius_m: "
+            "0.006, "
             "dc_ohm_per_km: 0.3}]}}\n"
             "lines: {L: {from: A, to: B, r_ohm: 1, l_mh: 20, c_nf: 300, model: bergeron}, "
             "M: {from: A, to: D, type: t, length_km: 20, model: frequency_dependent}}\n"
