@@ -129,7 +129,7 @@ MartiWaves::MartiWaves(MartiLine const& line, double step_s)
     }
     saved_ = now_;
     // Events cut steps: more entries than a travel time has steps, with room for many of them.
-    past_ = {2 * static_cast<std::size_t>(std::ceil(std::max(tau_[0], tau_[2]) / step_s)) + 256, step_s};
+    past_ = {4 * static_cast<std::size_t>(std::ceil(std::max(tau_[0], tau_[2]) / step_s)) + 256, step_s};
     past_.next() = {};
 }
 

@@ -122,6 +122,10 @@ def sine(s, phasor):
     return (s * phasor.real - OMEGA * phasor.imag) / (s * s + OMEGA * OMEGA)
 
 
+class Refused(Exception):
+    pass
+
+
 class FrequencyDependent(unittest.TestCase):
     FAULT_OHM = 5.0
 
@@ -151,7 +155,8 @@ class FrequencyDependent(unittest.TestCase):
                    "--signals", ",".join(signals)]
         done = subprocess.run(list(map(str, command + (["--events", self.folder / "e.yaml"] if events else []))), capture_output=True,
                               text=True, timeout=300, check=False)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        if done.returncode != 0:
+            raise Refused(done.returncode, done.stderr)
         rows = list(csv.reader(table.read_text().splitlines()))
         self.assertEqual(rows[0][1:], list(signals))
         return [[float(x) for x in row] for row in rows[1:]]
@@ -217,6 +222,14 @@ class FrequencyDependent(unittest.TestCase):
         self.assertAlmostEqual(rows[0][1] / volts, 1, delta=1e-6)
         self.assertAlmostEqual(rows[0][2] / amperes, 1, delta=5e-6)
         self.assertLess(max(abs(row[1] - rows[0][1]) for row in rows), 1e-9)
+
+    def test_a_fault_elsewhere_inside_is_refused_before_the_run(self):
+        with self.assertRaises(Refused) as refused:
+            self.simulated(["bus.B.v.a"], events={"f": {"at_s": 0.001, "apply_fault": {"line": "L", "position_percent": 40, "type": "1ph_g"}}})
+        code, text = refused.exception.args
+        self.assertEqual(code, 2)
+        self.assertRegex(text, r"e\.yaml:1:\d+: error: event 'f' has a fault at 40 % of line 'L', but a frequency-dependent line is not cut")
+        self.assertIn("fault_places_percent", text)
 
 
 if __name__ == "__main__":
