@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 
 /// Keys and data of a line. What solvers make of it: line_solvers.cpp.
 namespace gridspace::sim {
@@ -20,9 +21,10 @@ void LineType::fields(Fields& f) {
               not_negative("resistances aa, ab, bb, ac, bc, cc, instead of sequences"));
     f.numbers("phase_x_ohm_per_km", phase_x_ohm_per_km, any("reactances aa, ab, bb, ac, bc, cc"));
     tower.fields(f);
+    table.fields(f);
     bool const given_by_phase = f.has("phase_r_ohm_per_km") || f.has("phase_x_ohm_per_km");
     f.number("r_ohm_per_km", r_ohm_per_km,
-             not_negative("resistance, positive sequence", !given_by_phase && !tower.given()));
+             not_negative("resistance, positive sequence", !given_by_phase && !by_frequency()));
     f.number("x_ohm_per_km", x_ohm_per_km, not_negative("reactance at the base frequency"));
     f.number("l_mh_per_km", l_mh_per_km, not_negative("inductance, instead of a reactance"));
     f.number("c_nf_per_km", c_nf_per_km, not_negative("capacitance"));
@@ -30,12 +32,13 @@ void LineType::fields(Fields& f) {
     f.number("x0_ohm_per_km", x0_ohm_per_km, not_negative("reactance, zero sequence"));
     f.number("l0_mh_per_km", l0_mh_per_km, not_negative("inductance, zero sequence"));
     f.number("c0_nf_per_km", c0_nf_per_km, not_negative("capacitance, zero sequence"));
-    if (tower.given()) {
+    if (by_frequency()) {
+        std::string_view const given = tower.given() ? "conductors" : "by_frequency";
         for (std::string_view const key :
-             {"phase_r_ohm_per_km", "phase_x_ohm_per_km", "r_ohm_per_km", "x_ohm_per_km", "l_mh_per_km", "c_nf_per_km",
-              "r0_ohm_per_km", "x0_ohm_per_km", "l0_mh_per_km", "c0_nf_per_km"}) {
-            if (f.has(key)) {
-                f.error(key, fmt::format("line type '{}' has both conductors and values per km", name.name));
+             {"phase_r_ohm_per_km", "phase_x_ohm_per_km", "r_ohm_per_km", "x_ohm_per_km", "l_mh_per_km",
+              "r0_ohm_per_km", "x0_ohm_per_km", "l0_mh_per_km", "c_nf_per_km", "c0_nf_per_km", "by_frequency"}) {
+            if (f.has(key) && key != given && (tower.given() || !key.starts_with("c"))) {
+                f.error(key, fmt::format("line type '{}' has both {} and {}", name.name, given, key));
             }
         }
     } else if (given_by_phase) {
@@ -59,15 +62,38 @@ void LineType::fields(Fields& f) {
         }
     } else if (x_ohm_per_km.has_value() == l_mh_per_km.has_value()) {
         f.error("", fmt::format("line type '{}' needs either x_ohm_per_km or l_mh_per_km", name.name));
-    } else if (f.has("earth_ohm_m")) {
+    }
+    if (f.has("earth_ohm_m") && !tower.given()) {
         f.error("earth_ohm_m", fmt::format("line type '{}' has no conductors over its earth", name.name));
     }
 }
 
 void LineType::check(ElementCheck& check) const {
-    if (std::string const mistake = tower.given() ? tower.mistake() : ""; !mistake.empty()) {
-        check.wrong("is no line: " + mistake, "each phase needs a conductor at a place of its own");
+    if (std::string const what = mistake(); !what.empty()) {
+        check.wrong("is no line: " + what,
+                    tower.given() ? "each phase needs a conductor at a place of its own"
+                                  : "by_frequency needs as many r, l, r0 and l0 as hz, and the type its c_nf_per_km");
     }
+}
+
+std::string LineType::mistake() const {
+    if (tower.given()) {
+        return tower.mistake();
+    }
+    if (!table.given()) {
+        return {};
+    }
+    return c_nf_per_km > 0 && c0_nf_per_km.value_or(c_nf_per_km) > 0 ? table.mistake() : "it has no capacitance";
+}
+
+SequencesPerMetre LineType::per_metre(double omega) const {
+    if (tower.given()) {
+        return tower.per_metre(omega);
+    }
+    SequencesPerMetre out = table.per_metre(omega);
+    out.c1_f = 1e-12 * c_nf_per_km;
+    out.c0_f = 1e-12 * c0_nf_per_km.value_or(c_nf_per_km);
+    return out;
 }
 
 void Line::fields(Fields& f) {
@@ -94,7 +120,7 @@ void Line::fields(Fields& f) {
         f.error("fault_places_percent",
                 fmt::format("line '{}' is not frequency dependent: a fault can be anywhere in it", name.name),
                 "leave it out");
-    } else if (!std::is_sorted(fault_places_percent.begin(), fault_places_percent.end(), std::less_equal<>{})) {
+    } else if (std::ranges::adjacent_find(fault_places_percent, std::greater_equal<>{}) != fault_places_percent.end()) {
         f.error("fault_places_percent", fmt::format("line '{}' has places of faults that do not rise", name.name));
     }
     bool const totals = r_ohm || x_ohm || l_mh;
@@ -117,12 +143,12 @@ void Line::check(ElementCheck& check) const {
         return;
     }
     LineType const* const own = around.find<LineType>(type);
-    if (own != nullptr && own->tower.given() && !own->tower.mistake().empty()) {
+    if (own != nullptr && !own->mistake().empty()) {
         return; // its type says it
     }
-    if (model == LineModel::frequency_dependent && (own == nullptr || !own->tower.given())) {
+    if (model == LineModel::frequency_dependent && (own == nullptr || !own->by_frequency())) {
         check.wrong("is frequency dependent, but nothing says how",
-                    "give it a type with `conductors`, or use `model: bergeron`");
+                    "give it a type with `conductors` or `by_frequency`, or use `model: bergeron`");
     }
     bool const ends = around.element("buses", from) != nullptr && around.element("buses", to) != nullptr;
     if (ends && !(from == to) && around.voltage_v(from) != around.voltage_v(to)) {
@@ -147,8 +173,8 @@ LineTotals Line::totals(Surroundings const& around) const {
     LineTotals t;
     if (LineType const* per_km = around.find<LineType>(type); per_km != nullptr) {
         double const km = length_km.value_or(0);
-        if (per_km->tower.given()) {
-            Tower::Sequences const s = per_km->tower.per_metre(omega);
+        if (per_km->by_frequency()) {
+            SequencesPerMetre const s = per_km->per_metre(omega);
             double const m = 1e3 * km;
             return {s.z1_ohm.real() * m, s.z1_ohm.imag() / omega * m, s.c1_f * m,
                     s.z0_ohm.real() * m, s.z0_ohm.imag() / omega * m, s.c0_f * m};

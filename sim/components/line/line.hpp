@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sim/components/faces/two_port.hpp"
+#include "sim/components/line/frequency_table.hpp"
 #include "sim/components/line/tower.hpp"
 
 namespace gridspace::sim {
@@ -18,9 +19,14 @@ struct LineType final : Element {
     /// values are then those of the transposed line.
     std::vector<double> phase_r_ohm_per_km, phase_x_ohm_per_km;
 
-    /// Instead of all of them: the geometry. Sequence values are then those at the nominal frequency.
+    /// Instead of all of them, or of all but the capacitances. Sequence values are then those at the nominal frequency.
     Tower tower;
+    FrequencyTable table;
 
+    [[nodiscard]] bool by_frequency() const { return tower.given() || table.given(); }
+    [[nodiscard]] SequencesPerMetre per_metre(double omega) const; ///< when by_frequency()
+    /// What makes it no line by frequency.
+    [[nodiscard]] std::string mistake() const;
     [[nodiscard]] bool by_phase() const { return !phase_r_ohm_per_km.empty(); }
     [[nodiscard]] Kind const& kind() const override { return kKind; }
     void fields(config::Fields& f) override;

@@ -42,18 +42,17 @@ LineType const* phase_type(Line const& line, Surroundings const& around) {
     return type != nullptr && type->by_phase() ? type : nullptr;
 }
 
-/// Of a frequency-dependent line; nothing without a tower, which was said.
-Tower const* tower_of(Line const& line, Surroundings const& around) {
+/// Of a frequency-dependent line; nothing without its data, which was said.
+LineType const* type_by_frequency(Line const& line, Surroundings const& around) {
     LineType const* type = around.find<LineType>(line.type);
-    return line.model == LineModel::frequency_dependent && type != nullptr && type->tower.given() ? &type->tower
-                                                                                                  : nullptr;
+    return line.model == LineModel::frequency_dependent && type != nullptr && type->by_frequency() ? type : nullptr;
 }
 
-/// The modes of the line on a tower, which must live as long.
-std::pair<ModePerMetre, ModePerMetre> modes_on(Tower const& tower) {
-    Tower::Sequences const c = tower.per_metre(1);
-    return {{[&tower](double omega) { return tower.per_metre(omega).z1_ohm; }, c.c1_f},
-            {[&tower](double omega) { return tower.per_metre(omega).z0_ohm; }, c.c0_f}};
+/// The modes of a line of this type, which must live as long.
+std::pair<ModePerMetre, ModePerMetre> modes_of(LineType const& type) {
+    SequencesPerMetre const c = type.per_metre(1);
+    return {{[&type](double omega) { return type.per_metre(omega).z1_ohm; }, c.c1_f},
+            {[&type](double omega) { return type.per_metre(omega).z0_ohm; }, c.c0_f}};
 }
 
 /// The pi that has the same ends at an angular frequency.
@@ -69,8 +68,8 @@ bool Line::unbalanced(Surroundings const& around) const {
 }
 
 std::optional<TwoPort::Pi> Line::pi(Surroundings const& around) const {
-    if (Tower const* const tower = tower_of(*this, around)) {
-        auto const [positive, zero] = modes_on(*tower);
+    if (LineType const* const own = type_by_frequency(*this, around)) {
+        auto const [positive, zero] = modes_of(*own);
         double const length_m = 1e3 * length_km.value_or(0);
         return Pi{exact_pi(positive, length_m, around.omega()), exact_pi(zero, length_m, around.omega())};
     }
@@ -147,9 +146,9 @@ Result<void> wave(emt::Circuit& c, emt::TwoPortParts& parts, Line const& l, Line
 }
 
 /// One line in a row for each part between the places where a fault can be.
-Result<void> frequency_dependent(emt::Circuit& c, emt::TwoPortParts& parts, Line const& l, Tower const& tower,
+Result<void> frequency_dependent(emt::Circuit& c, emt::TwoPortParts& parts, Line const& l, LineType const& type,
                                  double omega) {
-    auto const [positive, zero] = modes_on(tower);
+    auto const [positive, zero] = modes_of(type);
     std::vector<double> places = l.fault_places_percent;
     places.push_back(100);
     double start = 0;
@@ -208,8 +207,8 @@ Result<void> Line::circuit(emt::Circuit& c, emt::TwoPortParts& parts, Surroundin
     if (model == LineModel::bergeron) {
         return wave(c, parts, *this, t, by_phase != nullptr);
     }
-    if (Tower const* const tower = tower_of(*this, around)) {
-        return frequency_dependent(c, parts, *this, *tower, around.omega());
+    if (LineType const* const own = type_by_frequency(*this, around)) {
+        return frequency_dependent(c, parts, *this, *own, around.omega());
     }
     series(c, parts, *this, t, by_phase, around.omega());
     if (t.c_f > 0 || t.c0_f > 0) {

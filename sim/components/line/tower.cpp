@@ -63,7 +63,7 @@ std::string Tower::mistake() const {
     return {};
 }
 
-Tower::Sequences Tower::per_metre(double omega) const {
+SequencesPerMetre Tower::per_metre(double omega) const {
     std::vector<Conductor> conductors;
     auto const n = static_cast<Eigen::Index>(wires.size());
     Eigen::MatrixXd belongs = Eigen::MatrixXd::Zero(n, 3);
@@ -78,7 +78,7 @@ Tower::Sequences Tower::per_metre(double omega) const {
     // One voltage per phase: admittances add up.
     Eigen::Matrix3cd const y = belongs.transpose() * all.z_ohm_per_m.inverse() * belongs;
     Eigen::Matrix3d const c = belongs.transpose() * all.c_f_per_m * belongs;
-    Sequences out;
+    SequencesPerMetre out;
     std::tie(out.z1_ohm, out.z0_ohm) = sequence_values(Eigen::Matrix3cd{y.inverse()});
     // Of the potential coefficients, as of the impedances: both modes then tend to the speed of light.
     auto const [p1, p0] = sequence_values(Eigen::Matrix3d{c.inverse()});

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "common/config/fields.hpp"
+#include "sim/components/line/sequences_per_metre.hpp"
 
-#include <complex>
 #include <string>
 #include <vector>
 
@@ -26,13 +26,9 @@ struct Tower {
     /// What makes it no tower: a phase without conductor, two in one place; empty when it is one.
     [[nodiscard]] std::string mistake() const;
 
-    /// Positive and zero sequence of the transposed line, per metre: mean own and mutual values of the phases;
-    /// conductors of one phase have one voltage, earth wires have none.
-    struct Sequences {
-        std::complex<double> z1_ohm, z0_ohm;
-        double c1_f{0}, c0_f{0};
-    };
-    [[nodiscard]] Sequences per_metre(double omega) const;
+    /// Of the transposed line: mean own and mutual values of the phases; conductors of one phase have one voltage,
+    /// earth wires have none.
+    [[nodiscard]] SequencesPerMetre per_metre(double omega) const;
 };
 
 } // namespace gridspace::sim

@@ -53,13 +53,17 @@ NETWORK = {
                    "u": {"r_ohm_per_km": 0.2, "l_mh_per_km": 0.3, "l0_mh_per_km": 0.9},
                    "w": {"earth_ohm_m": 90, "conductors": [
                        {"phase": p, "x_m": x, "height_m": 7, "radius_m": 0.004, "dc_ohm_per_km": 0.6}
-                       for p, x in (("a", -0.5), ("b", 0), ("c", 0.5), ("earth", 1))]}},
+                       for p, x in (("a", -0.5), ("b", 0), ("c", 0.5), ("earth", 1))]},
+                   "x": {"c_nf_per_km": 10, "c0_nf_per_km": 5, "by_frequency": {
+                       "hz": [1, 1e3, 1e5], "r_ohm_per_km": [0.1, 0.3, 3], "l_mh_per_km": [1, 0.95, 0.9],
+                       "r0_ohm_per_km": [0.2, 1, 40], "l0_mh_per_km": [4, 3, 2]}}},
     "lines": {"L": {"from": "A", "to": "B", "r_ohm": 0.05, "l_mh": 0.2, "c_nf": 900, "r0_ohm": 0.1, "l0_mh": 0.6, "c0_nf": 500},
               "M": {"from": "B", "to": "C", "r_ohm": 0.05, "x_ohm": 0.06, "x0_ohm": 0.2},
               "N": {"from": "C", "to": "D", "type": "t", "length_km": 0.3},
               "O": {"from": "D", "to": "E", "type": "u", "length_km": 0.3},
               "P": {"from": "E", "to": "F", "r_ohm": 0.05, "l_mh": 9.0, "c_nf": 800, "model": "pi"},
               "X": {"from": "A", "to": "Y", "type": "w", "length_km": 16, "model": "frequency_dependent", "fault_places_percent": [50]},
+              "X2": {"from": "A", "to": "Y", "type": "x", "length_km": 9, "model": "frequency_dependent"},
               "R": {"from": "A", "to": "J", "r_ohm": 0.05, "l_mh": 0.2}, "FL1": {"from": "A", "to": "U", "r_ohm": 0.05, "l_mh": 0.2},
               "FL2": {"from": "A", "to": "U", "r_ohm": 0.06, "l_mh": 0.2}},
     "fuse_types": {"f": {"rated_a": 3, "melting_a": [5, 30], "melting_s": [1, 0.02], "i2t_a2s": 8, "arcing_ms": 1},
@@ -155,6 +159,9 @@ CHANGES = {
     **{f"line_types.w.{key}": value for key, value in
        {"earth_ohm_m": 200, "conductors.0.x_m": -0.7, "conductors.1.height_m": 8, "conductors.2.radius_m": 0.005,
         "conductors.3.dc_ohm_per_km": 0.7, "conductors.3.phase": "c"}.items()},
+    **{f"line_types.x.by_frequency.{key}": value for key, value in
+       {"hz": [2, 2e3, 2e5], "r_ohm_per_km": [0.2, 0.4, 4], "l_mh_per_km": [1.1, 1, 0.95], "r0_ohm_per_km": [0.3, 1.1, 44],
+        "l0_mh_per_km": [4.1, 3.1, 2.1]}.items()},
     "breaker_types.b.mechanism_ms": 3, "breaker_types.b.opens": "at_once", "breaker_types.b.chop_a": 20,
     "breakers.K.line": "N", "breakers.K.end": "to", "breakers.K.type": "b2", "breakers.K.state": "open",
     "fuse_types.f.rated_a": 6, "fuse_types.f.i2t_a2s": 4, "fuse_types.f.arcing_ms": 3, "fuse_types.f.opens": "at_once",

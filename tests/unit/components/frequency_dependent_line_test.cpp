@@ -10,6 +10,7 @@
 #include "tests/unit/components/element_fixture.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -299,6 +300,61 @@ TEST(FrequencyDependentLine, KeepsItsChargeWhenItIsSwitchedOff) {
     EXPECT_NEAR(after / before, std::exp(-1.0 / 100), 0.003); // its leakage has a time constant of 100 s
 }
 
+/// The columns of a table of this tower, four a decade; or as if its constants were those at 60 Hz.
+std::string table_of(Tower const& tower, bool constant) {
+    std::string columns[5];
+    for (double hz = 0.1; hz < 1.5e6; hz *= std::pow(10, 0.25)) {
+        double const omega = 2 * std::numbers::pi * (constant ? 60 : hz);
+        auto const m = tower.per_metre(omega);
+        double const values[] = {hz, m.z1_ohm.real() * 1e3, m.z1_ohm.imag() / omega * 1e6, m.z0_ohm.real() * 1e3,
+                                 m.z0_ohm.imag() / omega * 1e6};
+        for (int k = 0; k < 5; ++k) {
+            columns[k] += fmt::format("{}{}", columns[k].empty() ? "" : ", ", values[k]);
+        }
+    }
+    auto const c = tower.per_metre(1);
+    return fmt::format("c_nf_per_km: {}, c0_nf_per_km: {}, by_frequency: {{hz: [{}], r_ohm_per_km: [{}], "
+                       "l_mh_per_km: [{}], r0_ohm_per_km: [{}], l0_mh_per_km: [{}]}}",
+                       c.c1_f * 1e12, c.c0_f * 1e12, columns[0], columns[1], columns[2], columns[3], columns[4]);
+}
+
+TEST(FrequencyDependentLine, OfATableIsTheOneOfTheConductorsThatTheTableIsOf) {
+    Tower const tower = tower_of_400_kv();
+    std::string conductors;
+    for (Tower::Wire const& w : tower.wires) {
+        constexpr std::string_view kNames[] = {"a", "b", "c", "earth"};
+        conductors += fmt::format("{}{{phase: {}, x_m: {}, height_m: {}, radius_m: {}, dc_ohm_per_km: {}}}",
+                                  conductors.empty() ? "" : ", ", kNames[static_cast<int>(w.phase)], w.x_m, w.height_m,
+                                  w.radius_m, w.dc_ohm_per_km);
+    }
+    auto const run = [](std::string const& type) {
+        auto const sut = started(
+            "emt",
+            "buses: {A: {voltage_v: 400000}, B: {voltage_v: 400000}}\nsources: {S: {bus: A, r_ohm: 1, l_mh: 20}}\n"
+            "line_types: {t: {" +
+                type +
+                "}}\n"
+                "lines: {L: {from: A, to: B, type: t, length_km: 100, model: frequency_dependent}}\n");
+        must(sut->apply(ApplyFault{"", "B", 0, FaultType::phase_ground, 5, "f"}));
+        std::vector<double> out;
+        for (int n = 1; n <= 1500; ++n) {
+            must(sut->advance(SimTime{n}));
+            out.push_back(read(*sut, "bus.B.v.b"));
+        }
+        return out;
+    };
+    auto const expected = run("conductors: [" + conductors + "]");
+    auto const apart = [&](std::vector<double> const& got) {
+        double square = 0;
+        for (std::size_t n = 0; n < got.size(); ++n) {
+            square += std::pow(got[n] - expected[n], 2);
+        }
+        return std::sqrt(square / static_cast<double>(got.size())) / (400e3 * std::sqrt(2.0 / 3));
+    };
+    EXPECT_LT(apart(run(table_of(tower, false))), 2e-3);
+    EXPECT_GT(apart(run(table_of(tower, true))), 0.02); // negative control
+}
+
 TEST(FrequencyDependentLine, NeedsAStepShorterThanItsTravelTime) {
     TimeBase const base{Rational{1, 48000}};
     auto const made = emt::make_emt_engine(
@@ -328,7 +384,20 @@ TEST(FrequencyDependentLine, SaysWhatIsWrongWithItsData) {
     EXPECT_THAT(mistakes("r_ohm_per_km: 0.1, x_ohm_per_km: 0.3", line),
                 HasSubstr("line 'L' is frequency dependent, but nothing says how"));
     EXPECT_THAT(mistakes("conductors: [" + three + "], c_nf_per_km: 9", line),
-                HasSubstr("both conductors and values per km"));
+                HasSubstr("both conductors and c_nf_per_km"));
+    std::string const table =
+        "by_frequency: {hz: [1, 1000, 100000], r_ohm_per_km: [0.1, 0.3, 3], l_mh_per_km: [1, 0.95, 0.9], "
+        "r0_ohm_per_km: [0.2, 1, 40], l0_mh_per_km: [4, 3, 2]}";
+    EXPECT_EQ(mistakes(table + ", c_nf_per_km: 10", line), "");
+    EXPECT_THAT(mistakes(table, line), HasSubstr("line type 't' is no line: it has no capacitance"));
+    EXPECT_THAT(mistakes(table + ", c_nf_per_km: 10, l_mh_per_km: 1", line),
+                HasSubstr("both by_frequency and l_mh_per_km"));
+    auto const short_table = [](std::string const& hz, std::string const& r) {
+        return "by_frequency: {hz: " + hz + ", r_ohm_per_km: " + r +
+               ", l_mh_per_km: [1, 1], r0_ohm_per_km: [1, 1], l0_mh_per_km: [1, 1]}, c_nf_per_km: 10";
+    };
+    EXPECT_THAT(mistakes(short_table("[1, 9]", "[1]"), line), HasSubstr("it has 2 frequencies and 1 values"));
+    EXPECT_THAT(mistakes(short_table("[9, 9]", "[1, 1]"), line), HasSubstr("its frequencies do not rise"));
     EXPECT_THAT(mistakes("conductors: [{phase: a, x_m: 0, height_m: 10, " + wire + "]", line),
                 HasSubstr("phase b has no conductor"));
     EXPECT_THAT(mistakes("conductors: [" + three + ", {phase: earth, x_m: 4, height_m: 10.01, " + wire + "]", line),
