@@ -22,6 +22,8 @@ constexpr double kWellFittedHz = 3e4;
 constexpr double kDirectOmega = 1e-6;
 constexpr int kPoles = 16, kRoundsToSearch = 6, kRounds = 12;
 constexpr double kLargestFitError = 0.01;
+/// Waves that travel for longer are no line's, and would need room for all that is on its way.
+constexpr double kLongestTravelS = 1;
 /// Delays that are tried between the least and the largest that it can be.
 constexpr int kDelays = 13;
 /// Of the propagation, where its delay is largest.
@@ -79,6 +81,11 @@ Result<emt::MartiLine::Mode> fit_mode(ModePerMetre const& mode, double length_m,
     };
     emt::MartiLine::Mode out;
     double const least = least_delay(mode, length_m, omega[kExact - 1]), largest = largest_delay(gamma, omega);
+    if (!(least > 0 && least <= 1.001 * largest && largest < kLongestTravelS)) {
+        return fail(ExitCode::usage,
+                    fmt::format("its travel time would be between {:.3g} and {:.3g} s", least, largest),
+                    "look at its length and its data");
+    }
     double best = 0;
     for (int k = 0; k < kDelays; ++k) {
         double const tau = least + (largest - least) * k / (kDelays - 1);

@@ -13,23 +13,8 @@
 namespace gridspace::sim {
 namespace {
 
-/// Ohm per metre at an angular frequency, of columns per km.
-std::complex<double> from_columns(std::vector<double> const& hz, std::vector<double> const& r_ohm,
-                                  std::vector<double> const& l_mh, double omega) {
-    double const f = omega / (2 * std::numbers::pi);
-    auto const after = static_cast<std::size_t>(std::upper_bound(hz.begin(), hz.end(), f) - hz.begin());
-    double r = r_ohm.front(), l = l_mh.front();
-    if (after == hz.size()) {
-        r = r_ohm.back() * std::sqrt(f / hz.back());
-        // The inner reactance of a thick wire is its resistance.
-        l = l_mh.back() + 1e3 / (2 * std::numbers::pi) * (r / f - r_ohm.back() / hz.back());
-    } else if (after > 0) {
-        double const share = std::log(f / hz[after - 1]) / std::log(hz[after] / hz[after - 1]);
-        r = r_ohm[after - 1] * std::pow(r_ohm[after] / r_ohm[after - 1], share);
-        l = l_mh[after - 1] + share * (l_mh[after] - l_mh[after - 1]);
-    }
-    return {1e-3 * r, omega * 1e-6 * l};
-}
+/// The largest root mean square of relative errors with which r and l still belong together.
+constexpr double kLargestTableError = 0.03;
 
 } // namespace
 
@@ -43,9 +28,21 @@ void FrequencyTable::fields(config::Fields& f) {
                  g.numbers("r0_ohm_per_km", r0_ohm_per_km, positive("resistances, zero sequence", true));
                  g.numbers("l0_mh_per_km", l0_mh_per_km, positive("inductances, zero sequence", true));
              });
+    if (given() && shape_mistake().empty()) {
+        std::vector<double> omega;
+        std::vector<std::complex<double>> z1, z0; // ohm per m
+        for (std::size_t i = 0; i < hz.size(); ++i) {
+            omega.push_back(2 * std::numbers::pi * hz[i]);
+            z1.emplace_back(1e-3 * r_ohm_per_km[i], omega[i] * 1e-6 * l_mh_per_km[i]);
+            z0.emplace_back(1e-3 * r0_ohm_per_km[i], omega[i] * 1e-6 * l0_mh_per_km[i]);
+        }
+        one_ = fit_series(omega, z1);
+        zero_ = fit_series(omega, z0);
+        error_ = std::max(series_error(omega, z1, one_), series_error(omega, z0, zero_));
+    }
 }
 
-std::string FrequencyTable::mistake() const {
+std::string FrequencyTable::shape_mistake() const {
     for (auto const* column : {&r_ohm_per_km, &l_mh_per_km, &r0_ohm_per_km, &l0_mh_per_km}) {
         if (column->size() != hz.size()) {
             return fmt::format("it has {} frequencies and {} values", hz.size(), column->size());
@@ -57,9 +54,18 @@ std::string FrequencyTable::mistake() const {
     return std::ranges::adjacent_find(hz, std::greater_equal<>{}) == hz.end() ? "" : "its frequencies do not rise";
 }
 
+std::string FrequencyTable::mistake() const {
+    std::string shape = shape_mistake();
+    if (!shape.empty() || error_ <= kLargestTableError) {
+        return shape;
+    }
+    return fmt::format(
+        "its r and l do not belong together: resistances and inductances that come nearest are {:.2g} % away",
+        100 * error_);
+}
+
 SequencesPerMetre FrequencyTable::per_metre(double omega) const {
-    return {from_columns(hz, r_ohm_per_km, l_mh_per_km, omega), from_columns(hz, r0_ohm_per_km, l0_mh_per_km, omega), 0,
-            0};
+    return {one_.at(omega), zero_.at(omega), 0, 0};
 }
 
 } // namespace gridspace::sim

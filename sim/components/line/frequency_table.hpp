@@ -4,6 +4,7 @@
 
 #include "common/config/fields.hpp"
 #include "sim/components/line/sequences_per_metre.hpp"
+#include "sim/line_constants/series_fit.hpp"
 
 #include <string>
 #include <vector>
@@ -17,13 +18,17 @@ struct FrequencyTable {
 
     void fields(config::Fields& f);
     [[nodiscard]] bool given() const { return !hz.empty(); }
-    /// What makes it no table: too few values, frequencies that do not rise; empty when it is one.
+    /// What makes it no table: too few values, frequencies that do not rise, r and l that no line has; empty when it is
+    /// one.
     [[nodiscard]] std::string mistake() const;
 
-    /// Impedances only. Between two frequencies logarithms of r, and l, are straight over the logarithm of frequency.
-    /// Below the first both stay; beyond the last r rises with the root of frequency, and l falls as skin effect then
-    /// has it.
+    /// Impedances only: those of the passive network of resistances and inductances that is nearest to the table.
     [[nodiscard]] SequencesPerMetre per_metre(double omega) const;
+
+  private:
+    [[nodiscard]] std::string shape_mistake() const;
+    SeriesImpedance one_, zero_; ///< ohm and H per m
+    double error_{0};
 };
 
 } // namespace gridspace::sim

@@ -398,6 +398,7 @@ TEST(FrequencyDependentLine, SaysWhatIsWrongWithItsData) {
     };
     EXPECT_THAT(mistakes(short_table("[1, 9]", "[1]"), line), HasSubstr("it has 2 frequencies and 1 values"));
     EXPECT_THAT(mistakes(short_table("[9, 9]", "[1, 1]"), line), HasSubstr("its frequencies do not rise"));
+    EXPECT_THAT(mistakes(short_table("[9, 900]", "[1, 0.1]"), line), HasSubstr("its r and l do not belong together"));
     EXPECT_THAT(mistakes("conductors: [{phase: a, x_m: 0, height_m: 10, " + wire + "]", line),
                 HasSubstr("phase b has no conductor"));
     EXPECT_THAT(mistakes("conductors: [" + three + ", {phase: earth, x_m: 4, height_m: 10.01, " + wire + "]", line),
