@@ -70,9 +70,11 @@ void LineType::fields(Fields& f) {
 
 void LineType::check(ElementCheck& check) const {
     if (std::string const what = mistake(); !what.empty()) {
-        check.wrong("is no line: " + what,
-                    tower.given() ? "each phase needs a conductor at a place of its own"
-                                  : "by_frequency needs as many r, l, r0 and l0 as hz, from one line, and the type its c_nf_per_km");
+        check.wrong(
+            "is no line: " + what,
+            tower.given()
+                ? "each phase needs a conductor at a place of its own"
+                : "by_frequency needs as many r, l, r0 and l0 as hz, from one line, and the type its c_nf_per_km");
     }
 }
 
