@@ -16,8 +16,8 @@ namespace gridspace::sim::emt {
 
 EmtEngine::EmtEngine(Network network, NetworkCircuit parts, EmtOptions options)
     : network_{std::move(network)}, parts_{std::move(parts)}, options_{options},
-      solver_{parts_.circuit, options_.time_base.seconds(options_.step)}, one_ports_{all<OnePort>(network_)},
-      two_ports_{all<TwoPort>(network_)} {
+      solver_{parts_.circuit, options_.time_base.seconds(options_.step), options_.team},
+      one_ports_{all<OnePort>(network_)}, two_ports_{all<TwoPort>(network_)} {
     plls_.assign(network_.buses.size(), Pll{network_.frequency_hz});
     read_plls_.resize(plls_.size());
     std::iota(read_plls_.begin(), read_plls_.end(), std::size_t{0});
@@ -107,19 +107,34 @@ Result<void> EmtEngine::advance(SimTime until) {
     return {};
 }
 
-Result<void> EmtEngine::step(double t_end, double h) {
-    for (std::size_t f = 0; f < converters_.size(); ++f) {
-        auto const i = parts_.injections[f].by_phase ? phase_currents_[f].currents(h) : converters_[f].currents(h);
-        std::copy(i.begin(), i.end(), solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f));
+template <class Job>
+void EmtEngine::each_part(std::size_t count, Job const& job) {
+    constexpr std::size_t kWorthSharing = 100; // a microsecond or two for each of two
+    if (!options_.team || count < kWorthSharing) {
+        job(Range{0, count});
+        return;
     }
+    auto const parts = static_cast<std::size_t>(options_.team->size());
+    options_.team->run([&](int part) {
+        auto const p = static_cast<std::size_t>(part);
+        job(Range{count * p / parts, count * (p + 1) / parts});
+    });
+}
+
+Result<void> EmtEngine::step(double t_end, double h) {
+    each_part(converters_.size(), [&](Range injections) { inject(injections, h); });
     if (auto ok = solver_.advance(t_end, h); !ok) {
         return ok;
     }
-    for (std::size_t const i : read_plls_) {
-        Space const v = bus_voltage(i);
-        plls_[i].step(v.alpha, v.beta, h);
-    }
-    step_injections(t_end, h);
+    each_part(converters_.size() + read_plls_.size(), [&](Range all) {
+        std::size_t const converters = converters_.size();
+        step_injections({std::min(all.begin, converters), std::min(all.end, converters)}, t_end, h);
+        for (std::size_t k = std::max(all.begin, converters); k < all.end; ++k) {
+            std::size_t const i = read_plls_[k - converters];
+            Space const v = bus_voltage(i);
+            plls_[i].step(v.alpha, v.beta, h);
+        }
+    });
     for (MeteredPlace& i : instruments_) {
         if (i.transformer.dynamic()) {
             i.transformer.step(instrument_input(i), h);

@@ -86,7 +86,15 @@ class EmtEngine final : public Engine {
     void start_plls();
     /// Power that an injection is to put into the network from now on, VA.
     [[nodiscard]] std::complex<double> wanted(std::size_t injection, double t, double v, double h);
-    void step_injections(double t_end, double h);
+    // Currents that follow the voltage do not depend on each other within a step.
+    struct Range {
+        std::size_t begin, end;
+    };
+    void inject(Range injections, double h);
+    void step_injections(Range injections, double t_end, double h);
+    /// Does this for all of [0, count), in parts at the same time where that is worth while.
+    template <class Job>
+    void each_part(std::size_t count, Job const& job);
     /// Voltages by bus and phase, p.u. of nominal; reactive powers of elements at one bus, kvar.
     using BusPhases = std::array<std::complex<double>, 3>;
     [[nodiscard]] std::vector<BusPhases> start_injections(std::vector<BusPhases> const& bus_v,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/emt/emt_engine_impl.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 /// Currents that follow the voltage: converters, and loads that are not constant impedances.
@@ -48,8 +49,15 @@ std::vector<EmtEngine::BusPhases> EmtEngine::start_injections(std::vector<BusPha
     return currents;
 }
 
-void EmtEngine::step_injections(double t_end, double h) {
-    for (std::size_t i = 0; i < converters_.size(); ++i) {
+void EmtEngine::inject(Range injections, double h) {
+    for (std::size_t f = injections.begin; f < injections.end; ++f) {
+        auto const i = parts_.injections[f].by_phase ? phase_currents_[f].currents(h) : converters_[f].currents(h);
+        std::copy(i.begin(), i.end(), solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f));
+    }
+}
+
+void EmtEngine::step_injections(Range injections, double t_end, double h) {
+    for (std::size_t i = injections.begin; i < injections.end; ++i) {
         if (converters_[i].tripped()) {
             continue; // out of service: nothing measures, charges or ages
         }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "common/team.hpp"
 #include "sim/emt/bergeron.hpp"
 #include "sim/emt/nodal_system.hpp"
 
@@ -18,8 +19,9 @@ namespace gridspace::sim::emt {
 /// may.
 class Solver {
   public:
-    /// `step_s` is the usual step; others cost a factorisation.
-    Solver(Circuit circuit, double step_s);
+    /// `step_s` is the usual step; others cost a factorisation. `team`: who does the parts of a large circuit at once;
+    /// nobody: one after the other. The results are the same.
+    Solver(Circuit circuit, double step_s, std::shared_ptr<Team> team = nullptr);
 
     /// Steady state at time 0 with these terminal voltages (V peak) and currents (A peak, into the network; positive
     /// sequence phasors) of Norton elements, and injected currents (A peak, by phase), by injection; every other
@@ -83,6 +85,8 @@ class Solver {
     [[nodiscard]] std::vector<std::string> floating_nodes() const;
     [[nodiscard]] int unknowns() const { return system_->topology.unknowns; }
     [[nodiscard]] bool dense() const { return system_->dense; }
+    /// Parts that are stepped at the same time.
+    [[nodiscard]] std::size_t parts() const { return system_->shares.parts.size(); }
 
   private:
     std::vector<std::complex<double>> start_v_; ///< by slot
@@ -110,11 +114,23 @@ class Solver {
 
     [[nodiscard]] Result<void> segment(double t_end, double h);
     void substep(double t_end, double h, Rule rule, StepCoefficients const& c);
-    void histories(double t_end, Rule rule, StepCoefficients const& c);
-    void waves(double t_end);
-    void currents(StepCoefficients const& c);
+    // Of one share (Shares), which may run beside others:
+    void histories(std::size_t share, double t_end, Rule rule, StepCoefficients const& c);
+    void predict(std::size_t share, double t_end, double h, Rule rule);
+    void correct(std::size_t share);
+    void finish(std::size_t share, Rule rule, StepCoefficients const& c);
+    void currents(Share const& share, StepCoefficients const& c);
+    void waves(Share const& share);
+    void cores(Share const& share, Rule rule, StepCoefficients const& c);
+    /// Does this for each share, at the same time where there is a team.
+    template <class Job>
+    void each_share(Job const& job);
+    template <class Job>
+    void with_solution(Job const& job);
+    // Between those:
     void source_voltages(double t);
-    void solve_network();
+    void fill_rest();
+    void solve_rest();
     void resize();
     [[nodiscard]] Result<void> use(double h);
     void part_contacts();
@@ -128,6 +144,7 @@ class Solver {
 
     Circuit circuit_;
     double step_s_;
+    std::shared_ptr<Team> team_;
     double t_{0};
     double damping_s_{0}; ///< for so long backward Euler steps follow a discontinuity
     bool modified_{true}; ///< bits_ are not those of system_
@@ -138,7 +155,8 @@ class Solver {
     Dynamics state_, saved_;
     std::vector<BergeronWaves> waves_;
     std::vector<double> wave_history_, rl_history_, capacitor_history_, coupled_history_, winding_history_,
-        core_history_, rhs_, correction_, injected_;
+        core_history_, norton_i_, correction_, injected_;
+    std::vector<std::vector<double>> rhs_;               ///< by share, and of the rest; each has its own unknowns
     std::vector<double> watched_before_, watched_after_; ///< currents of armed poles at both ends of a segment
     std::vector<double> core_share_;       ///< by core: where in the segment its flux passes a knee; 2: nowhere
     std::vector<signed char> core_beyond_; ///< and the slope that it enters there

@@ -31,48 +31,63 @@ void Solver::source_voltages(double t) {
     }
 }
 
-void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
+void Solver::histories(std::size_t which, double t_end, Rule rule, StepCoefficients const& c) {
     bool const trapezoid = rule == Rule::trapezoid;
-    double* const rhs = rhs_.data();
-    std::fill(rhs_.begin(), rhs_.end(), 0.0);
+    Share const& share = system_->shares.parts[which];
+    double* const rhs = rhs_[which].data();
+    std::fill_n(rhs, system_->topology.slots + Topology::kEarths, 0.0);
     {
-        double const *v = state_.rl_v.data(), *i = state_.rl_i.data();
-        double* history = rl_history_.data();
-        int const *from = system_->rl_from.data(), *to = system_->rl_to.data();
-        PhaseMatrix const* past = trapezoid ? c.rl_trapezoid.data() : c.rl_euler.data();
-        PhaseMatrix const* g = c.rl_g.data();
-        unsigned char const* stores = c.rl_stores.data();
-        for (std::size_t b = 0; b < circuit_.rl.size();
-             ++b, v += 3, i += 3, history += 3, from += 3, to += 3, ++past, ++g, ++stores) {
-            if (*stores == 0) {
-                continue;
+        int const *from = share.rl.from.data(), *to = share.rl.to.data();
+        double const *const all_v = state_.rl_v.data(), *const all_i = state_.rl_i.data();
+        double* const all_histories = rl_history_.data();
+        PhaseMatrix const *const all_g = c.rl_g.data(), *const all_past =
+                                                            (trapezoid ? c.rl_trapezoid : c.rl_euler).data();
+        unsigned char const* const stores = c.rl_stores.data();
+        for (int const index : share.rl.index) {
+            auto const b = static_cast<std::size_t>(index);
+            if (stores[b] != 0) {
+                double const *v = all_v + 3 * b, *i = all_i + 3 * b;
+                double* const history = all_histories + 3 * b;
+                PhaseMatrix const& past = all_past[b];
+                double common = past.mutual * (i[0] + i[1] + i[2]);
+                double one = 0;
+                if (trapezoid) {
+                    PhaseMatrix const& g = all_g[b];
+                    common += g.mutual * (v[0] + v[1] + v[2]);
+                    one = g.one;
+                }
+                for (int k = 0; k < 3; ++k) {
+                    history[k] = past.one * i[k] + one * v[k] + common;
+                    rhs[from[k]] -= history[k];
+                    rhs[to[k]] += history[k];
+                }
             }
-            double common = past->mutual * (i[0] + i[1] + i[2]);
-            double one = 0;
-            if (trapezoid) {
-                common += g->mutual * (v[0] + v[1] + v[2]);
-                one = g->one;
-            }
+            from += 3;
+            to += 3;
+        }
+    }
+    {
+        int const *from = share.capacitors.from.data(), *to = share.capacitors.to.data();
+        double const *const all_v = state_.capacitor_v.data(), *const all_i = state_.capacitor_i.data();
+        double* const all_histories = capacitor_history_.data();
+        PhaseMatrix const* const all_g = c.capacitor_g.data();
+        for (int const index : share.capacitors.index) {
+            auto const b = static_cast<std::size_t>(index);
+            PhaseMatrix const& g = all_g[b];
+            double const *v = all_v + 3 * b, *i = all_i + 3 * b;
+            double* const history = all_histories + 3 * b;
+            double const common = g.mutual * (v[0] + v[1] + v[2]);
             for (int k = 0; k < 3; ++k) {
-                history[k] = past->one * i[k] + one * v[k] + common;
+                history[k] = -(g.one * v[k] + common) - (trapezoid ? i[k] : 0);
                 rhs[from[k]] -= history[k];
                 rhs[to[k]] += history[k];
             }
+            from += 3;
+            to += 3;
         }
     }
-    for (std::size_t b = 0; b < circuit_.capacitors.size(); ++b) {
-        PhaseMatrix const& g = c.capacitor_g[b];
-        double const* v = state_.capacitor_v.data() + 3 * b;
-        double const* i = state_.capacitor_i.data() + 3 * b;
-        double const common = g.mutual * (v[0] + v[1] + v[2]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            double const history = -(g.one * v[k] + common) - (trapezoid ? i[k] : 0);
-            capacitor_history_[3 * b + k] = history;
-            rhs[system_->capacitor_from[3 * b + k]] -= history;
-            rhs[system_->capacitor_to[3 * b + k]] += history;
-        }
-    }
-    for (std::size_t b = 0; b < circuit_.coupled.size(); ++b) {
+    for (std::size_t n = 0; n < share.coupled.index.size(); ++n) {
+        auto const b = static_cast<std::size_t>(share.coupled.index[n]);
         StepCoefficients::Coupled const& past = c.coupled[b];
         Matrix3 const& of_v = trapezoid ? past.v_trapezoid : past.v_euler;
         Matrix3 const& of_i = trapezoid ? past.i_trapezoid : past.i_euler;
@@ -82,20 +97,22 @@ void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
             double const history = of_v[k][0] * v[0] + of_v[k][1] * v[1] + of_v[k][2] * v[2] + of_i[k][0] * i[0] +
                                    of_i[k][1] * i[1] + of_i[k][2] * i[2];
             coupled_history_[3 * b + k] = history;
-            rhs[system_->coupled_from[3 * b + k]] -= history;
-            rhs[system_->coupled_to[3 * b + k]] += history;
+            rhs[share.coupled.from[3 * n + k]] -= history;
+            rhs[share.coupled.to[3 * n + k]] += history;
         }
     }
-    for (std::size_t w = 0; w < circuit_.windings.size(); ++w) {
+    for (std::size_t n = 0; n < share.windings.index.size(); ++n) {
+        auto const w = static_cast<std::size_t>(share.windings.index[n]);
         double const history = trapezoid
                                    ? c.winding_g[w] * state_.winding_v[w] + c.winding_trapezoid[w] * state_.winding_i[w]
                                    : c.winding_euler[w] * state_.winding_i[w];
         winding_history_[w] = history;
         for (std::size_t k = 0; k < 4; ++k) {
-            rhs[system_->winding[4 * w + k]] -= circuit_.windings[w].weights[k] * history;
+            rhs[share.windings.slots[4 * n + k]] -= circuit_.windings[w].weights[k] * history;
         }
     }
-    for (std::size_t w = 0; w < circuit_.cores.size(); ++w) {
+    for (std::size_t n = 0; n < share.cores.index.size(); ++n) {
+        auto const w = static_cast<std::size_t>(share.cores.index[n]);
         SaturableCore const& core = circuit_.cores[w];
         int const segment = bits_.segment[w];
         double const l = segment == 0 ? core.l : core.l_air;
@@ -104,160 +121,252 @@ void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
         double const history = offset + (state_.core_flux[w] + (trapezoid ? c.h / 2 * state_.core_v[w] : 0)) / l;
         core_history_[w] = history;
         for (std::size_t k = 0; k < 4; ++k) {
-            rhs[system_->core[4 * w + k]] -= core.weights[k] * history;
+            rhs[share.cores.slots[4 * n + k]] -= core.weights[k] * history;
         }
     }
-    for (std::size_t w = 0; w < waves_.size(); ++w) {
-        double* const history = wave_history_.data() + 6 * w;
-        waves_[w].history(t_end, history);
+    for (std::size_t n = 0; n < share.wave_ends.index.size(); ++n) {
+        auto const end = static_cast<std::size_t>(share.wave_ends.index[n]);
+        double* const history = wave_history_.data() + 3 * end;
+        waves_[end / 2].history(t_end, end % 2, history);
         for (std::size_t k = 0; k < 3; ++k) {
-            rhs[system_->bergeron_from[3 * w + k]] -= history[k];
-            rhs[system_->bergeron_to[3 * w + k]] -= history[3 + k];
+            rhs[share.wave_ends.slots[3 * n + k]] -= history[k];
         }
     }
-    for (std::size_t k = 0; k < injected_.size(); ++k) {
-        rhs[system_->injection[k]] += injected_[k];
+    for (std::size_t n = 0; n < share.injections.index.size(); ++n) {
+        double const* const i = injected_.data() + 3 * share.injections.index[n];
+        for (std::size_t k = 0; k < 3; ++k) {
+            rhs[share.injections.slots[3 * n + k]] += i[k];
+        }
+    }
+    for (Entry<double> const& e : share.coupling) {
+        rhs[e.row] -= e.value * state_.v[static_cast<std::size_t>(e.column)];
     }
 }
 
-void Solver::currents(StepCoefficients const& c) {
+namespace {
+
+/// Voltages and currents of branches of equal phases.
+void branch_currents(Share::Branches const& branches, PhaseMatrix const* all_g, double const* x,
+                     double const* all_histories, double* all_v, double* all_i) {
+    int const *from = branches.from.data(), *to = branches.to.data();
+    for (int const index : branches.index) {
+        auto const b = static_cast<std::size_t>(index);
+        double *const v = all_v + 3 * b, *const i = all_i + 3 * b;
+        double const* const history = all_histories + 3 * b;
+        PhaseMatrix const g = all_g[b];
+        double const v0 = x[from[0]] - x[to[0]], v1 = x[from[1]] - x[to[1]], v2 = x[from[2]] - x[to[2]];
+        double const common = g.mutual * (v0 + v1 + v2);
+        i[0] = g.one * v0 + common + history[0];
+        i[1] = g.one * v1 + common + history[1];
+        i[2] = g.one * v2 + common + history[2];
+        v[0] = v0;
+        v[1] = v1;
+        v[2] = v2;
+        from += 3;
+        to += 3;
+    }
+}
+
+} // namespace
+
+void Solver::currents(Share const& share, StepCoefficients const& c) {
     double const* const x = state_.v.data();
-    {
-        double *v = state_.rl_v.data(), *i = state_.rl_i.data();
-        double const* history = rl_history_.data();
-        int const *from = system_->rl_from.data(), *to = system_->rl_to.data();
-        PhaseMatrix const* g = c.rl_g.data();
-        for (std::size_t b = 0; b < circuit_.rl.size(); ++b, v += 3, i += 3, history += 3, from += 3, to += 3, ++g) {
-            v[0] = x[from[0]] - x[to[0]];
-            v[1] = x[from[1]] - x[to[1]];
-            v[2] = x[from[2]] - x[to[2]];
-            double const common = g->mutual * (v[0] + v[1] + v[2]);
-            for (int k = 0; k < 3; ++k) {
-                i[k] = g->one * v[k] + common + history[k];
-            }
-        }
-    }
-    for (std::size_t b = 0; b < circuit_.capacitors.size(); ++b) {
-        PhaseMatrix const& g = c.capacitor_g[b];
-        double* const v = state_.capacitor_v.data() + 3 * b;
-        for (std::size_t k = 0; k < 3; ++k) {
-            v[k] = x[system_->capacitor_from[3 * b + k]] - x[system_->capacitor_to[3 * b + k]];
-        }
-        double const common = g.mutual * (v[0] + v[1] + v[2]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            state_.capacitor_i[3 * b + k] = g.one * v[k] + common + capacitor_history_[3 * b + k];
-        }
-    }
-    for (std::size_t b = 0; b < circuit_.coupled.size(); ++b) {
+    branch_currents(share.rl, c.rl_g.data(), x, rl_history_.data(), state_.rl_v.data(), state_.rl_i.data());
+    branch_currents(share.capacitors, c.capacitor_g.data(), x, capacitor_history_.data(), state_.capacitor_v.data(),
+                    state_.capacitor_i.data());
+    for (std::size_t n = 0; n < share.coupled.index.size(); ++n) {
+        auto const b = static_cast<std::size_t>(share.coupled.index[n]);
         Matrix3 const& g = c.coupled[b].g;
         double* const v = state_.coupled_v.data() + 3 * b;
         for (std::size_t k = 0; k < 3; ++k) {
-            v[k] = x[system_->coupled_from[3 * b + k]] - x[system_->coupled_to[3 * b + k]];
+            v[k] = x[share.coupled.from[3 * n + k]] - x[share.coupled.to[3 * n + k]];
         }
         for (std::size_t k = 0; k < 3; ++k) {
             state_.coupled_i[3 * b + k] =
                 g[k][0] * v[0] + g[k][1] * v[1] + g[k][2] * v[2] + coupled_history_[3 * b + k];
         }
     }
-    for (std::size_t w = 0; w < circuit_.windings.size(); ++w) {
+    for (std::size_t n = 0; n < share.windings.index.size(); ++n) {
+        auto const w = static_cast<std::size_t>(share.windings.index[n]);
         double v = 0;
         for (std::size_t k = 0; k < 4; ++k) {
-            v += circuit_.windings[w].weights[k] * x[system_->winding[4 * w + k]];
+            v += circuit_.windings[w].weights[k] * x[share.windings.slots[4 * n + k]];
         }
         state_.winding_v[w] = v;
         state_.winding_i[w] = c.winding_g[w] * v + winding_history_[w];
     }
 }
 
-void Solver::waves(double t_end) {
-    double const* const x = state_.v.data();
-    for (std::size_t w = 0; w < waves_.size(); ++w) {
-        std::array<double, 6> v;
+void Solver::waves(Share const& share) {
+    for (std::size_t n = 0; n < share.wave_ends.index.size(); ++n) {
+        auto const end = static_cast<std::size_t>(share.wave_ends.index[n]);
+        std::array<double, 3> v{};
         for (std::size_t k = 0; k < 3; ++k) {
-            v[k] = x[system_->bergeron_from[3 * w + k]];
-            v[3 + k] = x[system_->bergeron_to[3 * w + k]];
+            v[k] = state_.v[static_cast<std::size_t>(share.wave_ends.slots[3 * n + k])];
         }
-        PhaseMatrix const g = waves_[w].conductance();
-        for (std::size_t end = 0; end < 2; ++end) {
-            double const common = g.mutual * (v[3 * end] + v[3 * end + 1] + v[3 * end + 2]);
-            for (std::size_t k = 3 * end; k < 3 * end + 3; ++k) {
-                state_.wave_i[6 * w + k] = g.one * v[k] + common + wave_history_[6 * w + k];
-            }
+        PhaseMatrix const g = waves_[end / 2].conductance();
+        double const common = g.mutual * (v[0] + v[1] + v[2]);
+        double* const i = state_.wave_i.data() + 3 * end;
+        for (std::size_t k = 0; k < 3; ++k) {
+            i[k] = g.one * v[k] + common + wave_history_[3 * end + k];
         }
-        waves_[w].leave(t_end, v.data(), state_.wave_i.data() + 6 * w);
+        waves_[end / 2].leave(end % 2, v.data(), i);
     }
 }
 
-void Solver::solve_network() {
-    system_->solve(rhs_.data(), state_.v.data());
-}
-
-void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& c) {
-    histories(t_end, rule, c);
-    double* const x = state_.v.data();
-    double* const rhs = rhs_.data();
-    source_voltages(t_end);
-    for (Entry<double> const& e : system_->coupling) {
-        rhs[e.row] -= e.value * x[e.column];
-    }
-    int corrections = 0;
-    int const* slot = system_->norton.data();
-    for (NortonPort const& p : circuit_.norton) {
-        auto const j = p.element->predict(t_end, h, rule);
-        for (std::size_t k = 0; k < 3; ++k) {
-            rhs[slot[k]] += j[k];
-        }
-        slot += 3;
-        corrections = std::max(corrections, p.element->corrections());
-    }
-    solve_network();
-    for (int repeat = corrections; repeat > 0; --repeat) {
-        slot = system_->norton.data();
-        int const unknowns = system_->topology.unknowns;
-        double* const change = correction_.data();
-        std::size_t changes = 0;
-        for (NortonPort const& p : circuit_.norton) {
-            double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
-            auto const j = p.element->correct(v);
-            for (std::size_t k = 0; k < 3; ++k) {
-                change[changes++] = j[k];
-            }
-            slot += 3;
-        }
-        for (std::size_t k = 0; k < changes; ++k) {
-            int const s = system_->norton[k];
-            if (s >= unknowns) {
-                continue;
-            }
-            if (system_->dense) {
-                system_->add_column(s, change[k], x);
-            } else {
-                rhs[s] += change[k];
-            }
-        }
-        if (!system_->dense) {
-            solve_network();
-        }
-    }
-    slot = system_->norton.data();
-    for (NortonPort const& p : circuit_.norton) {
-        double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
-        p.element->finish(v);
-        slot += 3;
-    }
-    currents(c);
-    waves(t_end);
+void Solver::cores(Share const& share, Rule rule, StepCoefficients const& c) {
     double const half = c.h / 2; // of the trapezoid, or a whole backward Euler step: both weigh the new voltage alike
-    for (std::size_t w = 0; w < circuit_.cores.size(); ++w) {
+    for (std::size_t n = 0; n < share.cores.index.size(); ++n) {
+        auto const w = static_cast<std::size_t>(share.cores.index[n]);
         double v = 0;
         for (std::size_t k = 0; k < 4; ++k) {
-            v += circuit_.cores[w].weights[k] * x[system_->core[4 * w + k]];
+            v += circuit_.cores[w].weights[k] * state_.v[static_cast<std::size_t>(share.cores.slots[4 * n + k])];
         }
         state_.core_flux[w] += half * (v + (rule == Rule::trapezoid ? state_.core_v[w] : 0));
         state_.core_v[w] = v;
         double const l = bits_.segment[w] == 0 ? circuit_.cores[w].l : circuit_.cores[w].l_air;
         state_.core_i[w] = half / l * v + core_history_[w];
     }
+}
+
+void Solver::predict(std::size_t which, double t_end, double h, Rule rule) {
+    Share::Terminals const& norton = system_->shares.parts[which].norton;
+    for (std::size_t n = 0; n < norton.index.size(); ++n) {
+        auto const m = static_cast<std::size_t>(norton.index[n]);
+        auto const j = circuit_.norton[m].element->predict(t_end, h, rule);
+        for (std::size_t k = 0; k < 3; ++k) {
+            norton_i_[3 * m + k] = j[k];
+            rhs_[which][static_cast<std::size_t>(norton.slots[3 * n + k])] += j[k];
+        }
+    }
+}
+
+void Solver::correct(std::size_t which) {
+    Share::Terminals const& norton = system_->shares.parts[which].norton;
+    double* const x = state_.v.data();
+    for (std::size_t n = 0; n < norton.index.size(); ++n) {
+        auto const m = static_cast<std::size_t>(norton.index[n]);
+        int const* const slot = norton.slots.data() + 3 * n;
+        double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
+        auto const j = circuit_.norton[m].element->correct(v);
+        std::copy(j.begin(), j.end(), correction_.begin() + static_cast<std::ptrdiff_t>(3 * m));
+    }
+    for (std::size_t n = 0; n < norton.slots.size(); ++n) {
+        int const s = norton.slots[n];
+        double const change = correction_[3 * static_cast<std::size_t>(norton.index[n / 3]) + n % 3];
+        if (s >= system_->topology.unknowns) {
+            continue;
+        }
+        if (system_->dense) {
+            system_->add_column(s, change, x);
+        } else {
+            rhs_[which][static_cast<std::size_t>(s)] += change;
+        }
+    }
+}
+
+void Solver::finish(std::size_t which, Rule rule, StepCoefficients const& c) {
+    Share const& share = system_->shares.parts[which];
+    double const* const x = state_.v.data();
+    for (std::size_t n = 0; n < share.norton.index.size(); ++n) {
+        int const* const slot = share.norton.slots.data() + 3 * n;
+        double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
+        circuit_.norton[static_cast<std::size_t>(share.norton.index[n])].element->finish(v);
+    }
+    currents(share, c);
+    waves(share);
+    cores(share, rule, c);
+}
+
+/// What elements of the shares, and of none, add to the rows of none, in the order of the circuit.
+void Solver::fill_rest() {
+    if (!system_->divided()) {
+        return;
+    }
+    std::array<double const*, kHistoryKinds> const from{
+        rl_history_.data(),      capacitor_history_.data(), coupled_history_.data(),
+        winding_history_.data(), core_history_.data(),      wave_history_.data(),
+        injected_.data(),        state_.v.data(),           norton_i_.data()};
+    double* const rhs = rhs_.back().data();
+    std::fill_n(rhs, system_->topology.slots + Topology::kEarths, 0.0);
+    for (RestEntry const& e : system_->shares.rest) {
+        rhs[e.row] += e.factor * from[static_cast<std::size_t>(e.kind)][e.at];
+    }
+}
+
+void Solver::solve_rest() {
+    if (system_->divided()) {
+        system_->factors_in_parts().rest(rhs_.back().data(), state_.v.data());
+    } else {
+        system_->solve(rhs_.front().data(), state_.v.data());
+    }
+}
+
+template <class Job>
+void Solver::each_share(Job const& job) {
+    if (system_->divided()) {
+        team_->run([&](int k) { job(static_cast<std::size_t>(k)); });
+    } else {
+        job(std::size_t{0});
+    }
+}
+
+/// What is done with the voltages once the rest is solved.
+template <class Job>
+void Solver::with_solution(Job const& job) {
+    if (!system_->divided()) {
+        job(std::size_t{0});
+        return;
+    }
+    auto const up = [&](std::size_t share) {
+        system_->factors_in_parts().up(static_cast<int>(share), state_.v.data());
+    };
+    if (!system_->update) {
+        each_share([&](std::size_t share) {
+            up(share);
+            job(share);
+        });
+        return;
+    }
+    each_share(up);
+    system_->finish_parts(state_.v.data());
+    each_share(job);
+}
+
+void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& c) {
+    auto const down = [&](std::size_t share) {
+        if (system_->divided()) {
+            system_->factors_in_parts().down(static_cast<int>(share), rhs_[share].data());
+        }
+    };
+    source_voltages(t_end);
+    each_share([&](std::size_t share) {
+        histories(share, t_end, rule, c);
+        predict(share, t_end, h, rule);
+        down(share);
+    });
+    for (BergeronWaves& line : waves_) {
+        line.open(t_end);
+    }
+    int corrections = 0;
+    for (NortonPort const& p : circuit_.norton) {
+        corrections = std::max(corrections, p.element->corrections());
+    }
+    fill_rest();
+    solve_rest();
+    for (int repeat = corrections; repeat > 0; --repeat) {
+        with_solution([&](std::size_t share) {
+            correct(share);
+            down(share);
+        });
+        for (auto const& [row, at] : system_->shares.rest_norton) {
+            rhs_.back()[static_cast<std::size_t>(row)] += correction_[static_cast<std::size_t>(at)];
+        }
+        if (!system_->dense) {
+            solve_rest();
+        }
+    }
+    with_solution([&](std::size_t share) { finish(share, rule, c); });
 }
 
 } // namespace gridspace::sim::emt

@@ -20,8 +20,9 @@ struct SwitchBits {
 };
 
 /// Nodes that closed poles make one share a slot. Slots [0, unknowns) are solved for; then comes earth, then the nodes
-/// of ideal voltage sources.
+/// of ideal voltage sources. Behind them are more slots of earth, for elements.
 struct Topology {
+    static constexpr int kEarths = 24;
     std::vector<int> slot; ///< by node
     int unknowns{0}, slots{0};
     [[nodiscard]] int earth() const { return unknowns; }
