@@ -3,7 +3,6 @@
 #include "sim/emt/division.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <numeric>
 
 namespace gridspace::sim::emt {
@@ -13,10 +12,12 @@ namespace {
 constexpr double kLeastWork = 8000;
 /// What an element's work at a node takes, in multiplications.
 constexpr double kTieWork = 8;
+/// What work of the rest costs: it has to be fetched from everybody.
+constexpr double kRestWork = 2.5;
 /// Of the work of one, that two or more must not exceed.
 constexpr double kWorthWhile = 0.85;
-/// Subtrees of a part's share of the work, of half of that, and so on.
-constexpr int kHalvings = 7;
+/// How often a subtree is opened that lies across the border of two parts.
+constexpr int kOpenings = 24;
 
 int root_of(std::vector<int>& up, int i) {
     while (up[static_cast<std::size_t>(i)] != i) {
@@ -29,19 +30,20 @@ int root_of(std::vector<int>& up, int i) {
 struct Candidate {
     double longest{0}; ///< work of the busiest part and of the rest, one after the other
     Division division;
+    std::vector<std::size_t> across; ///< roots of the subtrees that lie most across the border of two parts
 };
 
-/// Maximal subtrees with at most `limit` of work, those that are tied together, the largest first to who has least.
-Candidate with_subtrees(EliminationTree const& tree, std::vector<double> const& own, std::vector<double> const& below,
-                        std::vector<std::pair<int, int>> const& ties, double limit, int parts) {
+/// The subtrees below those places that are open, and together those that are tied.
+Candidate with_subtrees(EliminationTree const& tree, std::vector<double> const& own, std::vector<bool> const& open,
+                        std::vector<std::pair<int, int>> const& ties, int parts) {
     std::size_t const n = tree.order.size();
     std::vector<int> group(n, -1); // by unknown
     std::vector<int> at(n, -1);    // by place
     std::vector<int> up;
     Candidate out;
     for (std::size_t k = n; k-- > 0;) {
-        if (below[k] > limit) {
-            out.longest += own[k];
+        if (open[k]) {
+            out.longest += kRestWork * own[k];
             continue;
         }
         int const above = tree.parent[k];
@@ -66,14 +68,43 @@ Candidate with_subtrees(EliminationTree const& tree, std::vector<double> const& 
             weight[static_cast<std::size_t>(root_of(up, at[k]))] += own[k];
         }
     }
-    std::vector<int> by_weight(up.size()), part_of(up.size(), 0);
-    std::iota(by_weight.begin(), by_weight.end(), 0);
-    std::ranges::stable_sort(by_weight, std::greater{}, [&](int g) { return weight[static_cast<std::size_t>(g)]; });
+    // One part after the other in the order of the unknowns, which is that of the network file: neighbours in memory
+    // belong to one processor.
+    std::vector<int> in_order, part_of(up.size(), 0);
+    std::vector<bool> seen(up.size(), false);
+    for (int const g : group) {
+        if (g >= 0) {
+            auto const root = static_cast<std::size_t>(root_of(up, g));
+            if (!seen[root]) {
+                seen[root] = true;
+                in_order.push_back(static_cast<int>(root));
+            }
+        }
+    }
+    double const all = std::accumulate(weight.begin(), weight.end(), 0.0);
     std::vector<double> load(static_cast<std::size_t>(parts), 0.0);
-    for (int const g : by_weight) {
-        auto const least = std::ranges::min_element(load);
-        *least += weight[static_cast<std::size_t>(g)];
-        part_of[static_cast<std::size_t>(g)] = static_cast<int>(least - load.begin());
+    double before = 0, most_across = 0;
+    int across = -1;
+    for (int const g : in_order) {
+        auto const root = static_cast<std::size_t>(g);
+        auto const part = std::clamp(static_cast<int>((before + weight[root] / 2) / all * parts), 0, parts - 1);
+        load[static_cast<std::size_t>(part)] += weight[root];
+        part_of[root] = part;
+        for (int border = 1; border < parts; ++border) {
+            double const cut = all * border / parts, over = std::min(cut - before, before + weight[root] - cut);
+            if (over > most_across) {
+                most_across = over;
+                across = g;
+            }
+        }
+        before += weight[root];
+    }
+    for (std::size_t k = 0; across >= 0 && k < n; ++k) {
+        int const above = tree.parent[k];
+        bool const is_root = at[k] >= 0 && (above < 0 || at[static_cast<std::size_t>(above)] < 0);
+        if (is_root && root_of(up, at[k]) == across) {
+            out.across.push_back(k);
+        }
     }
     out.longest += *std::ranges::max_element(load);
     out.division.parts = parts;
@@ -106,12 +137,22 @@ Division divide(EliminationTree const& tree, std::vector<std::pair<int, int>> co
     if (parts < 2 || total < kLeastWork) {
         return {};
     }
-    Candidate best{kWorthWhile * total, {}};
-    double limit = total / parts;
-    for (int i = 0; i < kHalvings; ++i, limit /= 2) {
-        Candidate found = with_subtrees(tree, own, below, ties, limit, parts);
+    std::vector<bool> open(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        open[k] = below[k] > total / parts;
+    }
+    Candidate best{kWorthWhile * total, {}, {}};
+    for (int i = 0; i < kOpenings; ++i) {
+        Candidate found = with_subtrees(tree, own, open, ties, parts);
+        for (std::size_t const k : found.across) {
+            open[k] = true;
+        }
+        bool const last = found.across.empty();
         if (found.longest < best.longest) {
             best = std::move(found);
+        }
+        if (last) {
+            break;
         }
     }
     return std::move(best.division);

@@ -108,32 +108,22 @@ Result<void> EmtEngine::advance(SimTime until) {
 }
 
 template <class Job>
-void EmtEngine::each_part(std::size_t count, Job const& job) {
-    constexpr std::size_t kWorthSharing = 100; // a microsecond or two for each of two
-    if (!options_.team || count < kWorthSharing) {
-        job(Range{0, count});
-        return;
+void EmtEngine::each_part(Job const& job) {
+    if (solver_.parts() == 1) {
+        job(std::size_t{0});
+    } else {
+        options_.team->run([&](int part) { job(static_cast<std::size_t>(part)); });
     }
-    auto const parts = static_cast<std::size_t>(options_.team->size());
-    options_.team->run([&](int part) {
-        auto const p = static_cast<std::size_t>(part);
-        job(Range{count * p / parts, count * (p + 1) / parts});
-    });
 }
 
 Result<void> EmtEngine::step(double t_end, double h) {
-    each_part(converters_.size(), [&](Range injections) { inject(injections, h); });
+    each_part([&](std::size_t part) { inject(solver_.injections(part), h); });
     if (auto ok = solver_.advance(t_end, h); !ok) {
         return ok;
     }
-    each_part(converters_.size() + read_plls_.size(), [&](Range all) {
-        std::size_t const converters = converters_.size();
-        step_injections({std::min(all.begin, converters), std::min(all.end, converters)}, t_end, h);
-        for (std::size_t k = std::max(all.begin, converters); k < all.end; ++k) {
-            std::size_t const i = read_plls_[k - converters];
-            Space const v = bus_voltage(i);
-            plls_[i].step(v.alpha, v.beta, h);
-        }
+    each_part([&](std::size_t part) {
+        step_injections(solver_.injections(part), t_end, h);
+        step_plls(part, solver_.parts(), h);
     });
     for (MeteredPlace& i : instruments_) {
         if (i.transformer.dynamic()) {
@@ -141,6 +131,15 @@ Result<void> EmtEngine::step(double t_end, double h) {
         }
     }
     return {};
+}
+
+void EmtEngine::step_plls(std::size_t part, std::size_t parts, double h) {
+    std::size_t const count = read_plls_.size();
+    for (std::size_t k = count * part / parts; k < count * (part + 1) / parts; ++k) {
+        std::size_t const i = read_plls_[k];
+        Space const v = bus_voltage(i);
+        plls_[i].step(v.alpha, v.beta, h);
+    }
 }
 
 void EmtEngine::will_read(std::span<std::size_t const> signals) {

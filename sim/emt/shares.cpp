@@ -30,6 +30,8 @@ class Sharing {
         }
         Share::Branches& share = out.parts[home(s)].*kind;
         share.index.push_back(index);
+        bool const to_earth = to == kEarth && s[0] < t_.unknowns;
+        share.shunt.push_back(to_earth && s[1] == s[0] + 1 && s[2] == s[0] + 2 ? 1 : 0);
         share.from.insert(share.from.end(), s.begin(), s.begin() + 3);
         share.to.insert(share.to.end(), s.begin() + 3, s.end());
         for (int k = 0; stores && k < 3; ++k) {

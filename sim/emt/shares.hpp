@@ -15,6 +15,8 @@ namespace gridspace::sim::emt {
 struct Share {
     struct Branches {
         std::vector<int> index, from, to; ///< of the element; three slots each
+        /// By element: its nodes follow each other, and its other end is earth. Most are such, and cost half.
+        std::vector<unsigned char> shunt;
     };
     struct Terminals {
         std::vector<int> index, slots; ///< three slots each; four of windings and cores

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <numeric>
 
 namespace gridspace::sim::emt {
 namespace {
@@ -67,6 +68,8 @@ void Solver::resize() {
     grow(wave_history_, 6 * c.bergeron.size());
     state_.wave_marks.resize(c.bergeron.size(), 0);
     grow(injected_, 3 * c.injections.size());
+    all_injections_.resize(c.injections.size());
+    std::iota(all_injections_.begin(), all_injections_.end(), 0);
     switches_.resize(c.switches.size());
     for (std::size_t i = bits_.closed.size(); i < c.switches.size(); ++i) {
         bits_.closed.push_back(c.switches[i].closed);

@@ -10,6 +10,7 @@
 #include <complex>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace gridspace::sim::emt {
@@ -86,7 +87,12 @@ class Solver {
     [[nodiscard]] int unknowns() const { return system_->topology.unknowns; }
     [[nodiscard]] bool dense() const { return system_->dense; }
     /// Parts that are stepped at the same time.
-    [[nodiscard]] std::size_t parts() const { return system_->shares.parts.size(); }
+    [[nodiscard]] std::size_t parts() const { return system_ == nullptr ? 1 : system_->shares.parts.size(); }
+    /// The injections at the nodes of a part, in ascending order. Who steps what feeds them in these parts finds their
+    /// voltages in the cache of the same processor.
+    [[nodiscard]] std::span<int const> injections(std::size_t part) const {
+        return system_ == nullptr ? all_injections_ : system_->shares.parts[part].injections.index;
+    }
 
   private:
     std::vector<std::complex<double>> start_v_; ///< by slot
@@ -156,7 +162,8 @@ class Solver {
     std::vector<BergeronWaves> waves_;
     std::vector<double> wave_history_, rl_history_, capacitor_history_, coupled_history_, winding_history_,
         core_history_, norton_i_, correction_, injected_;
-    std::vector<std::vector<double>> rhs_;               ///< by share, and of the rest; each has its own unknowns
+    std::vector<std::vector<double>> rhs_; ///< by share, and of the rest; each has its own unknowns
+    std::vector<int> all_injections_;
     std::vector<double> watched_before_, watched_after_; ///< currents of armed poles at both ends of a segment
     std::vector<double> core_share_;       ///< by core: where in the segment its flux passes a knee; 2: nowhere
     std::vector<signed char> core_beyond_; ///< and the slope that it enters there

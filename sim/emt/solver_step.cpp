@@ -31,60 +31,92 @@ void Solver::source_voltages(double t) {
     }
 }
 
+namespace {
+
+void rl_trapezoid(PhaseMatrix const& g, PhaseMatrix const& past, double const* v, double const* i, double* h) {
+    double common = past.mutual * (i[0] + i[1] + i[2]);
+    common += g.mutual * (v[0] + v[1] + v[2]);
+    for (int k = 0; k < 3; ++k) {
+        h[k] = past.one * i[k] + g.one * v[k] + common;
+    }
+}
+
+void rl_euler(PhaseMatrix const& past, double const* v, double const* i, double* h) {
+    double const common = past.mutual * (i[0] + i[1] + i[2]);
+    for (int k = 0; k < 3; ++k) {
+        h[k] = past.one * i[k] + 0.0 * v[k] + common;
+    }
+}
+
+/// Histories of branches of equal phases, by `history(branch, v, i, out)`, which says whether it has one, and what they
+/// add to the right-hand side.
+template <class History>
+void add_histories(Share::Branches const& branches, double const* all_v, double const* all_i, double* all_histories,
+                   double* rhs, History const& history) {
+    int const *from = branches.from.data(), *to = branches.to.data();
+    unsigned char const* shunt = branches.shunt.data();
+    for (int const index : branches.index) {
+        auto const b = static_cast<std::size_t>(index);
+        double h[3];
+        if (history(b, all_v + 3 * b, all_i + 3 * b, h)) {
+            double* const out = all_histories + 3 * b;
+            out[0] = h[0];
+            out[1] = h[1];
+            out[2] = h[2];
+            if (*shunt != 0) {
+                double* const r = rhs + from[0];
+                double const r0 = r[0] - h[0], r1 = r[1] - h[1], r2 = r[2] - h[2];
+                r[0] = r0;
+                r[1] = r1;
+                r[2] = r2;
+            } else {
+                for (int k = 0; k < 3; ++k) {
+                    rhs[from[k]] -= h[k];
+                    rhs[to[k]] += h[k];
+                }
+            }
+        }
+        from += 3;
+        to += 3;
+        ++shunt;
+    }
+}
+
+} // namespace
+
 void Solver::histories(std::size_t which, double t_end, Rule rule, StepCoefficients const& c) {
     bool const trapezoid = rule == Rule::trapezoid;
     Share const& share = system_->shares.parts[which];
     double* const rhs = rhs_[which].data();
     std::fill_n(rhs, system_->topology.slots + Topology::kEarths, 0.0);
-    {
-        int const *from = share.rl.from.data(), *to = share.rl.to.data();
-        double const *const all_v = state_.rl_v.data(), *const all_i = state_.rl_i.data();
-        double* const all_histories = rl_history_.data();
-        PhaseMatrix const *const all_g = c.rl_g.data(), *const all_past =
-                                                            (trapezoid ? c.rl_trapezoid : c.rl_euler).data();
-        unsigned char const* const stores = c.rl_stores.data();
-        for (int const index : share.rl.index) {
-            auto const b = static_cast<std::size_t>(index);
-            if (stores[b] != 0) {
-                double const *v = all_v + 3 * b, *i = all_i + 3 * b;
-                double* const history = all_histories + 3 * b;
-                PhaseMatrix const& past = all_past[b];
-                double common = past.mutual * (i[0] + i[1] + i[2]);
-                double one = 0;
-                if (trapezoid) {
-                    PhaseMatrix const& g = all_g[b];
-                    common += g.mutual * (v[0] + v[1] + v[2]);
-                    one = g.one;
-                }
-                for (int k = 0; k < 3; ++k) {
-                    history[k] = past.one * i[k] + one * v[k] + common;
-                    rhs[from[k]] -= history[k];
-                    rhs[to[k]] += history[k];
-                }
-            }
-            from += 3;
-            to += 3;
-        }
-    }
-    {
-        int const *from = share.capacitors.from.data(), *to = share.capacitors.to.data();
-        double const *const all_v = state_.capacitor_v.data(), *const all_i = state_.capacitor_i.data();
-        double* const all_histories = capacitor_history_.data();
-        PhaseMatrix const* const all_g = c.capacitor_g.data();
-        for (int const index : share.capacitors.index) {
-            auto const b = static_cast<std::size_t>(index);
-            PhaseMatrix const& g = all_g[b];
-            double const *v = all_v + 3 * b, *i = all_i + 3 * b;
-            double* const history = all_histories + 3 * b;
-            double const common = g.mutual * (v[0] + v[1] + v[2]);
-            for (int k = 0; k < 3; ++k) {
-                history[k] = -(g.one * v[k] + common) - (trapezoid ? i[k] : 0);
-                rhs[from[k]] -= history[k];
-                rhs[to[k]] += history[k];
-            }
-            from += 3;
-            to += 3;
-        }
+    if (trapezoid) {
+        add_histories(share.rl, state_.rl_v.data(), state_.rl_i.data(), rl_history_.data(), rhs,
+                      [stores = c.rl_stores.data(), g = c.rl_g.data(),
+                       past = c.rl_trapezoid.data()](std::size_t b, double const* v, double const* i, double* h) {
+                          return stores[b] != 0 && (rl_trapezoid(g[b], past[b], v, i, h), true);
+                      });
+        add_histories(share.capacitors, state_.capacitor_v.data(), state_.capacitor_i.data(), capacitor_history_.data(),
+                      rhs, [g = c.capacitor_g.data()](std::size_t b, double const* v, double const* i, double* h) {
+                          double const common = g[b].mutual * (v[0] + v[1] + v[2]);
+                          for (int k = 0; k < 3; ++k) {
+                              h[k] = -(g[b].one * v[k] + common) - i[k];
+                          }
+                          return true;
+                      });
+    } else {
+        add_histories(share.rl, state_.rl_v.data(), state_.rl_i.data(), rl_history_.data(), rhs,
+                      [stores = c.rl_stores.data(), past = c.rl_euler.data()](std::size_t b, double const* v,
+                                                                              double const* i, double* h) {
+                          return stores[b] != 0 && (rl_euler(past[b], v, i, h), true);
+                      });
+        add_histories(share.capacitors, state_.capacitor_v.data(), state_.capacitor_i.data(), capacitor_history_.data(),
+                      rhs, [g = c.capacitor_g.data()](std::size_t b, double const* v, double const*, double* h) {
+                          double const common = g[b].mutual * (v[0] + v[1] + v[2]);
+                          for (int k = 0; k < 3; ++k) {
+                              h[k] = -(g[b].one * v[k] + common) - 0.0;
+                          }
+                          return true;
+                      });
     }
     for (std::size_t n = 0; n < share.coupled.index.size(); ++n) {
         auto const b = static_cast<std::size_t>(share.coupled.index[n]);
@@ -149,12 +181,23 @@ namespace {
 void branch_currents(Share::Branches const& branches, PhaseMatrix const* all_g, double const* x,
                      double const* all_histories, double* all_v, double* all_i) {
     int const *from = branches.from.data(), *to = branches.to.data();
+    unsigned char const* shunt = branches.shunt.data();
     for (int const index : branches.index) {
         auto const b = static_cast<std::size_t>(index);
         double *const v = all_v + 3 * b, *const i = all_i + 3 * b;
         double const* const history = all_histories + 3 * b;
         PhaseMatrix const g = all_g[b];
-        double const v0 = x[from[0]] - x[to[0]], v1 = x[from[1]] - x[to[1]], v2 = x[from[2]] - x[to[2]];
+        double v0, v1, v2;
+        if (*shunt++ != 0) {
+            double const* const at = x + from[0];
+            v0 = at[0];
+            v1 = at[1];
+            v2 = at[2];
+        } else {
+            v0 = x[from[0]] - x[to[0]];
+            v1 = x[from[1]] - x[to[1]];
+            v2 = x[from[2]] - x[to[2]];
+        }
         double const common = g.mutual * (v0 + v1 + v2);
         i[0] = g.one * v0 + common + history[0];
         i[1] = g.one * v1 + common + history[1];
