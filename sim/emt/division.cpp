@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastWork = 8000;
 /// What an element's work at a node takes, in multiplications.
 constexpr double kTieWork = 8;
-/// What work of the rest costs: it has to be fetched from everybody.
+/// What work of the rest costs: it is fetched from everybody, and each sum waits for the one before (measured).
 constexpr double kRestWork = 2.5;
 /// Of the work of one, that two or more must not exceed.
 constexpr double kWorthWhile = 0.85;
