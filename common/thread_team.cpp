@@ -3,6 +3,7 @@
 #include "common/team.hpp"
 
 #include <atomic>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -65,8 +66,11 @@ int after(int round) {
 class ThreadTeam final : public Team {
   public:
     explicit ThreadTeam(int threads) : parts_(static_cast<std::size_t>(threads)) {
-        for (int k = 1; k < threads; ++k) {
-            threads_.emplace_back([this, k] { help(k); });
+        try {
+            for (int k = 1; k < threads; ++k) {
+                threads_.emplace_back([this, k] { help(k); });
+            }
+        } catch (std::system_error const&) { // the system allows no more: those that are there do all parts
         }
     }
     ThreadTeam(ThreadTeam const&) = delete;

@@ -164,11 +164,13 @@ void Solver::histories(std::size_t which, double t_end, Rule rule, StepCoefficie
             rhs[share.wave_ends.slots[3 * n + k]] -= history[k];
         }
     }
-    for (std::size_t n = 0; n < share.injections.index.size(); ++n) {
-        double const* const i = injected_.data() + 3 * share.injections.index[n];
-        for (std::size_t k = 0; k < 3; ++k) {
-            rhs[share.injections.slots[3 * n + k]] += i[k];
+    int const* slot = share.injections.slots.data();
+    for (int const index : share.injections.index) {
+        double const* const i = injected_.data() + 3 * index;
+        for (int k = 0; k < 3; ++k) {
+            rhs[slot[k]] += i[k];
         }
+        slot += 3;
     }
     for (Entry<double> const& e : share.coupling) {
         rhs[e.row] -= e.value * state_.v[static_cast<std::size_t>(e.column)];
@@ -274,36 +276,42 @@ void Solver::cores(Share const& share, Rule rule, StepCoefficients const& c) {
 
 void Solver::predict(std::size_t which, double t_end, double h, Rule rule) {
     Share::Terminals const& norton = system_->shares.parts[which].norton;
-    for (std::size_t n = 0; n < norton.index.size(); ++n) {
-        auto const m = static_cast<std::size_t>(norton.index[n]);
-        auto const j = circuit_.norton[m].element->predict(t_end, h, rule);
+    double* const rhs = rhs_[which].data();
+    int const* slot = norton.slots.data();
+    for (int const m : norton.index) {
+        auto const j = circuit_.norton[static_cast<std::size_t>(m)].element->predict(t_end, h, rule);
+        double* const kept = norton_i_.data() + 3 * m;
         for (std::size_t k = 0; k < 3; ++k) {
-            norton_i_[3 * m + k] = j[k];
-            rhs_[which][static_cast<std::size_t>(norton.slots[3 * n + k])] += j[k];
+            kept[k] = j[k];
+            rhs[slot[k]] += j[k];
         }
+        slot += 3;
     }
 }
 
 void Solver::correct(std::size_t which) {
     Share::Terminals const& norton = system_->shares.parts[which].norton;
-    double* const x = state_.v.data();
-    for (std::size_t n = 0; n < norton.index.size(); ++n) {
-        auto const m = static_cast<std::size_t>(norton.index[n]);
-        int const* const slot = norton.slots.data() + 3 * n;
+    double *const x = state_.v.data(), *const rhs = rhs_[which].data();
+    int const* slot = norton.slots.data();
+    for (int const m : norton.index) {
         double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
-        auto const j = circuit_.norton[m].element->correct(v);
-        std::copy(j.begin(), j.end(), correction_.begin() + static_cast<std::ptrdiff_t>(3 * m));
+        auto const j = circuit_.norton[static_cast<std::size_t>(m)].element->correct(v);
+        std::copy(j.begin(), j.end(), correction_.data() + 3 * m);
+        slot += 3;
     }
-    for (std::size_t n = 0; n < norton.slots.size(); ++n) {
-        int const s = norton.slots[n];
-        double const change = correction_[3 * static_cast<std::size_t>(norton.index[n / 3]) + n % 3];
-        if (s >= system_->topology.unknowns) {
-            continue;
-        }
-        if (system_->dense) {
-            system_->add_column(s, change, x);
-        } else {
-            rhs_[which][static_cast<std::size_t>(s)] += change;
+    slot = norton.slots.data();
+    int const unknowns = system_->topology.unknowns;
+    for (int const m : norton.index) {
+        double const* const change = correction_.data() + 3 * m;
+        for (int k = 0; k < 3; ++k, ++slot) {
+            if (*slot >= unknowns) {
+                continue;
+            }
+            if (system_->dense) {
+                system_->add_column(*slot, change[k], x);
+            } else {
+                rhs[*slot] += change[k];
+            }
         }
     }
 }
