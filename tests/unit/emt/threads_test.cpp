@@ -11,9 +11,7 @@
 #include <bit>
 #include <cstdint>
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 #include <numeric>
-#include <utility>
 
 namespace gridspace::sim::emt {
 namespace {
