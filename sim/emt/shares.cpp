@@ -23,20 +23,16 @@ class Sharing {
     }
 
     void branch(Share::Branches Share::* kind, int index, int from, int to, HistoryKind history, bool stores) {
-        std::array<int, 6> s{};
-        for (int k = 0; k < 3; ++k) {
-            s[static_cast<std::size_t>(k)] = slot(from + k);
-            s[static_cast<std::size_t>(3 + k)] = slot(to + k);
-        }
+        std::array<int, 6> const s{slot(from), slot(from + 1), slot(from + 2), slot(to), slot(to + 1), slot(to + 2)};
         Share::Branches& share = out.parts[home(s)].*kind;
         share.index.push_back(index);
         bool const to_earth = to == kEarth && s[0] < t_.unknowns;
         share.shunt.push_back(to_earth && s[1] == s[0] + 1 && s[2] == s[0] + 2 ? 1 : 0);
         share.from.insert(share.from.end(), s.begin(), s.begin() + 3);
         share.to.insert(share.to.end(), s.begin() + 3, s.end());
-        for (int k = 0; stores && k < 3; ++k) {
-            rest(s[static_cast<std::size_t>(k)], history, 3 * index + k, -1);
-            rest(s[static_cast<std::size_t>(3 + k)], history, 3 * index + k, 1);
+        for (std::size_t k = 0; stores && k < 3; ++k) {
+            rest(s[k], history, 3 * index + static_cast<int>(k), -1);
+            rest(s[3 + k], history, 3 * index + static_cast<int>(k), 1);
         }
     }
 

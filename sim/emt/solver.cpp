@@ -77,7 +77,7 @@ void Solver::resize() {
     bits_.faulted.resize(c.faults.size(), {false, false, false});
     fault_armed_.resize(c.faults.size(), {false, false, false});
     bits_.segment.resize(c.cores.size(), 0);
-    auto const nodes = static_cast<std::size_t>(c.nodes() + Topology::kEarths) + 3 * c.sources.size();
+    auto const nodes = static_cast<std::size_t>(c.nodes()) + 3 * c.sources.size() + Topology::kEarths;
     rhs_.assign(team_ ? static_cast<std::size_t>(team_->size()) + 1 : 1, std::vector<double>(nodes, 0.0));
     norton_i_.assign(3 * c.norton.size(), 0.0);
     correction_.assign(3 * c.norton.size(), 0.0);
@@ -140,7 +140,7 @@ Result<void> Solver::use(double h) {
     for (NortonPort const& p : circuit_.norton) {
         p.element->use_step(h);
     }
-    state_.v.assign(static_cast<std::size_t>(system_->topology.slots + Topology::kEarths), 0.0);
+    state_.v.assign(system_->topology.places(), 0.0);
     for (std::size_t i = nodes.size(); i-- > 0;) {
         state_.v[static_cast<std::size_t>(system_->topology.slot[i])] = nodes[i];
     }

@@ -88,7 +88,7 @@ void Solver::histories(std::size_t which, double t_end, Rule rule, StepCoefficie
     bool const trapezoid = rule == Rule::trapezoid;
     Share const& share = system_->shares.parts[which];
     double* const rhs = rhs_[which].data();
-    std::fill_n(rhs, system_->topology.slots + Topology::kEarths, 0.0);
+    std::fill_n(rhs, system_->topology.places(), 0.0);
     if (trapezoid) {
         add_histories(share.rl, state_.rl_v.data(), state_.rl_i.data(), rl_history_.data(), rhs,
                       [stores = c.rl_stores.data(), g = c.rl_g.data(),
@@ -339,7 +339,7 @@ void Solver::fill_rest() {
         winding_history_.data(), core_history_.data(),      wave_history_.data(),
         injected_.data(),        state_.v.data(),           norton_i_.data()};
     double* const rhs = rhs_.back().data();
-    std::fill_n(rhs, system_->topology.slots + Topology::kEarths, 0.0);
+    std::fill_n(rhs, system_->topology.places(), 0.0);
     for (RestEntry const& e : system_->shares.rest) {
         rhs[e.row] += e.factor * from[static_cast<std::size_t>(e.kind)][e.at];
     }

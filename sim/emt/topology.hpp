@@ -26,6 +26,8 @@ struct Topology {
     std::vector<int> slot; ///< by node
     int unknowns{0}, slots{0};
     [[nodiscard]] int earth() const { return unknowns; }
+    /// Slots, with the further ones of earth.
+    [[nodiscard]] std::size_t places() const { return static_cast<std::size_t>(slots) + kEarths; }
 };
 
 /// Fails when poles join two voltage sources, or a source with earth.
