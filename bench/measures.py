@@ -115,9 +115,14 @@ def lockstep(build: Build) -> Iterator[Figure]:
 def emt(build: Build) -> Iterator[Figure]:
     """Waveform steps, and ngspice on the same circuit."""
     text = build.output("bench/bench_emt")
-    for name, buses, p50, speed in re.findall(r"^(\S.*?) +(\d+) buses +p50 +([\d.]+) .*? ([\d.]+) x real time", text, re.MULTILINE):
+    rows = re.findall(r"^(\S.*?) +(\d+) buses +p50 +([\d.]+) .*? ([\d.]+) x real time", text, re.MULTILINE)
+    for name, buses, p50, speed in rows:
         yield Figure(f"{name} {buses}", f"{name.strip()}, {buses} buses: speed", float(speed), "x real time", True)
         yield Figure(f"{name} {buses} step", f"{name.strip()}, {buses} buses: a step, p50", float(p50), "us", False)
+    steps = {name: float(p50) for name, _, p50, _ in rows}
+    for name, p50 in steps.items():
+        if "threads: 2" in name:
+            yield Figure(f"{name} ratio", f"{name}: a step, p50", p50, "us", False, steps[name.replace("threads: 2", "threads: 1")], "one thread")
     if both := re.search(r"gridspace +([\d.]+) s.*\n +ngspice +([\d.]+) s", text):
         yield Figure("coupled_sections", "12 coupled three-phase sections, 1 s", float(both[1]), "s", False, float(both[2]), "ngspice")
 

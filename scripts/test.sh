@@ -37,7 +37,7 @@ with --all also, as CI runs it
 with --long, by command only
   long_tests      integration tests that take minutes each, among them those in real time
   long_scenarios  all scenarios in real time and the longest in lockstep
-  long_sanitizers every short scenario under ASan and UBSan; bus and launcher under TSan
+  long_sanitizers every short scenario under ASan and UBSan; bus, launcher and threads of waveforms under TSan
   long_fuzz       every fuzz target for ten minutes
   long_packages   the Debian packages: made, installed in a clean Debian 12, used, replaced, removed; containers of them; as root
   long_release    what is published of a version: a tarball, packages made of it twice, the same octets

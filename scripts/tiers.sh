@@ -149,8 +149,8 @@ tier_long_scenarios() { run_scenarios release --tier long; }
 tier_long_sanitizers() {
   build_sanitizers && run_scenarios asan --tier short || return
   local counts=$note
-  configure tsan -DGRIDSPACE_TESTS=ON && build tsan unit_lockstep unit_realtime unit_bus unit_launcher property_lockstep || return
-  run_ctest tsan -R '^(unit_lockstep|unit_realtime|unit_bus|unit_launcher|property_lockstep)\.' || return
+  configure tsan -DGRIDSPACE_TESTS=ON && build tsan unit_lockstep unit_realtime unit_bus unit_launcher unit_emt_threads property_lockstep || return
+  run_ctest tsan -R '^(unit_lockstep|unit_realtime|unit_bus|unit_launcher|unit_emt_threads|property_lockstep)\.' || return
   note="ASan: $counts; TSan: $note"
 }
 

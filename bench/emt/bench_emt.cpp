@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cost of a waveform step: the protection case, WSCC 9-bus with full machines, feeders of growing size; and ngspice on
-// the same circuit in the same run, with the error of both against a fine solution.
+// Cost of a waveform step: the protection case, WSCC 9-bus with full machines, feeders of growing size, meshed grids of
+// a thousand buses on one and two threads; and ngspice on the same circuit in the same run, with the error of both
+// against a fine solution.
 #include "common/config/diagnostics.hpp"
 #include "common/source_tree.hpp"
+#include "common/team.hpp"
 #include "sim/emt/emt_engine.hpp"
 #include "sim/emt/solver.hpp"
 #include "sim/network/network_config.hpp"
@@ -42,13 +44,19 @@ double seconds_since(Clock::time_point t) {
     return std::chrono::duration<double>(Clock::now() - t).count();
 }
 
+std::string only; ///< rows whose name has this
+
 /// `read`: the signals that somebody reads begin with it; their values are read every tenth step, as a merging unit
 /// does.
 void measure(std::string const& name, Network network, int steps, std::string const& read,
-             Rational step_s = Rational{1, 48000}) {
+             Rational step_s = Rational{1, 48000}, int threads = 1) {
+    if (name.find(only) == std::string::npos) {
+        return;
+    }
     TimeBase const base{step_s};
     std::size_t const buses = network.buses.size();
-    auto engine = emt::make_emt_engine(std::move(network), {base, SimSpan{1}, 0});
+    std::shared_ptr<Team> team = threads > 1 ? make_thread_team(threads) : nullptr;
+    auto engine = emt::make_emt_engine(std::move(network), {base, SimSpan{1}, 0, std::move(team)});
     if (!engine || !(*engine)->initialise()) {
         fmt::print("{}: cannot start\n", name);
         return;
@@ -79,18 +87,128 @@ void measure(std::string const& name, Network network, int steps, std::string co
     }
     std::sort(us.begin(), us.end());
     auto const at = [&](double share) { return us[static_cast<std::size_t>(share * (steps - 1))]; };
-    fmt::print("{:<26} {:>5} buses  p50 {:>8.2f}  p99 {:>8.2f}  p99.9 {:>8.2f} us per step  {:>7.1f} x real time\n",
+    fmt::print("{:<33} {:>5} buses  p50 {:>8.2f}  p99 {:>8.2f}  p99.9 {:>8.2f} us per step  {:>7.1f} x real time\n",
                name, buses, at(0.5), at(0.99), at(0.999), 1e6 * step_s.to_double() / at(0.5));
 }
 
-Network shipped(std::string const& file) {
+Network loaded(std::string const& file) {
     config::Diagnostics diagnostics;
-    auto network = load_network(source_tree("configs/networks/") + file, diagnostics);
+    auto network = load_network(source_tree(file), diagnostics);
     if (!network) {
         fmt::print("{}\n", diagnostics.render());
         std::exit(1);
     }
     return std::move(*network);
+}
+
+Network shipped(std::string const& file) {
+    return loaded("configs/networks/" + file);
+}
+
+/// Copies of the IEEE 118-bus system in a ring, three ties from each to the next: loads and generators are converters.
+/// One of them has the slack.
+Network meshed(int copies) {
+    Network const one = loaded("tests/golden/powerflow/case118.m");
+    Network n = one;
+    auto const named = [](config::Ref ref, int copy) {
+        ref.name += fmt::format("_{}", copy);
+        return ref;
+    };
+    auto const add = [&](auto Elements::* kind, auto const& rename) {
+        (n.*kind).clear();
+        for (int copy = 0; copy < copies; ++copy) {
+            for (auto element : one.*kind) {
+                element.name = named(element.name, copy);
+                rename(element, copy);
+                (n.*kind).push_back(element);
+            }
+        }
+    };
+    auto const at_bus = [&](auto& element, int copy) { element.bus = named(element.bus, copy); };
+    auto const between = [&](auto& element, int copy) {
+        element.from = named(element.from, copy);
+        element.to = named(element.to, copy);
+    };
+    add(&Elements::buses, [](auto&, int) {});
+    add(&Elements::loads, at_bus);
+    add(&Elements::shunts, at_bus);
+    add(&Elements::generators, [&](Generator& generator, int copy) {
+        at_bus(generator, copy);
+        if (copy > 0 && generator.role == GeneratorRole::slack) {
+            generator.role = GeneratorRole::pv;
+        }
+    });
+    add(&Elements::lines, between);
+    add(&Elements::transformers, between);
+    for (int copy = 0; copy < copies; ++copy) {
+        for (std::size_t const bus : {11, 58, 99}) {
+            Line tie;
+            tie.name.name = fmt::format("tie_{}_{}", copy, bus);
+            tie.from = named(one.buses[bus].name, copy);
+            tie.to = named(one.buses[bus].name, (copy + 1) % copies);
+            tie.r_ohm = 2;
+            tie.x_ohm = 20;
+            tie.c_nf = 200;
+            n.lines.push_back(tie);
+        }
+    }
+    return n;
+}
+
+/// side x side buses, each with a line to the right and one down, a load of constant power, and every fourth a
+/// generator.
+Network lattice(int side) {
+    Network n;
+    n.name = "lattice";
+    n.power_kva = 1000;
+    auto const bus_of = [&](int row, int column) {
+        return n.buses[static_cast<std::size_t>(row * side + column)].name;
+    };
+    for (int i = 0; i < side * side; ++i) {
+        Bus bus;
+        bus.name.name = fmt::format("B{}", i);
+        bus.voltage_v = 12470;
+        n.buses.push_back(bus);
+        Load load;
+        load.name.name = fmt::format("D{}", i);
+        load.bus = bus.name;
+        load.p_kw = 50;
+        load.power_factor = 0.95;
+        n.loads.push_back(load);
+        if (i % 4 == 1) {
+            Generator generator;
+            generator.name.name = fmt::format("G{}", i);
+            generator.bus = bus.name;
+            generator.role = GeneratorRole::pq;
+            generator.rating_kva = 250;
+            generator.p_kw = 190;
+            n.generators.push_back(generator);
+        }
+    }
+    for (int i = 0; i < side * side; ++i) {
+        int const row = i / side, column = i % side;
+        for (int const down : {0, 1}) {
+            if ((down == 0 ? column : row) + 1 < side) {
+                Line line;
+                line.name.name = fmt::format("L{}_{}", i, down);
+                line.from = bus_of(row, column);
+                line.to = bus_of(row + down, column + 1 - down);
+                line.r_ohm = 0.1;
+                line.l_mh = 0.6;
+                line.c_nf = 20;
+                line.r0_ohm = 0.3;
+                line.l0_mh = 1.8;
+                n.lines.push_back(line);
+            }
+        }
+    }
+    Source source;
+    source.name.name = "S";
+    source.bus = n.buses.front().name;
+    source.r_ohm = 0.05;
+    source.l_mh = 0.5;
+    n.sources.push_back(source);
+    return n;
 }
 
 /// A source and a radial feeder: every tenth bus begins a lateral, every bus has a load. `parts`: cut into so many of
@@ -219,7 +337,9 @@ double error(std::vector<double> const& a, std::vector<double> const& b) {
 
 } // namespace
 
-int main() {
+/// A word: only the rows whose name has it, and no ngspice.
+int main(int count, char** words) {
+    only = count > 1 ? words[1] : "";
     measure("protection (case 2)", shipped("adn_set_a.yaml"), 96000, "ct.");
     measure("the same, all signals", shipped("adn_set_a.yaml"), 96000, "");
     measure("WSCC 9-bus, 3 machines", shipped("wscc9.yaml"), 48000, "bus.");
@@ -229,6 +349,17 @@ int main() {
     for (int const parts : {1, 10, 50}) {
         measure(fmt::format("feeder in {} parts, 50 us", parts), feeder(1000, parts), 20000, "line.L1.",
                 Rational{1, 20000});
+    }
+    Rational const fifty{1, 20000};
+    for (int const threads : {1, 2}) {
+        measure(fmt::format("9 x case118, threads: {}, 50 us", threads), meshed(9), 10000, "bus.69_0.v", fifty,
+                threads);
+        measure(fmt::format("lattice, threads: {}, 50 us", threads), lattice(32), 10000, "bus.B1.v", fifty, threads);
+        measure(fmt::format("feeder in 10, threads: {}, 50 us", threads), feeder(1000, 10), 20000, "line.L1.", fifty,
+                threads);
+    }
+    if (!only.empty()) {
+        return 0;
     }
     if (std::system("command -v ngspice > /dev/null 2>&1") != 0) {
         fmt::print("ngspice is not installed: no baseline\n");

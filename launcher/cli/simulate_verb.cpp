@@ -31,7 +31,7 @@ struct SimulateArguments {
     std::filesystem::path network, events, csv, comtrade;
     EngineOptions engine;
     std::vector<std::string> signals; ///< patterns; empty: the usual ones
-    std::int64_t every{1};
+    std::int64_t every{1}, threads{1};
     bool timing{false}, quiet{false}, list_signals{false};
 };
 
@@ -227,6 +227,10 @@ int simulate(SimulateArguments const& a) {
     if (!chosen) {
         return print_error(chosen.error());
     }
+    if (a.threads > 1 && !emt) {
+        return print_error({ExitCode::usage, "--threads is for waveforms: phasors are stepped by one", "leave it out"});
+    }
+    chosen->settings.threads = a.threads;
     settle_step(chosen->settings, *network, a.quiet);
     Rational const until = chosen->until_s, step = chosen->settings.step_s;
     std::vector<sim::TimedAction> const timeline = sim::timeline(*events);
@@ -359,6 +363,9 @@ void add_simulate(Command app, Action& action) {
     verb.add_option("--csv", a->csv, "write a table: time_s first, one header row");
     verb.add_option("--comtrade", a->comtrade, "write NAME.cfg and NAME.dat (IEEE C37.111-2013, float32)");
     verb.add_option("--every", a->every, "write every n-th step").check(positive());
+    verb.add_option("--threads", a->threads,
+                    "emt: processors that step a large network together; the results are the same")
+        .check(number(1, "a number of threads from 1 to 64", sim::kMostThreads));
     verb.add_flag("--timing", a->timing, "print wall time per step and the real-time factor");
     verb.add_flag("--quiet", a->quiet, "print nothing but errors");
     verb.callback([a, &action] { action = [a] { return simulate(*a); }; });

@@ -62,7 +62,9 @@ std::optional<StepWarning> step_warning(SimulationConfig const& simulation, Netw
 }
 
 std::vector<SignalDef> engine_signals(SimulationConfig const& simulation, Network const& network) {
-    auto const engine = make_engine(simulation, network, TimeBase{simulation.step_s});
+    EngineSettings settings{static_cast<EngineSettings const&>(simulation)};
+    settings.threads = 1; // nothing is stepped
+    auto const engine = make_engine(settings, network, TimeBase{simulation.step_s});
     return engine ? (*engine)->signals() : std::vector<SignalDef>{};
 }
 

@@ -61,7 +61,9 @@ void BergeronWaves::start(double w, Phasors const& v, Phasors const& i) {
                 amperes[3 * end + k] = (i[end][k] * turn).real();
             }
         }
-        leave(t, volts.data(), amperes.data());
+        open(t);
+        leave(0, volts.data(), amperes.data());
+        leave(1, volts.data() + 3, amperes.data() + 3);
     }
 }
 
@@ -100,30 +102,31 @@ void BergeronWaves::continue_from(BergeronWaves const& whole, double t_now, doub
             amperes[k] = near.i[k];
             amperes[3 + k] = -far.i[k];
         }
-        leave(t, volts.data(), amperes.data());
+        open(t);
+        leave(0, volts.data(), amperes.data());
+        leave(1, volts.data() + 3, amperes.data() + 3);
     }
 }
 
-void BergeronWaves::history(double t, double* out) const {
-    for (std::size_t end = 0; end < 2; ++end) {
-        std::array<double, 3> m{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            m[k] = -(1 + h_[k]) / 2 * at(t - tau_[k], 1 - end, k) - (1 - h_[k]) / 2 * at(t - tau_[k], end, k);
-        }
-        auto const phases = to_phases({m[0], m[1], m[2]});
-        std::copy(phases.begin(), phases.end(), out + 3 * end);
+void BergeronWaves::history(double t, std::size_t end, double* out) const {
+    std::array<double, 3> m{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        m[k] = -(1 + h_[k]) / 2 * at(t - tau_[k], 1 - end, k) - (1 - h_[k]) / 2 * at(t - tau_[k], end, k);
     }
+    auto const phases = to_phases({m[0], m[1], m[2]});
+    std::copy(phases.begin(), phases.end(), out);
 }
 
-void BergeronWaves::leave(double t, double const* v, double const* i) {
-    Wave& wave = past_.next();
-    wave.t = t;
-    for (std::size_t end = 0; end < 2; ++end) {
-        auto const volts = modes(v + 3 * end), amperes = modes(i + 3 * end);
-        for (std::size_t k = 0; k < 3; ++k) {
-            wave.f[end][k] = volts[k] / z_[k] + h_[k] * amperes[k];
-            wave.i[end][k] = amperes[k];
-        }
+void BergeronWaves::open(double t) {
+    past_.next().t = t;
+}
+
+void BergeronWaves::leave(std::size_t end, double const* v, double const* i) {
+    Wave& wave = past_.newest();
+    auto const volts = modes(v), amperes = modes(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+        wave.f[end][k] = volts[k] / z_[k] + h_[k] * amperes[k];
+        wave.i[end][k] = amperes[k];
     }
 }
 

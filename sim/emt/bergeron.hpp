@@ -27,10 +27,11 @@ class BergeronWaves {
     using Phasors = std::array<std::array<std::complex<double>, 3>, 2>; ///< by end and phase
     void start(double w, Phasors const& v, Phasors const& i);
 
-    /// Currents I of both ends (3 phases each, from then to) for a step that ends at t.
-    void history(double t, double* out) const;
-    /// After a step that ended at t: voltages and currents of both ends.
-    void leave(double t, double const* v, double const* i);
+    /// Currents I of the phases of an end (0: from, 1: to) for a step that ends at t.
+    void history(double t, std::size_t end, double* out) const;
+    /// A step has ended at t; then, for each end, its voltages and currents.
+    void open(double t);
+    void leave(std::size_t end, double const* v, double const* i);
 
     /// Voltages and currents (towards `to`) at a share x of the length, at an instant of the past or t_now; the losses
     /// are taken as spread along the line.

@@ -16,8 +16,8 @@ namespace gridspace::sim::emt {
 
 EmtEngine::EmtEngine(Network network, NetworkCircuit parts, EmtOptions options)
     : network_{std::move(network)}, parts_{std::move(parts)}, options_{options},
-      solver_{parts_.circuit, options_.time_base.seconds(options_.step)}, one_ports_{all<OnePort>(network_)},
-      two_ports_{all<TwoPort>(network_)} {
+      solver_{parts_.circuit, options_.time_base.seconds(options_.step), options_.team},
+      one_ports_{all<OnePort>(network_)}, two_ports_{all<TwoPort>(network_)} {
     plls_.assign(network_.buses.size(), Pll{network_.frequency_hz});
     read_plls_.resize(plls_.size());
     std::iota(read_plls_.begin(), read_plls_.end(), std::size_t{0});
@@ -107,25 +107,39 @@ Result<void> EmtEngine::advance(SimTime until) {
     return {};
 }
 
-Result<void> EmtEngine::step(double t_end, double h) {
-    for (std::size_t f = 0; f < converters_.size(); ++f) {
-        auto const i = parts_.injections[f].by_phase ? phase_currents_[f].currents(h) : converters_[f].currents(h);
-        std::copy(i.begin(), i.end(), solver_.injected().begin() + static_cast<std::ptrdiff_t>(3 * f));
+template <class Job>
+void EmtEngine::each_part(Job const& job) {
+    if (solver_.parts() == 1) {
+        job(std::size_t{0});
+    } else {
+        options_.team->run([&](int part) { job(static_cast<std::size_t>(part)); });
     }
+}
+
+Result<void> EmtEngine::step(double t_end, double h) {
+    each_part([&](std::size_t part) { inject(solver_.injections(part), h); });
     if (auto ok = solver_.advance(t_end, h); !ok) {
         return ok;
     }
-    for (std::size_t const i : read_plls_) {
-        Space const v = bus_voltage(i);
-        plls_[i].step(v.alpha, v.beta, h);
-    }
-    step_injections(t_end, h);
+    each_part([&](std::size_t part) {
+        step_injections(solver_.injections(part), t_end, h);
+        step_plls(part, solver_.parts(), h);
+    });
     for (MeteredPlace& i : instruments_) {
         if (i.transformer.dynamic()) {
             i.transformer.step(instrument_input(i), h);
         }
     }
     return {};
+}
+
+void EmtEngine::step_plls(std::size_t part, std::size_t parts, double h) {
+    std::size_t const count = read_plls_.size();
+    for (std::size_t k = count * part / parts; k < count * (part + 1) / parts; ++k) {
+        std::size_t const i = read_plls_[k];
+        Space const v = bus_voltage(i);
+        plls_[i].step(v.alpha, v.beta, h);
+    }
 }
 
 void EmtEngine::will_read(std::span<std::size_t const> signals) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/team.hpp"
 #include "sim/engine/engine.hpp"
 #include "sim/network/network.hpp"
 
@@ -13,6 +14,7 @@ struct EmtOptions {
     TimeBase time_base;
     SimSpan step{1}; ///< usual step of the solver
     double start_hour_of_day{0};
+    std::shared_ptr<Team> team{}; ///< does parts of a large network at once, with the same results
 };
 
 /// Waveform simulation of a network. Fails when the network holds what it has no model for, or cannot be solved.

@@ -14,6 +14,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 
 namespace gridspace::sim::emt {
 
@@ -84,9 +85,25 @@ class EmtEngine final : public Engine {
     /// What is to be looked at and set once the solver has its steady state.
     [[nodiscard]] Result<void> finish_start();
     void start_plls();
+    /// What a step asks of an injection, side by side.
+    struct Following {
+        int node{0};
+        bool by_phase{false};
+        double filter_kvar{0};
+        PowerModel* model{nullptr};
+        std::complex<double> power; ///< that is wanted, VA
+    };
     /// Power that an injection is to put into the network from now on, VA.
-    [[nodiscard]] std::complex<double> wanted(std::size_t injection, double t, double v, double h);
-    void step_injections(double t_end, double h);
+    [[nodiscard]] static std::complex<double> wanted(Following const& injection, double t, double v, double h);
+    // Currents that follow the voltage do not depend on each other within a step: those of a part of the solver.
+    using Injections = std::span<int const>;
+    void inject(Injections injections, double h);
+    void step_injections(Injections injections, double t_end, double h);
+    /// Those of part `part` of `parts`.
+    void step_plls(std::size_t part, std::size_t parts, double h);
+    /// Does this for each part of the solver, at the same time where there are several.
+    template <class Job>
+    void each_part(Job const& job);
     /// Voltages by bus and phase, p.u. of nominal; reactive powers of elements at one bus, kvar.
     using BusPhases = std::array<std::complex<double>, 3>;
     [[nodiscard]] std::vector<BusPhases> start_injections(std::vector<BusPhases> const& bus_v,
@@ -126,6 +143,7 @@ class EmtEngine final : public Engine {
     std::vector<OnePort*> one_ports_;                              ///< of network_
     std::vector<TwoPort*> two_ports_;                              ///< of network_
     std::vector<GridFollowing> converters_;                        ///< by injection
+    std::vector<Following> following_;                             ///< by injection
     std::vector<PhaseFollowing> phase_currents_;                   ///< by injection; used where it is by phase
     std::vector<MeteredPlace> instruments_;                        ///< in the order of the list
     std::map<std::string, std::size_t> faults_;

@@ -20,7 +20,7 @@ GridFollowing::GridFollowing(double frequency_hz, double nominal_peak_v, double 
     : pll_{frequency_hz}, nominal_{nominal_peak_v}, max_peak_a_{max_peak_a}, frequency_hz_{frequency_hz} {
     if (rules) {
         shift_ = rules->shift;
-        watch_.emplace(std::move(*rules));
+        watch_ = std::make_unique<GridWatch>(std::move(*rules));
     }
 }
 
@@ -29,8 +29,12 @@ std::complex<double> GridFollowing::reference(std::complex<double> power) const 
     if (shift_) {
         i *= std::polar(1.0, shift_->lead_rad(pll_.frequency_hz() - frequency_hz_));
     }
+    constexpr double kNear = 0.99; // its exact length takes long, and is seldom needed
+    if (!(max_peak_a_ > 0) || std::norm(i) < kNear * max_peak_a_ * max_peak_a_) {
+        return i;
+    }
     double const size = std::abs(i);
-    return max_peak_a_ > 0 && size > max_peak_a_ ? i * (max_peak_a_ / size) : i;
+    return size > max_peak_a_ ? i * (max_peak_a_ / size) : i;
 }
 
 std::complex<double> GridFollowing::start(std::complex<double> v, std::complex<double> power) {
@@ -40,17 +44,7 @@ std::complex<double> GridFollowing::start(std::complex<double> v, std::complex<d
     return current_ * std::polar(1.0, std::arg(v));
 }
 
-std::array<double, 3> GridFollowing::currents(double h) const {
-    auto const [c, s] = pll_.ahead(h);
-    return to_phases({current_.real() * c - current_.imag() * s, current_.real() * s + current_.imag() * c, 0});
-}
-
-void GridFollowing::step(Space const& v, std::complex<double> power, double h) {
-    pll_.step(v.alpha, v.beta, h);
-    if (tripped_) {
-        return;
-    }
-    voltage_ += (std::sqrt(v.alpha * v.alpha + v.beta * v.beta) - voltage_) * h / (kVoltageLagS + h);
+void GridFollowing::control(std::complex<double> power, double h, double current_share) {
     if (watch_) {
         watch_->step(voltage_pu(), pll_.frequency_hz() / frequency_hz_ - 1, h);
         if (ceased() && voltage_pu() < kDead) {
@@ -58,7 +52,7 @@ void GridFollowing::step(Space const& v, std::complex<double> power, double h) {
         }
     }
     std::complex<double> const wanted = ceased() ? 0 : reference(power);
-    current_ += ((share() < 1 ? share() * wanted : wanted) - current_) * (h / (kCurrentLagS + h));
+    current_ += ((share() < 1 ? share() * wanted : wanted) - current_) * current_share;
 }
 
 void GridFollowing::resume(std::complex<double> v) {

@@ -7,7 +7,9 @@
 #include "sim/emt/pll.hpp"
 
 #include <array>
+#include <cmath>
 #include <complex>
+#include <memory>
 #include <optional>
 
 namespace gridspace::sim::emt {
@@ -30,9 +32,21 @@ class GridFollowing {
     /// Filtered voltage at the terminals, p.u. of nominal.
     [[nodiscard]] double voltage_pu() const { return voltage_ / nominal_; }
     /// Phase currents into the network for a step that ends h from now.
-    [[nodiscard]] std::array<double, 3> currents(double h) const;
-    /// After the step, with its terminal voltage (V) and the power that is wanted from now on.
-    void step(Space const& v, std::complex<double> power, double h);
+    [[nodiscard]] std::array<double, 3> currents(double h) {
+        auto const [c, s] = pll_.ahead(h);
+        return to_phases({current_.real() * c - current_.imag() * s, current_.real() * s + current_.imag() * c, 0});
+    }
+    /// After the step, with its terminal voltage (V): what it measures; and then its control, with the power that is
+    /// wanted from now on. Not while it is tripped.
+    void measure(Space const& v, double h) {
+        double const size = std::sqrt(v.alpha * v.alpha + v.beta * v.beta);
+        pll_.step(v.alpha, v.beta, size, h);
+        voltage_ += (size - voltage_) * h / (kVoltageLagS + h);
+    }
+    void control(std::complex<double> power, double h) { control(power, h, current_share(h)); }
+    void control(std::complex<double> power, double h, double current_share);
+    /// Of the way to its reference that a current goes in a step.
+    [[nodiscard]] static double current_share(double h) { return h / (kCurrentLagS + h); }
     /// Blocks at once, until resume().
     void trip();
     /// Back in service at voltage `v` (phasor as in start()): the current begins at zero, that of a source when it has
@@ -49,14 +63,15 @@ class GridFollowing {
 
   private:
     [[nodiscard]] std::complex<double> reference(std::complex<double> power) const;
+    // What a step of any converter reads stands together.
     Pll pll_;
     double nominal_, max_peak_a_;
     double voltage_{0};
     std::complex<double> current_; ///< in the frame of the loop
     double frequency_hz_;
-    std::optional<GridWatch> watch_;
-    std::optional<FrequencyShift> shift_;
     bool tripped_{false}, stands_by_{false};
+    std::unique_ptr<GridWatch> watch_;
+    std::optional<FrequencyShift> shift_;
 };
 
 } // namespace gridspace::sim::emt

@@ -188,42 +188,33 @@ void MartiWaves::start(MartiStep const& step, double w, Phasors const& v, Phasor
     }
 }
 
-void MartiWaves::history(MartiStep const& step, Rule rule, double t, double* out) {
+void MartiWaves::history(MartiStep const& step, Rule rule, double t, std::size_t end, double* out) {
+    std::array<double, 3> amperes{};
     for (std::size_t m = 0; m < 3; ++m) {
         auto const [older, newer, share] = past_.around(t - tau_[m]);
-        for (std::size_t end = 0; end < 2; ++end) {
-            double const a = older.g[1 - end][m], b = newer.g[1 - end][m];
-            arriving_[end][m] = a + share * (b - a);
-        }
+        double const a = older.g[1 - end][m], b = newer.g[1 - end][m];
+        arriving_[end][m] = a + share * (b - a);
+        MartiStep::Mode const& mode = step.modes[m == 2 ? 1 : 0];
+        PoleRecursion const& r = rule == Rule::trapezoid ? mode.impedance : mode.impedance_half;
+        End const& e = now_[end][m];
+        amperes[m] = -(without_newest(r, e.impedance, e.i) + arriving_[end][m]) / mode.gain;
     }
-    for (std::size_t end = 0; end < 2; ++end) {
-        std::array<double, 3> amperes{};
-        for (std::size_t m = 0; m < 3; ++m) {
-            MartiStep::Mode const& mode = step.modes[m == 2 ? 1 : 0];
-            PoleRecursion const& r = rule == Rule::trapezoid ? mode.impedance : mode.impedance_half;
-            End const& e = now_[end][m];
-            amperes[m] = -(without_newest(r, e.impedance, e.i) + arriving_[end][m]) / mode.gain;
-        }
-        auto const phases = to_phases({amperes[0], amperes[1], amperes[2]});
-        std::copy(phases.begin(), phases.end(), out + 3 * end);
-    }
+    auto const phases = to_phases({amperes[0], amperes[1], amperes[2]});
+    std::copy(phases.begin(), phases.end(), out);
 }
 
-void MartiWaves::leave(MartiStep const& step, Rule rule, double t, double const* v, double const* i) {
+void MartiWaves::leave(MartiStep const& step, Rule rule, std::size_t end, double const* v, double const* i) {
     bool const whole = rule == Rule::trapezoid;
-    Wave& wave = past_.next();
-    wave.t = t;
-    for (std::size_t end = 0; end < 2; ++end) {
-        auto const volts = modes_of(v + 3 * end), amperes = modes_of(i + 3 * end);
-        for (std::size_t m = 0; m < 3; ++m) {
-            MartiStep::Mode const& mode = step.modes[m == 2 ? 1 : 0];
-            End& e = now_[end][m];
-            (void)next_terms(whole ? mode.impedance : mode.impedance_half, e.impedance, e.i, amperes[m]);
-            e.i = amperes[m];
-            double const f = 2 * volts[m] - arriving_[end][m];
-            wave.g[end][m] = next_terms(whole ? mode.propagation : mode.propagation_half, e.propagation, e.f, f);
-            e.f = f;
-        }
+    Wave& wave = past_.newest();
+    auto const volts = modes_of(v), amperes = modes_of(i);
+    for (std::size_t m = 0; m < 3; ++m) {
+        MartiStep::Mode const& mode = step.modes[m == 2 ? 1 : 0];
+        End& e = now_[end][m];
+        (void)next_terms(whole ? mode.impedance : mode.impedance_half, e.impedance, e.i, amperes[m]);
+        e.i = amperes[m];
+        double const f = 2 * volts[m] - arriving_[end][m];
+        wave.g[end][m] = next_terms(whole ? mode.propagation : mode.propagation_half, e.propagation, e.f, f);
+        e.f = f;
     }
 }
 

@@ -56,10 +56,11 @@ class MartiWaves {
     using Phasors = std::array<std::array<std::complex<double>, 3>, 2>; ///< by end and phase
     void start(MartiStep const& step, double w, Phasors const& v, Phasors const& i);
 
-    /// Currents of both ends without their conductances (3 phases each, from then to) for a step that ends at t.
-    void history(MartiStep const& step, Rule rule, double t, double* out);
-    /// After that step: voltages and currents of both ends.
-    void leave(MartiStep const& step, Rule rule, double t, double const* v, double const* i);
+    /// Current of an end without its conductance (3 phases) for a step that ends at t.
+    void history(MartiStep const& step, Rule rule, double t, std::size_t end, double* out);
+    /// After a step that ended at t: open(t), then voltages and currents of each end. Two threads may have an end each.
+    void open(double t) { past_.next().t = t; }
+    void leave(MartiStep const& step, Rule rule, std::size_t end, double const* v, double const* i);
 
     void save();
     void restore();

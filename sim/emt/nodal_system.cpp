@@ -15,34 +15,6 @@ PhaseMatrix map_sequences(PhaseMatrix const& r, PhaseMatrix const& l, double (*f
     return PhaseMatrix::sequence(f(r.one, 2 * l.one / h), f(r.zero(), 2 * l.zero() / h));
 }
 
-std::vector<int> slots_of(std::vector<int> const& nodes, Topology const& t) {
-    std::vector<int> out;
-    for (int const node : nodes) {
-        out.push_back(t.slot[static_cast<std::size_t>(node)]);
-    }
-    return out;
-}
-
-template <class Elements, class Node>
-std::vector<int> triple_slots(Elements const& elements, Topology const& t, Node const& node) {
-    std::vector<int> nodes;
-    for (auto const& e : elements) {
-        for (int k = 0; k < 3; ++k) {
-            nodes.push_back(node(e) + k);
-        }
-    }
-    return slots_of(nodes, t);
-}
-
-template <class Elements>
-std::vector<int> weighted_slots(Elements const& elements, Topology const& t) {
-    std::vector<int> nodes;
-    for (auto const& e : elements) {
-        nodes.insert(nodes.end(), e.nodes.begin(), e.nodes.end());
-    }
-    return slots_of(nodes, t);
-}
-
 StepCoefficients::Coupled coupled_coefficients(CoupledBranch const& b, double h) {
     StepCoefficients::Coupled out;
     if (b.kind == CoupledBranch::Kind::capacitive) {
@@ -121,22 +93,28 @@ Admittances<double> StepCoefficients::admittances(Circuit const& c, SwitchBits c
     return y;
 }
 
-void NodalSystem::solve(double* b, double* x) const {
+void NodalSystem::finish_parts(double* x) const {
+    if (!update) {
+        return;
+    }
+    std::array<double, Update::kMaxRank> seen{};
+    for (std::size_t k = 0; k < update->rank; ++k) {
+        for (auto const& [slot, weight] : update->columns[k]) {
+            seen[k] += slot < topology.unknowns ? weight * x[slot] : 0;
+        }
+    }
+    update->subtract(seen, x);
+}
+
+void NodalSystem::solve(double const* b, double* x) const {
     if (update) {
         update->base->solve(b, x);
-        std::array<double, Update::kMaxRank> seen{};
-        for (std::size_t k = 0; k < update->rank; ++k) {
-            for (auto const& [slot, weight] : update->columns[k]) {
-                seen[k] += slot < topology.unknowns ? weight * x[slot] : 0;
-            }
-        }
-        update->subtract(seen, x);
+        finish_parts(x);
         return;
     }
     auto const n = static_cast<std::size_t>(topology.unknowns);
     if (!dense) {
-        std::copy(b, b + n, x);
-        factors.solve(x);
+        factors.solve(b, x);
         return;
     }
     std::fill(x, x + n, 0.0);
@@ -167,7 +145,7 @@ void NodalSystem::add_column(int slot, double value, double* x) const {
 }
 
 Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits const& bits,
-                                                 StepCoefficients const& coefficients) {
+                                                 StepCoefficients const& coefficients, int parts) {
     auto topology = make_topology(c, bits);
     if (!topology) {
         return std::unexpected{topology.error()};
@@ -178,8 +156,10 @@ Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits co
     system->topology = std::move(*topology);
     Topology const& t = system->topology;
     auto assembly = assemble(c, t, bits, coefficients.admittances(c, bits));
-    system->coupling = std::move(assembly.coupling);
-    system->anchored = system->factors.factor(t.unknowns, assembly.matrix);
+    std::function<Division(EliminationTree const&)> const in_parts = [&](EliminationTree const& tree) {
+        return divide(tree, element_ties(c, t), parts);
+    };
+    system->anchored = system->factors.factor(t.unknowns, assembly.matrix, parts > 1 ? in_parts : nullptr);
     auto const n = static_cast<std::size_t>(t.unknowns);
     system->dense =
         kDenseCost * static_cast<double>(n * n) <= kSparseCost * static_cast<double>(system->factors.work());
@@ -190,20 +170,7 @@ Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& c, SwitchBits co
             system->factors.solve(system->inverse.data() + j * n);
         }
     }
-    system->rl_from = triple_slots(c.rl, t, [](RlBranch const& b) { return b.from; });
-    system->rl_to = triple_slots(c.rl, t, [](RlBranch const& b) { return b.to; });
-    system->capacitor_from = triple_slots(c.capacitors, t, [](CapacitorBranch const& b) { return b.from; });
-    system->capacitor_to = triple_slots(c.capacitors, t, [](CapacitorBranch const& b) { return b.to; });
-    system->coupled_from = triple_slots(c.coupled, t, [](CoupledBranch const& b) { return b.from; });
-    system->coupled_to = triple_slots(c.coupled, t, [](CoupledBranch const& b) { return b.to; });
-    system->bergeron_from = triple_slots(c.bergeron, t, [](BergeronLine const& b) { return b.from; });
-    system->bergeron_to = triple_slots(c.bergeron, t, [](BergeronLine const& b) { return b.to; });
-    system->marti_from = triple_slots(c.marti, t, [](MartiLine const& b) { return b.from; });
-    system->marti_to = triple_slots(c.marti, t, [](MartiLine const& b) { return b.to; });
-    system->norton = triple_slots(c.norton, t, [](NortonPort const& p) { return p.node; });
-    system->injection = triple_slots(c.injections, t, [](Injection const& i) { return i.node; });
-    system->winding = weighted_slots(c.windings, t);
-    system->core = weighted_slots(c.cores, t);
+    system->shares = make_shares(c, t, assembly.coupling, system->dense ? Division{} : system->factors.division());
     return system;
 }
 

@@ -4,6 +4,7 @@
 
 #include "sim/circuit/circuit.hpp"
 #include "sim/emt/marti.hpp"
+#include "sim/emt/shares.hpp"
 #include "sim/emt/topology.hpp"
 
 #include <memory>
@@ -36,14 +37,11 @@ struct NodalSystem {
     SwitchBits bits;
     double h{0};
     Topology topology;
-    std::vector<Entry<double>> coupling; ///< to source nodes
-    std::vector<int> anchored;           ///< unknowns of parts without connection to earth
+    std::vector<int> anchored; ///< unknowns of parts without connection to earth
     bool dense{false};
     std::vector<double> inverse; ///< column-major
     Ldlt<double> factors;
-    // slots of elements' nodes, in element order
-    std::vector<int> rl_from, rl_to, capacitor_from, capacitor_to, coupled_from, coupled_to, winding, core, norton,
-        injection, bergeron_from, bergeron_to, marti_from, marti_to;
+    Shares shares; ///< by the division of its factors
     std::uint64_t last_used{0};
     /// What a system that differs little from another adds to its solution (nodal_update.cpp).
     struct Update {
@@ -58,13 +56,18 @@ struct NodalSystem {
     };
     std::optional<Update> update;
 
-    /// x := A^-1 b over the unknowns; `b` is spoilt. Allocates nothing.
-    void solve(double* b, double* x) const;
+    /// x := A^-1 b over the unknowns. Allocates nothing.
+    void solve(double const* b, double* x) const;
     /// x += A^-1 e_slot value, for a dense system only.
     void add_column(int slot, double value, double* x) const;
+    /// Several solve for it at the same time: factors_in_parts() by their down(), rest() and up(), then finish_parts().
+    [[nodiscard]] bool divided() const { return shares.parts.size() > 1; }
+    [[nodiscard]] Ldlt<double> const& factors_in_parts() const { return update ? update->base->factors : factors; }
+    void finish_parts(double* x) const;
 };
+/// `parts`: that are to be solved for at the same time, where that is worth while.
 [[nodiscard]] Result<std::shared_ptr<NodalSystem>> make_system(Circuit const& circuit, SwitchBits const& bits,
-                                                               StepCoefficients const& coefficients);
+                                                               StepCoefficients const& coefficients, int parts = 1);
 
 /// The system of `bits` by a low-rank change of another of the same step; nothing when they differ in poles, by more
 /// than a few fault phases and cores, or so that a part loses its connection to earth.

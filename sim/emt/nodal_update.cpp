@@ -166,6 +166,9 @@ std::shared_ptr<NodalSystem> update_system(Circuit const& c, std::shared_ptr<Nod
 }
 
 void NodalSystem::Update::subtract(std::array<double, kMaxRank> const& seen, double* x) const {
+    if (rank == 0) { // cores that are saturated the other way round: the matrix is the same
+        return;
+    }
     auto const n = w.size() / rank;
     for (std::size_t i = 0; i < rank; ++i) {
         double s = 0;

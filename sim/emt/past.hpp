@@ -18,6 +18,7 @@ class Past {
     void clear() { written_ = 0; }
     /// The place of the next entry, which becomes the newest.
     [[nodiscard]] Entry& next() { return ring_[written_++ % ring_.size()]; }
+    [[nodiscard]] Entry& newest() { return ring_[(written_ - 1) % ring_.size()]; }
 
     /// The entries around an instant, and its share of the time between them.
     struct Around {

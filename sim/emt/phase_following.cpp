@@ -33,12 +33,22 @@ std::array<std::complex<double>, 3> PhaseFollowing::start(std::array<std::comple
     return out;
 }
 
-std::array<double, 3> PhaseFollowing::currents(double h) const {
+void PhaseFollowing::use_step(double h) {
+    if (h != h_) {
+        h_ = h;
+        cos_ = std::cos(w_ * h);
+        sin_ = std::sin(w_ * h);
+        tan_half_ = std::tan(w_ * h / 2);
+    }
+}
+
+std::array<double, 3> PhaseFollowing::currents(double h) {
     std::array<double, 3> out{};
     if (tripped_) {
         return out;
     }
-    double const c = std::cos(w_ * h), s = std::sin(w_ * h);
+    use_step(h);
+    double const c = cos_, s = sin_;
     for (std::size_t k = 0; k < 3; ++k) {
         Phase const& p = phases_[k];
         out[k] = p.admittance.real() * (p.x1 * c - p.x2 * s) - p.admittance.imag() * (p.x1 * s + p.x2 * c);
@@ -48,7 +58,8 @@ std::array<double, 3> PhaseFollowing::currents(double h) const {
 
 void PhaseFollowing::step(std::array<double, 3> const& v, Powers const& power, double h) {
     // Trapezoidal rule at the frequency that it turns into the true one: no error of phase or size in the steady state.
-    double const a = std::tan(w_ * h / 2);
+    use_step(h);
+    double const a = tan_half_;
     for (std::size_t k = 0; k < 3; ++k) {
         Phase& p = phases_[k];
         double const r1 = p.x1 + a * (kGain * (v[k] + p.v - p.x1) - p.x2), r2 = p.x2 + a * p.x1;

@@ -27,7 +27,7 @@ class PhaseFollowing {
     /// Filtered voltage of a phase, p.u. of nominal.
     [[nodiscard]] double voltage_pu(std::size_t phase) const { return phases_[phase].size / nominal_; }
     /// Currents into the network for a step that ends h from now.
-    [[nodiscard]] std::array<double, 3> currents(double h) const;
+    [[nodiscard]] std::array<double, 3> currents(double h);
     /// After the step, with its terminal voltages (V) and the powers that are wanted from now on.
     void step(std::array<double, 3> const& v, Powers const& power, double h);
     /// Blocks at once, until resume(): back at voltage phasors v as in start(), with currents from zero.
@@ -44,7 +44,9 @@ class PhaseFollowing {
         std::complex<double> admittance;
     };
     [[nodiscard]] std::complex<double> wanted(Phase const& p, std::complex<double> power) const;
+    void use_step(double h);
     double w_, nominal_;
+    double h_{0}, cos_{1}, sin_{0}, tan_half_{0}; ///< of the angle of a step
     std::array<Phase, 3> phases_{};
     bool tripped_{false};
 };

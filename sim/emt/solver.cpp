@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <numeric>
 
 namespace gridspace::sim::emt {
 namespace {
@@ -17,7 +18,8 @@ constexpr std::size_t kCacheSize = 64;
 
 } // namespace
 
-Solver::Solver(Circuit circuit, double step_s) : circuit_{std::move(circuit)}, step_s_{step_s} {
+Solver::Solver(Circuit circuit, double step_s, std::shared_ptr<Team> team)
+    : circuit_{std::move(circuit)}, step_s_{step_s}, team_{std::move(team)} {
     limit_v_ = circuit_.peak_v;
     for (VoltageSource const& s : circuit_.sources) {
         source_phase_.push_back(s.angle_rad);
@@ -71,6 +73,8 @@ void Solver::resize() {
     grow(state_.marti_i, 6 * c.marti.size());
     grow(marti_history_, 6 * c.marti.size());
     grow(injected_, 3 * c.injections.size());
+    all_injections_.resize(c.injections.size());
+    std::iota(all_injections_.begin(), all_injections_.end(), 0);
     switches_.resize(c.switches.size());
     for (std::size_t i = bits_.closed.size(); i < c.switches.size(); ++i) {
         bits_.closed.push_back(c.switches[i].closed);
@@ -78,9 +82,10 @@ void Solver::resize() {
     bits_.faulted.resize(c.faults.size(), {false, false, false});
     fault_armed_.resize(c.faults.size(), {false, false, false});
     bits_.segment.resize(c.cores.size(), 0);
-    auto const nodes = static_cast<std::size_t>(c.nodes()) + 3 * c.sources.size();
-    rhs_.assign(nodes, 0.0);
-    correction_.assign(nodes, 0.0);
+    auto const nodes = static_cast<std::size_t>(c.nodes()) + 3 * c.sources.size() + Topology::kEarths;
+    rhs_.assign(team_ ? static_cast<std::size_t>(team_->size()) + 1 : 1, std::vector<double>(nodes, 0.0));
+    norton_i_.assign(3 * c.norton.size(), 0.0);
+    correction_.assign(3 * c.norton.size(), 0.0);
     watched_before_.assign(3 * (c.switches.size() + c.faults.size()), 0.0);
     watched_after_ = watched_before_;
     core_share_.assign(c.cores.size(), 2.0);
@@ -115,7 +120,7 @@ Result<void> Solver::use(double h) {
             fresh = update_system(circuit_, cache_[i], bits_);
         }
         if (!fresh) {
-            auto made = make_system(circuit_, bits_, *coefficients_);
+            auto made = make_system(circuit_, bits_, *coefficients_, usual && team_ ? team_->size() : 1);
             if (!made) {
                 return fail(made.error().code, fmt::format("at {} s {}", shortest(t_), made.error().message),
                             made.error().remedy);
@@ -140,7 +145,7 @@ Result<void> Solver::use(double h) {
     for (NortonPort const& p : circuit_.norton) {
         p.element->use_step(h);
     }
-    state_.v.assign(static_cast<std::size_t>(system_->topology.slots), 0.0);
+    state_.v.assign(system_->topology.places(), 0.0);
     for (std::size_t i = nodes.size(); i-- > 0;) {
         state_.v[static_cast<std::size_t>(system_->topology.slot[i])] = nodes[i];
     }
@@ -248,9 +253,17 @@ Result<void> Solver::segment(double t_end, double h) {
 }
 
 Result<void> Solver::check() const {
-    double sum = 0;
-    for (double const v : state_.v) {
-        sum += v;
+    // Four sums: one is as long as an addition takes, times the nodes.
+    std::array<double, 4> sums{};
+    std::size_t const whole = state_.v.size() / 4 * 4;
+    for (std::size_t i = 0; i < whole; i += 4) {
+        for (std::size_t k = 0; k < 4; ++k) {
+            sums[k] += state_.v[i + k];
+        }
+    }
+    double sum = sums[0] + sums[1] + sums[2] + sums[3];
+    for (std::size_t i = whole; i < state_.v.size(); ++i) {
+        sum += state_.v[i];
     }
     bool sound = true;
     for (NortonPort const& p : circuit_.norton) {

@@ -3,12 +3,14 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "common/team.hpp"
 #include "sim/emt/bergeron.hpp"
 #include "sim/emt/nodal_system.hpp"
 
 #include <complex>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace gridspace::sim::emt {
@@ -18,8 +20,9 @@ namespace gridspace::sim::emt {
 /// may.
 class Solver {
   public:
-    /// `step_s` is the usual step; others cost a factorisation.
-    Solver(Circuit circuit, double step_s);
+    /// `step_s` is the usual step; others cost a factorisation. `team`: who does the parts of a large circuit at once;
+    /// nobody: one after the other. The results are the same.
+    Solver(Circuit circuit, double step_s, std::shared_ptr<Team> team = nullptr);
 
     /// Steady state at time 0 with these terminal voltages (V peak) and currents (A peak, into the network; positive
     /// sequence phasors) of Norton elements, and injected currents (A peak, by phase), by injection; every other
@@ -83,6 +86,13 @@ class Solver {
     [[nodiscard]] std::vector<std::string> floating_nodes() const;
     [[nodiscard]] int unknowns() const { return system_->topology.unknowns; }
     [[nodiscard]] bool dense() const { return system_->dense; }
+    /// Parts that are stepped at the same time.
+    [[nodiscard]] std::size_t parts() const { return system_ == nullptr ? 1 : system_->shares.parts.size(); }
+    /// The injections at the nodes of a part, in ascending order. Who steps what feeds them in these parts finds their
+    /// voltages in the cache of the same processor.
+    [[nodiscard]] std::span<int const> injections(std::size_t part) const {
+        return system_ == nullptr ? all_injections_ : system_->shares.parts[part].injections.index;
+    }
 
   private:
     std::vector<std::complex<double>> start_v_; ///< by slot
@@ -110,11 +120,23 @@ class Solver {
 
     [[nodiscard]] Result<void> segment(double t_end, double h);
     void substep(double t_end, double h, Rule rule, StepCoefficients const& c);
-    void histories(double t_end, Rule rule, StepCoefficients const& c);
-    void waves(double t_end, Rule rule, StepCoefficients const& c);
-    void currents(StepCoefficients const& c);
+    // Of one share (Shares), which may run beside others:
+    void histories(std::size_t share, double t_end, Rule rule, StepCoefficients const& c);
+    void predict(std::size_t share, double t_end, double h, Rule rule);
+    void correct(std::size_t share);
+    void finish(std::size_t share, Rule rule, StepCoefficients const& c);
+    void currents(Share const& share, StepCoefficients const& c);
+    void waves(Share const& share, Rule rule, StepCoefficients const& c);
+    void cores(Share const& share, Rule rule, StepCoefficients const& c);
+    /// Does this for each share, at the same time where there is a team.
+    template <class Job>
+    void each_share(Job const& job);
+    template <class Job>
+    void with_solution(Job const& job);
+    // Between those:
     void source_voltages(double t);
-    void solve_network();
+    void fill_rest();
+    void solve_rest();
     void resize();
     [[nodiscard]] Result<void> use(double h);
     void part_contacts();
@@ -128,6 +150,7 @@ class Solver {
 
     Circuit circuit_;
     double step_s_;
+    std::shared_ptr<Team> team_;
     double t_{0};
     double damping_s_{0}; ///< for so long backward Euler steps follow a discontinuity
     bool modified_{true}; ///< bits_ are not those of system_
@@ -139,7 +162,9 @@ class Solver {
     std::vector<BergeronWaves> waves_;
     std::vector<MartiWaves> marti_;
     std::vector<double> wave_history_, marti_history_, rl_history_, capacitor_history_, coupled_history_,
-        winding_history_, core_history_, rhs_, correction_, injected_;
+        winding_history_, core_history_, norton_i_, correction_, injected_;
+    std::vector<std::vector<double>> rhs_; ///< by share, and of the rest; each has its own unknowns
+    std::vector<int> all_injections_;
     std::vector<double> watched_before_, watched_after_; ///< currents of armed poles at both ends of a segment
     std::vector<double> core_share_;       ///< by core: where in the segment its flux passes a knee; 2: nowhere
     std::vector<signed char> core_beyond_; ///< and the slope that it enters there

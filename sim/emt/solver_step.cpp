@@ -31,48 +31,95 @@ void Solver::source_voltages(double t) {
     }
 }
 
-void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
+namespace {
+
+void rl_trapezoid(PhaseMatrix const& g, PhaseMatrix const& past, double const* v, double const* i, double* h) {
+    double common = past.mutual * (i[0] + i[1] + i[2]);
+    common += g.mutual * (v[0] + v[1] + v[2]);
+    for (int k = 0; k < 3; ++k) {
+        h[k] = past.one * i[k] + g.one * v[k] + common;
+    }
+}
+
+void rl_euler(PhaseMatrix const& past, double const* v, double const* i, double* h) {
+    double const common = past.mutual * (i[0] + i[1] + i[2]);
+    for (int k = 0; k < 3; ++k) {
+        h[k] = past.one * i[k] + 0.0 * v[k] + common;
+    }
+}
+
+/// Histories of branches of equal phases, by `history(branch, v, i, out)`, which says whether it has one, and what they
+/// add to the right-hand side.
+template <class History>
+void add_histories(Share::Branches const& branches, double const* all_v, double const* all_i, double* all_histories,
+                   double* rhs, History const& history) {
+    int const *from = branches.from.data(), *to = branches.to.data();
+    unsigned char const* shunt = branches.shunt.data();
+    for (int const index : branches.index) {
+        auto const b = static_cast<std::size_t>(index);
+        double h[3];
+        if (history(b, all_v + 3 * b, all_i + 3 * b, h)) {
+            double* const out = all_histories + 3 * b;
+            out[0] = h[0];
+            out[1] = h[1];
+            out[2] = h[2];
+            if (*shunt != 0) {
+                double* const r = rhs + from[0];
+                double const r0 = r[0] - h[0], r1 = r[1] - h[1], r2 = r[2] - h[2];
+                r[0] = r0;
+                r[1] = r1;
+                r[2] = r2;
+            } else {
+                for (int k = 0; k < 3; ++k) {
+                    rhs[from[k]] -= h[k];
+                    rhs[to[k]] += h[k];
+                }
+            }
+        }
+        from += 3;
+        to += 3;
+        ++shunt;
+    }
+}
+
+} // namespace
+
+void Solver::histories(std::size_t which, double t_end, Rule rule, StepCoefficients const& c) {
     bool const trapezoid = rule == Rule::trapezoid;
-    double* const rhs = rhs_.data();
-    std::fill(rhs_.begin(), rhs_.end(), 0.0);
-    {
-        double const *v = state_.rl_v.data(), *i = state_.rl_i.data();
-        double* history = rl_history_.data();
-        int const *from = system_->rl_from.data(), *to = system_->rl_to.data();
-        PhaseMatrix const* past = trapezoid ? c.rl_trapezoid.data() : c.rl_euler.data();
-        PhaseMatrix const* g = c.rl_g.data();
-        unsigned char const* stores = c.rl_stores.data();
-        for (std::size_t b = 0; b < circuit_.rl.size();
-             ++b, v += 3, i += 3, history += 3, from += 3, to += 3, ++past, ++g, ++stores) {
-            if (*stores == 0) {
-                continue;
-            }
-            double common = past->mutual * (i[0] + i[1] + i[2]);
-            double one = 0;
-            if (trapezoid) {
-                common += g->mutual * (v[0] + v[1] + v[2]);
-                one = g->one;
-            }
-            for (int k = 0; k < 3; ++k) {
-                history[k] = past->one * i[k] + one * v[k] + common;
-                rhs[from[k]] -= history[k];
-                rhs[to[k]] += history[k];
-            }
-        }
+    Share const& share = system_->shares.parts[which];
+    double* const rhs = rhs_[which].data();
+    std::fill_n(rhs, system_->topology.places(), 0.0);
+    if (trapezoid) {
+        add_histories(share.rl, state_.rl_v.data(), state_.rl_i.data(), rl_history_.data(), rhs,
+                      [stores = c.rl_stores.data(), g = c.rl_g.data(),
+                       past = c.rl_trapezoid.data()](std::size_t b, double const* v, double const* i, double* h) {
+                          return stores[b] != 0 && (rl_trapezoid(g[b], past[b], v, i, h), true);
+                      });
+        add_histories(share.capacitors, state_.capacitor_v.data(), state_.capacitor_i.data(), capacitor_history_.data(),
+                      rhs, [g = c.capacitor_g.data()](std::size_t b, double const* v, double const* i, double* h) {
+                          double const common = g[b].mutual * (v[0] + v[1] + v[2]);
+                          for (int k = 0; k < 3; ++k) {
+                              h[k] = -(g[b].one * v[k] + common) - i[k];
+                          }
+                          return true;
+                      });
+    } else {
+        add_histories(share.rl, state_.rl_v.data(), state_.rl_i.data(), rl_history_.data(), rhs,
+                      [stores = c.rl_stores.data(), past = c.rl_euler.data()](std::size_t b, double const* v,
+                                                                              double const* i, double* h) {
+                          return stores[b] != 0 && (rl_euler(past[b], v, i, h), true);
+                      });
+        add_histories(share.capacitors, state_.capacitor_v.data(), state_.capacitor_i.data(), capacitor_history_.data(),
+                      rhs, [g = c.capacitor_g.data()](std::size_t b, double const* v, double const*, double* h) {
+                          double const common = g[b].mutual * (v[0] + v[1] + v[2]);
+                          for (int k = 0; k < 3; ++k) {
+                              h[k] = -(g[b].one * v[k] + common) - 0.0;
+                          }
+                          return true;
+                      });
     }
-    for (std::size_t b = 0; b < circuit_.capacitors.size(); ++b) {
-        PhaseMatrix const& g = c.capacitor_g[b];
-        double const* v = state_.capacitor_v.data() + 3 * b;
-        double const* i = state_.capacitor_i.data() + 3 * b;
-        double const common = g.mutual * (v[0] + v[1] + v[2]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            double const history = -(g.one * v[k] + common) - (trapezoid ? i[k] : 0);
-            capacitor_history_[3 * b + k] = history;
-            rhs[system_->capacitor_from[3 * b + k]] -= history;
-            rhs[system_->capacitor_to[3 * b + k]] += history;
-        }
-    }
-    for (std::size_t b = 0; b < circuit_.coupled.size(); ++b) {
+    for (std::size_t n = 0; n < share.coupled.index.size(); ++n) {
+        auto const b = static_cast<std::size_t>(share.coupled.index[n]);
         StepCoefficients::Coupled const& past = c.coupled[b];
         Matrix3 const& of_v = trapezoid ? past.v_trapezoid : past.v_euler;
         Matrix3 const& of_i = trapezoid ? past.i_trapezoid : past.i_euler;
@@ -82,20 +129,22 @@ void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
             double const history = of_v[k][0] * v[0] + of_v[k][1] * v[1] + of_v[k][2] * v[2] + of_i[k][0] * i[0] +
                                    of_i[k][1] * i[1] + of_i[k][2] * i[2];
             coupled_history_[3 * b + k] = history;
-            rhs[system_->coupled_from[3 * b + k]] -= history;
-            rhs[system_->coupled_to[3 * b + k]] += history;
+            rhs[share.coupled.from[3 * n + k]] -= history;
+            rhs[share.coupled.to[3 * n + k]] += history;
         }
     }
-    for (std::size_t w = 0; w < circuit_.windings.size(); ++w) {
+    for (std::size_t n = 0; n < share.windings.index.size(); ++n) {
+        auto const w = static_cast<std::size_t>(share.windings.index[n]);
         double const history = trapezoid
                                    ? c.winding_g[w] * state_.winding_v[w] + c.winding_trapezoid[w] * state_.winding_i[w]
                                    : c.winding_euler[w] * state_.winding_i[w];
         winding_history_[w] = history;
         for (std::size_t k = 0; k < 4; ++k) {
-            rhs[system_->winding[4 * w + k]] -= circuit_.windings[w].weights[k] * history;
+            rhs[share.windings.slots[4 * n + k]] -= circuit_.windings[w].weights[k] * history;
         }
     }
-    for (std::size_t w = 0; w < circuit_.cores.size(); ++w) {
+    for (std::size_t n = 0; n < share.cores.index.size(); ++n) {
+        auto const w = static_cast<std::size_t>(share.cores.index[n]);
         SaturableCore const& core = circuit_.cores[w];
         int const segment = bits_.segment[w];
         double const l = segment == 0 ? core.l : core.l_air;
@@ -104,182 +153,303 @@ void Solver::histories(double t_end, Rule rule, StepCoefficients const& c) {
         double const history = offset + (state_.core_flux[w] + (trapezoid ? c.h / 2 * state_.core_v[w] : 0)) / l;
         core_history_[w] = history;
         for (std::size_t k = 0; k < 4; ++k) {
-            rhs[system_->core[4 * w + k]] -= core.weights[k] * history;
+            rhs[share.cores.slots[4 * n + k]] -= core.weights[k] * history;
         }
     }
-    for (std::size_t w = 0; w < waves_.size(); ++w) {
-        double* const history = wave_history_.data() + 6 * w;
-        waves_[w].history(t_end, history);
+    for (std::size_t n = 0; n < share.wave_ends.index.size(); ++n) {
+        auto const end = static_cast<std::size_t>(share.wave_ends.index[n]);
+        double* const history = wave_history_.data() + 3 * end;
+        waves_[end / 2].history(t_end, end % 2, history);
         for (std::size_t k = 0; k < 3; ++k) {
-            rhs[system_->bergeron_from[3 * w + k]] -= history[k];
-            rhs[system_->bergeron_to[3 * w + k]] -= history[3 + k];
+            rhs[share.wave_ends.slots[3 * n + k]] -= history[k];
         }
     }
-    for (std::size_t w = 0; w < marti_.size(); ++w) {
-        double* const history = marti_history_.data() + 6 * w;
-        marti_[w].history(c.marti[w], rule, t_end, history);
+    for (std::size_t n = 0; n < share.marti_ends.index.size(); ++n) {
+        auto const end = static_cast<std::size_t>(share.marti_ends.index[n]);
+        double* const history = marti_history_.data() + 3 * end;
+        marti_[end / 2].history(c.marti[end / 2], rule, t_end, end % 2, history);
         for (std::size_t k = 0; k < 3; ++k) {
-            rhs[system_->marti_from[3 * w + k]] -= history[k];
-            rhs[system_->marti_to[3 * w + k]] -= history[3 + k];
+            rhs[share.marti_ends.slots[3 * n + k]] -= history[k];
         }
     }
-    for (std::size_t k = 0; k < injected_.size(); ++k) {
-        rhs[system_->injection[k]] += injected_[k];
+    int const* slot = share.injections.slots.data();
+    for (int const index : share.injections.index) {
+        double const* const i = injected_.data() + 3 * index;
+        for (int k = 0; k < 3; ++k) {
+            rhs[slot[k]] += i[k];
+        }
+        slot += 3;
+    }
+    for (Entry<double> const& e : share.coupling) {
+        rhs[e.row] -= e.value * state_.v[static_cast<std::size_t>(e.column)];
     }
 }
 
-void Solver::currents(StepCoefficients const& c) {
+namespace {
+
+/// Voltages and currents of branches of equal phases.
+void branch_currents(Share::Branches const& branches, PhaseMatrix const* all_g, double const* x,
+                     double const* all_histories, double* all_v, double* all_i) {
+    int const *from = branches.from.data(), *to = branches.to.data();
+    unsigned char const* shunt = branches.shunt.data();
+    for (int const index : branches.index) {
+        auto const b = static_cast<std::size_t>(index);
+        double *const v = all_v + 3 * b, *const i = all_i + 3 * b;
+        double const* const history = all_histories + 3 * b;
+        PhaseMatrix const g = all_g[b];
+        double v0, v1, v2;
+        if (*shunt++ != 0) {
+            double const* const at = x + from[0];
+            v0 = at[0];
+            v1 = at[1];
+            v2 = at[2];
+        } else {
+            v0 = x[from[0]] - x[to[0]];
+            v1 = x[from[1]] - x[to[1]];
+            v2 = x[from[2]] - x[to[2]];
+        }
+        double const common = g.mutual * (v0 + v1 + v2);
+        i[0] = g.one * v0 + common + history[0];
+        i[1] = g.one * v1 + common + history[1];
+        i[2] = g.one * v2 + common + history[2];
+        v[0] = v0;
+        v[1] = v1;
+        v[2] = v2;
+        from += 3;
+        to += 3;
+    }
+}
+
+} // namespace
+
+void Solver::currents(Share const& share, StepCoefficients const& c) {
     double const* const x = state_.v.data();
-    {
-        double *v = state_.rl_v.data(), *i = state_.rl_i.data();
-        double const* history = rl_history_.data();
-        int const *from = system_->rl_from.data(), *to = system_->rl_to.data();
-        PhaseMatrix const* g = c.rl_g.data();
-        for (std::size_t b = 0; b < circuit_.rl.size(); ++b, v += 3, i += 3, history += 3, from += 3, to += 3, ++g) {
-            v[0] = x[from[0]] - x[to[0]];
-            v[1] = x[from[1]] - x[to[1]];
-            v[2] = x[from[2]] - x[to[2]];
-            double const common = g->mutual * (v[0] + v[1] + v[2]);
-            for (int k = 0; k < 3; ++k) {
-                i[k] = g->one * v[k] + common + history[k];
-            }
-        }
-    }
-    for (std::size_t b = 0; b < circuit_.capacitors.size(); ++b) {
-        PhaseMatrix const& g = c.capacitor_g[b];
-        double* const v = state_.capacitor_v.data() + 3 * b;
-        for (std::size_t k = 0; k < 3; ++k) {
-            v[k] = x[system_->capacitor_from[3 * b + k]] - x[system_->capacitor_to[3 * b + k]];
-        }
-        double const common = g.mutual * (v[0] + v[1] + v[2]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            state_.capacitor_i[3 * b + k] = g.one * v[k] + common + capacitor_history_[3 * b + k];
-        }
-    }
-    for (std::size_t b = 0; b < circuit_.coupled.size(); ++b) {
+    branch_currents(share.rl, c.rl_g.data(), x, rl_history_.data(), state_.rl_v.data(), state_.rl_i.data());
+    branch_currents(share.capacitors, c.capacitor_g.data(), x, capacitor_history_.data(), state_.capacitor_v.data(),
+                    state_.capacitor_i.data());
+    for (std::size_t n = 0; n < share.coupled.index.size(); ++n) {
+        auto const b = static_cast<std::size_t>(share.coupled.index[n]);
         Matrix3 const& g = c.coupled[b].g;
         double* const v = state_.coupled_v.data() + 3 * b;
         for (std::size_t k = 0; k < 3; ++k) {
-            v[k] = x[system_->coupled_from[3 * b + k]] - x[system_->coupled_to[3 * b + k]];
+            v[k] = x[share.coupled.from[3 * n + k]] - x[share.coupled.to[3 * n + k]];
         }
         for (std::size_t k = 0; k < 3; ++k) {
             state_.coupled_i[3 * b + k] =
                 g[k][0] * v[0] + g[k][1] * v[1] + g[k][2] * v[2] + coupled_history_[3 * b + k];
         }
     }
-    for (std::size_t w = 0; w < circuit_.windings.size(); ++w) {
+    for (std::size_t n = 0; n < share.windings.index.size(); ++n) {
+        auto const w = static_cast<std::size_t>(share.windings.index[n]);
         double v = 0;
         for (std::size_t k = 0; k < 4; ++k) {
-            v += circuit_.windings[w].weights[k] * x[system_->winding[4 * w + k]];
+            v += circuit_.windings[w].weights[k] * x[share.windings.slots[4 * n + k]];
         }
         state_.winding_v[w] = v;
         state_.winding_i[w] = c.winding_g[w] * v + winding_history_[w];
     }
 }
 
-void Solver::waves(double t_end, Rule rule, StepCoefficients const& c) {
+namespace {
+
+/// Of the ends of lines in a share: voltages and currents, which `leave` takes.
+template <class Conductance, class Leave>
+void end_currents(Share::Terminals const& ends, double const* x, double const* histories, double* all_i,
+                  Conductance const& conductance, Leave const& leave) {
+    for (std::size_t n = 0; n < ends.index.size(); ++n) {
+        auto const end = static_cast<std::size_t>(ends.index[n]);
+        std::array<double, 3> v{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            v[k] = x[ends.slots[3 * n + k]];
+        }
+        PhaseMatrix const g = conductance(end / 2);
+        double const common = g.mutual * (v[0] + v[1] + v[2]);
+        double* const i = all_i + 3 * end;
+        for (std::size_t k = 0; k < 3; ++k) {
+            i[k] = g.one * v[k] + common + histories[3 * end + k];
+        }
+        leave(end, v.data(), i);
+    }
+}
+
+} // namespace
+
+void Solver::waves(Share const& share, Rule rule, StepCoefficients const& c) {
     double const* const x = state_.v.data();
-    auto const at_ends = [&](std::vector<int> const& from, std::vector<int> const& to, std::size_t line) {
-        std::array<double, 6> v;
-        for (std::size_t k = 0; k < 3; ++k) {
-            v[k] = x[from[3 * line + k]];
-            v[3 + k] = x[to[3 * line + k]];
-        }
-        return v;
-    };
-    auto const set_currents = [](PhaseMatrix const& g, std::array<double, 6> const& v, double const* history,
-                                 double* i) {
-        for (std::size_t end = 0; end < 2; ++end) {
-            double const common = g.mutual * (v[3 * end] + v[3 * end + 1] + v[3 * end + 2]);
-            for (std::size_t k = 3 * end; k < 3 * end + 3; ++k) {
-                i[k] = g.one * v[k] + common + history[k];
-            }
-        }
-    };
-    for (std::size_t w = 0; w < waves_.size(); ++w) {
-        auto const v = at_ends(system_->bergeron_from, system_->bergeron_to, w);
-        double* const i = state_.wave_i.data() + 6 * w;
-        set_currents(waves_[w].conductance(), v, wave_history_.data() + 6 * w, i);
-        waves_[w].leave(t_end, v.data(), i);
-    }
-    for (std::size_t w = 0; w < marti_.size(); ++w) {
-        auto const v = at_ends(system_->marti_from, system_->marti_to, w);
-        double* const i = state_.marti_i.data() + 6 * w;
-        set_currents(c.marti[w].conductance(), v, marti_history_.data() + 6 * w, i);
-        marti_[w].leave(c.marti[w], rule, t_end, v.data(), i);
-    }
+    end_currents(
+        share.wave_ends, x, wave_history_.data(), state_.wave_i.data(),
+        [&](std::size_t line) { return waves_[line].conductance(); },
+        [&](std::size_t end, double const* v, double const* i) { waves_[end / 2].leave(end % 2, v, i); });
+    end_currents(
+        share.marti_ends, x, marti_history_.data(), state_.marti_i.data(),
+        [&](std::size_t line) { return c.marti[line].conductance(); },
+        [&](std::size_t end, double const* v, double const* i) {
+            marti_[end / 2].leave(c.marti[end / 2], rule, end % 2, v, i);
+        });
 }
 
-void Solver::solve_network() {
-    system_->solve(rhs_.data(), state_.v.data());
-}
-
-void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& c) {
-    histories(t_end, rule, c);
-    double* const x = state_.v.data();
-    double* const rhs = rhs_.data();
-    source_voltages(t_end);
-    for (Entry<double> const& e : system_->coupling) {
-        rhs[e.row] -= e.value * x[e.column];
-    }
-    int corrections = 0;
-    int const* slot = system_->norton.data();
-    for (NortonPort const& p : circuit_.norton) {
-        auto const j = p.element->predict(t_end, h, rule);
-        for (std::size_t k = 0; k < 3; ++k) {
-            rhs[slot[k]] += j[k];
-        }
-        slot += 3;
-        corrections = std::max(corrections, p.element->corrections());
-    }
-    solve_network();
-    for (int repeat = corrections; repeat > 0; --repeat) {
-        slot = system_->norton.data();
-        int const unknowns = system_->topology.unknowns;
-        double* const change = correction_.data();
-        std::size_t changes = 0;
-        for (NortonPort const& p : circuit_.norton) {
-            double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
-            auto const j = p.element->correct(v);
-            for (std::size_t k = 0; k < 3; ++k) {
-                change[changes++] = j[k];
-            }
-            slot += 3;
-        }
-        for (std::size_t k = 0; k < changes; ++k) {
-            int const s = system_->norton[k];
-            if (s >= unknowns) {
-                continue;
-            }
-            if (system_->dense) {
-                system_->add_column(s, change[k], x);
-            } else {
-                rhs[s] += change[k];
-            }
-        }
-        if (!system_->dense) {
-            solve_network();
-        }
-    }
-    slot = system_->norton.data();
-    for (NortonPort const& p : circuit_.norton) {
-        double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
-        p.element->finish(v);
-        slot += 3;
-    }
-    currents(c);
-    waves(t_end, rule, c);
+void Solver::cores(Share const& share, Rule rule, StepCoefficients const& c) {
     double const half = c.h / 2; // of the trapezoid, or a whole backward Euler step: both weigh the new voltage alike
-    for (std::size_t w = 0; w < circuit_.cores.size(); ++w) {
+    for (std::size_t n = 0; n < share.cores.index.size(); ++n) {
+        auto const w = static_cast<std::size_t>(share.cores.index[n]);
         double v = 0;
         for (std::size_t k = 0; k < 4; ++k) {
-            v += circuit_.cores[w].weights[k] * x[system_->core[4 * w + k]];
+            v += circuit_.cores[w].weights[k] * state_.v[static_cast<std::size_t>(share.cores.slots[4 * n + k])];
         }
         state_.core_flux[w] += half * (v + (rule == Rule::trapezoid ? state_.core_v[w] : 0));
         state_.core_v[w] = v;
         double const l = bits_.segment[w] == 0 ? circuit_.cores[w].l : circuit_.cores[w].l_air;
         state_.core_i[w] = half / l * v + core_history_[w];
     }
+}
+
+void Solver::predict(std::size_t which, double t_end, double h, Rule rule) {
+    Share::Terminals const& norton = system_->shares.parts[which].norton;
+    double* const rhs = rhs_[which].data();
+    int const* slot = norton.slots.data();
+    for (int const m : norton.index) {
+        auto const j = circuit_.norton[static_cast<std::size_t>(m)].element->predict(t_end, h, rule);
+        double* const kept = norton_i_.data() + 3 * m;
+        for (std::size_t k = 0; k < 3; ++k) {
+            kept[k] = j[k];
+            rhs[slot[k]] += j[k];
+        }
+        slot += 3;
+    }
+}
+
+void Solver::correct(std::size_t which) {
+    Share::Terminals const& norton = system_->shares.parts[which].norton;
+    double *const x = state_.v.data(), *const rhs = rhs_[which].data();
+    int const* slot = norton.slots.data();
+    for (int const m : norton.index) {
+        double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
+        auto const j = circuit_.norton[static_cast<std::size_t>(m)].element->correct(v);
+        std::copy(j.begin(), j.end(), correction_.data() + 3 * m);
+        slot += 3;
+    }
+    slot = norton.slots.data();
+    int const unknowns = system_->topology.unknowns;
+    for (int const m : norton.index) {
+        double const* const change = correction_.data() + 3 * m;
+        for (int k = 0; k < 3; ++k, ++slot) {
+            if (*slot >= unknowns) {
+                continue;
+            }
+            if (system_->dense) {
+                system_->add_column(*slot, change[k], x);
+            } else {
+                rhs[*slot] += change[k];
+            }
+        }
+    }
+}
+
+void Solver::finish(std::size_t which, Rule rule, StepCoefficients const& c) {
+    Share const& share = system_->shares.parts[which];
+    double const* const x = state_.v.data();
+    for (std::size_t n = 0; n < share.norton.index.size(); ++n) {
+        int const* const slot = share.norton.slots.data() + 3 * n;
+        double const v[3] = {x[slot[0]], x[slot[1]], x[slot[2]]};
+        circuit_.norton[static_cast<std::size_t>(share.norton.index[n])].element->finish(v);
+    }
+    currents(share, c);
+    waves(share, rule, c);
+    cores(share, rule, c);
+}
+
+/// What elements of the shares, and of none, add to the rows of none, in the order of the circuit.
+void Solver::fill_rest() {
+    if (!system_->divided()) {
+        return;
+    }
+    std::array<double const*, kHistoryKinds> const from{
+        rl_history_.data(),   capacitor_history_.data(), coupled_history_.data(), winding_history_.data(),
+        core_history_.data(), wave_history_.data(),      marti_history_.data(),   injected_.data(),
+        state_.v.data(),      norton_i_.data()};
+    double* const rhs = rhs_.back().data();
+    std::fill_n(rhs, system_->topology.places(), 0.0);
+    for (RestEntry const& e : system_->shares.rest) {
+        rhs[e.row] += e.factor * from[static_cast<std::size_t>(e.kind)][e.at];
+    }
+}
+
+void Solver::solve_rest() {
+    if (system_->divided()) {
+        system_->factors_in_parts().rest(rhs_.back().data(), state_.v.data());
+    } else {
+        system_->solve(rhs_.front().data(), state_.v.data());
+    }
+}
+
+template <class Job>
+void Solver::each_share(Job const& job) {
+    if (system_->divided()) {
+        team_->run([&](int k) { job(static_cast<std::size_t>(k)); });
+    } else {
+        job(std::size_t{0});
+    }
+}
+
+/// What is done with the voltages once the rest is solved.
+template <class Job>
+void Solver::with_solution(Job const& job) {
+    if (!system_->divided()) {
+        job(std::size_t{0});
+        return;
+    }
+    auto const up = [&](std::size_t share) {
+        system_->factors_in_parts().up(static_cast<int>(share), state_.v.data());
+    };
+    if (!system_->update) {
+        each_share([&](std::size_t share) {
+            up(share);
+            job(share);
+        });
+        return;
+    }
+    each_share(up);
+    system_->finish_parts(state_.v.data());
+    each_share(job);
+}
+
+void Solver::substep(double t_end, double h, Rule rule, StepCoefficients const& c) {
+    auto const down = [&](std::size_t share) {
+        if (system_->divided()) {
+            system_->factors_in_parts().down(static_cast<int>(share), rhs_[share].data());
+        }
+    };
+    source_voltages(t_end);
+    each_share([&](std::size_t share) {
+        histories(share, t_end, rule, c);
+        predict(share, t_end, h, rule);
+        down(share);
+    });
+    for (BergeronWaves& line : waves_) {
+        line.open(t_end);
+    }
+    for (MartiWaves& line : marti_) {
+        line.open(t_end);
+    }
+    int corrections = 0;
+    for (NortonPort const& p : circuit_.norton) {
+        corrections = std::max(corrections, p.element->corrections());
+    }
+    fill_rest();
+    solve_rest();
+    for (int repeat = corrections; repeat > 0; --repeat) {
+        with_solution([&](std::size_t share) {
+            correct(share);
+            down(share);
+        });
+        for (auto const& [row, at] : system_->shares.rest_norton) {
+            rhs_.back()[static_cast<std::size_t>(row)] += correction_[static_cast<std::size_t>(at)];
+        }
+        if (!system_->dense) {
+            solve_rest();
+        }
+    }
+    with_solution([&](std::size_t share) { finish(share, rule, c); });
 }
 
 } // namespace gridspace::sim::emt

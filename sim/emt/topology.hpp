@@ -20,11 +20,14 @@ struct SwitchBits {
 };
 
 /// Nodes that closed poles make one share a slot. Slots [0, unknowns) are solved for; then comes earth, then the nodes
-/// of ideal voltage sources.
+/// of ideal voltage sources. Behind them are more slots of earth, for elements.
 struct Topology {
+    static constexpr int kEarths = 24;
     std::vector<int> slot; ///< by node
     int unknowns{0}, slots{0};
     [[nodiscard]] int earth() const { return unknowns; }
+    /// Slots, with the further ones of earth.
+    [[nodiscard]] std::size_t places() const { return static_cast<std::size_t>(slots) + kEarths; }
 };
 
 /// Fails when poles join two voltage sources, or a source with earth.

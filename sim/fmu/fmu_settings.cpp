@@ -39,6 +39,7 @@ std::string to_yaml(FmuSettings const& s) {
     out.set("solver", Node::scalar(s.engine.waveform() ? "emt" : "phasor"));
     out.set("step_s", Node::scalar(s.engine.step_s.to_string()));
     out.set("integration", Node::scalar(s.engine.fixed_step ? "fixed_step" : "adaptive"));
+    out.set("threads", Node::scalar(std::to_string(s.engine.threads)));
     out.set("epoch", Node::quoted_text(s.engine.epoch));
     out.set("inputs", list(s.inputs));
     out.set("outputs", list(s.outputs));

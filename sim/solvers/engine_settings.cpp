@@ -30,6 +30,13 @@ void describe(config::Fields& f, EngineSettings& s) {
     if (s.fixed_step && s.solver == SolverKind::emt) {
         f.error("integration", "waveforms always have steps of step_s", "leave it out");
     }
+    f.integer("threads", s.threads,
+              {.doc = "waveforms: processors that step a large network together, with the same results for any number",
+               .min = 1,
+               .max = kMostThreads});
+    if (s.threads > 1 && s.solver == SolverKind::phasor) {
+        f.error("threads", "phasors are stepped by one thread", "leave it out");
+    }
     f.text("epoch", s.epoch, {.doc = "UTC of simulated time 0"});
     if (!parse_utc(s.epoch)) {
         f.error("epoch", fmt::format("'{}' is not a UTC time from 1970 to 2199", s.epoch),

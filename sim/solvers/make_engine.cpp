@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/solvers/make_engine.hpp"
 
+#include "common/team.hpp"
 #include "sim/emt/emt_engine.hpp"
 #include "sim/phasor/phasor_engine.hpp"
 #include "sim/runtime/fuse_engine.hpp"
@@ -12,8 +13,10 @@ namespace {
 
 Result<std::unique_ptr<Engine>> make_solver(EngineSettings const& settings, Network network, TimeBase base) {
     if (settings.waveform()) {
-        return emt::make_emt_engine(std::move(network),
-                                    {base, base.nearest(settings.step_s), start_hour_of_day(settings)});
+        std::shared_ptr<Team> team =
+            settings.threads > 1 ? make_thread_team(static_cast<int>(settings.threads)) : nullptr;
+        return emt::make_emt_engine(
+            std::move(network), {base, base.nearest(settings.step_s), start_hour_of_day(settings), std::move(team)});
     }
     phasor::PhasorOptions options{.time_base = base, .start_hour_of_day = start_hour_of_day(settings)};
     options.fixed_step_s = settings.fixed_step ? settings.step_s.to_double() : 0;

@@ -47,40 +47,54 @@ class LoadInjection final : public PowerInjection {
 
 class LoadPower : public PowerModel {
   public:
-    LoadPower(Load const& load, Scale scale) : load_{load}, scale_{std::move(scale)} {}
+    LoadPower(Load const& load, Scale scale)
+        : nominal_{load.nominal_kva()}, lag_s_{load.lag_s}, constant_power_{load.model == LoadModel::constant_power},
+          scale_{std::move(scale)}, load_{load} {}
     void start(double) override { lagged_ = {}; }
-    bool set(std::string_view quantity, double value) override { return load_.set(quantity, value); }
+    bool set(std::string_view quantity, double value) override {
+        bool const known = load_.set(quantity, value);
+        nominal_ = load_.nominal_kva();
+        return known;
+    }
 
   protected:
     [[nodiscard]] Load const& load() const { return load_; }
+    [[nodiscard]] Complex nominal_kva() const { return nominal_; }
+    [[nodiscard]] VoltagePower factor(double v) const {
+        return constant_power_ && v >= kFloorPu ? VoltagePower{1, 1, 0, 0} : load_.factor(v);
+    }
     [[nodiscard]] double scale(double t) const { return scale_(t); }
     /// What is drawn after `h` where `target` is wanted; of a phase, or together.
     Complex lag(Complex target, std::size_t phase, double h) {
         Complex& lagged = lagged_[phase];
-        lagged = load_.lag_s > 0 && h > 0 ? lagged + (target - lagged) * (h / (load_.lag_s + h)) : target;
+        lagged = lag_s_ > 0 && h > 0 ? lagged + (target - lagged) * (h / (lag_s_ + h)) : target;
         return lagged;
     }
 
   private:
-    Load load_;
-    Scale scale_;
+    // What a step reads stands together, and before the rest of the load.
+    Complex nominal_;
+    double lag_s_;
+    bool constant_power_; ///< above the floor of the voltage
     std::array<Complex, 3> lagged_{};
+    Scale scale_;
+    Load load_;
 };
 
 /// Powers of a load beyond its star of impedances.
 class BeyondStar final : public LoadPower {
   public:
     using LoadPower::LoadPower;
-    Complex power_va(double t, double v, double h) override { return beyond(load().nominal_kva(), 0, t, v, h); }
+    Complex power_va(double t, double v, double h) override { return beyond(nominal_kva(), 0, t, v, h); }
     Complex phase_power_va(std::size_t phase, double t, double v, double h) override {
         return beyond(load().nominal_kva(phase), phase, t, v, h);
     }
 
   private:
     Complex beyond(Complex nominal, std::size_t phase, double t, double v, double h) {
-        VoltagePower const factor = load().factor(v);
+        VoltagePower const f = factor(v);
         double const k = scale(t);
-        Complex const target{k * factor.p * nominal.real(), k * factor.q * nominal.imag()};
+        Complex const target{k * f.p * nominal.real(), k * f.q * nominal.imag()};
         return -1e3 * (lag(target, phase, h) - nominal * v * v);
     }
 };
@@ -88,9 +102,7 @@ class BeyondStar final : public LoadPower {
 class RectifierPower final : public LoadPower {
   public:
     using LoadPower::LoadPower;
-    Complex power_va(double t, double, double h) override {
-        return -1e3 * lag(load().nominal_kva().real() * scale(t), 0, h);
-    }
+    Complex power_va(double t, double, double h) override { return -1e3 * lag(nominal_kva().real() * scale(t), 0, h); }
 };
 
 } // namespace

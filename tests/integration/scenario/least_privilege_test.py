@@ -34,6 +34,19 @@ class LeastPrivilege(ScenarioTest):
         self.assertEqual(set(found.values()), {(0, 1, 2)}, found)
         self.assertEqual(run.finish(), 0, run.stderr())
 
+    def test_threads_of_the_waveforms_are_under_the_same_list(self):
+        run = self.start("run", ["--speed", "0.05", "--set", "simulation.threads=3"], self.write("short.yaml", SHORT_CASE_2))
+        run.wait_for_time(0.01)
+        modes = {}
+        for pid in processes_of_session(run.pid):
+            with contextlib.suppress(OSError):
+                if b"GRIDSPACE_PROCESS=sim" in pathlib.Path(f"/proc/{pid}/environ").read_bytes().split(b"\0"):
+                    for status in pathlib.Path(f"/proc/{pid}/task").glob("*/status"):
+                        modes[status] = dict(line.split(":\t", 1) for line in status.read_text().splitlines())["Seccomp"]
+        self.assertGreaterEqual(len(modes), 3)
+        self.assertEqual(set(modes.values()), {"2"}, modes)
+        self.assertEqual(run.finish(), 0, run.stderr())
+
     def test_only_who_exchanges_raw_frames_may_open_raw_sockets(self):
         run = self.start("run", ["--speed", "0.05"], self.write("short.yaml", SHORT_CASE_2))
         run.wait_for_time(0.01)

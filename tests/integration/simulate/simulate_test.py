@@ -151,6 +151,24 @@ shunt_capacitors: {C1: {bus: A, q_kvar: 3000, rated_kv: 13.8}, C2: {bus: B, q_kv
         self.assertEqual(code, 2)
         self.assertIn("--step auto is for waveforms", err)
 
+    def test_any_number_of_threads_writes_the_same_table_of_a_large_network(self):
+        case = SOURCE / "tests/golden/powerflow/case118.m"
+        tables = []
+        for threads in "1", "2", "5":
+            table = self.folder / f"{threads}.csv"
+            code, _, err = simulate(case, "--until", "0.01", "--threads", threads, "--signals", "bus.*.v.a", "--csv", table)
+            self.assertEqual(code, 0, err)
+            tables.append(table.read_bytes())
+        self.assertGreater(len(tables[0]), 100000)
+        self.assertEqual(tables, [tables[0]] * 3)
+
+    def test_threads_that_cannot_be_are_refused(self):
+        for arguments, words in ((["--threads", "0"], "not a number of threads"), (["--threads", "65"], "not a number of threads"),
+                                 (["--threads", "2", "--solver", "phasor"], "--threads is for waveforms")):
+            code, _, err = simulate(SET_A, "--until", "1ms", *arguments)
+            self.assertEqual(code, 2, arguments)
+            self.assertIn(words, err)
+
     def test_a_folder_that_is_not_there_is_an_environment_error(self):
         code, _, err = simulate(SET_A, "--until", "0.01s", "--csv", self.folder / "no/such/file.csv")
         self.assertEqual(code, 3)

@@ -32,8 +32,9 @@ inline Network network_of(std::string_view body, int power_kva = 100) {
     return network.value_or(Network{});
 }
 
-inline std::unique_ptr<Engine> started(Network network, TimeBase base, Rational step_s) {
-    auto engine = make_emt_engine(std::move(network), {base, base.nearest(step_s), 0});
+inline std::unique_ptr<Engine> started(Network network, TimeBase base, Rational step_s,
+                                       std::shared_ptr<Team> team = nullptr) {
+    auto engine = make_emt_engine(std::move(network), {base, base.nearest(step_s), 0, std::move(team)});
     EXPECT_TRUE(engine.has_value()) << (engine ? "" : describe(engine.error()));
     auto const ok = (*engine)->initialise();
     EXPECT_TRUE(ok.has_value()) << (ok ? "" : describe(ok.error()));

@@ -73,6 +73,16 @@ double difference(Grid const& grid, SwitchBits const& to, bool& updated) {
     return worst / largest;
 }
 
+TEST(NodalUpdate, CoresThatAreSaturatedTheOtherWayRoundHaveTheSameSystem) {
+    Grid grid{3};
+    grid.bits.segment = {1, 0, -1};
+    SwitchBits to = grid.bits;
+    to.segment = {-1, 0, 1};
+    bool updated = false;
+    EXPECT_EQ(difference(grid, to, updated), 0);
+    EXPECT_TRUE(updated);
+}
+
 TEST(NodalUpdate, SolvesFaultsAndSaturatedCoresAsAFreshFactorisationDoes) {
     for (int const buses : {3, 60}) {
         Grid const grid{buses};

@@ -6,14 +6,18 @@
 #include "tests/support/allocations.hpp"
 #include "tests/unit/emt/emt_fixture.hpp"
 
+#include "common/team.hpp"
+
+#include <fmt/format.h>
+
 namespace gridspace::sim::emt {
 namespace {
 
 TimeBase const kBase{Rational{1, 48000}};
 
 /// Allocations of a thousand steps and of reading everything after each tenth.
-std::size_t allocations_of_steps(Network network) {
-    auto const sut = started(std::move(network), kBase, Rational{1, 48000});
+std::size_t allocations_of_steps(Network network, std::shared_ptr<Team> team = nullptr) {
+    auto const sut = started(std::move(network), kBase, Rational{1, 48000}, std::move(team));
     std::size_t const signals = sut->signals().size();
     double sum = 0;
     bool fine = true;
@@ -66,6 +70,22 @@ TEST(EmtEngineStep, AllocatesNothingWithConvertersWavesCoresAndFilters) {
             "supercapacitors: {U: {bus: C, capacitance_f: 10, rated_voltage_v: 200, v_min_v: 100, v_start_v: 150, "
             "rating_kva: 10, p_kw: 2, esr_ohm: 0.01, leakage_ohm: 100}}\n"
             "evs: {E: {bus: C, capacity_kwh: 1, battery_v: 360, max_current_a: 15, soc_start_percent: 20}}\n")),
+        0U);
+}
+
+TEST(EmtEngineStep, AllocatesNothingOnTwoThreads) {
+    std::string buses = "buses:\n", lines = "lines:\n", loads = "loads:\n";
+    for (int i = 0; i < 200; ++i) {
+        buses += fmt::format("  B{}: {{voltage_v: 12470}}\n", i);
+        loads += fmt::format("  D{0}: {{bus: B{0}, p_kw: 10, model: constant_power}}\n", i);
+        if (i > 0) {
+            lines += fmt::format("  L{0}: {{from: B{1}, to: B{0}, r_ohm: 0.05, l_mh: 0.3, l0_mh: 0.9}}\n", i,
+                                 i > 2 ? i - 2 : 0);
+        }
+    }
+    EXPECT_EQ(
+        allocations_of_steps(network_of(buses + lines + loads + "sources: {S: {bus: B0, r_ohm: 0.1, l_mh: 2}}\n", 2000),
+                             make_thread_team(2)),
         0U);
 }
 
