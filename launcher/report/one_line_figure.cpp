@@ -55,8 +55,9 @@ std::string note_of(diagram::Grid const& grid, SignalStore const& signals) {
             (now ? open : again).push_back(breaker.name);
         }
     }
-    std::string out =
-        grid.breakers.empty() ? "" : "Breakers at the end of the run: filled ones are closed, hollow ones open. ";
+    std::string out = grid.breakers.empty() ? ""
+                                            : "Breakers at the end of the run: filled ones are closed, hollow ones "
+                                              "open; a dashed branch is open at one end at least. ";
     out += open.empty() ? "" : fmt::format("Open: {}. ", join(open, ", "));
     out += again.empty() ? "" : fmt::format("Opened and closed again: {}. ", join(again, ", "));
     out += untold.empty() ? "" : fmt::format("Not recorded, drawn closed: {}. ", join(untold, ", "));

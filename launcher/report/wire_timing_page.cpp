@@ -136,21 +136,20 @@ ReportTable delays_table(WireTiming const& t, Published const& published) {
     for (RelayTiming const& r : t.relays) {
         delay_row(out, "transfer", r.relay, r.transfer, std::nullopt, published, true);
     }
-    if (out.rows.empty()) {
-        out.rows.push_back(
-            {"not applicable", "in lockstep delays are declared, not measured", "", "", "", "", "", "", "", "", ""});
-    }
     out.note = "Three delays, never mixed. publish_age: from the instant of the sample (start of the simulation clock "
                "plus simulated time) to the call that hands the frame to the kernel; it holds the wait "
                "for the DDS message to fill and the merging unit's buffer. wire_delay: from that call to the receiving "
                "kernel's stamp. transfer: from the instant of the sample to the relay's decision about it. "
                "All stamps are of one machine's clock; a delay below 0 shows that they are not, and is no delay: not "
                "measurable. Percentiles by nearest rank. The class is TT6 of IEC 61850-5 (3 "
-               "ms). The publication gives means only and no method.";
+               "ms).";
+    if (published.smv_delay_ms || published.goose_delay_ms) {
+        out.note += " The publication gives means only and no method.";
+    }
     return out;
 }
 
-ReportTable chain_table(RelayTiming const& r, Published const& published) {
+ReportTable chain_table(RelayTiming const& r, bool lockstep, Published const& published) {
     ReportTable out{fmt::format("From {} to open poles: {}", r.event, r.relay),
                     {"", "after " + r.event + ", ms", "since the step before, ms", "IEC 61850-5", "", "method"},
                     {}};
@@ -159,8 +158,9 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
     }
     for (ChainStep const& step : r.chain) {
         auto const within = [&](double limit) {
-            return step.communication ? against(step.since_before_ms.value_or(0), measurable(step), limit)
-                                      : std::string{};
+            return !step.communication ? std::string{}
+                   : lockstep          ? "declared, not measured"
+                                       : against(step.since_before_ms.value_or(0), measurable(step), limit);
         };
         out.rows.push_back({escape_markup(step.what), ms(step.after_ms),
                             step.since_before_ms ? ms(*step.since_before_ms) : "– (another clock)",
@@ -188,18 +188,23 @@ ReportTable chain_table(RelayTiming const& r, Published const& published) {
 
 } // namespace
 
-std::vector<ReportTable> wire_timing_tables(WireTiming const& t, Published const& published) {
+std::vector<ReportTable> chain_tables(WireTiming const& t, Published const& published) {
     std::vector<ReportTable> out;
     for (RelayTiming const& r : t.relays) {
         if (!r.chain.empty()) {
-            out.push_back(chain_table(r, published));
+            out.push_back(chain_table(r, t.lockstep, published));
         }
     }
+    return out;
+}
+
+std::vector<ReportTable> wire_timing_tables(WireTiming const& t, Published const& published) {
+    std::vector<ReportTable> out;
     if (!t.smv.empty()) {
         out.push_back(streams_table(t, published));
     }
-    if (!t.empty()) {
-        out.push_back(delays_table(t, published));
+    if (ReportTable delays = delays_table(t, published); !delays.rows.empty()) {
+        out.push_back(std::move(delays));
     }
     return out;
 }

@@ -11,7 +11,9 @@
 
 namespace gridspace::launcher {
 
-/// The tables of the wire timing report, with the method of each below it.
+/// From the fault to open poles, for each relay that tripped, with the method below it.
+[[nodiscard]] std::vector<ReportTable> chain_tables(WireTiming const& timing, Published const& published);
+/// Streams and delays; in lockstep, where delays are declared, streams alone.
 [[nodiscard]] std::vector<ReportTable> wire_timing_tables(WireTiming const& timing, Published const& published);
 
 /// `wire_timing` of report/summary.json.
