@@ -5,6 +5,7 @@
 #include "bus/unauthenticated.hpp"
 #include "common/command_line/command.hpp"
 #include "common/config/merge.hpp"
+#include "common/lateness_json.hpp"
 #include "common/log.hpp"
 #include "common/privileges/call_filter.hpp"
 #include "common/realtime.hpp"
@@ -256,15 +257,9 @@ void StatusReporter::progress(double time_s, double duration_s, std::uint64_t ov
 }
 
 void StatusReporter::lateness(Lateness::Summary const& ticks) {
-    send(Json{{"status", "lateness"},
-              {"period_us", ticks.period_us},
-              {"instants", ticks.instants},
-              {"p50_us", ticks.p50_us},
-              {"p99_us", ticks.p99_us},
-              {"p999_us", ticks.p999_us},
-              {"worst_us", ticks.worst_us},
-              {"later_than_a_period", ticks.later_than_a_period}}
-             .dump());
+    nlohmann::ordered_json line{{"status", "lateness"}};
+    line.update(to_json(ticks));
+    send(line.dump());
 }
 
 void StatusReporter::event(double time_s, std::string_view source, std::string_view kind, std::string_view text) {

@@ -19,7 +19,7 @@ for program in "$bin"/gridspace*; do
   name=$(basename "$program")
   help=$("${emulator[@]}" "$program" --help)
   summary=${help%%$'\n'*}
-  page "$name" "$([ "$name" = gridspace ] && echo 1 || echo 8)" "${summary#Gridspace: }" "${emulator[*]} $program"
+  page "$name" "$([ "$name" = gridspace ] && echo 1 || echo 8)" "${summary#Gridspace: }" "${emulator[*]:+${emulator[*]} }$program"
 done
 [ -x "$bin/gridspace" ] || exit 0 # a board needs agents only
 # The verbs, in groups below the options: "  run                         run a scenario: start, watch, record, judge, report".

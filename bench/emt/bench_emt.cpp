@@ -155,6 +155,16 @@ Network meshed(int copies) {
     return n;
 }
 
+/// At the first bus.
+void add_source(Network& n, double r_ohm, double l_mh) {
+    Source source;
+    source.name.name = "S";
+    source.bus = n.buses.front().name;
+    source.r_ohm = r_ohm;
+    source.l_mh = l_mh;
+    n.sources.push_back(source);
+}
+
 /// side x side buses, each with a line to the right and one down, a load of constant power, and every fourth a
 /// generator.
 Network lattice(int side) {
@@ -202,12 +212,7 @@ Network lattice(int side) {
             }
         }
     }
-    Source source;
-    source.name.name = "S";
-    source.bus = n.buses.front().name;
-    source.r_ohm = 0.05;
-    source.l_mh = 0.5;
-    n.sources.push_back(source);
+    add_source(n, 0.05, 0.5);
     return n;
 }
 
@@ -247,12 +252,7 @@ Network feeder(int buses, int parts = 1) {
             n.lines.push_back(line);
         }
     }
-    Source source;
-    source.name.name = "S";
-    source.bus = n.buses.front().name;
-    source.r_ohm = 0.1;
-    source.l_mh = 2;
-    n.sources.push_back(source);
+    add_source(n, 0.1, 2);
     return n;
 }
 

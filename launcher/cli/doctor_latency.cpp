@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/cli/doctor_latency.hpp"
 
+#include "common/lateness_json.hpp"
 #include "common/time.hpp"
 #include "launcher/doctor/wakeup_latency.hpp"
-#include "launcher/folder/lateness_json.hpp"
 #include "launcher/folder/machine_latency.hpp"
 #include "launcher/run/progress_bar.hpp"
 
@@ -52,9 +52,9 @@ nlohmann::ordered_json as_json(WayToWait const& way, WakeupLatency const& found,
         classes.push_back({{"from_us", one.from_us}, {"below_us", one.below_us}, {"count", one.count}});
     }
     nlohmann::ordered_json out{{"waiting", way.key}, {"name", way.name}, {"processor", found.processor}};
-    out.update(
-        launcher::to_json({period_us, found.late_us.size(), found.later_than(period_us), found.percentile_us(0.5),
-                           found.percentile_us(0.99), found.percentile_us(0.999), found.percentile_us(1)}));
+    out.update(to_json(Lateness::Summary{period_us, found.late_us.size(), found.later_than(period_us),
+                                         found.percentile_us(0.5), found.percentile_us(0.99),
+                                         found.percentile_us(0.999), found.percentile_us(1)}));
     out["histogram"] = std::move(classes);
     return out;
 }

@@ -3,7 +3,7 @@
 #include "launcher/folder/machine_latency.hpp"
 
 #include "common/json_value.hpp"
-#include "launcher/folder/lateness_json.hpp"
+#include "common/lateness_json.hpp"
 #include "launcher/folder/write_file.hpp"
 
 #include <cstdlib>

@@ -4,9 +4,9 @@
 
 #include "common/config/yaml.hpp"
 #include "common/json_value.hpp"
+#include "common/lateness_json.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
-#include "launcher/folder/lateness_json.hpp"
 #include "launcher/judge/recording_loss.hpp"
 #include "launcher/judge/wall_clock.hpp"
 #include "launcher/judge/wire_timing.hpp"

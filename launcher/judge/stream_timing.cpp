@@ -3,7 +3,7 @@
 #include "launcher/judge/stream_timing.hpp"
 
 #include "common/config/fields.hpp"
-#include "launcher/judge/series.hpp"
+#include "launcher/judge/signal_rows.hpp"
 #include "launcher/wire/steady_interval.hpp"
 
 #include <algorithm>

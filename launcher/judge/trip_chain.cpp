@@ -3,7 +3,7 @@
 #include "launcher/judge/trip_chain.hpp"
 
 #include "launcher/judge/causes.hpp"
-#include "launcher/judge/series.hpp"
+#include "launcher/judge/signal_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,22 +26,23 @@ std::optional<double> at_instant(SignalSeries const* series, double time_s) {
                : std::optional{series->values[static_cast<std::size_t>(it - series->times_ns.begin())]};
 }
 
+void add_step(RelayTiming& out, std::string what, double at_ms, bool communication, std::string method) {
+    bool const simulated = !method.starts_with("wall clock");
+    out.chain.push_back({std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, {}, simulated});
+}
+
 /// From the trip's arrival at the breaker IED to open poles. `state`: the stNum of the trip.
 void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::string const& clock,
                  std::optional<double> state, RelayTiming& out) {
-    auto const add = [&](std::string what, double at_ms, bool communication, std::string method) {
-        bool const simulated = !method.starts_with("wall clock");
-        out.chain.push_back(
-            {std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, {}, simulated});
-    };
     SignalSeries const *heard = series_of(signals, "stream." + chain.trip_stream + ".heard_st_num"),
                        *heard_at = series_of(signals, "stream." + chain.trip_stream + ".heard_after_ms");
     for (std::size_t i = 0; state && heard != nullptr && heard_at != nullptr &&
                             i < std::min(heard->values.size(), heard_at->values.size());
          ++i) {
         if (heard->values[i] == *state) {
-            add("trip GOOSE received", heard_at->values[i], !out.chain.empty(), // or nobody knows when it was sent
-                clock + ": the receiving kernel's stamp at the breaker IED");
+            add_step(out, "trip GOOSE received", heard_at->values[i],
+                     !out.chain.empty(), // or nobody knows when it was sent
+                     clock + ": the receiving kernel's stamp at the breaker IED");
             break;
         }
     }
@@ -56,17 +57,16 @@ void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::
             }
         }
         if (commanded && effect != nullptr && *commanded < effect->values.size()) {
-            add(fmt::format("command of {} in DDS", ied.process), at->values[*commanded], false,
-                clock + ": written to " + ied.topic);
-            add("command takes effect", effect->values[*commanded], false,
-                "simulated time stated in the command: its message plus the declared latency of the breaker IED");
+            add_step(out, fmt::format("command of {} in DDS", ied.process), at->values[*commanded], false,
+                     clock + ": written to " + ied.topic);
+            add_step(out, "command takes effect", effect->values[*commanded], false,
+                     "simulated time stated in the command: its message plus the declared latency of the breaker IED");
         }
         for (std::string const& breaker : ied.breakers) {
             std::optional<double> last;
             for (char const phase : {'a', 'b', 'c'}) {
                 SignalSeries const* pole = series_of(signals, fmt::format("breaker.{}.pole.{}", breaker, phase));
                 for (std::size_t i = 0; pole != nullptr && i < pole->values.size(); ++i) {
-                    constexpr double kOpenPosition = 1;
                     if (pole->values[i] == kOpenPosition &&
                         static_cast<double>(pole->times_ns[i]) / 1e9 >= out.event_s) {
                         last = std::max(last.value_or(0), static_cast<double>(pole->times_ns[i]) / 1e6);
@@ -75,8 +75,8 @@ void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::
                 }
             }
             if (last) {
-                add(breaker + ": last pole open", *last, false,
-                    "simulated time: each pole opens at its own current zero");
+                add_step(out, breaker + ": last pole open", *last, false,
+                         "simulated time: each pole opens at its own current zero");
                 out.chain.back().opens = true;
             }
         }
@@ -125,23 +125,19 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
     }
     out.event = cause->first;
     out.event_s = cause->second;
-    auto const add = [&](std::string what, double at_ms, bool communication, std::string method) {
-        bool const simulated = !method.starts_with("wall clock");
-        out.chain.push_back(
-            {std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, {}, simulated});
-    };
     double pickup_s = sample_s;
     for (std::size_t const i : rises(series_of(signals, prefix + "pickup"))) {
         pickup_s = i <= tripped && i < samples->values.size() ? samples->values[i] : pickup_s;
     }
-    add("sample that picks up", pickup_s * 1e3, false,
-        "simulated instant of the sample with which the element reached its pickup");
+    add_step(out, "sample that picks up", pickup_s * 1e3, false,
+             "simulated instant of the sample with which the element reached its pickup");
     std::string const clock = lockstep ? "simulated time" : "wall clock since the start of the run";
     auto const decided_ms =
         lockstep ? std::optional{static_cast<double>(samples->times_ns[tripped]) / 1e6}
                  : at_instant(decisions, sample_s).transform([&](double age) { return sample_s * 1e3 + age; });
     if (decided_ms) {
-        add("relay decides to trip", *decided_ms, false, clock + ": the decision about the sample that trips");
+        add_step(out, "relay decides to trip", *decided_ms, false,
+                 clock + ": the decision about the sample that trips");
     }
     SignalSeries const *states = series_of(signals, "stream." + chain.trip_stream + ".st_num"),
                        *sent = series_of(signals, "stream." + chain.trip_stream + ".sent_after_ms");
@@ -154,8 +150,8 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
          ++i) {
         if (states->values[i] != states->values[i - 1] && sent->values[i] >= earliest_ms) {
             state = states->values[i];
-            add("trip GOOSE sent", sent->values[i], false,
-                clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");
+            add_step(out, "trip GOOSE sent", sent->values[i], false,
+                     clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");
         }
     }
     add_effects(signals, chain, clock, state, out);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/judge/wire_timing.hpp"
 
-#include "launcher/judge/series.hpp"
+#include "launcher/judge/signal_rows.hpp"
 
 namespace gridspace::launcher {
 
@@ -26,14 +26,17 @@ WireTiming measure_wire_timing(Results const& r, Node const& scenario) {
         out.relays.push_back(foreign_timing(r, scenario, chain));
     }
     for (std::string const& name : uncounted_streams(r, scenario)) {
-        auto goose = is_goose(scenario, name) ? captured_goose(r, scenario, name) : std::nullopt;
-        auto smv = is_goose(scenario, name) ? std::nullopt : captured_smv(r, scenario, name);
-        if (goose) {
-            out.goose.push_back(std::move(*goose));
-        } else if (smv) {
-            out.smv.push_back(std::move(*smv));
+        auto const take = [&](auto captured, auto& timings) {
+            if (captured) {
+                timings.push_back(std::move(*captured));
+            } else {
+                out.not_seen.push_back(name);
+            }
+        };
+        if (is_goose(scenario, name)) {
+            take(captured_goose(r, scenario, name), out.goose);
         } else {
-            out.not_seen.push_back(name);
+            take(captured_smv(r, scenario, name), out.smv);
         }
     }
     return out;

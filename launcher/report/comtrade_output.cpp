@@ -6,6 +6,7 @@
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
+#include "launcher/judge/signal_rows.hpp"
 #include "sim/app/sim_config.hpp"
 
 #include <algorithm>
@@ -195,11 +196,10 @@ class RecordMaker {
         record.analog.push_back(sampled(series));
     }
     void add_digital(std::string const& name, SignalSeries const& series) {
-        constexpr double kClosed = 2; // of a double point
         bool const pole = name.starts_with("breaker.");
         std::vector<bool> values;
         for (double const v : sampled(series)) {
-            values.push_back(pole ? v == kClosed : std::isfinite(v) && v != 0);
+            values.push_back(pole ? v == kClosedPosition : std::isfinite(v) && v != 0);
         }
         record.header.digital.push_back(channel_of(name, "", true));
         record.digital.push_back(std::move(values));

@@ -3,26 +3,21 @@
 #include "launcher/report/event_tables.hpp"
 
 #include "common/text.hpp"
+#include "launcher/judge/signal_rows.hpp"
+#include "launcher/report/relay_settings_table.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <iterator>
 #include <set>
-#include <string_view>
 
 namespace gridspace::launcher {
 namespace {
 
 using config::Node;
 
-/// A key as words: "position_percent" is "position percent".
-std::string words_of_key(std::string key) {
-    std::ranges::replace(key, '_', ' ');
-    return key;
-}
-
-/// "fault: apply fault (line TL2, position percent 50, type 3ph_g)": an event of the timeline by its name and by what
-/// it did. What says when it was is left out.
+/// "fault: apply_fault (line: TL2, position_percent: 50 %, type: 3ph_g)": an event of the timeline by its name and by
+/// what it did. What says when it was is left out.
 std::string what_it_did(Node const& scenario, std::string const& name) {
     Node const* const events = scenario.find("events");
     Node const* const event = events == nullptr ? nullptr : events->find(name);
@@ -33,30 +28,27 @@ std::string what_it_did(Node const& scenario, std::string const& name) {
             continue;
         }
         std::vector<std::string> settings;
-        for (Node::Entry const& one : action.value.entries) {
-            settings.push_back(fmt::format("{} {}", words_of_key(one.key), one.value.text));
-        }
-        out.push_back(action.value.is_map() ? fmt::format("{} ({})", words_of_key(action.key), join(settings, ", "))
-                                            : fmt::format("{} {}", words_of_key(action.key), action.value.text));
+        std::ranges::transform(action.value.entries, std::back_inserter(settings),
+                               [](Node::Entry const& one) { return setting_text(one.key, one.value); });
+        out.push_back(action.value.is_map() ? fmt::format("{} ({})", action.key, join(settings, ", "))
+                                            : setting_text(action.key, action.value));
     }
     return out.empty() ? name : fmt::format("{}: {}", name, join(out, ", "));
 }
 
-/// With rows for what breakers did: "opened" when the last pole has parted. Positions are those of IEC 61850-7-3 (DPC).
+/// With rows for what breakers and fuses did: "opened" when the last pole has parted.
 std::vector<LoggedEvent> with_breakers(Results const& r) {
-    constexpr double kOpen = 1, kClosed = 2;
-    constexpr std::string_view kBegin = "breaker.", kEnd = ".position";
     std::vector<LoggedEvent> out = r.events;
     for (auto const& [name, series] : r.signals) {
-        if (!name.starts_with(kBegin) || !name.ends_with(kEnd)) {
-            continue;
-        }
-        std::string const breaker = name.substr(kBegin.size(), name.size() - kBegin.size() - kEnd.size());
-        for (std::size_t i = 1; i < series.values.size(); ++i) {
+        bool const position = matches_glob("breaker.*.position", name) || matches_glob("fuse.*.position", name);
+        std::size_t const begin = name.find('.') + 1;
+        for (std::size_t i = 1; position && i < series.values.size(); ++i) {
             double const now = series.values[i];
-            if (now != series.values[i - 1] && (now == kOpen || now == kClosed)) {
-                out.push_back({static_cast<double>(series.times_ns[i]) / 1e9, breaker,
-                               now == kOpen ? "opened" : "closed", now == kOpen ? "the last pole has parted" : ""});
+            if (now != series.values[i - 1] && (now == kOpenPosition || now == kClosedPosition)) {
+                bool const open = now == kOpenPosition;
+                out.push_back({static_cast<double>(series.times_ns[i]) / 1e9,
+                               name.substr(begin, name.rfind('.') - begin), open ? "opened" : "closed",
+                               open ? "the last pole has parted" : ""});
             }
         }
     }

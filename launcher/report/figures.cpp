@@ -283,6 +283,21 @@ Figure empty_figure(FigureSettings const& settings, Drawn const& run) {
     return f;
 }
 
+Figure empty_plane(FigureSettings const& settings, Drawn const& run, std::string const& relay,
+                   std::string const& x_label, std::string const& y_label) {
+    Figure f = empty_figure(settings, run);
+    if (!relay.empty()) {
+        f.id += "_" + relay;
+        f.title += ": " + relay;
+    }
+    f.x_label = settings.x_label.empty() ? x_label : settings.x_label;
+    f.y_label = settings.label.empty() ? y_label : settings.label;
+    f.axis = f.id;
+    f.marks.clear();
+    f.shades.clear();
+    return f;
+}
+
 std::vector<Figure> make_figures(ReportSettings const& settings, Drawn const& run) {
     std::vector<Figure> out;
     for (FigureSettings const& figure : settings.figures) {

@@ -25,6 +25,11 @@ struct Drawn {
 /// time say so afterwards.
 [[nodiscard]] Figure empty_figure(FigureSettings const& settings, Drawn const& run);
 
+/// The same of a figure whose axes are neither of them time, of one relay (or of all: no name), with these labels where
+/// the settings have none.
+[[nodiscard]] Figure empty_plane(FigureSettings const& settings, Drawn const& run, std::string const& relay,
+                                 std::string const& x_label, std::string const& y_label);
+
 /// `report:` as the scenario says it; the usual figures where it lists none, or asks for them too.
 [[nodiscard]] ReportSettings report_settings(config::Node const& scenario);
 

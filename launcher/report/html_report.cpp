@@ -221,21 +221,21 @@ Result<fs::path> write_html_report(Results const& r) {
     if (!figures) {
         return std::unexpected{figures.error()};
     }
-    std::string const events = r.events.empty() ? "" : html_table(event_table(r, scenario));
-    bool const few_events = r.events.size() <= kFewEvents;
-    if (ReportTable const main = few_events ? ReportTable{} : main_events(r, scenario);
-        !main.rows.empty() && main.rows.size() <= 2 * kFewEvents) {
-        body += html_table(main);
+    auto const add_tables = [&](std::vector<ReportTable> const& tables) {
+        std::ranges::for_each(tables, [&](ReportTable const& t) { body += t.rows.empty() ? "" : html_table(t); });
+    };
+    ReportTable events = event_table(r, scenario);
+    bool const few_events = events.rows.size() <= kFewEvents;
+    if (few_events) {
+        add_tables({events});
+    } else if (ReportTable const main = main_events(r, scenario); main.rows.size() <= 2 * kFewEvents) {
+        add_tables({main});
     }
-    body += few_events ? events : "";
     auto const diagram = one_line_figure(r);
     if (!diagram) {
         return std::unexpected{diagram.error()};
     }
     body += *diagram;
-    auto const add_tables = [&](std::vector<ReportTable> const& tables) {
-        std::ranges::for_each(tables, [&](ReportTable const& t) { body += t.rows.empty() ? "" : html_table(t); });
-    };
     add_tables(chain_tables(timing, published_of(scenario)));
     auto const rest = figures->begin() + static_cast<std::ptrdiff_t>(std::min(kStoryFigures, figures->size()));
     std::for_each(figures->begin(), rest, [&](std::string const& drawing) { body += drawing; });
@@ -250,9 +250,8 @@ Result<fs::path> write_html_report(Results const& r) {
     body += notes(scenario) + files_table(r);
     add_tables({stranger_table(r)});
     if (!few_events) {
-        ReportTable all = event_table(r, scenario);
-        all.title = "All that happened";
-        body += html_table(all);
+        events.title = "All that happened";
+        add_tables({events});
     }
     body += html_table(process_table(r)) + html_table(topic_table(r));
     std::string const page =

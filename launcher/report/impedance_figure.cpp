@@ -4,6 +4,7 @@
 
 #include "agents/relay/functions/distance.hpp"
 #include "common/text.hpp"
+#include "launcher/judge/signal_rows.hpp"
 #include "launcher/report/bay_functions.hpp"
 #include "launcher/report/series.hpp"
 
@@ -92,7 +93,7 @@ std::optional<double> first_parts(SignalStore const& signals, std::vector<std::s
         auto const it = signals.find("breaker." + breaker + ".position");
         for (std::size_t i = 0; it != signals.end() && i < it->second.values.size(); ++i) {
             double const t = static_cast<double>(it->second.times_ns[i]) / 1e9;
-            if (t >= from_s && it->second.values[i] != 2) {
+            if (t >= from_s && it->second.values[i] != kClosedPosition) {
                 out = std::min(out.value_or(t), t);
                 break;
             }
@@ -210,14 +211,7 @@ class Plane {
 
 void impedance_planes(FigureSettings const& settings, Drawn const& run, std::vector<Figure>& out) {
     for (BayFunctions const& relay : bay_functions(run.scenario, settings.streams.name)) {
-        Figure f = empty_figure(settings, run);
-        f.id += "_" + relay.relay;
-        f.title += ": " + relay.relay;
-        f.x_label = settings.x_label.empty() ? "resistance, ohm (primary)" : settings.x_label;
-        f.y_label = settings.label.empty() ? "reactance, ohm (primary)" : settings.label;
-        f.axis = f.id;
-        f.marks.clear();
-        f.shades.clear();
+        Figure f = empty_plane(settings, run, relay.relay, "resistance, ohm (primary)", "reactance, ohm (primary)");
         f.plot_height = kPlaneHeight;
         Plane plane{f, relay, run.results.signals};
         if (!plane.draw()) {

@@ -5,6 +5,7 @@
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "launcher/folder/write_file.hpp"
+#include "launcher/judge/signal_rows.hpp"
 #include "monitor/diagram/picture.hpp"
 
 #include <algorithm>
@@ -49,8 +50,8 @@ std::string note_of(diagram::Grid const& grid, SignalStore const& signals) {
             untold.push_back(breaker.name);
             continue;
         }
-        bool const now = last_of(signals, it->first).value_or(2) == 1;
-        bool const ever = std::ranges::find(it->second.values, 1.0) != it->second.values.end();
+        bool const now = last_of(signals, it->first).value_or(kClosedPosition) == kOpenPosition;
+        bool const ever = std::ranges::find(it->second.values, kOpenPosition) != it->second.values.end();
         if (now || ever) {
             (now ? open : again).push_back(breaker.name);
         }

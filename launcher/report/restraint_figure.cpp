@@ -79,15 +79,9 @@ void restraint_planes(FigureSettings const& settings, Drawn const& run, std::vec
         if (!matches_glob(settings.streams.name, process.key) || !signals.contains(prefix + "restraint_a.a")) {
             continue;
         }
-        Figure f = empty_figure(settings, run);
+        Figure f = empty_plane(settings, run, process.key, "restraint current (mean of both ends), A",
+                               "differential current, A");
         double const from_s = f.from_s, to_s = f.to_s, zero_s = f.zero_s;
-        f.id += "_" + process.key;
-        f.title += ": " + process.key;
-        f.x_label = settings.x_label.empty() ? "restraint current (mean of both ends), A" : settings.x_label;
-        f.y_label = settings.label.empty() ? "differential current, A" : settings.label;
-        f.axis = f.id;
-        f.marks.clear();
-        f.shades.clear();
         auto const pickup = decided_at(signals, prefix, "pickup", from_s, to_s);
         auto const trip = decided_at(signals, prefix, "trip", from_s, to_s);
         std::vector<std::pair<std::string, double>> named{{"", from_s}};

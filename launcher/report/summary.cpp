@@ -3,9 +3,9 @@
 #include "launcher/report/summary.hpp"
 
 #include "common/config/yaml.hpp"
+#include "common/lateness_json.hpp"
 #include "common/text.hpp"
 #include "common/time.hpp"
-#include "launcher/folder/lateness_json.hpp"
 #include "launcher/folder/write_file.hpp"
 #include "launcher/report/wire_timing_page.hpp"
 

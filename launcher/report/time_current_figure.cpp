@@ -126,7 +126,7 @@ Figure::Series point(Curved const& one, int colour, double end_s, std::string& s
 
 void time_current_curves(FigureSettings const& settings, Drawn const& run, std::vector<Figure>& out) {
     std::vector<BayFunctions> const relays = bay_functions(run.scenario, settings.streams.name);
-    Figure f = empty_figure(settings, run);
+    Figure f = empty_plane(settings, run, "", "current, A (primary)", "time, s");
     double const from_s = f.from_s, to_s = f.to_s;
     std::vector<Curved> all;
     double least_a = INFINITY, most_a = 0;
@@ -168,11 +168,6 @@ void time_current_curves(FigureSettings const& settings, Drawn const& run, std::
         f.series.push_back(curve(all[k], static_cast<int>(k), most_a, latest_s));
     }
     std::ranges::move(points, std::back_inserter(f.series));
-    f.x_label = settings.x_label.empty() ? "current, A (primary)" : settings.x_label;
-    f.y_label = settings.label.empty() ? "time, s" : settings.label;
-    f.axis = f.id;
-    f.marks.clear();
-    f.shades.clear();
     f.log_x = f.log_y = true;
     f.from_s = std::log10(0.7 * least_a);
     f.to_s = std::log10(most_a);

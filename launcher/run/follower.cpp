@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/follower.hpp"
 
+#include "common/lateness_json.hpp"
 #include "common/text.hpp"
 #include "common/unique_fd.hpp"
-#include "launcher/folder/lateness_json.hpp"
 
 #include <chrono>
 #include <csignal>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/run_folder.hpp"
 
-#include "launcher/folder/lateness_json.hpp"
+#include "common/lateness_json.hpp"
 #include "launcher/folder/machine_latency.hpp"
 #include "launcher/folder/sha256.hpp"
 #include "launcher/folder/write_file.hpp"
@@ -173,8 +173,10 @@ Result<void> write_inputs(Scenario const& scenario, RunPlan const& plan, bool ro
         {"scheduling", plan.scheduling},
         {"host", host_of(root)},
     };
-    if (auto const machine = kept_machine_latency(); machine && scenario.clock.mode == bus::ClockMode::realtime) {
-        manifest["machine_latency"] = *machine;
+    if (scenario.clock.mode == bus::ClockMode::realtime) {
+        if (auto const machine = kept_machine_latency()) {
+            manifest["machine_latency"] = *machine;
+        }
     }
     return replace_file(plan.folder / "manifest.json", manifest.dump(2) + "\n");
 }

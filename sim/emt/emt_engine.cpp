@@ -107,21 +107,12 @@ Result<void> EmtEngine::advance(SimTime until) {
     return {};
 }
 
-template <class Job>
-void EmtEngine::each_part(Job const& job) {
-    if (solver_.parts() == 1) {
-        job(std::size_t{0});
-    } else {
-        options_.team->run([&](int part) { job(static_cast<std::size_t>(part)); });
-    }
-}
-
 Result<void> EmtEngine::step(double t_end, double h) {
-    each_part([&](std::size_t part) { inject(solver_.injections(part), h); });
+    solver_.each_part([&](std::size_t part) { inject(solver_.injections(part), h); });
     if (auto ok = solver_.advance(t_end, h); !ok) {
         return ok;
     }
-    each_part([&](std::size_t part) {
+    solver_.each_part([&](std::size_t part) {
         step_injections(solver_.injections(part), t_end, h);
         step_plls(part, solver_.parts(), h);
     });

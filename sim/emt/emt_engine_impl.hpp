@@ -101,9 +101,6 @@ class EmtEngine final : public Engine {
     void step_injections(Injections injections, double t_end, double h);
     /// Those of part `part` of `parts`.
     void step_plls(std::size_t part, std::size_t parts, double h);
-    /// Does this for each part of the solver, at the same time where there are several.
-    template <class Job>
-    void each_part(Job const& job);
     /// Voltages by bus and phase, p.u. of nominal; reactive powers of elements at one bus, kvar.
     using BusPhases = std::array<std::complex<double>, 3>;
     [[nodiscard]] std::vector<BusPhases> start_injections(std::vector<BusPhases> const& bus_v,

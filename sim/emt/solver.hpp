@@ -94,6 +94,16 @@ class Solver {
         return system_ == nullptr ? all_injections_ : system_->shares.parts[part].injections.index;
     }
 
+    /// Does this for each part, at the same time where there are several.
+    template <class Job>
+    void each_part(Job const& job) {
+        if (parts() == 1) {
+            job(std::size_t{0});
+        } else {
+            team_->run([&](int part) { job(static_cast<std::size_t>(part)); });
+        }
+    }
+
   private:
     std::vector<std::complex<double>> start_v_; ///< by slot
     std::vector<NortonStart> started_;
@@ -128,9 +138,6 @@ class Solver {
     void currents(Share const& share, StepCoefficients const& c);
     void waves(Share const& share, Rule rule, StepCoefficients const& c);
     void cores(Share const& share, Rule rule, StepCoefficients const& c);
-    /// Does this for each share, at the same time where there is a team.
-    template <class Job>
-    void each_share(Job const& job);
     template <class Job>
     void with_solution(Job const& job);
     // Between those:

@@ -32,7 +32,7 @@ TEST(EventTables, AnEventOfTheTimelineSaysWhatItDidAndABreakerWhenItsLastPolePar
     EXPECT_EQ(sut.header[1], "since fault, ms");
     std::vector<std::vector<std::string>> const wanted{
         {"0.1000&nbsp;s", "+0.00", "scenario", "event",
-         "fault: apply fault (line BC, position percent 50, type 1ph_g), clear after ms 80"},
+         "fault: apply_fault (line: BC, position_percent: 50 %, type: 1ph_g), clear_after_ms: 80 ms"},
         {"0.1100&nbsp;s", "+10.00", "relay&lt;1&gt;", "start", "PDIS2"},
         {"0.1200&nbsp;s", "+20.00", "relay&lt;1&gt;", "trip", "sample 9"},
         {"0.1500&nbsp;s", "+50.00", "QB", "opened", "the last pole has parted"},

@@ -7,7 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-namespace gridspace::launcher {
+namespace gridspace {
 
 /// How late a process or a machine was, as JSON: period_us, instants, p50_us, p99_us, p999_us, worst_us,
 /// later_than_a_period.
@@ -15,4 +15,4 @@ namespace gridspace::launcher {
 /// Nothing where the text tells of no instants.
 [[nodiscard]] std::optional<Lateness::Summary> lateness_of(nlohmann::ordered_json const& json);
 
-} // namespace gridspace::launcher
+} // namespace gridspace

@@ -10,6 +10,9 @@
 
 namespace gridspace::launcher {
 
+/// What `breaker.*.position`, `.pole.*` and `fuse.*.position` hold (IEC 61850-7-3, double point): open, closed.
+inline constexpr double kOpenPosition = 1, kClosedPosition = 2;
+
 /// A recorded signal; nullptr where there is none, or one without values.
 [[nodiscard]] SignalSeries const* series_of(SignalStore const& signals, std::string const& name);
 /// Its values; none where there is no such signal.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/judge/series.hpp"
+#include "launcher/judge/signal_rows.hpp"
 
 namespace gridspace::launcher {
 

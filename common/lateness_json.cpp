@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "launcher/folder/lateness_json.hpp"
+#include "common/lateness_json.hpp"
 
 #include "common/json_value.hpp"
 
 #include <nlohmann/json.hpp>
 
-namespace gridspace::launcher {
+namespace gridspace {
 
 nlohmann::ordered_json to_json(Lateness::Summary const& summary) {
     return {{"period_us", summary.period_us},
@@ -29,4 +29,4 @@ std::optional<Lateness::Summary> lateness_of(nlohmann::ordered_json const& json)
     return out.instants == 0 ? std::nullopt : std::optional{out};
 }
 
-} // namespace gridspace::launcher
+} // namespace gridspace
