@@ -38,8 +38,8 @@ std::string square(char name) {
     return buses + "|" + lines + "|" + loads;
 }
 
-/// Two squares with a wave between them. `balanced`: with machines, converters, a core that saturates, breakers;
-/// otherwise with loads by phase.
+/// Two squares with waves between them, one of a frequency-dependent line. `balanced`: with machines, converters, a
+/// core that saturates, breakers; otherwise with loads by phase.
 Network two_squares(bool balanced) {
     std::array<std::string, 3> parts;
     for (char const name : {'A', 'B'}) {
@@ -52,7 +52,12 @@ Network two_squares(bool balanced) {
     std::string text = "buses:\n" + parts[0];
     std::string const lines =
         parts[1] +
-        "  W: {from: A63, to: B0, r_ohm: 1, l_mh: 25, c_nf: 280, r0_ohm: 3, l0_mh: 60, c0_nf: 150, model: bergeron}\n";
+        "  W: {from: A63, to: B0, r_ohm: 1, l_mh: 25, c_nf: 280, r0_ohm: 3, l0_mh: 60, c0_nf: 150, model: bergeron}\n"
+        "  F: {from: A56, to: B7, type: overhead, length_km: 30, model: frequency_dependent, fault_places_percent: "
+        "[50]}\n"
+        "line_types: {overhead: {conductors: [{phase: a, x_m: -1, height_m: 10, radius_m: 0.006, dc_ohm_per_km: 0.3}, "
+        "{phase: b, x_m: 0, height_m: 11, radius_m: 0.006, dc_ohm_per_km: 0.3}, "
+        "{phase: c, x_m: 1, height_m: 10, radius_m: 0.006, dc_ohm_per_km: 0.3}]}}\n";
     if (!balanced) {
         return network_of(
             text + "sources: {S: {bus: A0, r_ohm: 0.05, l_mh: 0.5}}\nlines:\n" + lines + "loads:\n" + parts[2] +
@@ -119,7 +124,8 @@ std::vector<Change> switching() {
             {750, SwitchBreaker{"K", true}},
             {800, SetParameter{"loads.DA9.p_kw", 400}},
             {850, Disconnect{"LB1_2"}},
-            {900, ApplyFault{"W", "", 50, FaultType::phase_ground, 1, "w"}}};
+            {900, ApplyFault{"W", "", 50, FaultType::phase_ground, 1, "w"}},
+            {950, ApplyFault{"F", "", 50, FaultType::phase_ground, 1, "fd"}}};
 }
 
 TEST(EmtThreads, GiveTheSameBitsWithFaultsSwitchingMachinesAndCores) {
