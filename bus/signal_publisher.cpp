@@ -17,6 +17,18 @@ struct SignalPublisher::Writers {
     std::unique_ptr<Writer<SignalFrame>> frames;
 };
 
+namespace {
+
+std::vector<SignalColumn> columns_in(std::vector<program::Signal> signals) {
+    std::vector<SignalColumn> out;
+    for (program::Signal& signal : signals) {
+        out.push_back({std::move(signal.name), std::move(signal.unit)});
+    }
+    return out;
+}
+
+} // namespace
+
 Result<std::unique_ptr<SignalPublisher>>
 SignalPublisher::create(Node& node, std::string group, std::vector<program::Signal> const& declared,
                         std::map<std::string, std::vector<std::string>, std::less<>> const& values) {
@@ -27,12 +39,12 @@ SignalPublisher::create(Node& node, std::string group, std::vector<program::Sign
         auto const found = values.find(key);
         return found == values.end() ? std::vector<std::string>{} : found->second;
     };
-    std::vector<SignalColumn> columns;
-    for (program::Signal& signal : program::expand(declared, value)) {
-        columns.push_back({std::move(signal.name), std::move(signal.unit)});
-    }
     double const rate_hz = declared.empty() ? 0 : declared.front().rate_hz;
-    return create(node, std::move(group), rate_hz, std::move(columns));
+    return create(node, std::move(group), rate_hz, columns_in(program::expand(declared, value)));
+}
+
+std::vector<SignalColumn> SignalPublisher::columns_of(Node const& node, std::vector<program::Signal> const& declared) {
+    return columns_in(program::expand(declared, [&](std::string_view) { return std::vector{node.config().process}; }));
 }
 
 Result<std::unique_ptr<SignalPublisher>> SignalPublisher::create(Node& node, std::string group, double rate_hz,

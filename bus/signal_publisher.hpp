@@ -28,6 +28,9 @@ class SignalPublisher {
     /// `rate_hz` 0: rows come when something changes, and each is sent at once.
     [[nodiscard]] static Result<std::unique_ptr<SignalPublisher>> create(Node& node, std::string group, double rate_hz,
                                                                          std::vector<SignalColumn> columns);
+    /// Signals that a program declares, as columns; "{process}" is the node's.
+    [[nodiscard]] static std::vector<SignalColumn> columns_of(Node const& node,
+                                                              std::vector<program::Signal> const& declared);
     /// The columns are those that a program declares; `values` are of the settings in their names.
     [[nodiscard]] static Result<std::unique_ptr<SignalPublisher>>
     create(Node& node, std::string group, std::vector<program::Signal> const& declared,

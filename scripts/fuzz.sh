@@ -25,7 +25,7 @@ mkdir -p "$findings"
 used_s() { ps -o cputimes= -p "$1" 2>/dev/null | tr -d ' '; }
 
 run_target() {
-  local name=$1 corpus=$root/tests/fuzz/corpus/$1 fresh fuzzing used=0
+  local name=$1 corpus=$root/tests/fuzz/corpus/$1 fresh fuzzing used=0 said=0
   [ -d "$corpus" ] || { echo "$name FAILED: there is no corpus in tests/fuzz/corpus/$name"; return 1; }
   fresh=$(mktemp -d)
   ASAN_OPTIONS=detect_leaks=1 "$fuzzer" "$name" -max_total_time=$((5 * seconds)) -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
@@ -34,11 +34,12 @@ run_target() {
   while [ "${used:-$seconds}" -lt "$seconds" ]; do
     sleep 1
     used=$(used_s "$fuzzing")
+    said=${used:-$said}
   done
   kill -USR1 "$fuzzing" 2>/dev/null # libFuzzer ends and says what it did
   if wait "$fuzzing"; then
     printf '%-24s ok, %s inputs in %s s of a processor, %s edges\n' "$name" "$(sed -n 's/stat::number_of_executed_units: *//p' "$findings/$name.log")" \
-      "${used:-?}" "$(grep -o 'cov: [0-9]*' "$findings/$name.log" | tail -n 1 | cut -c6-)"
+      "$said" "$(grep -o 'cov: [0-9]*' "$findings/$name.log" | tail -n 1 | cut -c6-)"
   else
     printf '%-24s FAILED, see %s\n' "$name" "$findings/$name.log"
     tail -n 30 "$findings/$name.log"

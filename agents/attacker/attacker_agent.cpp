@@ -5,6 +5,7 @@
 // publisher, and publishes what was true.
 #include "agents/attacker/attack_hook.hpp"
 #include "agents/attacker/attacker_config.hpp"
+#include "agents/attacker/attacker_declaration.hpp"
 #include "agents/attacker/frame_forger.hpp"
 #include "agents/attacker/goose_forger.hpp"
 #include "bus/daemon.hpp"
@@ -219,7 +220,7 @@ class AttackerAgent final : public bus::Member {
     Result<void> open_outputs() {
         std::vector<bus::SignalColumn> columns;
         for (auto const& attack : attacks_) {
-            columns.push_back({"attack." + attack->config->name.name + ".forged", ""});
+            columns.push_back({forged_signal(*attack->config).name, ""});
         }
         auto signals = bus::SignalPublisher::create(node_, "attacks", 1, std::move(columns));
         if (!signals) {
@@ -386,8 +387,9 @@ class AttackerAgent final : public bus::Member {
 int main(int argc, char** argv) {
     using namespace gridspace;
     attacker::Settings settings;
-    Daemon const daemon{"gridspace-attacker",
-                        "attacks on streams and topics, each labelled",
+    program::Declaration const declaration = attacker::attacker_declaration();
+    Daemon const daemon{declaration.name,
+                        declaration.description,
                         [&](config::Fields& f) { describe(f, settings); },
                         {},
                         [&](DaemonRun& run) {
@@ -395,6 +397,8 @@ int main(int argc, char** argv) {
                                 attacker::AttackerAgent agent{settings, run, node};
                                 return bus::run_member(node, agent);
                             });
-                        }};
+                        },
+                        true,
+                        attacker::attacker_declaration};
     return run_daemon(daemon, argc, argv);
 }

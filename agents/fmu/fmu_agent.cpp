@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // gridspace-fmu: a model of somebody else (FMI 2.0 or 3.0, co-simulation) as an agent.
+#include "agents/fmu/fmu_declaration.hpp"
 #include "agents/fmu/fmu_topics.hpp"
 #include "agents/fmu/model_run.hpp"
 #include "agents/fmu/unpacked_fmu.hpp"
@@ -143,8 +144,9 @@ class FmuAgent final : public bus::Member {
 int main(int argc, char** argv) {
     using namespace gridspace;
     agents::FmuConfig config;
-    Daemon const daemon{.program = "gridspace-fmu",
-                        .description = "a model of another tool (FMU) as an agent",
+    program::Declaration const declaration = agents::fmu_declaration();
+    Daemon const daemon{.program = declaration.name,
+                        .description = declaration.description,
                         .describe_settings = [&](config::Fields& f) { describe(f, config); },
                         .check = {},
                         .run =
@@ -154,6 +156,7 @@ int main(int argc, char** argv) {
                                     return bus::run_member(node, agent);
                                 });
                             },
+                        .declaration = agents::fmu_declaration,
                         .is_ours = false}; // an FMU may start programs and open sockets
     return run_daemon(daemon, argc, argv);
 }

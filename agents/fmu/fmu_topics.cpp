@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/fmu/fmu_topics.hpp"
 
+#include "agents/fmu/fmu_declaration.hpp"
 #include "agents/fmu/fmu_values.hpp"
 #include "bus/key_hash.hpp"
 #include "common/log.hpp"
@@ -74,16 +75,12 @@ Result<void> FmuTopics::open_outputs(FmuTable& table) {
 
 Result<void> FmuTopics::open_signals(FmuConfig const& config, FmuTable const& table,
                                      fmi::ModelDescription const& description) {
-    std::vector<bus::SignalColumn> columns;
-    for (std::size_t const at : table.watched) {
-        columns.push_back({signal_name(node_.config().process, description.variables[at].name),
-                           description.variables[at].unit.substr(0, 16)});
-    }
     watched_ = table.watched;
-    if (columns.empty()) {
+    if (watched_.empty()) {
         return {};
     }
-    auto signals = bus::SignalPublisher::create(node_, "agent", 1 / config.period_s.to_double(), std::move(columns));
+    std::vector<program::Signal> const declared = declaration(config, description, table).signals;
+    auto signals = bus::SignalPublisher::create(node_, "agent", declared, {});
     if (!signals) {
         return std::unexpected{signals.error()};
     }

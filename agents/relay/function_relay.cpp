@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/functions/function_config.hpp"
+#include "agents/relay/relay_declaration.hpp"
 #include "agents/relay/relay_member.hpp"
 
 #include <algorithm>
@@ -24,19 +25,18 @@ class FunctionRelay final : public RelayMember {
     };
 
     Result<void> prepare_relay() override {
-        std::string const prefix = "relay." + node_.config().process + ".";
-        std::vector<bus::SignalColumn> columns;
+        std::vector<std::string> names;
         for (NamedFunction const& f : bay().functions().functions()) {
-            columns.push_back({prefix + f.name + ".str", ""});
-            columns.push_back({prefix + f.name + ".op", ""});
+            names.push_back(f.name);
         }
-        row_.resize(columns.size());
-        auto states = bus::SignalPublisher::create(node_, "functions", 0, std::move(columns));
+        std::vector<program::Signal> const declared = function_signals(names);
+        row_.resize(declared.size());
+        auto states = bus::SignalPublisher::create(node_, "functions", declared, {});
         if (!states) {
             return std::unexpected{states.error()};
         }
         states_ = std::move(*states);
-        if (auto ok = open_values(prefix); !ok) {
+        if (auto ok = open_values(); !ok) {
             return ok;
         }
         for (auto const& [member, what] : settings_.relay.bay.outputs) {
@@ -57,14 +57,8 @@ class FunctionRelay final : public RelayMember {
     }
 
     /// Of functions that are asked for them. The times of these rows are those of the samples.
-    Result<void> open_values(std::string const& prefix) {
-        std::vector<bus::SignalColumn> columns;
-        for (NamedFunction const& f : bay().functions().functions()) {
-            for (MeasuredQuantity const& q :
-                 f.publishes ? f.function->quantities() : std::span<MeasuredQuantity const>{}) {
-                columns.push_back({fmt::format("{}{}.{}", prefix, f.name, q.name), std::string{q.unit}});
-            }
-        }
+    Result<void> open_values() {
+        auto columns = bus::SignalPublisher::columns_of(node_, measured_signals(bay().functions()));
         values_row_.resize(columns.size());
         if (columns.empty()) {
             return {};

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/intrusion_output.hpp"
 
+#include "agents/relay/relay_declaration.hpp"
 #include "common/log.hpp"
 
 #include <cstdlib>
@@ -25,25 +26,12 @@ Result<std::unique_ptr<IntrusionOutput>> IntrusionOutput::create(bus::Node& node
             out->verdicts_.emplace_back(*out->writer_, process, stream->name, rate_hz);
         }
     }
-    std::string const prefix = "ids." + process + ".";
-    auto state = bus::SignalPublisher::create(node, "ids", 0,
-                                              {{prefix + "alarm", ""},
-                                               {prefix + "alarm_reasons", ""},
-                                               {prefix + "granted", ""},
-                                               {prefix + config.from_stream.name + ".locked_out", ""},
-                                               {prefix + config.to_stream.name + ".locked_out", ""}});
+    auto state = bus::SignalPublisher::create(node, "ids", detector_state_signals(config), {});
     if (!state) {
         return std::unexpected{state.error()};
     }
     out->state_ = std::move(*state);
-    std::vector<bus::SignalColumn> columns{{prefix + "alarms", ""}};
-    for (Ref const* stream : {&config.from_stream, &config.to_stream}) {
-        for (char const* name : kIdsCounters) {
-            columns.push_back({prefix + stream->name + "." + name, ""});
-        }
-        columns.push_back({prefix + stream->name + ".sigma_percent", "%"});
-    }
-    auto counters = bus::SignalPublisher::create(node, "ids_counters", 1, std::move(columns));
+    auto counters = bus::SignalPublisher::create(node, "ids_counters", detector_counter_signals(config), {});
     if (!counters) {
         return std::unexpected{counters.error()};
     }

@@ -3,6 +3,7 @@
 //
 // gridspace-relay: protection; streams of sampled values in, a trip by GOOSE out. The differential of a line, or the
 // functions of a bay.
+#include "agents/relay/relay_declaration.hpp"
 #include "agents/relay/relay_member.hpp"
 
 #include <cmath>
@@ -138,8 +139,9 @@ std::unique_ptr<RelayMember> make_relay(RelaySettings const& settings, DaemonRun
 int main(int argc, char** argv) {
     using namespace gridspace;
     relay::RelaySettings settings;
-    Daemon const daemon{"gridspace-relay",
-                        "protection relay: sampled values in, trip by GOOSE out",
+    program::Declaration const declaration = relay::relay_declaration();
+    Daemon const daemon{declaration.name,
+                        declaration.description,
                         [&](config::Fields& f) {
                             describe(f, settings.relay);
                             gateways::describe_wire(f, settings.wire);
@@ -150,6 +152,8 @@ int main(int argc, char** argv) {
                                 auto const agent = relay::make_relay(settings, run, node);
                                 return bus::run_member(node, *agent);
                             });
-                        }};
+                        },
+                        true,
+                        relay::relay_declaration};
     return run_daemon(daemon, argc, argv);
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/relay_signals.hpp"
 
+#include "agents/relay/relay_declaration.hpp"
+
 namespace gridspace::relay {
 
 Result<std::unique_ptr<RelaySignals>> RelaySignals::create(bus::Node& node, RelayConfig const& config, double rate_hz) {
@@ -17,24 +19,16 @@ Result<std::unique_ptr<RelaySignals>> RelaySignals::create(bus::Node& node, Rela
         out->rows_.push_back(&out->statistics_->add(stream.name, STREAM_RECEIVED));
     }
     out->rows_.push_back(&out->statistics_->add(config.trip.name, STREAM_SENT));
-    std::string const prefix = "relay." + node.config().process + ".";
-    auto state = bus::SignalPublisher::create(
-        node, "relay", 0,
-        {{prefix + "pickup", ""}, {prefix + "trip", ""}, {prefix + "blocked", ""}, {prefix + "sample_s", "s"}});
+    auto state = bus::SignalPublisher::create(node, "relay", state_signals(), {});
     if (!state) {
         return std::unexpected{state.error()};
     }
     out->state_ = std::move(*state);
-    std::vector<bus::SignalColumn> columns;
+    std::vector<program::Signal> received;
     for (Ref const& stream : inputs) {
-        for (char const* name : {"received", "lost", "duplicate", "late", "invalid", "silences"}) {
-            columns.push_back({"stream." + stream.name + "." + name, ""});
-        }
-        if (!out->clock_.simulated()) { // says nothing where nobody looks at a clock
-            columns.push_back({"stream." + stream.name + ".rate_hz", "Hz"});
-        }
+        gateways::add(received, received_signals(stream, !out->clock_.simulated()));
     }
-    auto counters = bus::SignalPublisher::create(node, "streams", 1, std::move(columns));
+    auto counters = bus::SignalPublisher::create(node, "streams", received, {});
     if (!counters) {
         return std::unexpected{counters.error()};
     }
@@ -50,13 +44,8 @@ Result<std::unique_ptr<RelaySignals>> RelaySignals::create(bus::Node& node, Rela
 
 /// The times of these rows are those of the samples that complete the window.
 Result<void> RelaySignals::open_element(double rate_hz) {
-    std::vector<bus::SignalColumn> columns;
-    for (char const* quantity : {"differential_a", "restraint_a", "operate_at_a"}) {
-        for (char const* phase : {"a", "b", "c"}) {
-            columns.push_back({"relay." + node_.config().process + "." + quantity + "." + phase, "A"});
-        }
-    }
-    auto element = bus::SignalPublisher::create(node_, "element", rate_hz, std::move(columns));
+    auto element = bus::SignalPublisher::create(node_, "element", rate_hz,
+                                                bus::SignalPublisher::columns_of(node_, element_signals()));
     if (!element) {
         return std::unexpected{element.error()};
     }
@@ -66,18 +55,19 @@ Result<void> RelaySignals::open_element(double rate_hz) {
 
 /// The times of these rows are those of the samples.
 Result<void> RelaySignals::open_ages(RelayConfig const& config, double rate_hz) {
-    auto const open = [&](char const* group, std::string name) {
-        return bus::SignalPublisher::create(node_, group, rate_hz, {{std::move(name), "ms"}});
+    auto const open = [&](char const* group, program::Signal age) {
+        return bus::SignalPublisher::create(node_, group, rate_hz,
+                                            bus::SignalPublisher::columns_of(node_, {std::move(age)}));
     };
     std::vector<Ref> const streams = config.inputs();
     for (std::size_t i = 0; i < streams.size(); ++i) {
-        auto arrivals = open(i == 0 ? "arrival_from" : "arrival_to", "stream." + streams[i].name + ".arrival_age_ms");
+        auto arrivals = open(i == 0 ? "arrival_from" : "arrival_to", arrival_age(streams[i]));
         if (!arrivals) {
             return std::unexpected{arrivals.error()};
         }
         arrival_ages_[i] = std::move(*arrivals);
     }
-    auto decisions = open("decision", "relay." + node_.config().process + ".sample_to_decision_ms");
+    auto decisions = open("decision", decision_age());
     if (!decisions) {
         return std::unexpected{decisions.error()};
     }

@@ -22,19 +22,25 @@ class KeyFields final : public Fields {
     explicit KeyFields(std::vector<Key>& keys) : keys_{keys} {}
 
     void number(std::string_view key, double& value, NumberSpec spec) override {
-        add(key, Kind::number, spec).default_text = text_of(value, spec.required);
+        set_default(add(key, Kind::number, spec), value, shortest(value));
     }
     void number(std::string_view key, std::optional<double>& value, NumberSpec spec) override {
-        add(key, Kind::number, spec).default_text = value ? text_of(*value, spec.required) : "";
+        Key& added = add(key, Kind::number, spec);
+        if (value) {
+            set_default(added, *value, shortest(*value));
+        }
     }
     void integer(std::string_view key, std::int64_t& value, NumberSpec spec) override {
-        add(key, Kind::integer, spec).default_text = spec.required ? "" : std::to_string(value);
+        set_default(add(key, Kind::integer, spec), static_cast<double>(value), std::to_string(value));
     }
     void fraction(std::string_view key, Rational& value, NumberSpec spec) override {
-        add(key, Kind::fraction, spec).default_text = spec.required ? "" : value.to_string();
+        set_default(add(key, Kind::fraction, spec), value.to_double(), value.to_string());
     }
     void fraction(std::string_view key, std::optional<Rational>& value, NumberSpec spec) override {
-        add(key, Kind::fraction, spec).default_text = value ? value->to_string() : "";
+        Key& added = add(key, Kind::fraction, spec);
+        if (value) {
+            set_default(added, value->to_double(), value->to_string());
+        }
     }
     void text(std::string_view key, std::string& value, Spec spec) override {
         add(key, Kind::text, spec).default_text = spec.required ? "" : value;
@@ -82,8 +88,11 @@ class KeyFields final : public Fields {
     }
 
   private:
-    static std::string text_of(double value, bool required) {
-        return required || std::isnan(value) ? "" : shortest(value);
+    /// A value outside of its own bounds stands for "not given".
+    static void set_default(Key& key, double value, std::string text) {
+        bool const outside = (key.min && value < *key.min) || (key.above && value <= *key.above) ||
+                             (key.max && value > *key.max) || (key.below && value >= *key.below);
+        key.default_text = key.required || outside || std::isnan(value) ? "" : std::move(text);
     }
 
     Key& add(std::string_view key, Kind kind, Spec spec) {

@@ -16,11 +16,12 @@ namespace gridspace::program {
 /// "{from}" is what its setting says.
 struct Topic {
     std::string topic;
-    std::string type;      ///< name of the type on the wire
-    bool triggers{false};  ///< reading side: a sample makes the program work in the same tick
-    bool optional{false};  ///< reading side: nobody has to write it; writing side: nobody has to read it
-    std::string idl{};     ///< file that defines the type when it is not ours, from the folder of the program
-    bool is_stream{false}; ///< sampled values or GOOSE on the process's link; its data set says the type
+    std::string type{};        ///< name of the type on the wire
+    bool triggers{false};      ///< reading side: a sample makes the program work in the same tick
+    bool optional{false};      ///< reading side: nobody has to write it; writing side: nobody has to read it
+    std::string idl{};         ///< file that defines the type when it is not ours, from the folder of the program
+    bool is_stream{false};     ///< sampled values or GOOSE on the process's link; its data set says the type
+    std::int64_t endpoints{1}; ///< readers or writers that it has on the topic; of our own programs
     struct Only {
         std::string member; ///< a text
         std::string is;     ///< a pattern; with several values each will do, with none everything will
@@ -58,6 +59,9 @@ struct Declaration {
     std::vector<config::Key> settings{};
     std::vector<std::string> whole_steps{}; ///< settings that must be whole multiples of the simulation step
     std::string latency{}; ///< the setting, in microseconds, that says how long it takes from input to output
+    // Lockstep, and of our own programs: nobody checks such a promise.
+    bool promises_latency{false}; ///< what it sends up to its latency after an input has been sent by then
+    bool works_ahead{false};      ///< its ticks may end later than the clock's, where its input is complete so far
     std::vector<ElementUse> elements{};
     std::vector<Topic> reads{}, writes{};
     std::vector<Signal> signals{};

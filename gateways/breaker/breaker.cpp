@@ -5,6 +5,7 @@
 // with one mapping, with signals and a log of its own.
 #include "common/log.hpp"
 #include "gateways/breaker/breaker_config.hpp"
+#include "gateways/breaker/breaker_declaration.hpp"
 #include "gateways/gateway/gateway.hpp"
 #include "gateways/iec61850/quality.hpp"
 
@@ -71,13 +72,8 @@ class BreakerGuest final : public GatewayGuest {
                                                          config_.stream().name, config_.field()));
             }
         }
-        std::string const prefix = "breaker_ied." + node.config().process + ".";
         std::string const heard = "stream." + config_.stream().name + ".heard_";
-        auto signals = bus::SignalPublisher::create(node, "breaker_ied", 0,
-                                                    {{prefix + "command", ""},
-                                                     {prefix + "stream_alive", ""},
-                                                     {prefix + "commanded_after_ms", "ms"},
-                                                     {prefix + "effect_ms", "ms"}});
+        auto signals = bus::SignalPublisher::create(node, "breaker_ied", command_signals(), {});
         if (!signals) {
             return std::unexpected{signals.error()};
         }
@@ -175,8 +171,7 @@ int main(int argc, char** argv) {
     GatewaySettings settings;
     BreakerConfig breaker;
     GatewayProgram const program{
-        "gridspace-breaker", "breaker IED: the trip of a GOOSE stream becomes a command",
-        [&](gridspace::config::Fields& f) { describe(f, breaker); },
+        breaker_declaration, [&](gridspace::config::Fields& f) { describe(f, breaker); },
         [&](GatewaySettings& s, gridspace::bus::NodeConfig const& node) {
             s.gateway = table_of(breaker, node.process, s.wire.streams);
         },

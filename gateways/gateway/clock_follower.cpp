@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/gateway/clock_follower.hpp"
 
+#include "gateways/port/declared_signals.hpp"
+
 #include <cmath>
 
 namespace gridspace::gateways {
@@ -30,9 +32,7 @@ Result<std::unique_ptr<ClockFollower>> ClockFollower::create(bus::Node& node, Da
     params.within_ns = std::llround(config.within_us * 1e3);
     params.holdover_ns = std::llround(config.holdover_s * 1e9);
     auto out = std::unique_ptr<ClockFollower>{new ClockFollower{node, run, std::move(*client), params}};
-    std::string const prefix = "clock." + process + ".";
-    auto signals =
-        bus::SignalPublisher::create(node, "clock", 0, {{prefix + "smp_synch", ""}, {prefix + "offset_us", "us"}});
+    auto signals = bus::SignalPublisher::create(node, "clock", clock_signals(), {});
     if (!signals) {
         return std::unexpected{signals.error()};
     }

@@ -266,7 +266,9 @@ void Gateway::publish_ages() {
 }
 
 int run_gateway(GatewayProgram const& program, GatewaySettings& settings, int argc, char** argv) {
-    Daemon const daemon{program.name, program.description,
+    program::Declaration const declaration = program.declaration();
+    Daemon const daemon{declaration.name,
+                        declaration.description,
                         [&](config::Fields& f) {
                             program.describe(f);
                             describe_wire(f, settings.wire);
@@ -286,7 +288,9 @@ int run_gateway(GatewayProgram const& program, GatewaySettings& settings, int ar
                                 Gateway gateway{settings, run, node, guest.get()};
                                 return bus::run_member(node, gateway);
                             });
-                        }};
+                        },
+                        true,
+                        program.declaration};
     return run_daemon(daemon, argc, argv);
 }
 

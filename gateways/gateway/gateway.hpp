@@ -114,7 +114,7 @@ class Gateway final : public bus::Member {
 /// The main function of a gateway: reads settings, checks mappings, runs. `describe` reads the program's own keys and
 /// makes the table of them; the streams have been read when `complete` is called.
 struct GatewayProgram {
-    std::string_view name, description;
+    program::Declaration (*declaration)();
     std::function<void(config::Fields&)> describe;
     std::function<void(GatewaySettings&, bus::NodeConfig const&)> complete; ///< makes the table; may be empty
     std::function<std::unique_ptr<GatewayGuest>(DaemonRun&)> guest;         ///< may be empty

@@ -4,6 +4,7 @@
 // What a gateway opens before the clock starts: routes, their sources and sinks, signals, reports.
 #include "bus/topics.hpp"
 #include "common/log.hpp"
+#include "gateways/gateway/gateway_declaration.hpp"
 #include "gateways/gateway/gateway_inputs.hpp"
 
 #include <algorithm>
@@ -196,14 +197,8 @@ Result<void> Gateway::open_reader(Route const& route, Source& source) {
 }
 
 Result<void> Gateway::open_signals() {
-    std::string const& process = node_.config().process;
-    auto const open = [&](std::string group, double rate_hz, std::vector<bus::SignalColumn> columns) {
-        return bus::SignalPublisher::create(node_, std::move(group), rate_hz, std::move(columns));
-    };
     if (!sampled_.empty()) {
-        std::string const prefix = "publisher." + process + ".";
-        auto counters =
-            open("publisher", 1, {{prefix + "sent", ""}, {prefix + "late", ""}, {prefix + "underruns", ""}});
+        auto counters = bus::SignalPublisher::create(node_, "publisher", publisher_signals(), {});
         if (!counters) {
             return std::unexpected{counters.error()};
         }
@@ -211,8 +206,9 @@ Result<void> Gateway::open_signals() {
     }
     for (std::size_t i = 0; i < sampled_.size() && !node_.lockstep(); ++i) {
         streams::Stream const& stream = sampled_[i].sink->stream();
-        auto ages = open(fmt::format("age{}", i), stream.rate_hz.to_double(),
-                         {{"stream." + stream.name.name + ".publish_age_ms", "ms"}});
+        program::Signal const age = sent_sample_signals(stream.name.name).front();
+        auto ages = bus::SignalPublisher::create(node_, fmt::format("age{}", i), stream.rate_hz.to_double(),
+                                                 {{age.name, age.unit}});
         if (!ages) {
             return std::unexpected{ages.error()};
         }
@@ -224,12 +220,7 @@ Result<void> Gateway::open_signals() {
         if (route.watched.empty()) {
             continue;
         }
-        std::vector<bus::SignalColumn> columns;
-        for (std::size_t const field : route.watched) {
-            columns.push_back({fmt::format("mapping.{}.{}.{}", process, route.config.name.name, route.to[field].name),
-                               route.to[field].unit});
-        }
-        auto signals = open(fmt::format("mapping{}", i), 0, std::move(columns));
+        auto signals = bus::SignalPublisher::create(node_, fmt::format("mapping{}", i), watched_signals(route), {});
         if (!signals) {
             return std::unexpected{signals.error()};
         }

@@ -35,11 +35,8 @@ Result<std::unique_ptr<Subscription>> Subscription::create(bus::Node& node, Wire
                                                            SubscriptionConfig const& config,
                                                            streams::Stream const& stream, std::size_t number) {
     auto out = std::unique_ptr<Subscription>{new Subscription{clock, config, stream}};
-    std::vector<bus::SignalColumn> columns;
-    for (std::string& name : subscription_signals(node.config().process, config, stream)) {
-        columns.push_back({std::move(name), ""});
-    }
-    auto signals = bus::SignalPublisher::create(node, fmt::format("subscription{}", number), 0, std::move(columns));
+    auto signals = bus::SignalPublisher::create(node, fmt::format("subscription{}", number),
+                                                subscription_signals(config, stream), {});
     if (!signals) {
         return std::unexpected{signals.error()};
     }

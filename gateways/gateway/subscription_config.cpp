@@ -65,17 +65,16 @@ void check_subscriptions(std::vector<SubscriptionConfig> const& subscriptions,
     }
 }
 
-std::vector<std::string> subscription_signals(std::string const& process, SubscriptionConfig const& config,
-                                              streams::Stream const& stream) {
-    std::string const prefix = fmt::format("subscription.{}.{}.", process, config.name.name);
-    std::vector<std::string> out;
+std::vector<program::Signal> subscription_signals(SubscriptionConfig const& config, streams::Stream const& stream) {
+    std::string const prefix = "subscription.{process}." + config.name.name + ".";
+    std::vector<program::Signal> out;
     for (char const* name : {"alive", "simulated", "needs_commissioning", "problem", "conf_rev"}) {
-        out.push_back(prefix + name);
+        out.push_back({prefix + name, ""});
     }
-    out.push_back(prefix + (stream.kind == streams::Kind::goose ? "st_num" : "synch"));
-    out.push_back(prefix + "quality");
+    out.push_back({prefix + (stream.kind == streams::Kind::goose ? "st_num" : "synch"), ""});
+    out.push_back({prefix + "quality", ""});
     for (Ref const& member : config.watch) {
-        out.push_back(prefix + "value." + member.name);
+        out.push_back({prefix + "value." + member.name, ""});
     }
     return out;
 }

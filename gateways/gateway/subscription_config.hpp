@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/config/fields.hpp"
+#include "common/program/declaration.hpp"
 #include "gateways/streams/stream.hpp"
 
 #include <string>
@@ -28,9 +29,9 @@ void describe(config::Fields& f, std::vector<SubscriptionConfig>& subscriptions)
 void check_subscriptions(std::vector<SubscriptionConfig> const& subscriptions,
                          std::vector<streams::Stream> const& streams, config::Diagnostics& diagnostics);
 
-/// Names of its signals in the order of their columns: `subscription.PROCESS.NAME.alive`, …, and the watched members.
-[[nodiscard]] std::vector<std::string>
-subscription_signals(std::string const& process, SubscriptionConfig const& config, streams::Stream const& stream);
+/// Its signals in the order of their columns: `subscription.{process}.NAME.alive`, …, and the watched members.
+[[nodiscard]] std::vector<program::Signal> subscription_signals(SubscriptionConfig const& config,
+                                                                streams::Stream const& stream);
 /// The watched members as places among the leaves of the data set.
 [[nodiscard]] std::vector<std::size_t> watched_leaves(SubscriptionConfig const& config, streams::Stream const& stream);
 

@@ -10,6 +10,7 @@
 #include "common/text.hpp"
 #include "gateways/bump_in_the_wire/bump_in_the_wire.hpp"
 #include "gateways/link/link_config.hpp"
+#include "gateways/link/link_declaration.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -99,11 +100,7 @@ class LinkAgent final : public bus::Member {
             }
             bumps_.push_back(std::move(*bump));
         }
-        std::vector<bus::SignalColumn> columns;
-        for (char const* signal : kLinkSignals) {
-            columns.push_back({fmt::format("link.{}.{}", node_.config().process, signal), ""});
-        }
-        auto signals = bus::SignalPublisher::create(node_, "link", 1, std::move(columns));
+        auto signals = bus::SignalPublisher::create(node_, "link", link_declaration().signals, {});
         if (!signals) {
             return std::unexpected{signals.error()};
         }
@@ -130,7 +127,7 @@ class LinkAgent final : public bus::Member {
             return;
         }
         reported_ = second;
-        std::array<double, kLinkSignals.size()> row{};
+        std::array<double, kLinkCounters.size()> row{};
         for (auto const& hook : hooks_) {
             Impairment::Counters const& c = hook->counters();
             std::array const counts{&c.seen, &c.lost, &c.delayed, &c.duplicated, &c.reordered, &c.corrupted};
@@ -159,8 +156,9 @@ class LinkAgent final : public bus::Member {
 int main(int argc, char** argv) {
     using namespace gridspace;
     gateways::Settings settings;
-    Daemon const daemon{"gridspace-link",
-                        "impairments of the cable between a host and a switch",
+    program::Declaration const declaration = gateways::link_declaration();
+    Daemon const daemon{declaration.name,
+                        declaration.description,
                         [&](config::Fields& f) { describe(f, settings); },
                         {},
                         [&](DaemonRun& run) {
@@ -168,6 +166,8 @@ int main(int argc, char** argv) {
                                 gateways::LinkAgent agent{settings, run, node};
                                 return bus::run_member(node, agent);
                             });
-                        }};
+                        },
+                        true,
+                        gateways::link_declaration};
     return run_daemon(daemon, argc, argv);
 }

@@ -10,9 +10,6 @@
 
 namespace gridspace::gateways {
 
-/// Signals `link.PROCESS.*`: counts of frames.
-inline constexpr std::array kLinkSignals{"seen", "lost", "delayed", "duplicated", "reordered", "corrupted"};
-
 /// Impairments of one cable.
 struct LinkConfig {
     std::vector<config::Ref> between; ///< a host and a link

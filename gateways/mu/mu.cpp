@@ -4,7 +4,7 @@
 // gridspace-mu: a merging unit; sampled line currents from DDS onto the process bus as sampled values. A gateway with
 // one mapping.
 #include "gateways/gateway/gateway.hpp"
-#include "gateways/mu/mu_config.hpp"
+#include "gateways/mu/mu_declaration.hpp"
 
 #include <fmt/format.h>
 
@@ -77,8 +77,7 @@ int main(int argc, char** argv) {
     GatewaySettings settings;
     MuConfig mu;
     std::vector<ClockChange> clock_changes;
-    GatewayProgram const program{"gridspace-mu",
-                                 "merging unit: sampled line currents onto the process bus",
+    GatewayProgram const program{mu_declaration,
                                  [&](gridspace::config::Fields& f) {
                                      describe(f, mu);
                                      describe_clock_changes(f, clock_changes);

@@ -3,6 +3,7 @@
 #include "gateways/port/first_line_report.hpp"
 
 #include "common/log.hpp"
+#include "gateways/port/declared_signals.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -24,21 +25,15 @@ Result<std::unique_ptr<FirstLineReport>> FirstLineReport::create(bus::Node& node
                                                                  FrameAuthentication* authentication) {
     auto out = std::unique_ptr<FirstLineReport>{new FirstLineReport{node, run}};
     out->authentication_ = authentication;
-    std::string const prefix = "first_line." + node.config().process + ".";
-    std::vector<bus::SignalColumn> columns;
+    std::vector<GuardedStream> guarded;
     for (Stream const& stream : streams) {
-        for (std::string const& name : first_line_counters(stream.kind == streams::Kind::smv)) {
-            columns.push_back({prefix + stream.name + "." + name, ""});
-        }
-        for (std::string const& name :
-             out->authenticity(stream.name) != nullptr ? authenticity_counters() : std::vector<std::string>{}) {
-            columns.push_back({prefix + stream.name + "." + name, ""});
-        }
+        guarded.push_back({stream.name, stream.kind == streams::Kind::smv, out->authenticity(stream.name) != nullptr});
     }
+    auto columns = bus::SignalPublisher::columns_of(node, first_line_counter_signals(guarded));
     out->row_.resize(columns.size());
     out->alarms_.resize(streams.size());
     out->streams_ = std::move(streams);
-    auto state = bus::SignalPublisher::create(node, "first_line", 0, {{prefix + "alarm", ""}});
+    auto state = bus::SignalPublisher::create(node, "first_line", std::vector{first_line_alarm()}, {});
     if (!state) {
         return std::unexpected{state.error()};
     }

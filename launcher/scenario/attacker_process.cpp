@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "agents/attacker/attacker_config.hpp"
+#include "agents/attacker/attacker_declaration.hpp"
 #include "common/text.hpp"
 #include "launcher/scenario/attacks.hpp"
 #include "launcher/scenario/bumps.hpp"
+#include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/wire_programs.hpp"
 #include "launcher/scenario/wire_use.hpp"
 #include "sim/network/network.hpp"
@@ -20,9 +21,14 @@ using config::Diagnostics;
 using config::Fields;
 using config::Node;
 
-class AttackerProcess final : public ProcessSettings {
+class AttackerProcess final : public DeclaredSettings {
   public:
-    explicit AttackerProcess(Fields& f) { describe(f, config_); }
+    explicit AttackerProcess(Fields& f) : DeclaredSettings{attacker::attacker_declaration()} { describe(f, config_); }
+
+    void settle(Scenario const& s, Process const& process) override {
+        declare(attacker::declaration(config_, attacks_of(s, process),
+                                      [&](std::string const& topic) { return attacked_type(s, topic); }));
+    }
 
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         std::vector<AttackConfig const*> const own = attacks_of(s, process);
@@ -32,7 +38,7 @@ class AttackerProcess final : public ProcessSettings {
                 fmt::format("process '{}' is an attacker, and no attack is done by it", process.name.name),
                 "`by:` of an entry of `attacks:` names it", static_cast<int>(process.name.name.size()));
         }
-        if (std::any_of(own.begin(), own.end(), [](AttackConfig const* a) { return beside_a_stream(*a); })) {
+        if (!sends(s, process).empty()) {
             check_raw_link(s, process, diagnostics);
         }
         check_bumps(s, process, diagnostics);
@@ -45,31 +51,6 @@ class AttackerProcess final : public ProcessSettings {
                             process.interface),
                 static_cast<int>(process.name.name.size()));
         }
-    }
-
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const& s, Process const& process) const override {
-        std::vector<TopicUse> out{{"signals", "SignalFrame"}, {"signal_catalog", "SignalCatalog"}};
-        if (!config_.labels.empty()) {
-            out.push_back({config_.labels, "AttackLabel"});
-        }
-        for (TopicUse const& use : attacked_topics(s, process)) {
-            out.push_back(use);
-        }
-        return out;
-    }
-    [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const& process) const override {
-        std::vector<TopicUse> out = attacked_topics(s, process);
-        for (TopicUse& use : out) {
-            use.triggers = true;
-            use.optional = true;
-        }
-        return out;
-    }
-    [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
-        return wires(s, process);
-    }
-    [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
-        return wires(s, process);
     }
 
     [[nodiscard]] std::vector<BumpUse> bumps(Scenario const& s, Process const& process) const override {
@@ -94,14 +75,12 @@ class AttackerProcess final : public ProcessSettings {
     }
 
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
-        std::vector<SignalUse> out;
-        for (AttackConfig const* a : attacks_of(s, process)) {
-            out.push_back({"attack." + a->name.name + ".forged", "", 1});
-            if (config_.labels.empty()) {
-                continue;
-            }
-            std::string const prefix =
-                "score." + a->name.name + "."; // of the report, where a detector watches the target
+        std::vector<SignalUse> out = DeclaredSettings::signals(s, process);
+        if (config_.labels.empty()) {
+            return out;
+        }
+        for (AttackConfig const* a : attacks_of(s, process)) { // of the report, where a detector watches the target
+            std::string const prefix = "score." + a->name.name + ".";
             for (char const* name : {"labels", "judged", "seen"}) {
                 out.push_back({prefix + name, "", 0});
             }
@@ -115,7 +94,7 @@ class AttackerProcess final : public ProcessSettings {
         bool const first = std::find_if(s.processes.begin(), s.processes.end(), [&](Process const& p) {
                                return p.program.name == process.program.name;
                            })->name == process.name;
-        if (first && !config_.labels.empty()) { // of the run, whoever attacks
+        if (first) { // of the run, whoever attacks
             for (char const* name : {"trips_lost", "trips_late", "trips_false", "openings_false"}) {
                 out.push_back({std::string{"consequence."} + name, "", 0});
             }
@@ -125,8 +104,6 @@ class AttackerProcess final : public ProcessSettings {
         }
         return out;
     }
-    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
-
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = own_settings(process);
         Node attacks = Node::map(), declared = Node::map(), types = Node::map();
@@ -158,7 +135,7 @@ class AttackerProcess final : public ProcessSettings {
         node.set("topic_types", std::move(types));
         node.set("seed", Node::scalar(std::to_string(s.seed)));
         node.set("frequency_hz", Node::scalar(shortest(s.network ? s.network->frequency_hz : 60)));
-        Node wire = wires(s, process).empty() ? Node::map() : wire_settings(s, process);
+        Node wire = sends(s, process).empty() ? Node::map() : wire_settings(s, process);
         if (wire.find("interface") == nullptr) {
             wire.set("interface", Node::quoted_text(""));
         }
@@ -174,39 +151,6 @@ class AttackerProcess final : public ProcessSettings {
     }
 
   private:
-    static bool beside_a_stream(AttackConfig const& a) {
-        return a.place == AttackConfig::Place::second_publisher && !a.stream.empty();
-    }
-
-    [[nodiscard]] static std::vector<TopicUse> attacked_topics(Scenario const& s, Process const& process) {
-        std::vector<TopicUse> out;
-        for (AttackConfig const* a : attacks_of(s, process)) {
-            if (std::string const type = a->topic.empty() ? "" : attacked_type(s, a->topic.name); !type.empty()) {
-                auto const same = std::find_if(out.begin(), out.end(),
-                                               [&](TopicUse const& use) { return use.topic == a->topic.name; });
-                if (same == out.end()) {
-                    out.push_back({a->topic.name, type});
-                } else {
-                    ++same->endpoints; // each attack has its own reader and writer
-                }
-            }
-        }
-        return out;
-    }
-
-    /// What is listened to beside a publisher is what is sent there.
-    [[nodiscard]] static std::vector<WireUse> wires(Scenario const& s, Process const& process) {
-        std::vector<WireUse> out;
-        for (AttackConfig const* a : attacks_of(s, process)) {
-            streams::Stream const* stream =
-                beside_a_stream(*a) ? streams::find_stream(s.streams, a->stream.name) : nullptr;
-            if (stream != nullptr) {
-                out.push_back({raw_link(s, process), stream->ethertype(), a->stream.name});
-            }
-        }
-        return out;
-    }
-
     attacker::AttackerConfig config_;
 };
 

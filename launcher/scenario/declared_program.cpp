@@ -75,7 +75,8 @@ std::vector<TopicUse> uses(std::vector<program::Topic> const& topics, program::D
             continue;
         }
         std::filesystem::path const idl = topic.idl.empty() ? std::filesystem::path{} : folder / topic.idl;
-        out.push_back({std::move(topic.topic), std::move(topic.type), 1, topic.triggers, topic.optional, idl});
+        out.push_back(
+            {std::move(topic.topic), std::move(topic.type), topic.endpoints, topic.triggers, topic.optional, idl});
     }
     return out;
 }
@@ -221,7 +222,7 @@ Rational DeclaredSettings::latency_s(Process const& process) const {
     return us.value_or(Rational{0}) / Rational{1'000'000};
 }
 
-void DeclaredSettings::check(Scenario const& s, Process const& process, Diagnostics& diagnostics) {
+void DeclaredSettings::check_whole_steps(Scenario const& s, Process const& process, Diagnostics& diagnostics) const {
     for (std::string const& key : declaration_.whole_steps) {
         Node const* written = process.node.find(key);
         auto const value = values_of(declaration_, process)(key);
@@ -232,6 +233,10 @@ void DeclaredSettings::check(Scenario const& s, Process const& process, Diagnost
                                           span_s->to_string(), s.simulation.step_s.to_string()));
         }
     }
+}
+
+void DeclaredSettings::check(Scenario const& s, Process const& process, Diagnostics& diagnostics) {
+    check_whole_steps(s, process, diagnostics);
     check_files(process.node, declaration_.settings, diagnostics);
     if (s.network) {
         check_elements(s, process, declaration_, diagnostics);
@@ -246,7 +251,7 @@ std::vector<TopicUse> DeclaredSettings::writes(Scenario const&, Process const& p
     if (!declaration_.signals.empty()) {
         add_signals(out);
     }
-    if (names_streams(declaration_)) {
+    if (!command_.empty() && names_streams(declaration_)) { // the library's; ours say it
         out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
     }
     return out;

@@ -88,7 +88,7 @@ class ExecSettings final : public ProcessSettings {
         f.raw("settings", settings_, {.doc = "passed on in its configuration file"});
     }
 
-    void settle(Scenario const& s) override {
+    void settle(Scenario const& s, Process const&) override {
         boxed_ = time_ == Time::simulated && s.clock.mode == bus::ClockMode::lockstep;
     }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {

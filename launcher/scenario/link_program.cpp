@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "gateways/link/link_config.hpp"
+#include "gateways/link/link_declaration.hpp"
 #include "launcher/scenario/bumps.hpp"
+#include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/impairments.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
@@ -33,22 +35,12 @@ Node declarations(Scenario const& s, gateways::LinkConfig const& config) {
     return out;
 }
 
-class LinkSettings final : public ProcessSettings {
+class LinkSettings final : public DeclaredSettings {
   public:
-    explicit LinkSettings(Fields& f) { describe(f, config_); }
+    explicit LinkSettings(Fields& f) : DeclaredSettings{gateways::link_declaration()} { describe(f, config_); }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         check_bumps(s, process, diagnostics);
         (void)gateways::make_plan(config_, s.streams, diagnostics);
-    }
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
-        return {{"signals", "SignalFrame"}, {"signal_catalog", "SignalCatalog"}};
-    }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const&, Process const& process) const override {
-        std::vector<SignalUse> out;
-        for (char const* name : gateways::kLinkSignals) {
-            out.push_back({"link." + process.name.name + "." + name, "", 1});
-        }
-        return out;
     }
     [[nodiscard]] std::vector<BumpUse> bumps(Scenario const&, Process const&) const override {
         using Direction = gateways::LinkConfig::Direction;

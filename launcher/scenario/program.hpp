@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/config/fields.hpp"
+#include "common/program/declaration.hpp"
 #include "common/rational.hpp"
 
 #include <filesystem>
@@ -54,8 +55,9 @@ class ProcessSettings {
   public:
     virtual ~ProcessSettings() = default;
 
-    /// Everything has been read: what it is may depend on the rest of the scenario. Before anything else is asked.
-    virtual void settle(Scenario const& /*scenario*/) {}
+    /// Everything has been read: what it is may depend on the rest of the scenario. Before anything else is asked; of
+    /// the simulator first.
+    virtual void settle(Scenario const& /*scenario*/, Process const& /*process*/) {}
     /// Looks at the rest of the scenario: names that must exist, values that come from the network.
     virtual void check(Scenario const& /*scenario*/, Process const& /*process*/, config::Diagnostics& /*diagnostics*/) {
     }
@@ -105,6 +107,7 @@ struct Program {
     std::string_view description;
     std::string_view default_role; ///< QoS role when the process names none
     std::unique_ptr<ProcessSettings> (*read)(config::Fields& fields);
+    program::Declaration const* declaration{nullptr}; ///< of ours: names of settings in the place of their values
 };
 
 /// nullptr for a name that is not a program.

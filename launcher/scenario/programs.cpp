@@ -1,10 +1,17 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
+#include "agents/attacker/attacker_declaration.hpp"
 #include "agents/ev/ev_config.hpp"
+#include "agents/fmu/fmu_declaration.hpp"
 #include "agents/mcca/mcca_config.hpp"
+#include "agents/relay/relay_declaration.hpp"
 #include "bus/topics.hpp"
 #include "common/text.hpp"
+#include "gateways/breaker/breaker_declaration.hpp"
 #include "gateways/ethernet/boxed_ip.hpp"
+#include "gateways/gateway/gateway_declaration.hpp"
+#include "gateways/link/link_declaration.hpp"
+#include "gateways/mu/mu_declaration.hpp"
 #include "launcher/scenario/capture_points.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/declared_program.hpp"
@@ -14,7 +21,9 @@
 #include "launcher/scenario/program.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
-#include "sim/app/engine_factory.hpp"
+#include "monitor/app/access_config.hpp"
+#include "recorder/app/recorder_config.hpp"
+#include "sim/app/sim_declaration.hpp"
 #include "sim/controls/control_config.hpp"
 #include "sim/gateway/gateway_config.hpp"
 
@@ -45,63 +54,19 @@ bool check_name(Ref const& ref, std::vector<std::string> const& names, std::stri
     return false;
 }
 
-class SimSettings final : public ProcessSettings {
+class SimSettings final : public DeclaredSettings {
   public:
     static std::unique_ptr<ProcessSettings> read(Fields&) { return std::make_unique<SimSettings>(); }
+    SimSettings() : DeclaredSettings{sim::sim_declaration()} {}
+    void settle(Scenario const& s, Process const&) override {
+        declare(sim::declaration(s.simulation, s.network.get()));
+    }
 
-    [[nodiscard]] bool is_member() const override { return false; } // it is the clock
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const& s, Process const&) const override {
-        std::vector<TopicUse> out;
-        if (per_bus(s) && s.network) {
-            out.push_back({"bus_measurements", "BusMeasurement", static_cast<std::int64_t>(s.network->buses.size())});
-            if (!s.network->batteries.empty()) {
-                out.push_back({"battery_measurements", "BatteryMeasurement",
-                               static_cast<std::int64_t>(s.network->batteries.size())});
-            }
-        }
-        for (sim::LineGatewayConfig const& gateway : gateways(s).lines) {
-            for (auto const& publish : gateway.publish) {
-                out.push_back({publish.topic.name, publish.voltage.empty() ? "LineCurrents" : "BaySamples"});
-            }
-        }
-        add_signals(out);
-        return out;
-    }
-    [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const&) const override {
-        std::vector<TopicUse> out;
-        if (per_bus(s) && s.network) {
-            auto const with_evs =
-                std::count_if(s.network->buses.begin(), s.network->buses.end(), [&](sim::Bus const& bus) {
-                    return std::any_of(s.network->evs.begin(), s.network->evs.end(),
-                                       [&](sim::Ev const& ev) { return ev.bus == bus.name; });
-                });
-            if (with_evs > 0) {
-                out.push_back({"decisions", "ChargingDecision", with_evs, false, !somebody_decides(s)});
-            }
-        }
-        std::vector<sim::ControlConfig> const steered = controls(s);
-        for (auto const& [topic, type, commands] :
-             {std::tuple{"set_points", "SetPoint", false}, std::tuple{"commands", "ElementCommand", true}}) {
-            if (std::any_of(steered.begin(), steered.end(),
-                            [&](auto const& c) { return c.quantity.empty() == commands; })) {
-                out.push_back({topic, type, 1, false, true}); // who does not write it is said by check()
-            }
-        }
-        for (sim::LineGatewayConfig const& gateway : gateways(s).lines) {
-            for (auto const& subscribe : gateway.subscribe) {
-                out.push_back({subscribe.topic.name, "TripCommand", 1, false, true}); // a line may be without a relay
-            }
-        }
-        return out;
-    }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const&) const override {
-        std::vector<SignalUse> out;
-        if (s.network) {
-            double const rate_hz = sim::signal_rate_hz(s.simulation).to_double();
-            for (sim::SignalDef& signal : sim::engine_signals(s.simulation, *s.network)) {
-                double const own_rate_hz = sim::is_switching_signal(signal.name) ? 0 : rate_hz;
-                out.push_back({std::move(signal.name), std::move(signal.unit), own_rate_hz});
-            }
+    [[nodiscard]] bool is_expected() const override { return true; }
+    [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const& process) const override {
+        std::vector<TopicUse> out = DeclaredSettings::reads(s, process);
+        for (TopicUse& use : out) { // where nobody decides, EVs wait, or are steered by set-points
+            use.optional = use.optional || (use.type == "ChargingDecision" && !somebody_decides(s));
         }
         return out;
     }
@@ -144,7 +109,8 @@ class SimSettings final : public ProcessSettings {
         for (Process const& one : s.processes) {
             names.push_back(one.name.name);
         }
-        bool const decided = per_bus(s) && somebody_decides(s);
+        Diagnostics said; // by check()
+        bool const decided = sim::read_gateways(s.simulation.gateways, said).per_bus && somebody_decides(s);
         for (sim::ControlConfig const& control : all) {
             if (decided && control.kind->section == "evs" && control.quantity == "current_a") {
                 diagnostics.error(
@@ -172,16 +138,6 @@ class SimSettings final : public ProcessSettings {
             }
         }
     }
-    static std::vector<sim::ControlConfig> controls(Scenario const& s) {
-        Diagnostics ignored; // reported by check()
-        return sim::read_controls(s.simulation.controls, ignored);
-    }
-    static sim::GatewaysConfig gateways(Scenario const& s) {
-        Diagnostics ignored; // reported by check()
-        return sim::read_gateways(s.simulation.gateways, ignored);
-    }
-    static bool per_bus(Scenario const& s) { return gateways(s).per_bus; }
-    /// Where nobody does, EVs wait, or are steered by set-points.
     static bool somebody_decides(Scenario const& s) {
         return std::any_of(s.processes.begin(), s.processes.end(), [&](Process const& who) {
             std::vector<TopicUse> const writes =
@@ -192,32 +148,35 @@ class SimSettings final : public ProcessSettings {
     }
 };
 
-/// One of ours that has declared what it is; `describe` reads it, with the checks that are its own.
-template <class Config, program::Declaration (*declare)()>
-Program declared() {
+/// One of ours that has declared what it is, and how the launcher reads its settings.
+template <program::Declaration (*declare)()>
+Program declared(std::unique_ptr<ProcessSettings> (*read)(Fields&)) {
     static program::Declaration const declaration = declare();
-    return {declaration.name, declaration.description, declaration.role,
-            [](Fields& f) -> std::unique_ptr<ProcessSettings> {
-                Config config;
-                describe(f, config);
-                return std::make_unique<DeclaredSettings>(declare(), std::vector<std::string>{});
-            }};
+    return {declaration.name, declaration.description, declaration.role, read, &declaration};
 }
 
-class RecorderSettings final : public ProcessSettings {
+/// One that needs nothing else; `describe` reads it, with the checks that are its own.
+template <class Config, program::Declaration (*declare)()>
+Program declared() {
+    return declared<declare>([](Fields& f) -> std::unique_ptr<ProcessSettings> {
+        Config config;
+        describe(f, config);
+        return std::make_unique<DeclaredSettings>(declare());
+    });
+}
+
+class RecorderSettings final : public DeclaredSettings {
   public:
-    static std::unique_ptr<ProcessSettings> read(Fields& f) {
-        auto out = std::make_unique<RecorderSettings>();
-        f.flag("compress", out->compress_, {.doc = "compress the recording (zstd) and the capture (gzip)"});
-        return out;
+    static std::unique_ptr<ProcessSettings> read(Fields& f) { return std::make_unique<RecorderSettings>(f); }
+    explicit RecorderSettings(Fields& f) : DeclaredSettings{recorder::recorder_declaration()} {
+        describe_own(f, config_);
     }
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const& process) const override {
         return s.record.samples ? recorded_topics(s, process) : std::vector<TopicUse>{};
     }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
-        Node node = Node::map();
+        Node node = DeclaredSettings::settings(s, process);
         node.set("file", Node::scalar("../data.mcap")); // beside the folder of the process files
-        node.set("compress", Node::scalar(compress_ ? "true" : "false"));
         Node topics = Node::map();
         auto const idl = own_types(s);
         for (TopicUse const& use : reads(s, process)) {
@@ -228,7 +187,7 @@ class RecorderSettings final : public ProcessSettings {
             }
         }
         node.set("topics", std::move(topics));
-        node.set("capture", capture(s, process, compress_));
+        node.set("capture", capture(s, process, config_.compress));
         return node;
     }
     [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
@@ -296,23 +255,23 @@ class RecorderSettings final : public ProcessSettings {
         return node;
     }
 
-    bool compress_{true};
+    recorder::RecorderConfig config_;
 };
 
 std::span<Program const> programs() {
     static std::array const all{
-        Program{"gridspace-sim", "simulator", "simulator", SimSettings::read},
+        declared<sim::sim_declaration>(SimSettings::read),
         declared<agents::EvConfig, agents::ev_declaration>(),
-        Program{"gridspace-mu", "merging unit", "merging_unit", read_merging_unit},
-        Program{"gridspace-relay", "protection relay: a line differential, or functions of a bay", "relay", read_relay},
-        Program{"gridspace-attacker", "attacks on streams and topics", "attacker", read_attacker},
-        Program{"gridspace-breaker", "breaker IED", "breaker", read_breaker},
-        Program{"gridspace-link", "impairments of a cable", "member", read_link},
-        Program{"gridspace-gateway", "translator between topics and streams", "gateway", read_gateway},
+        declared<gateways::mu_declaration>(read_merging_unit),
+        declared<relay::relay_declaration>(read_relay),
+        declared<attacker::attacker_declaration>(read_attacker),
+        declared<gateways::breaker_declaration>(read_breaker),
+        declared<gateways::link_declaration>(read_link),
+        declared<gateways::gateway_declaration>(read_gateway),
         declared<agents::MccaConfig, agents::mcca_declaration>(),
-        Program{"gridspace-fmu", "a model of another tool (FMU) as an agent", "member", read_fmu},
-        Program{"gridspace-recorder", "recorder", "recorder", RecorderSettings::read},
-        Program{"gridspace-monitor", "monitor and dashboard", "monitor", read_monitor},
+        declared<agents::fmu_declaration>(read_fmu),
+        declared<recorder::recorder_declaration>(RecorderSettings::read),
+        declared<monitor::monitor_declaration>(read_monitor),
         Program{"exec", "a program of your own", "member", read_exec},
     };
     return all;

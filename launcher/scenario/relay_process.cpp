@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/relay/functions/function_config.hpp"
-#include "agents/relay/relay_program.hpp"
+#include "agents/relay/relay_declaration.hpp"
 #include "common/text.hpp"
 #include "ids/forecaster/model_file.hpp"
+#include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/healthy_current.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_programs.hpp"
@@ -22,9 +23,10 @@ using config::Node;
 using streams::Kind;
 using streams::Stream;
 
-class RelaySettings final : public ProcessSettings {
+class RelaySettings final : public DeclaredSettings {
   public:
-    explicit RelaySettings(Fields& f) { describe(f, config_); }
+    explicit RelaySettings(Fields& f) : DeclaredSettings{relay::relay_declaration()} { describe(f, config_); }
+    void settle(Scenario const& s, Process const&) override { declare(relay::declaration(config_, context_of(s))); }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         check_raw_link(s, process, diagnostics);
         if (s.network && process.node.find("frequency_hz") == nullptr) {
@@ -73,78 +75,8 @@ class RelaySettings final : public ProcessSettings {
             check_healthy_current(s, process, config_, *from_ct, *to_ct, *element, diagnostics);
         }
     }
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
-        std::vector<TopicUse> out;
-        add_signals(out);
-        if (config_.ids && !config_.ids->verdicts.empty()) {
-            out.push_back({config_.ids->verdicts, "IdsVerdict"});
-        }
-        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
-        return out;
-    }
-    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
-        return config_.foreign_detector ? std::vector<TopicUse>{{config_.foreign_detector->verdicts, "IdsVerdict"}}
-                                        : std::vector<TopicUse>{};
-    }
-    [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
-        return {use_of(s, process, config_.trip)};
-    }
-    [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
-        std::vector<WireUse> out;
-        for (Ref const& stream : config_.inputs()) {
-            out.push_back(use_of(s, process, stream));
-        }
-        return out;
-    }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
-        std::string const prefix = "relay." + process.name.name + ".";
-        std::vector<SignalUse> out;
-        for (char const* name : {"pickup", "trip", "blocked"}) {
-            out.push_back({prefix + name, "", 0});
-        }
-        out.push_back({prefix + "sample_s", "s", 0});
-        std::vector<std::pair<std::string, bool>> inputs;
-        for (Ref const& stream : config_.inputs()) {
-            inputs.emplace_back(stream.name, true);
-            for (char const* name : {"received", "lost", "duplicate", "late", "invalid", "silences"}) {
-                out.push_back({"stream." + stream.name + "." + name, "", 1});
-            }
-            out.push_back({"stream." + stream.name + ".rate_hz", "Hz", 1});
-            out.push_back({"stream." + stream.name + ".arrival_age_ms", "ms", 0});
-        }
-        for (Node::Entry const& function : config_.bay.functions.entries) {
-            out.push_back({prefix + function.key + ".str", "", 0});
-            out.push_back({prefix + function.key + ".op", "", 0});
-        }
-        add_measured(prefix, out);
-        if (config_.logic.publish_values) {
-            for (char const* quantity : {"differential_a", "restraint_a", "operate_at_a"}) {
-                for (char const* phase : {"a", "b", "c"}) {
-                    out.push_back({prefix + quantity + "." + phase, "A", 0});
-                }
-            }
-        }
-        out.push_back({prefix + "sample_to_decision_ms", "ms", 0});
-        for (char const* name : {"st_num", "sq_num"}) {
-            out.push_back({"stream." + config_.trip.name + "." + name, "", 0});
-        }
-        out.push_back({"stream." + config_.trip.name + ".interval_ms", "ms", 0});
-        out.push_back({"stream." + config_.trip.name + ".wire_delay_ms", "ms", 0});
-        add_first_line_signals(s, process, config_.first_line, inputs, out);
-        if (config_.ids) {
-            add_detector_signals("ids." + process.name.name + ".", out);
-        }
-        return out;
-    }
-    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
-    [[nodiscard]] Rational promises_s(Process const& process) const override { return latency_s(process); }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
-        std::vector<std::string> used;
-        for (Ref const& stream : config_.inputs()) {
-            used.push_back(stream.name);
-        }
-        used.push_back(config_.trip.name);
-        Node node = wire_process_settings(s, process, used);
+        Node node = DeclaredSettings::settings(s, process);
         node.set("frequency_hz", Node::scalar(shortest(config_.frequency_hz)));
         if (config_.is_of_bay()) {
             if (Node* inputs = node.find("inputs")) {
@@ -157,29 +89,10 @@ class RelaySettings final : public ProcessSettings {
         positive.set("from", Node::scalar(word(config_.from_positive)));
         positive.set("to", Node::scalar(word(config_.to_positive)));
         node.set("positive", std::move(positive));
-        if (Node* detector = node.find("ids"); detector != nullptr && config_.ids) {
-            detector->set("model",
-                          Node::quoted_text(std::filesystem::absolute(config_.ids->model).lexically_normal().string()));
-        }
         return node;
     }
 
   private:
-    /// What functions are asked to publish.
-    void add_measured(std::string const& prefix, std::vector<SignalUse>& out) const {
-        relay::FunctionContext any;
-        any.inputs = relay::kCurrents | relay::kVoltages | relay::kBusVoltages;
-        Diagnostics said; // when the relay was checked
-        auto const set = config_.is_of_bay() ? relay::make_functions(config_.bay.functions, any, said) : std::nullopt;
-        for (std::size_t i = 0; set && i < set->functions().size(); ++i) {
-            relay::NamedFunction const& f = set->functions()[i];
-            for (relay::MeasuredQuantity const& q :
-                 f.publishes ? f.function->quantities() : std::span<relay::MeasuredQuantity const>{}) {
-                out.push_back({fmt::format("{}{}.{}", prefix, f.name, q.name), std::string{q.unit}, 0});
-            }
-        }
-    }
-
     [[nodiscard]] Rational frequency() const {
         return Rational::parse(shortest(config_.frequency_hz)).value_or(Rational{60});
     }
@@ -278,35 +191,6 @@ class RelaySettings final : public ProcessSettings {
                 !params) {
                 complain(params.error());
             }
-        }
-    }
-
-    void add_detector_signals(std::string const& prefix, std::vector<SignalUse>& out) const {
-        for (char const* name : {"alarm", "alarm_reasons", "granted"}) {
-            out.push_back({prefix + name, "", 0});
-        }
-        out.push_back({prefix + "alarms", "", 1});
-        for (Ref const* stream : {&config_.from_stream, &config_.to_stream}) {
-            std::string const own = prefix + stream->name + ".";
-            out.push_back({own + "locked_out", "", 0});
-            for (char const* name : relay::kIdsCounters) {
-                out.push_back({own + name, "", 1});
-            }
-            out.push_back({own + "sigma_percent", "%", 1});
-            if (!config_.ids->verdicts.empty()) { // of the report's score
-                out.push_back({own + "false_positive_percent", "%", 0});
-                out.push_back({own + "open_loop_false_positive_percent", "%", 0});
-            }
-        }
-        if (!config_.ids->verdicts.empty()) {
-            for (char const* name :
-                 {"false_trips", "false_trips_without", "real_faults", "real_faults_tripped", "false_alarms"}) {
-                out.push_back({prefix + name, "", 0});
-            }
-            out.push_back({prefix + "real_fault_trip_added_ms", "ms", 0});
-        }
-        for (char const* name : {"time_us_p50", "time_us_p99", "time_us_max"}) {
-            out.push_back({prefix + name, "us", 0});
         }
     }
 

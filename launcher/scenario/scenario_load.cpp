@@ -352,6 +352,17 @@ static void settle_step(Scenario& scenario) {
     }
 }
 
+/// What the programs are; the simulator first, because attackers ask for its topics.
+static void settle_programs(Scenario& scenario) {
+    for (bool const simulators : {true, false}) {
+        for (Process const& process : scenario.processes) {
+            if (process.settings != nullptr && (process.program.name == "gridspace-sim") == simulators) {
+                process.settings->settle(scenario, process);
+            }
+        }
+    }
+}
+
 /// `tick_samples: auto` becomes a number, once it is known what the programs are.
 static void settle_tick(Scenario& scenario) {
     bool const readable =
@@ -411,11 +422,7 @@ std::unique_ptr<Scenario> load_scenario(std::filesystem::path const& file, LoadO
     if (scenario->network) {
         settle_step(*scenario);
     }
-    for (Process& process : scenario->processes) {
-        if (process.settings != nullptr) {
-            process.settings->settle(*scenario);
-        }
-    }
+    settle_programs(*scenario);
     settle_tick(*scenario);
     check_scenario(*scenario, diagnostics);
     return diagnostics.ok() ? std::move(scenario) : nullptr;

@@ -3,11 +3,10 @@
 #include "launcher/scenario/wire_programs.hpp"
 
 #include "common/text.hpp"
-#include "gateways/breaker/breaker_config.hpp"
-#include "gateways/first_line/first_line.hpp"
-#include "gateways/mu/mu_config.hpp"
-#include "gateways/port/frame_authentication.hpp"
+#include "gateways/breaker/breaker_declaration.hpp"
+#include "gateways/mu/mu_declaration.hpp"
 #include "gateways/port/wire_config.hpp"
+#include "launcher/scenario/declared_program.hpp"
 #include "launcher/scenario/scenario.hpp"
 #include "launcher/scenario/wire_use.hpp"
 #include "sim/gateway/gateway_config.hpp"
@@ -46,9 +45,10 @@ Node clock_changes(Scenario const& s, Process const& process) {
     return list;
 }
 
-class MergingUnitSettings final : public ProcessSettings {
+class MergingUnitSettings final : public DeclaredSettings {
   public:
-    explicit MergingUnitSettings(Fields& f) { describe(f, config_); }
+    explicit MergingUnitSettings(Fields& f) : DeclaredSettings{gateways::mu_declaration()} { describe(f, config_); }
+    void settle(Scenario const& s, Process const&) override { declare(gateways::declaration(config_, context_of(s))); }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         check_raw_link(s, process, diagnostics);
         Stream const* stream = must_be_stream(s, config_.to, Kind::smv, diagnostics);
@@ -70,31 +70,8 @@ class MergingUnitSettings final : public ProcessSettings {
                               static_cast<int>(config_.to.name.size()));
         }
     }
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
-        std::vector<TopicUse> out;
-        add_signals(out);
-        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
-        return out;
-    }
-    [[nodiscard]] std::vector<TopicUse> reads(Scenario const&, Process const&) const override {
-        return {{config_.from.name, config_.type(), 1, true}};
-    }
-    [[nodiscard]] std::vector<WireUse> sends(Scenario const& s, Process const& process) const override {
-        return {use_of(s, process, config_.to)};
-    }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
-        std::string const prefix = "publisher." + process.name.name + ".";
-        std::vector<SignalUse> out{{prefix + "sent", "", 1}, {prefix + "late", "", 1}, {prefix + "underruns", "", 1}};
-        for (char const* name : {"publish_age_ms", "wire_delay_ms"}) {
-            out.push_back({"stream." + config_.to.name + "." + name, "ms", 0});
-        }
-        add_clock_signals(s, process, config_.ptp, out);
-        return out;
-    }
-    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
-    [[nodiscard]] Rational promises_s(Process const& process) const override { return latency_s(process); }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
-        Node node = wire_process_settings(s, process, {config_.to.name});
+        Node node = DeclaredSettings::settings(s, process);
         node.set("clock_changes", clock_changes(s, process));
         return node;
     }
@@ -104,36 +81,14 @@ class MergingUnitSettings final : public ProcessSettings {
     gateways::MuConfig config_;
 };
 
-class BreakerSettings final : public ProcessSettings {
+class BreakerSettings final : public DeclaredSettings {
   public:
-    explicit BreakerSettings(Fields& f) { describe(f, config_); }
+    explicit BreakerSettings(Fields& f) : DeclaredSettings{gateways::breaker_declaration()} { describe(f, config_); }
+    void settle(Scenario const& s, Process const&) override { declare(gateways::declaration(config_, context_of(s))); }
     void check(Scenario const& s, Process const& process, Diagnostics& diagnostics) override {
         check_raw_link(s, process, diagnostics);
         must_have_member(must_be_stream(s, config_.stream(), Kind::goose, diagnostics), config_.field(), config_.from,
                          true, diagnostics);
-    }
-    [[nodiscard]] std::vector<TopicUse> writes(Scenario const&, Process const&) const override {
-        std::vector<TopicUse> out{{config_.to.name, "TripCommand"}};
-        add_signals(out);
-        out.push_back({"stream_statistics", "StreamStatistics", 1, false, true});
-        return out;
-    }
-    [[nodiscard]] std::vector<WireUse> receives(Scenario const& s, Process const& process) const override {
-        return {use_of(s, process, config_.stream())};
-    }
-    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
-        std::string const prefix = "breaker_ied." + process.name.name + ".";
-        std::vector<SignalUse> out{{prefix + "command", "", 0},
-                                   {prefix + "stream_alive", "", 0},
-                                   {prefix + "commanded_after_ms", "ms", 0},
-                                   {prefix + "effect_ms", "ms", 0}};
-        add_first_line_signals(s, process, config_.first_line, {{config_.stream().name, false}}, out);
-        return out;
-    }
-    [[nodiscard]] Rational latency_s(Process const&) const override { return config_.latency_us / Rational{1'000'000}; }
-    [[nodiscard]] bool works_ahead() const override { return true; }
-    [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
-        return wire_process_settings(s, process, {config_.stream().name});
     }
 
   private:
@@ -142,33 +97,8 @@ class BreakerSettings final : public ProcessSettings {
 
 } // namespace
 
-void add_clock_signals(Scenario const& s, Process const& process, std::optional<ptp::PtpConfig> const& ptp,
-                       std::vector<SignalUse>& out) {
-    if (ptp && s.clock.mode == bus::ClockMode::realtime) { // as ClockFollower makes them
-        std::string const prefix = "clock." + process.name.name + ".";
-        out.push_back({prefix + "smp_synch", "", 0});
-        out.push_back({prefix + "offset_us", "us", 0});
-    }
-}
-
-void add_first_line_signals(Scenario const& s, Process const& process, gateways::FirstLineConfig const& config,
-                            std::vector<std::pair<std::string, bool>> const& streams, std::vector<SignalUse>& out) {
-    if (config.on_finding == gateways::FirstLineConfig::OnFinding::ignore || streams.empty()) {
-        return;
-    }
-    std::string const prefix = "first_line." + process.name.name + ".";
-    out.push_back({prefix + "alarm", "", 0});
-    for (auto const& [stream, sampled_values] : streams) {
-        for (std::string const& name : gateways::first_line_counters(sampled_values)) {
-            out.push_back({prefix + stream + "." + name, "", 1});
-        }
-        Stream const* const declared = streams::find_stream(s.streams, stream);
-        if (declared != nullptr && declared->authentication) {
-            for (std::string const& name : gateways::authenticity_counters()) {
-                out.push_back({prefix + stream + "." + name, "", 1});
-            }
-        }
-    }
+gateways::DeclarationContext context_of(Scenario const& s) {
+    return {s.streams, s.clock.mode == bus::ClockMode::realtime};
 }
 
 void add_signals(std::vector<TopicUse>& topics) {

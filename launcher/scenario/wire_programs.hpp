@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "gateways/first_line/first_line_config.hpp"
-#include "gateways/ptp/ptp_config.hpp"
+#include "gateways/port/declared_signals.hpp"
 #include "launcher/scenario/program.hpp"
 
 #include <memory>
@@ -32,13 +31,8 @@ namespace gridspace::launcher {
 /// The topics on which signals are published.
 void add_signals(std::vector<TopicUse>& topics);
 
-/// Signals of a process that follows a PTP daemon.
-void add_clock_signals(Scenario const& s, Process const& process, std::optional<ptp::PtpConfig> const& ptp,
-                       std::vector<SignalUse>& out);
-
-/// Signals of the first-line rules: of a process's received streams, each with whether it is one of sampled values.
-void add_first_line_signals(Scenario const& s, Process const& process, gateways::FirstLineConfig const& config,
-                            std::vector<std::pair<std::string, bool>> const& streams, std::vector<SignalUse>& out);
+/// What the declarations of programs with raw frames follow from, besides their settings.
+[[nodiscard]] gateways::DeclarationContext context_of(Scenario const& s);
 
 /// Own keys, the port, and the declarations of the streams that the process uses.
 [[nodiscard]] config::Node wire_process_settings(Scenario const& s, Process const& process,

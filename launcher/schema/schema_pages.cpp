@@ -211,14 +211,8 @@ std::string range_text(Key const& key) {
     return join(parts, ", ");
 }
 
-/// A default outside of its own bounds stands for "not given".
 std::string default_text(Key const& key) {
-    bool const number = key.kind == Kind::number || key.kind == Kind::integer;
-    if (key.default_text.empty() || (number && ((key.min && std::stod(key.default_text) < *key.min) ||
-                                                (key.above && std::stod(key.default_text) <= *key.above)))) {
-        return "";
-    }
-    return "`" + cell(key.default_text) + "`";
+    return key.default_text.empty() ? "" : "`" + cell(key.default_text) + "`";
 }
 
 /// A table of keys, then one for each that has keys of its own.
@@ -240,6 +234,20 @@ std::string tables(std::string const& path, Keys const& keys, Keys const& left_o
         }
     }
     return out + nested;
+}
+
+/// " Reads the topic `x` (`Type`). Writes the stream `{to}`."
+std::string exchanges(program::Declaration const& declaration) {
+    std::string out;
+    for (auto const& [verb, topics] : {std::pair{"Reads", &declaration.reads}, {"Writes", &declaration.writes}}) {
+        std::vector<std::string> what;
+        for (program::Topic const& topic : *topics) {
+            what.push_back(topic.is_stream ? fmt::format("the stream `{}`", topic.topic)
+                                           : fmt::format("the topic `{}` (`{}`)", topic.topic, topic.type));
+        }
+        out += what.empty() ? "" : fmt::format(" {} {}.", verb, join(what, ", "));
+    }
+    return out;
 }
 
 } // namespace
@@ -327,7 +335,9 @@ yours. A key whose value is left open here is described where the table says.
            "a program of your own that [says itself](program_description.md) what its keys are.\n";
     for (std::string const& name : program_names()) {
         Keys const keys = program_keys(name);
-        out += fmt::format("\n### `{}`\n{}.\n", name, find_program(name)->description);
+        Program const& program = *find_program(name);
+        out += fmt::format("\n### `{}`\n{}.{}\n", name, program.description,
+                           program.declaration == nullptr ? "" : exchanges(*program.declaration));
         if (!keys.empty()) {
             out += "\n" + tables("", keys);
         }

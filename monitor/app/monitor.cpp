@@ -281,11 +281,13 @@ int main(int argc, char** argv) {
     }
     argc = static_cast<int>(rest.size());
     argv = rest.data();
-    Daemon const daemon{"gridspace-monitor",
-                        "shows a run in a browser, and to programs over REST",
+    program::Declaration const declaration = monitor::monitor_declaration();
+    Daemon const daemon{declaration.name,
+                        declaration.description,
                         [&](config::Fields& f) { describe(f, config); },
                         {},
                         [&](DaemonRun& run) { return monitor::serve(config, run); },
-                        false};
+                        false,
+                        monitor::monitor_declaration};
     return run_daemon(daemon, argc, argv);
 }

@@ -48,15 +48,10 @@ void describe_run(config::Fields& f, RunPlan& run) {
 } // namespace
 
 void describe(config::Fields& f, MonitorConfig& config) {
-    f.text("listen", config.listen, {.doc = "address and port, when no socket is handed over"});
+    describe(f, static_cast<AccessConfig&>(config));
     f.file("recording", config.recording, {.doc = "the recording of a finished run, which is shown instead of a bus"});
     f.file("control_token", config.control_token,
            {.doc = "file with the secret of whoever may control the run; written by `gridspace run --allow-control`"});
-    f.references("allow_hosts", config.allow_hosts, {.doc = "names beyond localhost under which it may be reached"});
-    f.file("token_file", config.token_file, {.doc = "file with the secret of whoever may look at the run"});
-    f.file("tls_cert", config.tls_cert, {.doc = "certificate (PEM), with those that vouch for it"});
-    f.file("tls_key", config.tls_key, {.doc = "its key (PEM)"});
-    f.file("idl", config.idl, {.doc = "IDL of foreign types, which nobody publishes on type_catalog"});
     f.list("types", {.doc = "types of the scenario's own programs; filled in by `gridspace run`"},
            [&](config::Fields& t) {
                std::string name;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/config/fields.hpp"
+#include "monitor/app/access_config.hpp"
 #include "monitor/diagram/grid.hpp"
 
 #include <filesystem>
@@ -42,14 +42,9 @@ struct RunPlan : diagram::Grid {
 };
 
 /// Settings of gridspace-monitor.
-struct MonitorConfig {
-    std::filesystem::path recording;      ///< data.mcap of a finished run; then no bus is joined
-    std::string listen{"127.0.0.1:0"};    ///< when no socket is handed over
-    std::filesystem::path control_token;  ///< file with the secret of whoever may control the run; none: nobody may
-    std::vector<config::Ref> allow_hosts; ///< names beyond those of this machine under which it may be reached
-    std::filesystem::path token_file;     ///< file with the secret of whoever may look; none: everybody of this machine
-    std::filesystem::path tls_cert, tls_key;
-    std::filesystem::path idl;                          ///< of foreign types
+struct MonitorConfig : AccessConfig {
+    std::filesystem::path recording;     ///< data.mcap of a finished run; then no bus is joined
+    std::filesystem::path control_token; ///< file with the secret of whoever may control the run; none: nobody may
     std::map<std::string, std::filesystem::path> types; ///< the IDL of the types of the scenario's own programs
     RunPlan run;
 };

@@ -354,8 +354,9 @@ class RecorderShell {
 int main(int argc, char** argv) {
     using namespace gridspace;
     recorder::RecorderConfig config;
-    Daemon const daemon{"gridspace-recorder",
-                        "records every sample of a run",
+    program::Declaration const declaration = recorder::recorder_declaration();
+    Daemon const daemon{declaration.name,
+                        declaration.description,
                         [&](config::Fields& f) { describe(f, config); },
                         {},
                         [&](DaemonRun& run) -> Result<void> {
@@ -366,6 +367,8 @@ int main(int argc, char** argv) {
                             return run_on_bus(run, [&](bus::Node& node) -> Result<void> {
                                 return recorder::RecorderShell{config, node, run.status, std::move(*file)}.run();
                             });
-                        }};
+                        },
+                        true,
+                        recorder::recorder_declaration};
     return run_daemon(daemon, argc, argv);
 }

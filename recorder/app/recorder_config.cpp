@@ -4,6 +4,20 @@
 
 namespace gridspace::recorder {
 
+void describe_own(config::Fields& f, RecorderConfig& config) {
+    f.flag("compress", config.compress, {.doc = "compress the recording (zstd) and the capture (gzip)"});
+}
+
+program::Declaration recorder_declaration() {
+    return {.name = "gridspace-recorder",
+            .description = "records every sample and every frame of a run",
+            .role = "recorder",
+            .settings = config::keys_of([](config::Fields& f) {
+                RecorderConfig any;
+                describe_own(f, any);
+            })};
+}
+
 void describe(config::Fields& f, RecorderConfig& config) {
     f.file("file", config.file, {.doc = "the recording (MCAP)"});
     f.map("topics", {.doc = "topics to record; filled in by `gridspace run` with all of the scenario"},
@@ -32,7 +46,7 @@ void describe(config::Fields& f, RecorderConfig& config) {
             config.capture.ports.push_back(std::move(port));
         });
     });
-    f.flag("compress", config.compress, {.doc = "compress chunks with zstd"});
+    describe_own(f, config);
 }
 
 } // namespace gridspace::recorder

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/config/fields.hpp"
+#include "common/program/declaration.hpp"
 
 #include <filesystem>
 #include <string>
@@ -40,6 +41,11 @@ struct RecorderConfig {
     CaptureConfig capture;
 };
 
+/// Its configuration file.
 void describe(config::Fields& f, RecorderConfig& config);
+
+/// What a scenario may say about it; the rest is filled in by `gridspace run`.
+void describe_own(config::Fields& f, RecorderConfig& config);
+[[nodiscard]] program::Declaration recorder_declaration();
 
 } // namespace gridspace::recorder

@@ -13,6 +13,7 @@ import itertools, random, socket, sys, time
 source, most = bytes.fromhex(sys.argv[1]), int(sys.argv[2])
 port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
 port.bind(("process_bus", 0))
+print("listening", flush=True)
 noise = random.Random(1)
 sent = 0
 for n in itertools.count():
@@ -34,6 +35,7 @@ import socket, sys, time
 source, most = bytes.fromhex(sys.argv[1]), int(sys.argv[2])
 port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
 port.bind(("process_bus", 0))
+print("listening", flush=True)
 frames = [bytes.fromhex("010ccd040021") + source + kind + bytes([n]) * 50 for n in range(256) for kind in (b"\\x88\\xba", b"\\x88\\xb8")]
 for n in range(most):
     try:
@@ -49,6 +51,7 @@ import socket, sys
 source, keep = bytes.fromhex(sys.argv[1]), sys.argv[2] == "1"
 port = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(3))
 port.bind(("process_bus", 0))
+print("listening", flush=True)
 while True:
     frame, where = port.recvfrom(2048)
     if where[2] == socket.PACKET_OUTGOING or frame[12:14] not in (b"\\x88\\xba", b"\\x88\\xb8", b"\\x81\\x00"):
@@ -65,7 +68,11 @@ extends: base.yaml
 name: strangers
 hosts: {{evil: {{links: [process_bus]}}}}
 processes:
-  stranger: {{program: exec, host: evil, command: [python3, {script}, "{source}", "{frames}"]}}
+  stranger:
+    program: exec
+    host: evil
+    command: [python3, {script}, "{source}", "{frames}"]
+    ready: {{says: listening, within_s: 60}}
 """
 FOREIGN = "020000000099"
 
