@@ -17,7 +17,7 @@
 
 namespace gridspace::timebox {
 
-/// What socket(2) and accept4(2) take beside the kind.
+/// What socket(2) and accept4(2) take in addition to the kind.
 inline constexpr std::uint64_t kSocketFlags = SOCK_CLOEXEC | SOCK_NONBLOCK;
 
 /// What each call means in simulated time. The threads stand still while it looks at them.

@@ -50,7 +50,7 @@ pid_t fork_sibling() {
     for (int const signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
         ::signal(signal, SIG_IGN); // of a terminal: the program decides
     }
-    // Whoever looks by number into /proc finds the box's processes. Where /proc may not be mounted, those of the
+    // A program that looks by number into /proc finds the box's processes. Where /proc may not be mounted, those of the
     // machine, and /proc/self is right all the same.
     ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
     ::mount("proc", "/proc", "proc", MS_NOSUID | MS_NODEV | MS_NOEXEC, nullptr);

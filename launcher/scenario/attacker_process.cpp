@@ -194,7 +194,7 @@ class AttackerProcess final : public ProcessSettings {
         return out;
     }
 
-    /// What is listened to beside a publisher is what is sent there.
+    /// A second publisher listens to what it sends.
     [[nodiscard]] static std::vector<WireUse> wires(Scenario const& s, Process const& process) {
         std::vector<WireUse> out;
         for (AttackConfig const* a : attacks_of(s, process)) {

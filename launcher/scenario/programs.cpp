@@ -216,7 +216,7 @@ class RecorderSettings final : public ProcessSettings {
     }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = Node::map();
-        node.set("file", Node::scalar("../data.mcap")); // beside the folder of the process files
+        node.set("file", Node::scalar("../data.mcap")); // next to the folder of the process files
         node.set("compress", Node::scalar(compress_ ? "true" : "false"));
         Node topics = Node::map();
         auto const idl = own_types(s);

@@ -127,7 +127,7 @@ class RecorderShell {
         }
     }
 
-    /// Real time: the others hear of the end when this process does, say their last counters then, and leave. Whoever
+    /// Real time: the others learn of the end when this process does, publish their last counters, and leave. One that
     /// is still there after five seconds is named.
     Result<void> take_last_words() {
         constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20};

@@ -13,7 +13,7 @@
 namespace gridspace::sim {
 
 /// What the chargers of some EVs were told last, and how long it holds: decisions in, commands to the simulation out.
-/// Whoever sent a decision may be anybody's program: nothing of it reaches a solver unchecked.
+/// A decision may come from any program: nothing of it reaches a solver unchecked.
 class ChargingOrders {
   public:
     ChargingOrders(TimeBase base, std::vector<std::string> const& evs);

@@ -38,7 +38,7 @@ function digitsOf(step: number): number {
   return digits;
 }
 
-/** What a picture shows beside the signals: names and dashes of its lines, marks at instants. */
+/** What a picture shows in addition to the signals: names and dashes of its lines, marks at instants. */
 export interface Look { label?: (name: string) => string; dash?: (name: string) => number[] | undefined; marks?: number[] }
 
 function create(node: HTMLElement, d: Drawn, height: number, pattern: string, look: () => Look): uPlot {

@@ -10,7 +10,7 @@ const kId = "flows";
 
 export interface Flow { branch: Branch; i: (number | undefined)[]; p?: number; q?: number } // A; kW and kvar into the branch
 
-/** Where a branch is measured: phases of a current and of the voltage beside it, and powers where somebody tells them. */
+/** Where a branch is measured: phases of a current and of the voltage there, and powers if they are published. */
 interface Meter { branch: Branch; i: string[]; v: string[]; p?: string; q?: string }
 
 function meters(net: Network, told: Set<string>): Meter[] {
