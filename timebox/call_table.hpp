@@ -75,7 +75,7 @@ class CallTable {
     Next timer(Thread& t);
     Next option(Thread& t);
     void remember_receive_timeout(Thread const& t);
-    /// As it was asked for: what the kernel tells is rounded to its ticks, which differ from machine to machine.
+    /// As it was asked for: what the kernel returns is rounded to its ticks, which differ from machine to machine.
     [[nodiscard]] std::optional<std::int64_t> exact_receive_timeout_ns(UniqueFd const& file) const;
     Next packet(Thread& t);
     Next new_socket(Thread& t);

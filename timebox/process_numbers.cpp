@@ -44,7 +44,7 @@ pid_t fork_sibling() {
     return static_cast<pid_t>(::syscall(SYS_clone, CLONE_PARENT | SIGCHLD, nullptr, nullptr, nullptr, nullptr));
 }
 
-/// Number 1. `ready`: told when the program may begin.
+/// Number 1. `ready`: signalled when the program may begin.
 [[noreturn]] void keep(int life, int ready) {
     ::signal(SIGCHLD, SIG_IGN); // orphans are not waited for
     for (int const signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {

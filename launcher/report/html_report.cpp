@@ -167,7 +167,7 @@ ReportTable stranger_table(Results const& r) {
     return t;
 }
 
-constexpr std::size_t kFewEvents = 12, kStoryFigures = 4; // what tells the story stands before the tables
+constexpr std::size_t kFewEvents = 12, kStoryFigures = 4; // the first figures come before the tables
 
 /// The drawings, one after the other; also as files. `data`: what the page's script needs of them.
 Result<std::vector<std::string>> drawings(Results const& r, std::vector<Figure> figures, std::string& data) {

@@ -66,7 +66,7 @@ struct Snapshot {
     std::vector<Endpoint> endpoints;
 };
 
-/// Who is in the domains, kept up to date from what discovery tells. Pure: no DDS, no lock.
+/// Who is in the domains, kept up to date by discovery. Pure: no DDS, no lock.
 class GraphModel {
   public:
     static constexpr std::size_t kMaxEndpoints = 8192; ///< who comes first stays

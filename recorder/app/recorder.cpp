@@ -59,7 +59,7 @@ class RecorderShell {
         Result<void> result = record();
         if (!result) {
             for (auto const& closed : {frames_ ? close_capture() : Result<void>{}, file_.close()}) {
-                if (!closed) { // after a failed write nothing more is written, and the first error tells why
+                if (!closed) { // after a failed write nothing more is written, and the first error says why
                     log::warning("the recording is not complete: {}", closed.error().message);
                 }
             }

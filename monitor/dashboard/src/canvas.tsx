@@ -68,7 +68,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
       ...d.series.map((s, i) => ({
         label: look().label?.(s.name) ?? short(s.name), stroke: colours[drawing[i].colour], width: 1.5, spanGaps: true,
         dash: look().dash?.(s.name) ?? kDashes[Math.min(drawing[i].dash, kDashes.length - 1)], points: { show: false },
-        paths: s.steps ? uPlot.paths.stepped!({ align: 1 }) : undefined, // what is told when it changes holds until then
+        paths: s.steps ? uPlot.paths.stepped!({ align: 1 }) : undefined, // published on change: holds until then
         value: (u: uPlot, v: number | null) => (v === null || v === undefined ? "" : `${within(v, u.scales.y.max! - u.scales.y.min!)} ${s.unit}`),
       })),
     ],

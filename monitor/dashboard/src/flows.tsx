@@ -1,5 +1,5 @@
 // Flows into the branches at their begin, by the last cycle: of waveforms r.m.s. currents and powers are made here, from what is measured;
-// of phasors they are told.
+// of phasors they are published.
 import { useEffect } from "preact/hooks";
 import { ask, drawn, forget, network, run, signals, values, type Branch, type Network, type Series } from "./model";
 import { fixed } from "./text";
