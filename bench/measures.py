@@ -75,7 +75,7 @@ def codec(build: Build) -> Iterator[Figure]:
 
 
 def forecaster(build: Build) -> Iterator[Figure]:
-    """Nanoseconds of processor time for the forecast of one phase-sample, beside a plain loop over 20 samples."""
+    """Nanoseconds of processor time for the forecast of one phase-sample, and of a plain loop over 20 samples."""
     aims = {"ar_20": 35, "mlp_20_10_1": 200}
     found = {one["name"]: one["cpu_time"] / one["channels"]
              for one in json.loads(build.output("bench/bench_forecaster", "--benchmark_format=json", "--benchmark_min_time=0.2"))["benchmarks"]}
@@ -84,14 +84,14 @@ def forecaster(build: Build) -> Iterator[Figure]:
 
 
 def wire(build: Build) -> Iterator[Figure]:
-    """Frames over a virtual cable, beside bare packet sockets."""
+    """Frames over a virtual cable, compared with bare packet sockets."""
     found = json.loads(build.output("bench/bench_wire_frames"))
     yield Figure("one_way_p50", "a frame from sender to receiver, p50", found["one_way_us"]["p50"], "us", False, found["bare_one_way_us"]["p50"], "bare packet sockets")
     yield Figure("batch", "frames sent in batches", found["send_batch_per_s"], "frames/s", True, found["send_single_per_s"], "one by one")
 
 
 def streams(build: Build) -> Iterator[Figure]:
-    """Many streams at once over a virtual cable, beside bare packet sockets that send and count equal frames."""
+    """Many streams at once over a virtual cable, compared with bare packet sockets that send and count equal frames."""
     bare_what = "bare packet sockets"
     for name, found in json.loads(build.output("bench/bench_wire_streams", "--seconds", "5")).items():
         ours, bare = found["ours"], found["bare"]
@@ -103,7 +103,7 @@ def streams(build: Build) -> Iterator[Figure]:
 
 
 def lockstep(build: Build) -> Iterator[Figure]:
-    """Steps a second of the whole contract, beside bare Fast DDS ping-pong of the same shape."""
+    """Steps a second of the whole contract, compared with a bare Fast DDS ping-pong of the same shape."""
     aims = {1: 1.0, 4: 0.9, 16: 0.8, 50: 0.8}
     rows = re.findall(r"^ +(\d+) +(\d+) \(.*?\) +(\d+) \(.*?\) +(\d+) \(", build.output("bench/bench_lockstep", *map(str, aims)), re.MULTILINE)
     for members, shared, contract, bare in rows:
@@ -161,7 +161,7 @@ def start(build: Build) -> Iterator[Figure]:
 
 
 def real_time(build: Build) -> Iterator[Figure]:
-    """Case 2 in real time, 8 s, beside what the machine itself can do."""
+    """Case 2 in real time, 8 s, compared with what the machine itself can do."""
     summary, _, _ = build.run("configs/scenarios/protection.yaml")
     yield Figure("overruns", "case 2 in real time: late ticks", summary["overruns"], "ticks", False, aim=10 * summary["simulated_s"] / 60)
     yield Figure("late_p99", "a tick is late by, p99", summary["ticks"]["p99_us"], "us", False)
@@ -175,7 +175,7 @@ def real_time(build: Build) -> Iterator[Figure]:
 
 
 def python_agent(build: Build) -> Iterator[Figure]:
-    """A tick of an agent in Python, beside the same in C++."""
+    """A tick of an agent in Python, compared with the same in C++."""
     text = subprocess.run([sys.executable, "bench/python/bench_python.py", "1"], capture_output=True, text=True, cwd=ROOT, timeout=LONGEST_S,
                           env={**os.environ, "GRIDSPACE_BIN_DIR": str(build.folder / "bin")})
     found = re.search(r"C\+\+ \d+ us of processor time \((-?\d+) us of wall time\), of Python \d+ \((-?\d+)\)", text.stdout)
@@ -185,7 +185,7 @@ def python_agent(build: Build) -> Iterator[Figure]:
 
 
 def simulated_time(build: Build) -> Iterator[Figure]:
-    """A call that is held in simulated time, beside the same in real time."""
+    """A call that is intercepted in simulated time, compared with the same in real time."""
     for call, real, held in re.findall(r"^(\w+) +([\d.]+) +([\d.]+)$", build.output("bench/bench_timebox"), re.MULTILINE):
         yield Figure(call, "the kernel's bare stop, below which no held call can be" if call == "stop" else f"a held {call}", float(held), "us", False, float(real), "real time")
 

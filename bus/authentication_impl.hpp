@@ -18,7 +18,7 @@
 namespace gridspace::bus {
 
 /// On a secured bus: who has announced himself, and who has shown who he is. Only who has done both is here for the
-/// rest of a process. The library tells the two in any order, from several threads.
+/// rest of a process. The library reports the two in any order, from several threads.
 class Authentication {
   public:
     struct Waiting {
@@ -45,7 +45,7 @@ class Authentication {
         auto const found = waiting_.extract(prefix);
         return found.empty() ? std::nullopt : std::optional{found.mapped()};
     }
-    /// He could not: what to tell about it, once.
+    /// It could not: what to report about it, once.
     std::optional<std::string> refused(rtps::GuidPrefix_t const& prefix) {
         std::lock_guard const lock{mutex_};
         if (told_.size() >= kMostTold || !told_.insert(prefix).second) {

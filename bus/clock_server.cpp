@@ -146,7 +146,7 @@ struct ClockServer::State {
         return out;
     }
 
-    /// The clock sample that tells a new incarnation of `process` where to count from. Under the mutex.
+    /// The clock sample with the start of the counts for a new incarnation of `process`. Under the mutex.
     void hold(std::string const& process) {
         clock.tick(next_tick - 1);
         clock.time_ns(core.base.nanoseconds(core.latest_time));
@@ -321,7 +321,7 @@ Result<void> ClockServer::tick(SimTime time, bool final) {
     core.fill_ledger(s.clock.ledger());
     bool accepted = true;
     if (core.board != nullptr) {
-        core.together.reset(); // what belongs to the tick is on its way before anybody is told
+        core.together.reset(); // all data of the tick is sent before the clock
         accepted = s.post_clock(time);
     }
     if (core.board == nullptr || core.show_to_others(final)) {

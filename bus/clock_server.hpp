@@ -35,7 +35,7 @@ class ClockServer {
     void drop(std::string const& process);
     void rejoin(std::string const& process);
 
-    /// Tells the members that the run is over before its end.
+    /// Informs the members that the run is over before its end.
     void abort();
 
     [[nodiscard]] std::uint64_t ticks() const;

@@ -38,7 +38,7 @@ class ClockWatch {
     /// Who has the sender's own clock and seems to be ahead of it is only late: the machine is busy.
     static bool is_lateness(std::int64_t ahead_ns) { return ahead_ns > 0 && ahead_ns < kTolerableLateness; }
 
-    /// How far this machine's clock is ahead of a sender's, when enough of its samples have said so. To be told when
+    /// How far this machine's clock is ahead of a sender's, when enough of its samples have said so. To be called when
     /// each sample was sent and when it came.
     std::optional<std::int64_t> offset(std::int64_t sent_ns, std::int64_t arrived_ns) {
         // What was kept for a late joiner, or held up, comes in a burst: quicker than it was sent.

@@ -441,7 +441,7 @@ Result<void> run_on_bus(DaemonRun& run, std::function<Result<void>(bus::Node&)> 
     auto result = body(**node);
     run.on_stop({});
     if (!result && result.error().code != ExitCode::interrupted) {
-        run.status.failed(result.error()); // before its farewell on the bus ends the others, who would be blamed
+        run.status.failed(result.error()); // before its dispose on the bus ends the others, which would be blamed
     }
     tell_of_strangers(**node, run.status);
     return result;

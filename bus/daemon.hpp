@@ -19,7 +19,7 @@
 
 namespace gridspace {
 
-/// Tells whoever started the process what it is doing, as JSON lines on a file descriptor (the launcher's pipe).
+/// Reports what the process is doing, as JSON lines on a file descriptor (the launcher's pipe).
 /// Without one it does nothing. It never waits for who reads them: what does not go at once goes with the next line, of
 /// progress only the newest. Thread-safe.
 class StatusReporter {

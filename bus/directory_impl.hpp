@@ -16,7 +16,7 @@ namespace gridspace::bus {
 
 namespace rtps = eprosima::fastrtps::rtps;
 
-/// Who is behind a GUID prefix; and tells the owner about changes. Shared by the listeners of a participant.
+/// The process of a GUID prefix; informs the owner about changes. Shared by the listeners of a participant.
 class Directory {
   public:
     std::uint32_t index_of(rtps::GuidPrefix_t const& prefix) {

@@ -51,8 +51,8 @@ struct DiscoveredEndpoint {
     EndpointQos qos;
 };
 
-/// Is told what appears in a domain and what leaves it, on threads of DDS: must not block, and must not make readers or
-/// writers.
+/// Called for what appears in a domain and what leaves it, on threads of DDS: must not block, and must not make readers
+/// or writers.
 class DiscoveryObserver {
   public:
     virtual ~DiscoveryObserver() = default;

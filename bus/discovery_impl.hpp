@@ -11,7 +11,7 @@
 
 namespace gridspace::bus {
 
-/// What Fast DDS tells of others, in our terms.
+/// What Fast DDS reports about others, in our terms.
 [[nodiscard]] std::string id_of(eprosima::fastrtps::rtps::GuidPrefix_t const& prefix);
 [[nodiscard]] std::string id_of(eprosima::fastrtps::rtps::GUID_t const& guid);
 [[nodiscard]] std::vector<std::string> addresses_of(eprosima::fastrtps::rtps::ParticipantProxyData const& data);

@@ -11,7 +11,7 @@
 
 namespace gridspace::bus {
 
-/// Fast DDS passes samples as void*; this first member tells which of the two it is.
+/// Fast DDS passes samples as void*; this first member shows which of the two it is.
 enum class Direction : std::uint8_t { outgoing, incoming };
 
 /// What a writer hands to Fast DDS: a sample with the codec that encodes it, or ready CDR.

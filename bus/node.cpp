@@ -166,8 +166,8 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
 Node::Node(std::unique_ptr<Core> core) : core_{std::move(core)} {}
 
 Node::~Node() {
-    core_->together.reset(); // the farewell must not stay behind: others would wait for the lease to run out
-    // Endpoints first: their listeners use the core. A graceful end tells the others that this process is gone.
+    core_->together.reset(); // the dispose must not stay behind: others would wait for the lease to run out
+    // Endpoints first: their listeners use the core. An orderly end informs the others that this process is gone.
     core_->clock_reader.reset();
     core_->ack_reader.reset();
     for (auto& reader : core_->readers) {

@@ -161,7 +161,7 @@ struct Node::Core {
     std::uint64_t input_generation{0};
     std::uint64_t input_taken{0};
     SimTime latest_time;
-    /// Real time: the clock is not told at every tick; between its samples time goes on at the pace of the run so
+    /// Real time: the clock is not published at every tick; between its samples time goes on at the pace of the run so
     /// far.
     struct Pace {
         std::chrono::steady_clock::time_point first_arrived, last_arrived;

@@ -205,7 +205,7 @@ void Node::Core::take_clock(std::span<std::byte const> cdr, SampleHeader const& 
     }
     std::size_t const simulator = book->process_index(config.clock.simulator);
     if (simulator != lockstep::LedgerBook::kUnknown && (lockstep() || clock.state() == CLOCK_FINAL)) {
-        take_ledger(simulator, 0, clock.ledger()); // in real time it only tells what was lost
+        take_ledger(simulator, 0, clock.ledger()); // in real time it only shows what was lost
     }
     if (clock.state() == CLOCK_HELD) {
         for (auto& [network, roster] : rosters) {

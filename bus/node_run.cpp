@@ -168,7 +168,7 @@ bool Node::Core::acknowledge(std::uint64_t tick, std::uint64_t next_tick_needed,
     if (board == nullptr || next_tick_needed == 0) {
         return ack_writer->write(&ack, source_ns(time));
     }
-    together.reset(); // what belongs to the tick is on its way before anybody is told
+    together.reset(); // all data of the tick is sent before the acknowledgement
     bool accepted = post(ack, source_ns(time), tick);
     for (std::size_t const place : board_rung) {
         board->ring(place);

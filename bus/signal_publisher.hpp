@@ -37,7 +37,7 @@ class SignalPublisher {
            std::map<std::string, std::vector<std::string>, std::less<>> const& values);
     ~SignalPublisher();
 
-    /// After Node::start: tells the columns.
+    /// After Node::start: publishes the columns.
     void announce(SimTime now);
     /// One row: a value per column.
     void row(SimTime time, std::span<double const> values);

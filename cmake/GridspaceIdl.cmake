@@ -39,7 +39,7 @@ function(gridspace_idl_library name)
   target_compile_options(gridspace_${name} PRIVATE -w)
 endfunction()
 
-# gridspace_codecs(OUT a.idl b.idl ...): the sources that tell the bus of the types in these files (bus/codec.hpp): their codecs, and the
+# gridspace_codecs(OUT a.idl b.idl ...): the sources that register the types of these files (bus/codec.hpp): their codecs, and the
 # registry of all. A topic type is a structure that is no member of another one. Types of ours are in no module.
 function(gridspace_codecs out)
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/types")

@@ -144,7 +144,7 @@ endfunction()
 
 add_custom_target(unit_tests) # builds the test programs with the label unit, and what they need
 # gridspace_test(NAME SOURCES ... [APART ...] [PRIVATE deps ...] [LABELS l ...] [TIMEOUT seconds] [PARTS n] [ALONE]): GoogleTest cases, one
-# CTest test each. ALONE: they measure time, so nothing runs beside them. PARTS: they take so long that they run in so many parts at once.
+# CTest test each. ALONE: they measure time, so nothing else runs meanwhile. PARTS: they take so long that they run in so many parts at once.
 function(gridspace_test name)
   cmake_parse_arguments(arg "ALONE" "TIMEOUT;PARTS" "SOURCES;APART;PRIVATE;LABELS" ${ARGN})
   if(NOT arg_LABELS)

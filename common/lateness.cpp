@@ -8,7 +8,7 @@
 
 namespace gridspace {
 
-/// Below kParts each nanosecond is a class; above, the three bits behind the leading one tell the part of the octave.
+/// Below kParts each nanosecond is a class; above, the three bits after the leading one give the part of the octave.
 std::size_t Lateness::class_of(std::uint64_t ns) {
     if (ns < kParts) {
         return static_cast<std::size_t>(ns);

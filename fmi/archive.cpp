@@ -65,7 +65,7 @@ std::optional<std::string_view> refuse_name(std::string_view name) {
     }
 }
 
-/// Why an entry is not taken, beside its name.
+/// Why an entry is not taken, apart from its name.
 std::optional<std::string> refuse_entry(unz_file_info64 const& info) {
     constexpr uLong kStored = 0, kDeflated = 8, kEncrypted = 1, kUnix = 3;
     if ((info.flag & kEncrypted) != 0) {

@@ -9,8 +9,8 @@
 
 namespace gridspace::fmi {
 
-/// Calls into an FMU: the host is told of each, the floating-point environment is as before after it, and what a call
-/// says becomes a result.
+/// Calls into an FMU: the host is notified of each, the floating-point environment is as before after it, and what a
+/// call says becomes a result.
 class Calls {
   public:
     Calls(std::string fmu, Host& host) : fmu_{std::move(fmu)}, host_{host} {}

@@ -18,7 +18,7 @@ namespace gridspace::fmi {
 /// Floats are double; integers and enumerations keep their sign.
 using Value = std::variant<double, std::int64_t, std::uint64_t, bool, std::string>;
 
-/// Who runs an instance: is told of each call before and after it, and what the FMU has to say.
+/// The host of an instance: notified of each call before and after it, and of the FMU's messages.
 class Host {
   public:
     virtual ~Host() = default;

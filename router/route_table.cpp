@@ -74,7 +74,7 @@ void RouteTable::participant_gone(std::string const& id) {
 void RouteTable::endpoint_found(std::size_t end, bus::DiscoveredEndpoint const& endpoint) {
     auto const program = programs_.find(endpoint.participant);
     if (!endpoint.writer || program == programs_.end()) {
-        return; // others are told of before their endpoints: this one is our own
+        return; // others are reported before their endpoints: this one is our own
     }
     auto const topic = std::find_if(config_.topics.begin(), config_.topics.end(),
                                     [&](TopicConfig const& t) { return t.name == endpoint.topic; });

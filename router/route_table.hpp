@@ -34,7 +34,7 @@ class RouteTable {
   public:
     explicit RouteTable(RouterConfig const& config);
 
-    /// A participant other than this router's own. Its endpoints are told of after it.
+    /// A participant other than this router's own. Its endpoints are reported after it.
     void participant_found(std::size_t end, std::string const& id, std::string const& program);
     void participant_gone(std::string const& id);
     void endpoint_found(std::size_t end, bus::DiscoveredEndpoint const& endpoint);

@@ -9,7 +9,7 @@
 
 namespace gridspace::router {
 
-/// Is told what the router does, for people and for programs.
+/// Called with what the router does, for people and for programs.
 class Reporter {
   public:
     virtual ~Reporter() = default;

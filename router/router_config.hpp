@@ -43,7 +43,7 @@ struct RouterConfig {
 
 void describe(config::Fields& f, RouterConfig& config);
 
-/// Fills in the networks of the run, from what `gridspace run` tells a `program: exec` by `variable` (std::getenv).
+/// Fills in the networks of the run, from what `gridspace run` gives a `program: exec` by `variable` (std::getenv).
 /// Fails where no run has started this.
 [[nodiscard]] Result<void> take_run_networks(RouterConfig& config,
                                              std::function<char const*(char const*)> const& variable);

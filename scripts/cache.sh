@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 #
-# What is fetched once for all clones of a user: packages of npm and of Debian's ARM64. Sourced by the scripts beside this file.
+# What is fetched once for all clones of a user: packages of npm and of Debian's ARM64. Sourced by the scripts in this folder.
 
 # The folder of the cache. GRIDSPACE_CACHE moves it; without a home folder it is in the build folder.
 gridspace_cache() {

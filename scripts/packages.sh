@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 #
-# Debian packages by group, and their installation. Sourced by ./gridspace and the scripts beside this file.
+# Debian packages by group, and their installation. Sourced by ./gridspace and the scripts in this folder.
 
 # What each group is for, and its packages. `command|package` asks for a command and installs the package only where it is missing,
 # so that a newer Node.js or a compiler from elsewhere counts.

@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # ./gridspace test [--all | --long] [--only TIER]: what a contributor runs before a change, what CI runs, and what takes hours.
-# Every tier runs even when an earlier one failed; the table at the end tells all.
+# Every tier runs even when an earlier one failed; the table at the end shows all.
 set -uo pipefail
 root=$(dirname "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")")
 # shellcheck source=scripts/packages.sh

@@ -63,7 +63,7 @@ class AgentMember : public bus::Member {
     void fail_with(Error error); ///< what run_member returns when the callback has
     /// What its callback `end` has failed with.
     [[nodiscard]] Result<void> outcome() const { return failure_ ? std::unexpected{*failure_} : Result<void>{}; }
-    /// The program was told why something was not done: what is said of a callback that fails without a word.
+    /// The last error given to the program: the message of a callback that fails without one.
     void refused(std::string why) { refused_ = std::move(why); }
 
   private:

@@ -12,7 +12,7 @@
 
 namespace gridspace::sdk {
 
-/// `settings` (a map that has been checked), and beside what it gives the defaults of `keys`.
+/// `settings` (a map that has been checked), and besides what it gives the defaults of `keys`.
 [[nodiscard]] config::Node with_defaults(config::Node const& settings, std::vector<config::Key> const& keys);
 
 /// A scalar by its path, "limits.low"; nothing where there is none.

@@ -41,7 +41,7 @@ class StreamEnds {
     void write(std::size_t stream, std::span<std::byte const> cdr, SimTime now);
     /// Sends what is due before `now`: what is written at `now` comes first.
     void send_before(SimTime now);
-    /// The end of a tick: sends what is due, and tells its statistics.
+    /// The end of a tick: sends what is due, and publishes its statistics.
     void finish(bus::Tick const& tick);
     /// In lockstep, the simulated time at which something is due; and in real time, when.
     [[nodiscard]] std::optional<SimTime> next() const;

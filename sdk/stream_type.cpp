@@ -60,7 +60,7 @@ class Maker {
         out_.mapping.fields = Node::map();
         member("long long", "time_ns");
     }
-    /// What a stream says beside its data set.
+    /// What a stream has in addition to its data set.
     void own(std::string_view type, std::string const& name) {
         member(type, name);
         out_.mapping.fields.set(name, Node::map()).set("from", Node::quoted_text("$" + name));

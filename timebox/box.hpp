@@ -28,7 +28,7 @@ struct BoxOptions {
     /// The only network that it has: its packet sockets are served from here. Without one they are the kernel's, and
     /// what comes from outside comes when it comes.
     std::optional<PacketLink> link;
-    std::optional<DoorOptions> door;                                ///< a program of ours beside it
+    std::optional<DoorOptions> door;                                ///< a program of ours next to it
     std::vector<std::pair<std::string, std::string>> environment{}; ///< where it is not set otherwise
     bool looks_in_program{true}; ///< looks at the clock are answered there, as long as it makes no difference
     /// Looked at some times per second: it shall end.

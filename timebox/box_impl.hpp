@@ -42,7 +42,7 @@ struct Box::Impl {
     [[nodiscard]] std::int64_t last_look_ns();
     void let_go(Thread& t);
 
-    /// The program has ended; its host goes on: what it has closed is told to others, and who calls is answered.
+    /// The program has ended; its host goes on: others are informed of what it has closed, and calls are answered.
     void run_network();
 
     // events.cpp

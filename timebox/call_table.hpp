@@ -17,7 +17,7 @@
 
 namespace gridspace::timebox {
 
-/// What socket(2) and accept4(2) take beside the kind.
+/// What socket(2) and accept4(2) take in addition to the kind.
 inline constexpr std::uint64_t kSocketFlags = SOCK_CLOEXEC | SOCK_NONBLOCK;
 
 /// What each call means in simulated time. The threads stand still while it looks at them.
@@ -75,7 +75,7 @@ class CallTable {
     Next timer(Thread& t);
     Next option(Thread& t);
     void remember_receive_timeout(Thread const& t);
-    /// As it was asked for: what the kernel tells is rounded to its ticks, which differ from machine to machine.
+    /// As it was asked for: what the kernel returns is rounded to its ticks, which differ from machine to machine.
     [[nodiscard]] std::optional<std::int64_t> exact_receive_timeout_ns(UniqueFd const& file) const;
     Next packet(Thread& t);
     Next new_socket(Thread& t);

@@ -15,7 +15,7 @@
 
 namespace gridspace::timebox {
 
-/// A program of ours in a box, beside the one that the box is for, and what it exchanges with whoever holds the box.
+/// A program of ours in a box, next to the one that the box is for, and what it exchanges with the box's owner.
 struct DoorOptions {
     std::vector<std::string> command; ///< it finds the other end of the channel at kDoorFd
     /// A message of the door's, and the simulated time at which it has sent it.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the threads of a box do, as ptrace(2) tells it.
+// What the threads of a box do, as ptrace(2) reports it.
 #include "timebox/box_impl.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace gridspace::timebox {
 namespace {
 
-/// What /proc tells of a thread, behind its key; nothing: it is gone.
+/// What /proc has of a thread, after its key; nothing: it is gone.
 std::string told_of(pid_t tid, std::string_view key) {
     std::ifstream status{fmt::format("/proc/{}/status", tid)};
     for (std::string line; std::getline(status, line);) {
@@ -109,7 +109,7 @@ void Box::Impl::wait_for_event() {
     Thread* const t = find(told.tid);
     if (Thread const* const ran_last = find(running);
         ran_last != nullptr && t != nullptr && t->process == ran_last->process) {
-        close_clock(); // an exec of another thread is told as the first one's
+        close_clock(); // an exec of another thread is reported as the first one's
     }
     if (!told.call && (WIFEXITED(told.status) || WIFSIGNALED(told.status))) {
         gone(told.tid, t, told.status);

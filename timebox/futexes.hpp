@@ -33,7 +33,7 @@ class Futexes {
         }
         return woken;
     }
-    /// Whoever waits at a word that is not what was expected any more: the kernel itself has written it (a thread has
+    /// Wakes threads whose word is no longer what they expected: the kernel itself has written it (a thread has
     /// ended), or another process.
     template <class Read>
     void wake_changed(Read&& read) {

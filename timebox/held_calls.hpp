@@ -24,7 +24,7 @@ enum class Treatment {
     timer,       ///< timerfd, alarm, setitimer
     random,      ///< octets from the seed
     yield,       ///< others first
-    kill,        ///< runs; whoever waits looks again
+    kill,        ///< runs; waiting threads look again
     option,      ///< setsockopt: stamps of the kernel's clock are refused
     packet,      ///< packet sockets, where they are ours: made, bound, asked, their rings mapped
     refused,     ///< cannot be had in simulated time: ENOSYS or EPERM, and a message

@@ -39,7 +39,7 @@ struct NamedAddress {
     return {in.sin_family, {ntohl(in.sin_addr.s_addr), ntohs(in.sin_port)}, error};
 }
 
-/// As accept(2) and its relatives tell an address: as much as there is room for, and how long it is.
+/// As accept(2) and its relatives return an address: as much as there is room for, and how long it is.
 inline void put_address(pid_t tid, std::uint64_t at, std::uint64_t size_at, socklen_t room, IpEndpoint const& e) {
     sockaddr_in const name = to_sockaddr(e);
     if (at != 0 && size_at != 0) {

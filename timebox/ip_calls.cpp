@@ -38,7 +38,7 @@ std::optional<std::int64_t> IpCalls::connect(Thread const& t, IpSocket& socket, 
         return std::nullopt;
     }
     if (error == socket.error) {
-        socket.error = 0; // told
+        socket.error = 0; // reported
     }
     return -error;
 }

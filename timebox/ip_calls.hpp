@@ -14,7 +14,7 @@ namespace gridspace::timebox {
 /// value, or minus an error number. Nothing: it has to wait, or the kernel may answer, as is said there.
 class IpCalls {
   public:
-    /// `refused(what)`: it cannot be had, and is told at the end.
+    /// `refused(what)`: it is not available, and is reported at the end.
     IpCalls(IpSockets& sockets, std::function<void(std::string const&)> refused)
         : sockets_{sockets}, refused_{std::move(refused)} {}
 

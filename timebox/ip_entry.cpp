@@ -76,7 +76,7 @@ std::optional<CallTable::Next> CallTable::ip_call(Thread& t) {
     case SYS_ioctl:
         result = ip_calls_->control(t, socket);
         break;
-    case SYS_sendfile: // who is told so, copies by read and write
+    case SYS_sendfile: // programs then copy by read and write
         result = -EINVAL;
         break;
     case SYS_connect: {

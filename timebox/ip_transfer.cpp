@@ -218,7 +218,7 @@ std::optional<std::int64_t> IpCalls::receive_stream(Thread& t, IpSocket& socket,
         }
     }
     if (message.name_size_at != 0) {
-        put(t.tid, message.name_size_at, socklen_t{0}); // tcp(7) tells no address
+        put(t.tid, message.name_size_at, socklen_t{0}); // tcp(7) returns no address
     }
     if (message.header != 0) {
         msghdr fields = message.fields;

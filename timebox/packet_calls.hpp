@@ -14,7 +14,7 @@ namespace gridspace::timebox {
 /// The calls of packet(7), answered without the kernel.
 class PacketCalls {
   public:
-    /// `refused(what)`: it cannot be had, and is told at the end.
+    /// `refused(what)`: it is not available, and is reported at the end.
     PacketCalls(PacketSockets& sockets, SimulatedClock const& clock, std::function<void(std::string const&)> refused)
         : sockets_{sockets}, clock_{clock}, refused_{std::move(refused)} {}
 

@@ -25,7 +25,7 @@ CallTable::Named CallTable::packet_socket_of(Thread const& t, std::size_t argume
     return out;
 }
 
-/// Stamps of the kernel's clock would tell real time, and a ring is filled without a call.
+/// Stamps of the kernel's clock would show real time, and a ring is filled without a call.
 CallTable::Next CallTable::option(Thread& t) {
     remember_receive_timeout(t);
     if (Named const named = packet_socket_of(t); named.socket != nullptr) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kTagOctets = 4, kAddressOctets = 12;
 constexpr std::size_t kFrameBookkeeping =
-    768; ///< what the kernel charges a buffer for a frame beside its octets, about
+    768; ///< what the kernel charges a buffer for a frame besides its octets, about
 
 std::uint16_t word(std::span<std::uint8_t const> octets, std::size_t at) {
     return static_cast<std::uint16_t>(octets[at] << 8U | octets[at + 1]);

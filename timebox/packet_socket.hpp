@@ -15,7 +15,7 @@
 
 namespace gridspace::timebox {
 
-/// A frame as a packet socket sees it: the kernel takes the outer VLAN tag out and tells it beside.
+/// A frame as a packet socket sees it: the kernel removes the outer VLAN tag and passes it separately.
 struct PacketFrame {
     std::int64_t at_ns{0};
     std::vector<std::uint8_t> octets; ///< from the destination address on

@@ -44,13 +44,13 @@ pid_t fork_sibling() {
     return static_cast<pid_t>(::syscall(SYS_clone, CLONE_PARENT | SIGCHLD, nullptr, nullptr, nullptr, nullptr));
 }
 
-/// Number 1. `ready`: told when the program may begin.
+/// Number 1. `ready`: signalled when the program may begin.
 [[noreturn]] void keep(int life, int ready) {
     ::signal(SIGCHLD, SIG_IGN); // orphans are not waited for
     for (int const signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
         ::signal(signal, SIG_IGN); // of a terminal: the program decides
     }
-    // Whoever looks by number into /proc finds the box's processes. Where /proc may not be mounted, those of the
+    // A program that looks by number into /proc finds the box's processes. Where /proc may not be mounted, those of the
     // machine, and /proc/self is right all the same.
     ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
     ::mount("proc", "/proc", "proc", MS_NOSUID | MS_NODEV | MS_NOEXEC, nullptr);

@@ -15,7 +15,7 @@ struct ProcessNumbers {
     UniqueFd life;
     pid_t keeper{0}; ///< number 1, as this process sees it; 0: the kernel refuses (a container without rights)
 
-    /// Ends all of them. Whoever traces some waits for them himself, before number 1 can end.
+    /// Ends all of them. A tracer of some waits for them itself, before number 1 can end.
     void end();
 };
 

@@ -214,7 +214,7 @@ void Box::Impl::close_clock() {
 /// To where looks may bring the clock while nothing else happens: a call would only read it.
 std::int64_t Box::Impl::last_look_ns() {
     if (table.ip() != nullptr && !channel) {
-        return -1; // what has been closed meanwhile is seen at each call, and told to others at that time
+        return -1; // what has been closed meanwhile is seen at each call, and by others at that time
     }
     std::int64_t const now_ns = table.clock().now_ns();
     auto next = earlier(others_due_ns, table.timers().next_ns());

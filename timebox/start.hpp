@@ -16,7 +16,7 @@ namespace gridspace::timebox {
 struct StartOptions {
     std::vector<std::string> command;
     std::vector<std::pair<std::string, std::string>> environment; ///< where it is not set otherwise
-    std::vector<std::string> door;                                ///< another program beside it; empty: none
+    std::vector<std::string> door;                                ///< another program next to it; empty: none
     int door_fd{-1};                                              ///< which that one has as kDoorFd
     /// They have nothing of this process but standard output and error, and are in a process group of their own.
     bool detached{false};

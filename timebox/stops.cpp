@@ -63,9 +63,9 @@ Stops::Why Stops::wait(Stop& out, pid_t of) {
     }
     while (true) {
         if (child_told != 0) {
-            child_told = 0; // before the look: what comes behind it is told again
+            child_told = 0; // before the check: what comes after it is signalled again
             if (auto const found = of_ptrace(out, of, false)) {
-                child_told = 1; // one signal may tell of several
+                child_told = 1; // one signal may stand for several
                 return *found;
             }
         }

@@ -12,7 +12,7 @@
 
 namespace gridspace::timebox {
 
-/// What a thread of the box tells: a call of it that waits for an answer (a notification of seccomp), or what
+/// An event of a thread of the box: a call of it that waits for an answer (a notification of seccomp), or what
 /// waitpid(2) says.
 struct Stop {
     pid_t tid{0};

@@ -124,7 +124,7 @@ void let_run(pid_t tid, GoOn how, int signal) {
         }
         int const listener = n->listener;
         notified_calls.erase(tid);
-        (void)::ioctl(listener, SECCOMP_IOCTL_NOTIF_SEND, &answer); // who was killed meanwhile tells it by waitpid
+        (void)::ioctl(listener, SECCOMP_IOCTL_NOTIF_SEND, &answer); // a killed thread is seen by waitpid
         return;
     }
     before_it_goes_on(tid);

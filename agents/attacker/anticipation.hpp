@@ -10,7 +10,7 @@
 
 namespace gridspace::attacker {
 
-/// What a second publisher needs: a receiver believes whoever says a sample first, so the forged sample must be out
+/// What a second publisher needs: a receiver takes the first frame of a sample, so the forged sample must be out
 /// before the real one, and the truth is not known yet. The next samples are guessed from the last two (a sinusoid of
 /// the nominal frequency), and the attack alters the guess. Labels are given when the real sample comes and the truth
 /// is known. No allocation per sample.

@@ -21,7 +21,7 @@ struct AttackConfig {
     config::Ref by; ///< the attacker process
     enum class Place {
         between,          ///< a man in the middle of a link: frames are altered on their way
-        second_publisher, ///< frames beside those of the real publisher
+        second_publisher, ///< frames in addition to those of the real publisher
     } place{Place::second_publisher};
     std::vector<config::Ref> between;  ///< host (or process) and link
     bool spoof{false};                 ///< second publisher: frames with the source address of the real one

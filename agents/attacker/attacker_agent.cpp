@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// gridspace-attacker: does what the scenario's attacks say, as a man in the middle of a cable or beside the real
+// gridspace-attacker: does what the scenario's attacks say, as a man in the middle of a cable or next to the real
 // publisher, and publishes what was true.
 #include "agents/attacker/attack_hook.hpp"
 #include "agents/attacker/attacker_config.hpp"
@@ -30,7 +30,7 @@ using gateways::WirePort;
 
 struct Settings {
     AttackerSettings own;
-    gateways::WireConfig wire; ///< interface empty: nothing is sent beside a publisher
+    gateways::WireConfig wire; ///< interface empty: nothing is sent as a second publisher
     std::vector<gateways::BumpConfig> bumps;
     double speed{1};
 };
@@ -156,7 +156,7 @@ class AttackerAgent final : public bus::Member {
         return {};
     }
 
-    /// Cut-ins with the attacks of their cable, and the port of the attacks beside a publisher.
+    /// Bumps in the wire with the attacks of their cable, and the port of the second publishers.
     Result<void> open_wires() {
         for (auto const& config : settings_.bumps) {
             hooks_.push_back(std::make_unique<AttackHook>(node_));
@@ -241,7 +241,7 @@ class AttackerAgent final : public bus::Member {
         return WireClock::wall(clock_.now() + static_cast<std::int64_t>(std::max(ahead, 0.0)));
     }
 
-    /// The next forged message of an attack beside a publisher. Simulated.
+    /// The next forged message of a second publisher. Simulated.
     [[nodiscard]] std::optional<std::int64_t> next_work() const {
         std::optional<std::int64_t> out;
         for (auto const& attack : attacks_) {
@@ -256,7 +256,7 @@ class AttackerAgent final : public bus::Member {
         return out;
     }
 
-    /// What is done beside real publishers, up to and including `until_ns`.
+    /// What second publishers do, up to and including `until_ns`.
     void beside(std::int64_t until_ns) {
         for (std::uint16_t const ethertype : ethertypes_) {
             for (bus::WireFrame const* frame : port_->take(ethertype)) {

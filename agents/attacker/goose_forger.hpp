@@ -14,7 +14,7 @@
 
 namespace gridspace::attacker {
 
-/// An attack on the messages of one GOOSE stream: forges beside the real publisher, or alters and drops as a man in the
+/// An attack on the messages of one GOOSE stream: forges as a second publisher, or alters and drops as a man in the
 /// middle. The label of a message is its number since the start, and what the real publisher said of the attacked
 /// Boolean (a dropped message: sent as said, the attack's kind tells). Pure; no allocation per message.
 class GooseForger final : public WireAttack {

@@ -52,7 +52,7 @@ struct SampleAttackParams {
     double rate_hz{4800}, frequency_hz{60};
 };
 
-/// One phase of one sample, for whoever judges detectors.
+/// One phase of one sample, for the evaluation of detectors.
 struct Label {
     std::int64_t index{0};
     std::uint8_t channel{0};

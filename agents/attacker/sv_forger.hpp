@@ -22,7 +22,7 @@ class SvForger {
     create(streams::Stream const& stream, AttackConfig const& config, double frequency_hz, std::uint64_t seed);
 
     /// Man in the middle: `emit`s the frame, altered where the attack is due. Frames of others pass as they are.
-    /// `time_ns`: simulated; it tells which second smpCnt belongs to.
+    /// `time_ns`: simulated; it gives the second to which smpCnt belongs.
     void pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell);
 
     /// Second publisher: listens to a real frame, and `emit`s the one that is to come before the next real one.

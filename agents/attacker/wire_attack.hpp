@@ -14,7 +14,7 @@ namespace gridspace::attacker {
 using Emit = std::function<void(std::span<std::uint8_t const> frame)>; ///< a frame to be sent
 using Tell = std::function<void(Label const&)>;                        ///< an altered value
 
-/// An attack on the messages or the frames of one stream, in a cable or beside the publisher. Times are simulated,
+/// An attack on the messages or the frames of one stream, in a cable or as a second publisher. Times are simulated,
 /// in nanoseconds.
 class WireAttack {
   public:

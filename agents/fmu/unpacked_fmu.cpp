@@ -25,7 +25,7 @@ Result<std::unique_ptr<UnpackedFmu>> UnpackedFmu::open(std::filesystem::path con
     out->folder_ = std::filesystem::current_path() / (".gridspace-fmu-" + process);
     std::error_code failed;
     std::filesystem::remove_all(out->folder_, failed);                       // of one that was killed
-    std::filesystem::create_directories(out->folder_ / "resources", failed); // an FMU without any is told of it as well
+    std::filesystem::create_directories(out->folder_ / "resources", failed); // an FMU without any gets it as well
     if (failed) {
         return fail(ExitCode::environment,
                     fmt::format("cannot make the folder '{}': {}", out->folder_.string(), failed.message()),

@@ -78,7 +78,7 @@ void CurrentInputs::frame(iec61850::Octets octets, std::int64_t arrival_ns, OnPa
     auto const asdus = decoded_.view();
     for (std::size_t place = 0; place < asdus.size(); ++place) {
         iec61850::Asdu const& asdu = asdus[place];
-        // Two devices may say the same svID: then the address tells whose sample it is. One that is nobody's is judged
+        // Two devices may send the same svID: then the address gives the sender. One that is nobody's is judged
         // by both, as it was.
         bool const has_owner = same_sv_id_ && std::any_of(ends_.begin(), ends_.end(), [&](End const& end) {
                                    return end.subscriber.is_mine(asdu) && end.subscriber.is_addressed(decoded_.header);

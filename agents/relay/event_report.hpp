@@ -13,7 +13,7 @@
 
 namespace gridspace::relay {
 
-/// What stands in a report beside the samples.
+/// What a report contains in addition to the samples.
 struct EventReportFacts {
     std::string process; ///< the relay's name in the run
     std::string from_stream, to_stream;

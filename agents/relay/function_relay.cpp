@@ -18,7 +18,7 @@ class FunctionRelay final : public RelayMember {
     using RelayMember::RelayMember;
 
   private:
-    /// A member of the trip stream beside the trip, and what it says.
+    /// A member of the trip stream other than the trip, and its value.
     struct Output {
         FunctionOutput of;
         bool state{false};

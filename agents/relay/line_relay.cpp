@@ -42,7 +42,7 @@ bool usable(EndSample const& sample, RelayParams const& params) {
 
 LineRelay::LineRelay(RelayParams const& params)
     : params_{params}, element_{params.element}, events_{params.event_capacity} {
-    output_.blocked = said_ = kFilling; // every relay begins so: nothing to tell
+    output_.blocked = said_ = kFilling; // every relay begins so: nothing to report
 }
 
 RelayOutput const& LineRelay::step(LineSample const& sample, TripPermission permission) {
@@ -145,7 +145,7 @@ void LineRelay::set_blocked(std::int64_t index, BlockReasons reasons) {
     output_.blocked = reasons;
     bool const first = said_ == 0;
     if (reasons == 0) {
-        if (!first) { // a gap that is bridged told nothing
+        if (!first) { // a bridged gap was not reported
             said_ = 0;
             note(index, RelayEvent::Kind::unblock);
         }

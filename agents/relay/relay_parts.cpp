@@ -131,7 +131,7 @@ Result<void> make_inputs(RelayConfig const& config, Streams const& streams, bool
     return {};
 }
 
-/// Into the folder of the run; a relay without a run, on a board of its own, needs to be told where.
+/// Into the folder of the run; a relay without a run, on a board of its own, needs a path.
 void make_event_report(RelayConfig const& relay, std::string const& process, RelayParts& out) {
     EventReportConfig config = relay.event_report;
     char const* run = std::getenv("GRIDSPACE_RUN_FOLDER");

@@ -54,7 +54,7 @@ void TripPublisher::start(std::int64_t now_ns) {
     stamp(*publisher_);
 }
 
-/// The member `t` beside the trip, if there is one, is the time of the state that begins.
+/// The member `t` next to the trip, if there is one, is the time of the state that begins.
 void TripPublisher::stamp(iec61850::GoosePublisher& publisher) const {
     if (time_leaf_) {
         publisher.set(*time_leaf_, iec61850::Value::of(publisher.state().t));

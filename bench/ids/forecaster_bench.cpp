@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a forecast costs for one sample of one phase, beside the plain loop that a linear forecast of 20 samples is.
+// What a forecast costs for one sample of one phase, compared with a plain loop over 20 samples (a linear forecast).
 #include "common/source_tree.hpp"
 #include "ids/forecaster/forecaster.hpp"
 #include "ids/forecaster/model_file.hpp"

@@ -38,7 +38,7 @@ class Phase:
             vb = a / (1 / rest + 1 / l2 + 1 / lload)
             return [d_from, (vf - vb - 0.6 * rl * i_to) / rest, (e2 - vb - r2 * i2) / l2]
         la, ra = l1 + ll, r1 + rl
-        if r["bus_fault"]:  # the load hardly matters beside it
+        if r["bus_fault"]:  # the load hardly matters then
             vb = 0.15 * load
         else:
             a = (e1 - ra * i_from) / la + (e2 - r2 * i2) / l2 + r["load"] * load / lload

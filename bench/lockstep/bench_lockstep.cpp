@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Steps per second of the lockstep contract, with clock and acknowledgements over the shared memory that `gridspace
-// run` gives to members on one machine and with all of it over DDS, beside a bare Fast DDS ping-pong and a bare UDP
+// run` gives to members on one machine and with all of it over DDS, compared with a bare Fast DDS ping-pong and a UDP
 // one, of the same shape, in one run. What the members say is on DDS each time. Each member is a process. Usage:
 // bench_lockstep [members ...] [--steps N] [--rounds R]
 #include "bench/lockstep/exchanges.hpp"

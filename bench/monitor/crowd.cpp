@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A crowd in a DDS domain, for whoever watches it: participants that each write some topics and read those of the next
+// A crowd in a DDS domain, to load a monitor: participants that each write some topics and read those of the next
 // one. Samples are octets of a type that nobody was compiled for. Usage: bench_crowd QOS_FILE DOMAIN PARTICIPANTS
 // TOPICS_EACH SAMPLES_PER_SECOND Prints "there" when all have been made; ends when its standard input does.
 #include "bus/participant.hpp"

@@ -62,7 +62,7 @@ class Processors:
                 fields = (entry / "stat").read_text().rpartition(")")[2].split()
                 if int(fields[3]) != self.session:
                     continue
-                if not self.names.get(entry.name):  # it is told after it has been forked
+                if not self.names.get(entry.name):  # its name comes after the fork
                     environment = (entry / "environ").read_bytes().split(b"\0")
                     found = [e.partition(b"=")[2].decode() for e in environment if e.startswith(b"GRIDSPACE_PROCESS=")]
                     self.names[entry.name] = found[0] if found else ""

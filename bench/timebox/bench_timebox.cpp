@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a call costs a program in simulated time, beside the same program in real time: a look at the clock, a sleep
+// What a call costs a program in simulated time, and the same program in real time: a clock read, a sleep
 // that is over at once, a poll of a pipe that holds something. The same executable is the program. The last line is
 // what the kernel takes for a stop of a tracer that does nothing: no held call can take less.
 //     bench_timebox [CALLS]

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Many sampled-value streams at once, from one thread to another over a virtual cable in a namespace of its own: ours
-// (templates, ring, decoder, supervision of every stream) beside bare sockets that send equal frames and count them, in
+// (templates, ring, decoder, supervision of every stream) compared with bare sockets that send equal frames, in
 // the same run. Delays are from the instant at which a frame is due until the receiver has read it. Prints JSON;
 // asserts nothing.
 //   bench_wire_streams [--seconds S]

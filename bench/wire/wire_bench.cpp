@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Frames over a virtual cable in a namespace of its own: throughput of one send per call against batches, and round
-// trips beside those of bare sockets in the same run. Prints JSON; asserts nothing.
+// trips and those of bare sockets in the same run. Prints JSON; asserts nothing.
 #include "gateways/ethernet/port.hpp"
 #include "gateways/iec61850/sv_template.hpp"
 

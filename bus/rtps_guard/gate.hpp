@@ -28,7 +28,7 @@ class Gate {
 
     /// Datagrams that were kept away and should not have come. Not counted: those of participants that have not
     /// announced themselves, which the library would ignore, and which come in every run that somebody joins late; and
-    /// on a secured bus farewells, which members say as they leave.
+    /// on a secured bus disposes, which members send as they leave.
     [[nodiscard]] std::uint64_t refused() const;
     /// "12 (numbers that cannot be), 3 (not RTPS 2)"; empty when there are none.
     [[nodiscard]] std::string text() const;

@@ -15,7 +15,7 @@ using GuidPrefix = std::array<std::uint8_t, 12>;
 /// Names a reader or writer within its participant; as a number, as documents write it: 0x000100c2.
 using EntityId = std::uint32_t;
 
-/// Reads octets in order and never beyond their end; whoever reads too much gets zeros and ok() is false from then on.
+/// Reads octets in order and never beyond their end; reading too much gives zeros and ok() is false from then on.
 class Octets {
   public:
     explicit Octets(std::span<std::uint8_t> octets, bool little = true) : octets_{octets}, little_{little} {}

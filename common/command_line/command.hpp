@@ -14,7 +14,7 @@ class Option;
 class Validator;
 } // namespace CLI
 
-/// The part of CLI11 that our programs use, by its names. CLI11 is all headers: whoever includes it is compiled seven
+/// The part of CLI11 that our programs use, by its names. CLI11 is all headers: a source with it is compiled seven
 /// seconds longer, so command.cpp does it for all.
 namespace gridspace::command_line {
 

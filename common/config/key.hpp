@@ -11,7 +11,7 @@
 
 namespace gridspace::config {
 
-/// One key of a configuration file, as its description tells it.
+/// One key of a configuration file, from its description.
 struct Key {
     enum class Kind {
         number,
@@ -43,8 +43,8 @@ struct Key {
 /// Runs a description and gathers its keys; nothing is read, mistakes are not looked for.
 [[nodiscard]] std::vector<Key> keys_of(std::function<void(Fields&)> const& describe);
 
-/// The other way round: reads a map by keys that somebody else has told. Mistakes are reported as for a description in
-/// code; nothing is kept, the values are in the tree.
+/// The other way round: reads a map by keys that another program has described. Mistakes are reported as for a
+/// description in code; nothing is kept, the values are in the tree.
 void read_keys(Fields& fields, std::vector<Key> const& keys);
 
 /// "number", "names", …: as a program's description names a kind.

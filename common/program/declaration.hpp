@@ -42,7 +42,7 @@ struct ElementUse {
     std::string kind;   ///< "ev"
     std::string does{}; ///< "acts for": what two processes must not do for one element; empty: they may
     struct Default {
-        std::string key;      ///< setting beside the name
+        std::string key;      ///< setting next to the name
         std::string quantity; ///< of the element, which is taken when the setting is not given
     };
     std::vector<Default> defaults{};

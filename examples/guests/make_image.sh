@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: 2026 Gridspace contributors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Makes the image of the guest: make_image.sh [FOLDER], by default `image` beside this file. Debian's kernel for virtual machines (a download
+# Makes the image of the guest: make_image.sh [FOLDER], by default `image` next to this file. Debian's kernel for virtual machines (a download
 # of 25 MB, once for a user, not installed), and an initramfs of the drivers of its network card and the relay. Without root, on Debian for amd64.
 set -euo pipefail
 here=$(dirname "$(readlink -f "$0")")

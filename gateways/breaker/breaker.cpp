@@ -53,7 +53,7 @@ GatewayConfig table_of(BreakerConfig const& breaker, std::string const& process,
     return out;
 }
 
-/// What a breaker IED shows beside the command itself.
+/// What a breaker IED shows in addition to the command itself.
 class BreakerGuest final : public GatewayGuest {
   public:
     BreakerGuest(BreakerConfig const& config, DaemonRun& run) : config_{config}, run_{run} {}

@@ -257,7 +257,7 @@ struct BumpInTheWire::Impl {
     double speed;
     Way from_host, to_host;
     std::array<Side, 2> sides;                              ///< towards the host, towards the switch
-    std::array<std::unique_ptr<ethernet::Port>, 2> senders; ///< lockstep: the process's thread sends, beside the pump
+    std::array<std::unique_ptr<ethernet::Port>, 2> senders; ///< lockstep: the process's thread sends, besides the pump
     std::array<ethernet::ReceivedFrame, 64> batch;
     std::int64_t start_unix_ns{0};
     std::atomic<bool> stop{false};

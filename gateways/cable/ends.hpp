@@ -54,7 +54,7 @@ struct NearEnd {
     std::vector<std::string> ssh;     ///< the command that starts the far end
 };
 
-/// Beside the launcher: starts the far end over ssh and carries frames between it and the taps. The program's status
+/// Next to the launcher: starts the far end over ssh and carries frames between it and the taps. The program's status
 /// lines leave on descriptor 3, what it prints on standard output. Returns the program's exit code.
 int near_end(NearEnd const& options);
 

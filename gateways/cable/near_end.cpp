@@ -316,7 +316,7 @@ class Near {
         }
     }
 
-    /// Tells the launcher, and returns the exit code.
+    /// Informs the launcher, and returns the exit code.
     int failed(std::string const& step, Error const& error) {
         std::string const message = options_.place + " (" + step + "): " + error.message;
         std::fprintf(stderr, "%s%s%s\n", message.c_str(), error.remedy.empty() ? "" : "; ", error.remedy.c_str());

@@ -8,7 +8,7 @@
 #include <array>
 #include <cstdint>
 
-/// IPv4 of programs in simulated time beside that of the kernel's, on one link. The programs' has addresses of its own:
+/// IPv4 of programs in simulated time and that of the kernels, on one link. The programs' has addresses of its own:
 /// those of the run's hosts with one more bit. So no kernel takes it for its own, and answers; and what kernels send
 /// (DDS) is not waited for in simulated time.
 namespace gridspace::ethernet {

@@ -10,7 +10,7 @@
 
 namespace gridspace::ethernet {
 
-/// Membership of an interface in groups of IPv4: the kernel tells routers and switches of it (IGMP), which then forward
+/// Membership of an interface in groups of IPv4: the kernel informs routers and switches (IGMP), which then forward
 /// what is sent to the groups. It ends with the object.
 class GroupMembership {
   public:

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an interface is. Route netlink tells the kind of a virtual one, also to a program that runs in emulation
-// (qemu-user knows no ethtool); ethtool tells the driver of a real one.
+// What an interface is. Route netlink gives the kind of a virtual one, also to a program that runs in emulation
+// (qemu-user knows no ethtool); ethtool gives the driver of a real one.
 #include "common/unique_fd.hpp"
 #include "gateways/ethernet/interface.hpp"
 

@@ -77,7 +77,7 @@ Result<PacketSocket> make_socket(PortOptions const& options) {
     PacketSocket out;
     out.index = *index;
     out.filter = options.filter;
-    out.fd.reset(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)); // protocol 0: deaf until bind()
+    out.fd.reset(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)); // 0: no frames until bind()
     if (!out.fd) {
         if (errno == EPERM || errno == EACCES) {
             return std::unexpected{no_capability()};

@@ -114,7 +114,7 @@ struct Port::Impl {
         lanes.clear();
     }
 
-    /// "Network is down" is told once to each socket; until it is fetched, poll() returns at once.
+    /// "Network is down" is reported once to each socket; until it is fetched, poll() returns at once.
     void take_errors() const noexcept {
         for (Lane const& lane : lanes) {
             int error = 0;

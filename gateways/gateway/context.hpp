@@ -17,7 +17,7 @@ struct Moment {
     std::int64_t arrived_ns{
         0}; ///< of a frame, in real time: when it came, on the axis of `ns`, which is when it is handled
 
-    /// What a state machine of a stream is told: a stall of ours is not the stream's.
+    /// The time given to a state machine of a stream: a stall of ours is not the stream's.
     [[nodiscard]] std::int64_t arrival_ns() const { return arrived_ns != 0 ? arrived_ns : ns; }
 };
 

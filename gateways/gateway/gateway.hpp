@@ -18,7 +18,7 @@
 
 namespace gridspace::gateways {
 
-/// What a gateway is, beside its table: gridspace-gateway itself, or one of its presets.
+/// What a gateway is, apart from its table: gridspace-gateway itself, or one of its presets.
 struct GatewaySettings {
     GatewayConfig gateway;
     WireConfig wire;

@@ -12,7 +12,7 @@
 
 namespace gridspace::gateways {
 
-/// What a stream says beside its data set: fields of a source, named with a '$' before them.
+/// What a stream has in addition to its data set: fields of a source, named with a '$' before them.
 enum class StreamField : std::uint8_t { alive, simulated, smp_cnt, index, smp_synch, st_num, sq_num, t };
 
 /// A mapping, checked against both of its sides: what it needs to run.

@@ -47,7 +47,7 @@ void ScheduledSender::set_zero(std::int64_t zero_ns) {
 
 /// Waits for the first sample, and a moment for the clock that may come behind it.
 bool ScheduledSender::await_first(Playout& playout, std::function<void(std::int64_t)> const& look_after) {
-    constexpr std::int64_t kIdleNs = 200'000, kPatienceNs = 25'000'000; // the clock is told every 10 ms
+    constexpr std::int64_t kIdleNs = 200'000, kPatienceNs = 25'000'000; // the clock is published every 10 ms
     std::int64_t arrived = 0;
     while (!stop_) {
         std::int64_t const now = now_ns();

@@ -25,7 +25,7 @@ class Subscription {
                                                                       std::size_t number);
 
     [[nodiscard]] streams::Stream const& stream() const { return stream_; }
-    /// After Node::start: tells the columns, and that nothing has come.
+    /// After Node::start: publishes the columns, and that nothing has come.
     void announce(SimTime now);
     void receive(Moment at, iec61850::SvFrame const& frame);
     void receive(Moment at, iec61850::GooseFrame const& message);

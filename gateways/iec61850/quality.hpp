@@ -24,7 +24,7 @@ inline constexpr unsigned kSampledBits = 14;        ///< of sampled values: with
 }
 
 /// What a value is worth: the worse of its validity and of what its details ask for. By IEC 61850-7-3, 6.2, overflow
-/// and failure make it invalid, and every other detail at least questionable, whatever the validity beside it says; a
+/// and failure make it invalid, and every other detail at least questionable, whatever the validity itself is; a
 /// value that an operator has blocked is an old one. Where it comes from (substituted, derived) and test say nothing
 /// here.
 enum class Worth : std::uint8_t { good, questionable, invalid };

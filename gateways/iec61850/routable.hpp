@@ -17,7 +17,7 @@ inline constexpr std::uint16_t kRoutablePort = 102;
 /// One APDU of a datagram.
 struct RoutablePayload {
     bool goose{true};      ///< false: sampled values
-    bool simulated{false}; ///< flag of the session, beside the one in a GOOSE PDU
+    bool simulated{false}; ///< flag of the session, in addition to the one in a GOOSE PDU
     std::uint16_t app_id{0};
     Octets apdu{}; ///< from its tag to its end
 };
@@ -55,7 +55,7 @@ void append_routable(SessionHeader const& session, std::span<RoutablePayload con
 [[nodiscard]] std::vector<std::uint8_t> encode_routable(SessionHeader const& session,
                                                         std::span<RoutablePayload const> payloads);
 
-/// Octets of a datagram of one message beside its APDU: IPv4, UDP, transport and session header, payload header.
+/// Octets of a datagram of one message without its APDU: IPv4, UDP, transport and session header, payload header.
 inline constexpr std::size_t kRoutableOverhead = 20 + 8 + 2 + 25 + 4 + 6;
 
 using Ipv4 = std::array<std::uint8_t, 4>;

@@ -5,7 +5,7 @@
 namespace gridspace::iec61850 {
 namespace {
 
-/// A refused message beside good ones (a test set beside the device) must not make the state flicker.
+/// A refused message among good ones (a test set next to the device) must not make the state flicker.
 constexpr std::int64_t kProblemStaysNs = 100'000'000;
 
 SubscriptionProblem problem_of(GooseEvent event) noexcept {

@@ -43,7 +43,7 @@ class SvPublisher {
         auto const slot = static_cast<std::size_t>(index % static_cast<std::int64_t>(frame_.asdus()));
         std::int64_t const first = index - static_cast<std::int64_t>(slot);
         if (first != first_) {
-            // Whoever begins in the middle of a frame has left nothing out.
+            // A publisher that begins in the middle of a frame has left nothing out.
             incomplete_ += filled_ != 0 && filled_ != all_ && begun_ ? 1 : 0;
             begun_ = begun_ || first_ >= 0;
             first_ = first;

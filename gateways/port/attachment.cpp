@@ -35,7 +35,7 @@ Result<std::unique_ptr<Attachment>> Attachment::open(bus::Node& node, WirePlace 
     }
     options.receive = true;
     // In lockstep by ethertype only: the ledger counts every frame of it. In real time too, where a relay has to
-    // see what is forged beside its streams.
+    // see what is forged in its streams.
     options.filter.ethertypes = receive;
     options.filter.routable = true;
     if (node.lockstep()) { // what is lost there, somebody waits for

@@ -78,7 +78,7 @@ void FirstLineReport::publish_alarm(SimTime now) {
 
 void FirstLineReport::finding(std::size_t i, std::uint32_t findings, iec61850::Mac const& source, SimTime now) {
     if (!alarms_[i].raise(findings)) {
-        return; // told already; the counters go on
+        return; // reported already; the counters go on
     }
     std::string const text = fmt::format("stream {}, source {}: {}", streams_[i].name, source.to_string(),
                                          names_of(streams_[i].kind, findings));

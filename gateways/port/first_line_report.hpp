@@ -17,7 +17,7 @@ namespace gridspace::gateways {
 
 /// What the first-line rules of a process have found, as signals (`first_line.PROCESS.alarm`, and counters once a
 /// second: `first_line.PROCESS.STREAM.FINDING`), as events, and in the log. What is found about the authenticity of
-/// frames is told with it.
+/// frames is reported with it.
 class FirstLineReport {
   public:
     struct Stream {

@@ -19,14 +19,14 @@ class TimeQuality {
     };
     /// Of Sync messages, which come once a second or more often: without any, an offset is an old one.
     static constexpr std::int64_t kMeasuresWithinNs = 4'000'000'000;
-    /// Who has not been synchronised for so long since the first look is told of.
+    /// Who has not been synchronised for so long since the first look is reported.
     static constexpr std::int64_t kPatienceNs = 5'000'000'000;
     enum class State : std::uint8_t { never, following, holdover, lost };
 
     explicit TimeQuality(Params const& params) : params_{params} {}
 
     void hear(ManagementResponse const& response, std::int64_t now_ns);
-    /// Whatever was heard or not; true when there is something to tell: state or smpSynch are others than at the last
+    /// Whatever was heard or not; true when there is something to report: state or smpSynch are others than at the last
     /// look, or it has not been synchronised within the patience.
     bool look(std::int64_t now_ns);
 

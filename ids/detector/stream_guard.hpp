@@ -59,7 +59,7 @@ struct GuardCounters {
 /// Watches the three phases of one stream: forecasts each sample from those before it and compares. No allocation per
 /// sample.
 ///
-/// Beside the loop of its mode it runs an *open loop*, which is the same forecaster on received samples of which at
+/// Besides the loop of its mode it runs an *open loop*, which is the same forecaster on received samples of which at
 /// most one in a row is replaced. It shows what the forecaster can do when its own mistakes are not fed back to it: the
 /// published false-positive rate is of this kind.
 class StreamGuard {

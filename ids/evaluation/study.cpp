@@ -13,7 +13,7 @@
 namespace gridspace::ids {
 namespace {
 
-/// What training a shape costs, beside the other shapes: an iteration is dominated by the normal equations of all
+/// What training a shape costs, relative to other shapes: an iteration is dominated by the normal equations of all
 /// parameters (Levenberg-Marquardt, or least squares for a linear forecaster).
 double work(int window, int hidden) {
     double const parameters = hidden == 0 ? window + 1 : hidden * (window + 2) + 1;

@@ -72,7 +72,7 @@ class GooseRules {
     [[nodiscard]] std::array<std::uint64_t, kGooseFindings> const& counters() const { return counters_; }
 
   private:
-    /// A state of the data set as a publisher tells it, with its newest message.
+    /// A state of the data set of a publisher, with its newest message.
     struct State {
         std::uint32_t st_num{0}, sq_num{0}, live_ms{0};
         std::int64_t t_ns{0}, arrival_ns{0};

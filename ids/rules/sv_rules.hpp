@@ -72,7 +72,7 @@ class SvRules {
     bool bound_{false}, running_{false};
     SvFacts identity_;
     std::uint16_t last_{0};
-    std::uint16_t other_next_{0}; ///< a sequence beside the accepted one
+    std::uint16_t other_next_{0}; ///< a sequence other than the accepted one
     int other_run_{0};            ///< frames of it
     std::uint64_t seen_{0};       ///< bit k: sample last_ - k came
     std::int64_t last_arrival_ns_{0};

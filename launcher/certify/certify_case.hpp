@@ -14,7 +14,7 @@ struct FaultGroup {
     config::SourceMark within_mark;
     std::optional<std::int64_t> samples; ///< draws; 10 when not given, where anything is drawn
     config::SourceMark samples_mark;
-    config::Node set, vary; ///< beside those of the case
+    config::Node set, vary; ///< in addition to those of the case
 };
 
 /// What the file asks of the relay. None given: it is shown and not judged.

@@ -115,7 +115,7 @@ Result<void> write_folder(scan::CaptureScan const& found, IdsScanArguments const
     return {};
 }
 
-/// A capture of a run lies beside the scenario that describes its streams. It is named, not read: the folder may be
+/// A capture of a run lies next to the scenario that describes its streams. It is named, not read: the folder may be
 /// somebody else's.
 void hint_at_streams(IdsScanArguments const& a, scan::CaptureScan const& found) {
     auto const beside = a.capture.parent_path() / "scenario.resolved.yaml";

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// gridspace monitor RUN: the dashboard on a finished run; gridspace monitor --domain N: on whoever talks there.
+// gridspace monitor RUN: the dashboard on a finished run; gridspace monitor --domain N: on all its participants.
 // gridspace-monitor takes the place of this process.
 #include "common/config/yaml.hpp"
 #include "launcher/cli/become.hpp"

@@ -49,7 +49,7 @@ std::string log_tail(std::filesystem::path const& file, std::size_t lines) {
     return out;
 }
 
-/// The cause comes first: what ended the run, and the log of whoever it names.
+/// The cause comes first: what ended the run, and the log of the process that it names.
 void print_cause(FinishedRun const& finished) {
     RunOutcome const& outcome = finished.outcome;
     if (outcome.exit_code == 0) {

@@ -7,7 +7,7 @@
 
 namespace gridspace::cli {
 
-/// What `gridspace new` gives no name to: files and processes beside it, targets of CMake, words of Python and the
+/// What `gridspace new` gives no name to: files and processes in its folder, targets of CMake, words of Python and the
 /// modules of its standard library (sys.stdlib_module_names of 3.11), which a file of that name would hide from
 /// everybody.
 constexpr std::array<std::string_view, 266> kTakenNames{"abc",

@@ -27,7 +27,7 @@ std::optional<std::string> content_of(fs::path const& file, config::SourceMark c
     return text;
 }
 
-/// Puts the files that profiles name beside the network, each once, and their new names into the tree.
+/// Puts the files that profiles name next to the network, each once, and their new names into the tree.
 bool take_profiles(Node& root, std::vector<fmi::ArchiveFile>& files, config::Diagnostics& diagnostics) {
     std::map<std::string, std::string> taken; // file -> its name here
     Node* const profiles = root.find("profiles");

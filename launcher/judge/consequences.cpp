@@ -125,7 +125,7 @@ void judge_trips(Consequences& out, IntrusionScore const& score) {
     }
 }
 
-/// Breakers that opened although no fault was there and the scenario did not open them: whoever commanded it.
+/// Breakers that opened although no fault was there and the scenario did not open them, whatever commanded it.
 void judge_openings(Consequences& out, Node const& scenario, SignalStore const& signals) {
     Node const* events = scenario.find("events");
     auto const has_reason = [&](std::string const& breaker, double at_s) {

@@ -10,7 +10,7 @@
 
 namespace gridspace::launcher {
 
-/// What an attacked run did to the grid, beside what detectors found of it.
+/// What an attacked run did to the grid, apart from what detectors found.
 struct Consequences {
     std::uint64_t faults{0}, lost{0}, false_trips{0};
     std::optional<double> slowest_trip_ms;         ///< from a fault to its trip, of those that were tripped on

@@ -124,7 +124,7 @@ std::vector<double> faults_on(Node const& scenario, std::string const& line) {
     return out;
 }
 
-/// Trips as the relay told them, as sample indices. It counts samples from a second of its own in real time.
+/// Trips as the relay reported them, as sample indices. It counts samples from a second of its own in real time.
 std::vector<std::int64_t> trips_of(std::string const& relay, std::vector<LoggedEvent> const& events, double rate_hz) {
     std::vector<std::int64_t> out;
     for (LoggedEvent const& e : events) {

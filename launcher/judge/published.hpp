@@ -9,7 +9,7 @@
 
 namespace gridspace::launcher {
 
-/// `published:` of a scenario: what a publication says about the same study, printed beside what was measured. What is
+/// `published:` of a scenario: what a publication says about the same study, printed with what was measured. What is
 /// drawn of it are lines of the figures in `report:`.
 struct Published {
     std::string source;                  ///< where it stands

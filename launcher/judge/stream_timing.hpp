@@ -48,7 +48,7 @@ struct GooseTiming {
 /// Declared streams for whose receiver no complete counters (sampled values) or whose sender no rows (GOOSE) were
 /// recorded.
 [[nodiscard]] std::vector<std::string> uncounted_streams(Results const& results, config::Node const& scenario);
-/// The same of the capture: counts and intervals, beside the sender's own publish_age where it is ours. Nothing where
+/// The same of the capture: counts and intervals, with the sender's own publish_age if it is ours. Nothing where
 /// the capture does not hold the stream.
 [[nodiscard]] std::optional<SmvTiming> captured_smv(Results const& results, config::Node const& scenario,
                                                     std::string const& stream);

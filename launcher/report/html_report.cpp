@@ -72,7 +72,7 @@ std::vector<std::string> failed(Results const& r, bool advisory) {
     return out;
 }
 
-/// The first line of the report: what decides the exit code, and what is only advice beside it.
+/// The first line of the report: what decides the exit code, and what is only advice.
 std::string verdict(Results const& r) {
     auto const binding = failed(r, false), advice = failed(r, true);
     if (r.outcome.exit_code != 0) {
@@ -167,9 +167,9 @@ ReportTable stranger_table(Results const& r) {
     return t;
 }
 
-constexpr std::size_t kFewEvents = 12, kStoryFigures = 4; // what tells the story stands before the tables
+constexpr std::size_t kFewEvents = 12, kStoryFigures = 4; // the first figures come before the tables
 
-/// The drawings, one after the other; beside them as files. `data`: what the page's script needs of them.
+/// The drawings, one after the other; also as files. `data`: what the page's script needs of them.
 Result<std::vector<std::string>> drawings(Results const& r, std::vector<Figure> figures, std::string& data) {
     std::vector<std::string> out;
     for (Figure& figure : figures) {

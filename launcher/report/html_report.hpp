@@ -9,7 +9,7 @@
 
 namespace gridspace::launcher {
 
-/// Writes report/index.html (one self-contained file, opens offline) with an SVG and a CSV per figure beside it.
+/// Writes report/index.html (one self-contained file, opens offline) with an SVG and a CSV file per figure.
 /// Returns the page's path.
 [[nodiscard]] Result<std::filesystem::path> write_html_report(Results const& results);
 

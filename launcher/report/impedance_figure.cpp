@@ -36,7 +36,7 @@ std::vector<Complex> border(PdisParams const& p, bool to_earth) {
         }
         return out;
     }
-    // Beside the line, below the reach, and forward of the line through the origin that stands upright on it.
+    // To the side of the line, below the reach, and forward of the line through the origin that stands upright on it.
     double const r = to_earth ? p.r_earth_ohm : p.r_ohm, x = reach.imag(), along = x / std::tan(angle);
     Complex const foot{r * std::sin(angle) * std::sin(angle), -r * std::sin(angle) * std::cos(angle)};
     for (Complex const corner : {foot, Complex{along + r, x}, Complex{along - r, x}, -foot, foot}) {

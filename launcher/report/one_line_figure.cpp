@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostElements = 60;
 
-/// What the monitor would be told of the run: its configuration lies in the run folder.
+/// The monitor's settings for the run: its configuration lies in the run folder.
 diagram::Grid grid_of(std::filesystem::path const& folder) {
     diagram::Grid out;
     config::Diagnostics unread; // another version may have written it

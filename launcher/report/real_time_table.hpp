@@ -7,7 +7,7 @@
 
 namespace gridspace::launcher {
 
-/// How late the ticks of a run in real time were, beside what this machine can do by `gridspace doctor --latency`.
+/// How late the ticks of a run in real time were, with what this machine can do by `gridspace doctor --latency`.
 /// No rows in lockstep, and for recordings that do not hold it.
 [[nodiscard]] ReportTable real_time_table(Results const& results);
 

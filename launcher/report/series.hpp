@@ -45,7 +45,7 @@ class Colours {
 /// A value as a place on an axis that is not time.
 [[nodiscard]] std::int64_t as_place(double value);
 
-/// The first time in a window at which a signal is told and not zero; seconds.
+/// The first time in a window at which a signal has a value and is not zero; seconds.
 [[nodiscard]] std::optional<double> rises(SignalStore const& signals, std::string const& name, double from_s,
                                           double to_s);
 

@@ -15,7 +15,7 @@ namespace gridspace::launcher {
 
 /// What ARM64 programs and their libraries are needed from, on the machine that runs a scenario.
 struct Arm64Files {
-    std::filesystem::path programs; ///< GRIDSPACE_ARM64_BIN, or build/arm64/bin beside this build
+    std::filesystem::path programs; ///< GRIDSPACE_ARM64_BIN, or build/arm64/bin next to this build
     std::filesystem::path root;     ///< GRIDSPACE_ARM64_ROOT, or build/arm64-sysroot: an ARM64 root file system
     std::filesystem::path
         board; ///< GRIDSPACE_ARM64_BOARD, or build/arm64-board: kernel, initramfs and start script of the board

@@ -13,7 +13,7 @@
 namespace gridspace::launcher {
 
 /// Follows the supervisor of a run until it is gone: shows how far the run is, writes its events. `channel`: where the
-/// supervisor tells it, and where it is asked to stop. Returns how the run ended.
+/// supervisor reports it, and where it is asked to stop. Returns how the run ended.
 RunOutcome follow(RunPlan const& plan, pid_t supervisor, int channel, Progress& progress, EventLog& events,
                   InterruptWatch& interrupts);
 

@@ -52,7 +52,7 @@ std::string to_json(LiveJudge::Look const& look) {
 [[noreturn]] void judge_on(JudgedRun run, std::filesystem::path const& file) {
     LiveJudge judge{std::move(run)};
     while (true) {
-        std::clock_t const before = std::clock(); // of work: beside a run in real time it waits long for the processor
+        std::clock_t const before = std::clock(); // of work: during a run in real time it waits long for the processor
         if (auto const look = judge.look()) {
             (void)replace_file(file, to_json(*look)); // on a full disk there is none, and the run says so itself
         }

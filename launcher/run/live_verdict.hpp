@@ -9,7 +9,7 @@
 
 namespace gridspace::launcher {
 
-/// A process beside a run that is watched: it judges the expectations by the recording so far and writes what it finds
+/// A process next to a run that is watched: it judges the expectations by the recording so far and writes what it finds
 /// to `so_far.json` of the run folder, for the monitor. It uses a twentieth of a processor at most, with the lowest
 /// priority, and nobody waits for it: whatever becomes of it, the run goes on and is judged when it has ended. It and
 /// its file are gone when this object is.

@@ -11,8 +11,8 @@
 
 namespace gridspace::launcher {
 
-/// What the supervisor tells the launcher, as JSON lines. Never waits: whatever the launcher does, the processes are
-/// watched.
+/// What the supervisor reports to the launcher, as JSON lines. Never waits: whatever the launcher does, the processes
+/// are watched.
 class RunNews {
   public:
     explicit RunNews(int channel) : output_{channel, kMaxWaiting} {}

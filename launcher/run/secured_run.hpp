@@ -9,9 +9,9 @@
 namespace gridspace::launcher {
 
 /// `security:` of the scenario: writes RUN/security (the rules of the bus, for each process its rights and its QoS
-/// profiles with the names of its keys, and the keys where they are for this run alone) and tells the processes of the
-/// plan. Does nothing without it. Fails, before anything starts, with the name of an identity that is not there, has
-/// expired, is revoked or lies open.
+/// profiles with the names of its keys, and the keys where they are for this run alone) and informs the processes of
+/// the plan. Does nothing without it. Fails, before anything starts, with the name of an identity that is not there,
+/// has expired, is revoked or lies open.
 [[nodiscard]] Result<void> secure(Scenario const& scenario, RunPlan& plan, std::vector<int> const& domains,
                                   std::int64_t now_unix_s);
 

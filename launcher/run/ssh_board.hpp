@@ -19,8 +19,8 @@ namespace gridspace::launcher {
 using BoardBundles = std::map<std::string, std::string>;
 
 /// Reaches every board that the scenario's processes run on (`run_on: ssh:HOST`), looks at what it is, and copies what
-/// is not there yet. Each step has a deadline, and an error names the board and the step. `note` is told what takes
-/// long.
+/// is not there yet. Each step has a deadline, and an error names the board and the step. `note` is called with what
+/// takes long.
 [[nodiscard]] Result<BoardBundles> prepare_boards(Scenario const& scenario,
                                                   std::function<void(std::string_view)> const& note);
 

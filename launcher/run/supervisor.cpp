@@ -289,7 +289,7 @@ class Supervisor {
             return;
         }
         read_status(w); // its last words
-        // The usual end of a program that somebody else wrote and that runs until it is told to end.
+        // The usual end of a program that somebody else wrote and that runs until it gets SIGTERM.
         bool const did_as_asked = w.asked_to_end && end->signal() == SIGTERM;
         news_.tell(Json{{"kind", "exit"},
                         {"process", w.plan.name},

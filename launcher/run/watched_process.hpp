@@ -40,7 +40,7 @@ struct WatchedProcess {
     [[nodiscard]] bool only_looks() const { return plan.program == "gridspace-monitor"; }
     [[nodiscard]] bool is_external() const { return plan.run_on.kind == RunOn::Kind::external; }
 
-    /// Starts it, and writes its process id beside its configuration, for the monitor.
+    /// Starts it, and writes its process id next to its configuration, for the monitor.
     [[nodiscard]] Result<void> start(SpawnOptions const& options);
     /// The lines of its status that are whole by now. Closes the pipe at its end.
     [[nodiscard]] std::vector<std::string> read_status();

@@ -17,7 +17,7 @@ struct ComtradeSettings {
     double before_ms{200}, after_ms{500};
     bool single_file{false}; ///< .cff in place of .cfg and .dat
     std::vector<config::Ref>
-        signals; ///< patterns, beside the currents, voltages and digitals that belong to the trigger
+        signals; ///< patterns, in addition to the currents, voltages and digitals that belong to the trigger
 
     /// The signal behind the trigger; "relay2.trip" is short for "relay.relay2.trip".
     [[nodiscard]] std::vector<std::string> trigger_signals() const { return {trigger.name, "relay." + trigger.name}; }

@@ -200,7 +200,7 @@ void check_elements(Scenario const& s, Process const& process, program::Declarat
     }
 }
 
-/// What a process leaves to the element that it names is written beside the name.
+/// What a process leaves to the element that it names is written next to the name.
 void complete(Node& target, Node const& around, ElementUse const& use, std::string const& element,
               sim::Network const& network) {
     for (ElementUse::Default const& d : use.defaults) {

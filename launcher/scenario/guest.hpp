@@ -28,7 +28,7 @@ namespace guest {
 /// The tap that stands for an interface: of the n-th port of its host.
 [[nodiscard]] std::string tap_name(std::size_t n);
 
-/// A word of its command with `{folder}` replaced: the machine's files lie beside the file that names them.
+/// A word of its command with `{folder}` replaced: the machine's files lie next to the file that names them.
 [[nodiscard]] std::string in_folder(std::string word, std::string const& folder);
 
 /// The words of its command with `{tap:LINK}` and `{mac:LINK}` replaced.

@@ -8,7 +8,7 @@
 
 namespace gridspace::launcher {
 
-/// Where the programs of this Gridspace are: beside the running executable.
+/// Where the programs of this Gridspace are: next to the running executable.
 [[nodiscard]] std::filesystem::path program_file(std::string_view program);
 
 /// The QoS profiles of a role: GRIDSPACE_QOS_DIR, the installed share folder, or the source tree.
@@ -21,7 +21,7 @@ namespace gridspace::launcher {
 /// when there is none.
 [[nodiscard]] std::filesystem::path grid_library();
 
-/// A folder that is installed beside the programs (share/gridspace), or in the source tree: "templates", "python".
+/// A folder that is installed next to the programs (share/gridspace), or in the source tree: "templates", "python".
 [[nodiscard]] std::filesystem::path shared_folder(std::string_view name);
 
 /// Puts what agents of a scenario need into this process's environment, from where they inherit it: the Python package

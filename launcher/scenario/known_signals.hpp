@@ -11,7 +11,7 @@
 
 namespace gridspace::launcher {
 
-/// What expectations and figures of a scenario may refer to, and how a mistake is told.
+/// What expectations and figures of a scenario may refer to, and how a mistake is reported.
 class KnownSignals {
   public:
     explicit KnownSignals(Scenario const& scenario);

@@ -10,7 +10,7 @@ namespace gridspace::launcher {
 
 struct Scenario;
 
-/// What gridspace-monitor is told about the run: its `run:` settings (monitor/app/run_plan.hpp).
+/// The settings of gridspace-monitor about the run: its `run:` settings (monitor/app/run_plan.hpp).
 /// `folder`: the run folder as seen from the file that the settings go to.
 [[nodiscard]] config::Node monitored_run(Scenario const& scenario, std::string const& folder);
 

@@ -68,7 +68,7 @@ class ProcessSettings {
     [[nodiscard]] virtual std::vector<WireUse> receives(Scenario const&, Process const&) const { return {}; }
     /// Must not ask for what is sent or received through bumps in the wire.
     [[nodiscard]] virtual std::vector<BumpUse> bumps(Scenario const&, Process const&) const { return {}; }
-    /// Hosts into whose networks it looks from its own; it is told where they are in GRIDSPACE_NETWORKS.
+    /// Hosts into whose networks it looks from its own; GRIDSPACE_NETWORKS says where they are.
     [[nodiscard]] virtual std::vector<std::string> networks(Scenario const&, Process const&) const { return {}; }
     [[nodiscard]] virtual std::vector<SignalUse> signals(Scenario const&, Process const&) const { return {}; }
     /// Takes part in the barrier in lockstep.

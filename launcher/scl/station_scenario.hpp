@@ -44,7 +44,7 @@ struct StationScenario {
     config::Node root; ///< a scenario
     std::vector<PlayedIed> ieds;
     std::vector<PlayedStream> streams;
-    std::vector<scl::Finding> findings; ///< what could not be taken over here, beside those of the file
+    std::vector<scl::Finding> findings; ///< what could not be taken over here, in addition to those of the file
     std::vector<std::string> silent;    ///< IEDs that neither send nor hear a stream
 };
 

@@ -73,7 +73,7 @@ Result<void> write_database(std::filesystem::path const& file, ResultTable const
     bool const is_open = sqlite3_open(fresh.c_str(), &made) == SQLITE_OK;
     {
         Database const database{made, &sqlite3_close};
-        // The whole file is thrown away when anything fails: no journal is needed beside it.
+        // The whole file is thrown away when anything fails: no journal is needed.
         if (!is_open || !run(made, "PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF") || !fill(made, table)) {
             std::string const why = made == nullptr ? "no memory" : sqlite3_errmsg(made);
             std::filesystem::remove(fresh, error);

@@ -12,7 +12,7 @@
 
 namespace gridspace::launcher {
 
-/// What a study keeps of a run: RUN.json beside its scenario.
+/// What a study keeps of a run: RUN.json next to its scenario.
 struct RunRecord {
     int exit{0};       ///< of `gridspace run`
     std::string cause; ///< why it is not 0

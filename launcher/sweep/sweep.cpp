@@ -148,7 +148,7 @@ class Sweep {
         }
     }
 
-    /// A run is done: whoever has the same key has its record.
+    /// A run is done: runs with the same key have its record.
     void note(std::size_t task, RunRecord const& record) {
         std::string const& key = plan_.runs[task].key;
         ++done_;

@@ -73,7 +73,7 @@ struct GooseSubscribeOptions {
 };
 [[nodiscard]] Result<void> goose_subscribe(GooseSubscribeOptions const& options);
 
-/// Sending recorded frames is an attack on whoever listens: only virtual cables, unless the user says which interface
+/// Sending recorded frames is an attack on all that listen: only virtual cables, unless the user says which interface
 /// he means.
 [[nodiscard]] Result<void> check_attack_allowed(std::string const& interface, std::string const& allowed);
 

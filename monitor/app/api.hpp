@@ -18,7 +18,7 @@ namespace gridspace::monitor {
 /// run.
 class Api {
   public:
-    /// `counters` tells about the server itself.
+    /// `counters` is about the server itself.
     Api(LiveRun const& run, std::function<web::ServerCounters()> counters);
     /// From now on whoever knows `token` may have `act` called with pause, continue, "step 3" or stop.
     void allow_control(std::string token, std::function<void(std::string const& action)> act);

@@ -74,7 +74,7 @@ struct BusTap::Network final : bus::DiscoveryObserver {
     }
     void endpoint_found(bus::DiscoveredEndpoint const& endpoint) override {
         std::lock_guard const lock{run.mutex};
-        if (known.insert(endpoint.participant).second) { // others are told of before their endpoints: this is us
+        if (known.insert(endpoint.participant).second) { // others are reported before their endpoints: this is us
             bus::DiscoveredParticipant us = self;
             us.id = endpoint.participant;
             run.graph.participant_found(name, us);
@@ -158,7 +158,7 @@ Result<std::unique_ptr<BusTap>> BusTap::join(bus::NodeConfig const& node, LiveRu
 BusTap::~BusTap() {
     for (auto& network : networks_) {
         network->readers.clear();
-        network->participant.reset(); // discovery ends before what it tells goes
+        network->participant.reset(); // discovery ends before its listener is deleted
     }
 }
 

@@ -8,7 +8,7 @@
 
 namespace gridspace::monitor {
 
-/// Names come from whoever publishes: what is no UTF-8 is replaced, never thrown at.
+/// Names come from any publisher: what is no UTF-8 is replaced, never thrown at.
 [[nodiscard]] std::string json_text(nlohmann::ordered_json const& json);
 
 /// A message for many clients.

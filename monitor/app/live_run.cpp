@@ -49,7 +49,7 @@ std::size_t rows_for(std::size_t columns) {
     return std::clamp<std::size_t>(kWindowValues / std::max<std::size_t>(columns, 1), 1024, 65536);
 }
 
-/// Whether a sample is not what IDL text says of its type, as far as that can be told.
+/// Whether a sample is not what IDL text says of its type, as far as that can be known.
 bool contradicts(std::string const& text, std::string const& type, std::span<std::byte const> cdr) {
     struct : idl::Visitor {
         void leaf(std::string_view, idl::Type const&, idl::Value const&) override {}

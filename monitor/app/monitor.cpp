@@ -71,7 +71,7 @@ bool ends_the_run(RunEvent const& event) {
     return event.source == "launcher" && (event.event == "run_failed" || event.event == "run_stopped");
 }
 
-/// Whoever looks at a run that broke wants to see who broke it. The launcher logs that before anything else, but this
+/// Users of a failed run want to see which process caused it. The launcher logs that before anything else, but this
 /// process may be asked to end, and hear of the clock's end, before the line is there.
 void last_words(LiveRun& live, EventTail& events) {
     auto const deadline = std::chrono::steady_clock::now() + kLastWords;
@@ -268,7 +268,7 @@ std::filesystem::path* option_file(MonitorConfig& config, std::string_view optio
 int main(int argc, char** argv) {
     using namespace gridspace;
     monitor::MonitorConfig config;
-    // `gridspace monitor` passes on what its user says beside the configuration, which is part of the run's folder.
+    // `gridspace monitor` passes on what its user says besides the configuration, which is part of the run's folder.
     std::vector<char*> rest{argv, argv + argc};
     for (auto it = rest.begin(); it + 1 < rest.end();) {
         auto* const file = monitor::option_file(config, *it);

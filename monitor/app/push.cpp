@@ -23,7 +23,7 @@ constexpr std::size_t kMaxViews = 48, kMaxNames = 64, kMaxPixels = 4000;
 constexpr std::size_t kLongestId = 64, kLongestName = 256; // octets
 constexpr std::size_t kMaxPoints = 65'536;                 ///< of a view: 1 MiB
 // A client's queue holds 32 messages and 4 MiB (web::Limits) before it loses some: with what may wait already, these
-// views and what else is told in one step fit.
+// views and all other messages of one step fit.
 constexpr std::size_t kFewMessages = 4, kFewOctets = 256 * 1024;      ///< that may wait when a view is drawn
 constexpr std::size_t kViewsAtOnce = 12, kOctetsAtOnce = 1024 * 1024; ///< of a client in one step
 constexpr std::chrono::milliseconds kViewPeriod{200};
@@ -98,7 +98,7 @@ void PushHub::message(web::ClientId client, std::string const& text) {
     }
 }
 
-/// What clients have said becomes what they are told.
+/// Requests of clients become the views that they are sent.
 void PushHub::collect() {
     std::map<web::ClientId, Inbox> said;
     {
@@ -215,7 +215,7 @@ bool PushHub::step(web::Server& server, std::chrono::steady_clock::time_point no
     return draw(server, now);
 }
 
-/// What everybody is told.
+/// What all clients are sent.
 void PushHub::tell(web::Server& server, bool topics_due) {
     std::uint64_t revision = 0, events = 0;
     {

@@ -17,7 +17,7 @@
 
 namespace gridspace::monitor {
 
-/// Tells WebSocket clients what changes (docs/reference/rest_api.md, "Push"): the graph when it changes, the clock and
+/// Sends WebSocket clients what changes (docs/reference/rest_api.md, "Push"): the graph when it changes, the clock and
 /// newest values five times a second, and for each of a client's views the signals as they are to be drawn.
 class PushHub {
   public:

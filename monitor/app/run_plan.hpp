@@ -12,8 +12,8 @@
 
 namespace gridspace::monitor {
 
-/// What the monitor is told about the run that it looks at, its network included. A monitor beside a foreign bus is
-/// told nothing.
+/// The settings of the monitor about its run, its network included. A monitor on a foreign bus has
+/// none.
 struct RunPlan : diagram::Grid {
     std::string scenario, mode, speed;
     double duration_s{0};         ///< 0: not known

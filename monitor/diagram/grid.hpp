@@ -29,7 +29,7 @@ struct Grid {
     struct Device {
         std::string name, label, bus, kind;
     };
-    /// A relay, as far as the scenario tells what belongs to it.
+    /// A relay, as far as the scenario shows what belongs to it.
     struct Relay {
         std::string name;
         std::vector<config::Ref> functions; ///< device numbers of IEEE C37.2: 87L, 21, 51

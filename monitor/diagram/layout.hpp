@@ -36,7 +36,7 @@ struct Symbol {
     bool is_ct{false};
     Point at;
     std::vector<std::string> tags; ///< relays that look at it
-    std::vector<double> tags_x;    ///< middle of each tag below it; beside a branch that goes down they stand in a row
+    std::vector<double> tags_x;    ///< middle of each tag below it; next to a branch that goes down they stand in a row
 };
 
 /// A branch: from its begin to its end, along horizontal and vertical pieces.
@@ -45,7 +45,7 @@ struct Route {
     std::vector<Point> path;
     std::vector<Symbol> symbols;
     Point label;
-    bool upright{false};                        ///< a tie between two bars of a column: names stand beside it
+    bool upright{false};                        ///< a tie between two bars of a column: names stand next to it
     std::array<Point, 2> bare{};                ///< a piece without symbols, from its begin on: there faults are shown
     [[nodiscard]] Point at(double share) const; ///< of that piece
 };
@@ -59,7 +59,7 @@ struct Hanging {
 struct Bar {
     Grid::Bus const* bus{nullptr};
     double x{0}, top{0}, bottom{0};
-    bool tied{false}; ///< a branch comes from above: the label stands beside it
+    bool tied{false}; ///< a branch comes from above: the label stands next to it
 };
 
 struct Layout {
@@ -71,7 +71,7 @@ struct Layout {
 
 /// Buses in columns and rows: those of the network file or, where a bus has none, by the distance from the first bus.
 /// Branches run horizontally from bar to bar and turn in a track before the next column, so that nothing runs through
-/// a bar, and no two labels share a place. `live`: there is room for values beside the labels.
+/// a bar, and no two labels share a place. `live`: there is room for values next to the labels.
 [[nodiscard]] Layout lay_out(Grid const& grid, bool live);
 
 } // namespace gridspace::diagram

@@ -12,7 +12,7 @@
 namespace gridspace::diagram {
 
 struct Look {
-    /// The last value of a signal: positions of breakers and fuses, states of charge. Nothing: it was not told.
+    /// The last value of a signal: positions of breakers and fuses, states of charge. Nothing: there is none.
     std::function<std::optional<double>(std::string const&)> last;
     /// For a page that dresses it: places for values behind the labels, faults that are shown when they come.
     bool live{false};

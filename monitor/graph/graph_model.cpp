@@ -196,7 +196,7 @@ Snapshot GraphModel::snapshot() const {
                     }
                 }
                 if (!reasons.empty() && processes[r.process].program == "gridspace-monitor") {
-                    continue; // whoever looks on is no fault of what it looks at
+                    continue; // an observer is no fault of what it looks at
                 }
                 if (reasons.empty()) {
                     writing.matched = reading.matched = true;

@@ -33,7 +33,7 @@ struct Topic {
     std::string name, network, type;
     bool framework{false}; ///< clock, acknowledgements, catalogues: hidden at first
     std::size_t writers{0}, readers{0};
-    std::vector<std::string> not_heard{}; ///< writers of which whoever looks on gets nothing, and why
+    std::vector<std::string> not_heard{}; ///< writers from which the observer gets nothing, and why
 };
 
 /// A process writes or reads a topic.
@@ -66,7 +66,7 @@ struct Snapshot {
     std::vector<Endpoint> endpoints;
 };
 
-/// Who is in the domains, kept up to date from what discovery tells. Pure: no DDS, no lock.
+/// Who is in the domains, kept up to date by discovery. Pure: no DDS, no lock.
 class GraphModel {
   public:
     static constexpr std::size_t kMaxEndpoints = 8192; ///< who comes first stays
@@ -83,7 +83,7 @@ class GraphModel {
     /// False: there is no room for it.
     bool endpoint_found(std::string const& network, bus::DiscoveredEndpoint const& endpoint);
     void endpoint_gone(std::string const& id);
-    /// The participant of whoever looks on: what its readers do not get is said of the topic.
+    /// The participant of the observer: what its readers do not get is a note of the topic.
     void look_through(std::string const& participant);
 
     [[nodiscard]] std::uint64_t revision() const { return revision_; } ///< grows with every change
@@ -102,7 +102,7 @@ class GraphModel {
     std::map<std::string, Participant>
         participants_;                          ///< by id; the last ones of a process are kept when they have gone
     std::map<std::string, Endpoint> endpoints_; ///< by id
-    std::set<std::string> own_;                 ///< participants of whoever looks on
+    std::set<std::string> own_;                 ///< participants of the observer
     std::uint64_t revision_{1};
 };
 

@@ -9,8 +9,8 @@
 
 namespace gridspace::stream {
 
-/// Counts what a detector said about one stream against what an attacker really did, while both are told: verdicts in
-/// the order of samples, labels whenever they come. Memory is bounded: a label that comes more than 65,536 samples
+/// Counts what a detector said about one stream against what an attacker really did, while both are published: verdicts
+/// in the order of samples, labels whenever they come. Memory is bounded: a label that comes more than 65,536 samples
 /// after its verdict is counted as unscored. A recorded run's report counts in the same way from the whole recording.
 /// Pure.
 class IntrusionTally {

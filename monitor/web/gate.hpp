@@ -13,7 +13,7 @@
 
 namespace gridspace::web {
 
-/// Lets in whoever knows a token. A program sends it with each request (`Authorization: Bearer TOKEN`); a browser gets
+/// Admits clients with a token. A program sends it with each request (`Authorization: Bearer TOKEN`); a browser gets
 /// a page that asks for it once, and then a cookie that holds a secret of this process and not the token. A token in an
 /// address opens a WebSocket and nothing else: programs that know of no headers (Foxglove, PlotJuggler) have no other
 /// way, but addresses end in histories and logs.
@@ -23,7 +23,7 @@ class Gate {
     Gate(std::vector<std::string> tokens, std::string session, std::uint16_t port, bool secure);
 
     [[nodiscard]] bool admits(std::string_view authorization, std::string_view cookie) const;
-    /// Whoever opens a WebSocket may also name the token in its address, `?token=TOKEN`. It is taken out of `target`.
+    /// A WebSocket client may also name the token in its address, `?token=TOKEN`. It is taken out of `target`.
     [[nodiscard]] bool admits_push(std::string_view authorization, std::string_view cookie, Target& target) const;
     /// What is answered in place of what was asked for; nothing for whoever is let in.
     [[nodiscard]] std::optional<Response> check(Request const& request) const;

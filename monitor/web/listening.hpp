@@ -16,7 +16,7 @@ namespace gridspace::web {
 /// Only programs of this machine reach an address of 127.0.0.0/8.
 [[nodiscard]] bool is_loopback(std::string const& where);
 
-/// Whoever is reached from elsewhere asks for a token, and the token does not cross a network in clear.
+/// A server that other machines can reach asks for a token, and the token does not cross a network in clear.
 [[nodiscard]] Result<void> check_exposure(std::string const& where, bool token, bool tls);
 
 } // namespace gridspace::web

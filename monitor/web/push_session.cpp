@@ -78,7 +78,7 @@ void PushSession::push(Message message) {
         auto const oldest = from < to ? std::find_if(from, to, [](Message const& m) { return !m.lasting; }) : to;
         if (oldest == to) {
             if (waiting_.size() > 2 * most || waiting_octets_ > 2 * limits.push_octets) {
-                close(); // it may come back, and is told everything afresh
+                close(); // it may come back, and then gets everything anew
             }
             break;
         }

@@ -40,7 +40,7 @@ struct Response {
     std::string set_cookie;
 };
 
-/// What a server bears. Whoever asks for more is refused or dropped; nobody else notices.
+/// Limits of a server. A client that asks for more is refused or dropped; no other client notices.
 struct Limits {
     std::size_t connections{256};
     std::size_t push_clients{96}; ///< of these connections

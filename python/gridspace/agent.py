@@ -20,7 +20,7 @@ from gridspace import library
 from gridspace.declaration import Declared, Reads, Setting, Signal, Writer, Writes
 from gridspace.samples import Kept, Sample, sample_class, sample_type
 
-_OWN = {"settings"}  # beside those of the class
+_OWN = {"settings"}  # in addition to those of the class
 LEVELS = {"debug": 0, "info": 1, "warning": 2, "error": 3}
 
 

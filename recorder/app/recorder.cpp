@@ -59,7 +59,7 @@ class RecorderShell {
         Result<void> result = record();
         if (!result) {
             for (auto const& closed : {frames_ ? close_capture() : Result<void>{}, file_.close()}) {
-                if (!closed) { // after a failed write nothing more is written, and the first error tells why
+                if (!closed) { // after a failed write nothing more is written, and the first error says why
                     log::warning("the recording is not complete: {}", closed.error().message);
                 }
             }
@@ -127,7 +127,7 @@ class RecorderShell {
         }
     }
 
-    /// Real time: the others hear of the end when this process does, say their last counters then, and leave. Whoever
+    /// Real time: the others learn of the end when this process does, publish their last counters, and leave. One that
     /// is still there after five seconds is named.
     Result<void> take_last_words() {
         constexpr auto kTime = std::chrono::milliseconds{300}, kRound = std::chrono::milliseconds{20};

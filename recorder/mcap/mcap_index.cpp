@@ -18,7 +18,7 @@ using Channels = std::map<std::uint16_t, ChannelContent>;
 constexpr std::uint64_t kMessageHead = 9 + 22;
 
 /// What stands in a chunk before the first message of a channel: its record, and that of its schema when it is the
-/// first of that, too. The index does not tell where; our writer puts them there.
+/// first of that, too. The index does not say where; our writer puts them there.
 class Introductions {
   public:
     void schema(std::uint16_t id, std::size_t body) { schemas_[id] = 9 + body; }

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-/// What reading an MCAP file is made of: for the readers beside.
+/// What reading an MCAP file is made of: for the readers in this folder.
 namespace gridspace::mcap {
 
 /// Reads little-endian numbers and texts; after a read beyond the end, ok() is false and values are 0.

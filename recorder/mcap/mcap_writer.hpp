@@ -61,7 +61,7 @@ class Writer {
     std::uint64_t chunk_start_{0}, chunk_end_{0};
     std::uint32_t chunk_count_{0};
     std::vector<std::uint8_t> index_; ///< records of the chunks' index that are not in `spilled_` yet
-    UniqueFd spilled_;                ///< a file without a name, beside the recording; none while the index is short
+    UniqueFd spilled_;                ///< a file without a name, next to the recording; none while the index is short
     std::map<std::uint16_t, std::uint64_t> channel_counts_;
     std::uint64_t message_count_{0};
     std::uint64_t first_time_{0}, last_time_{0};

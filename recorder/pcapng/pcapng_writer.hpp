@@ -32,7 +32,7 @@ class Writer {
     /// An interface (a port of a switch, a link); its number is for write().
     [[nodiscard]] std::uint32_t add_interface(std::string_view name, std::string_view description = {});
 
-    /// A frame. `time_ns` since 1970; `comment`: shown beside it, empty for none.
+    /// A frame. `time_ns` since 1970; `comment`: shown with it, empty for none.
     [[nodiscard]] Result<void> write(std::uint32_t interface, std::int64_t time_ns, std::span<std::uint8_t const> frame,
                                      std::string_view comment = {}, Direction direction = Direction::unknown);
     /// How many frames an interface has seen and lost; written at any time, usually last.

@@ -10,7 +10,7 @@
 
 namespace gridspace {
 
-/// Beside a setting's name and default; docs/reference/program_description.md says what each is.
+/// Besides a setting's name and default; docs/reference/program_description.md says what each is.
 struct SettingOptions {
     std::string doc{};
     std::optional<double> min{}, max{}, above{}, below{};

@@ -14,7 +14,7 @@
 namespace gridspace::sim {
 
 /// Real time: DDS writes happen here, so that the simulating thread never waits for a socket. It only says that a tick
-/// has ended and may be told.
+/// has ended and may be published.
 class PublisherThread {
   public:
     /// `publish` writes everything of a tick, on this thread.

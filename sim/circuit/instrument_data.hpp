@@ -17,7 +17,7 @@ struct TwoSlopeCore {
     }
     /// The flux x with x + k current(x) = rhs, k >= 0.
     [[nodiscard]] double flux(double rhs, double k) const {
-        // x + k current(x) rises with x: where it passes the knee tells the slope.
+        // x + k current(x) rises with x: where it passes the knee gives the slope.
         double const at_knee = knee * (1 + k / l);
         if (std::abs(rhs) <= at_knee) {
             return rhs / (1 + k / l);

@@ -12,7 +12,7 @@
 namespace gridspace::sim {
 
 /// `simulation.controls` at work: set-points and commands in, requests to the simulation out. Who sends them may be
-/// anybody's program: what is not allowed, not possible or too late does nothing, and is told.
+/// anybody's program: what is not allowed, not possible or too late does nothing, and is reported.
 class Controls {
   public:
     Controls(std::vector<ControlConfig> const& configs, Network const& network, bool waveform,
@@ -33,8 +33,8 @@ class Controls {
     /// Ramps, losses and fallbacks up to `until`, after all that takes effect until then.
     void advance(Simulation& simulation, SimTime until);
 
-    /// What is told: (when, kind of event, sentence). Refusals of one kind from one process for one thing once, until
-    /// it is obeyed again.
+    /// What is reported: (when, kind of event, sentence). Refusals of one kind from one process for one thing once,
+    /// until it is obeyed again.
     void on_event(std::function<void(SimTime, std::string_view, std::string const&)> tell) { tell_ = std::move(tell); }
     /// The engine has refused what was asked for `name`.
     void refused_by_engine(SimTime at, std::string const& name, Error const& error);

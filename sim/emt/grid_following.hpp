@@ -53,7 +53,7 @@ class GridFollowing {
     /// seen a grid for as long as after a cessation.
     void resume(std::complex<double> v);
     [[nodiscard]] bool tripped() const { return tripped_; }
-    /// Gives no current while it is told so. After that the current of a source comes back as after a cessation.
+    /// Gives no current while this is set. After that the current of a source comes back as after a cessation.
     void stand_by(bool on);
     /// Gives no current until there is a grid again.
     [[nodiscard]] bool ceased() const { return share() == 0; }

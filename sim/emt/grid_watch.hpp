@@ -15,7 +15,7 @@ class GridWatch {
     void step(double v, double f, double h);
     /// From now on without current until the grid has been fit.
     void wait_for_grid();
-    /// Not before it is told so.
+    /// While `on`, it stays ceased.
     void hold(bool on) { held_ = on; }
     /// It has tripped, or waits for a grid: its control rests.
     [[nodiscard]] bool ceased() const { return ceased_; }

@@ -141,7 +141,7 @@ class Builder final : private CircuitFace {
         }
     }
 
-    /// Three resistances, and an inductance or capacitance beside each.
+    /// Three resistances, and an inductance or capacitance parallel to each.
     void star_by_phase(OnePort const&, std::array<Complex, 3> const& kva) override {
         NetworkCircuit::OnePortParts const& parts = own();
         std::array<StarElements, 3> e;

@@ -40,7 +40,7 @@ class Pll {
     double ahead_h_{-1}, ahead_cos_{1}, ahead_sin_{0}; ///< what ahead() has said since the last step; -1: nothing
 };
 
-// Here, so that whoever steps many of them works on several at once: each is a long chain of operations.
+// Here, so that a loop over many of them works on several at once: each is a long chain of operations.
 
 inline std::pair<double, double> Pll::ahead(double h) {
     if (h == ahead_h_) {

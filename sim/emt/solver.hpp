@@ -107,7 +107,7 @@ class Solver {
   private:
     std::vector<std::complex<double>> start_v_; ///< by slot
     std::vector<NortonStart> started_;
-    /// What a trial step changes, beside the Norton elements.
+    /// What a trial step changes, apart from the Norton elements.
     struct Dynamics {
         std::vector<double> v; ///< by slot
         std::vector<double> rl_v, rl_i, capacitor_v, capacitor_i, coupled_v, coupled_i, winding_v, winding_i;
@@ -130,7 +130,7 @@ class Solver {
 
     [[nodiscard]] Result<void> segment(double t_end, double h);
     void substep(double t_end, double h, Rule rule, StepCoefficients const& c);
-    // Of one share (Shares), which may run beside others:
+    // Of one share (Shares), which may run in parallel with others:
     void histories(std::size_t share, double t_end, Rule rule, StepCoefficients const& c);
     void predict(std::size_t share, double t_end, double h, Rule rule);
     void correct(std::size_t share);

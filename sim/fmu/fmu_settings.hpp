@@ -11,7 +11,7 @@
 
 namespace gridspace::sim {
 
-/// What the binary of an exported network finds beside the network in resources/: the same for who writes the FMU and
+/// What the binary of an exported network finds next to the network in resources/: the same for who writes the FMU and
 /// who runs it.
 struct FmuSettings {
     static constexpr std::string_view kFile = "grid.yaml";

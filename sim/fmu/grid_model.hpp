@@ -14,7 +14,7 @@
 
 namespace gridspace::sim {
 
-/// An exported network as whoever imports it runs it. Results are those of the same network in a scenario: an input
+/// An exported network as an importer runs it. Results are those of the same network in a scenario: an input
 /// that has a new value is a set-point, or a command, at the beginning of the next step.
 class GridModel {
   public:

@@ -35,7 +35,7 @@ struct Instance {
 };
 
 [[nodiscard]] std::string refused_in(char const* function, State state);
-/// Says that this FMU has no such function, as its description tells.
+/// Says that this FMU has no such function, as its description says.
 int unsupported(void* instance, char const* function) noexcept;
 
 /// Runs the body of a function of the standard in one of the states in which it may be called. A failure, or an

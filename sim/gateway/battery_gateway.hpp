@@ -13,7 +13,7 @@ struct BatteryMeasurement;
 
 namespace gridspace::sim {
 
-/// The simulator's DDS gateway of one battery: battery_measurements out. What it is told comes by simulation.controls.
+/// The simulator's DDS gateway of one battery: battery_measurements out. Its set-points come by simulation.controls.
 class BatteryGateway {
   public:
     [[nodiscard]] static Result<std::unique_ptr<BatteryGateway>> create(bus::Node& node, Engine const& engine,

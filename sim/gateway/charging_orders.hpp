@@ -12,8 +12,8 @@
 
 namespace gridspace::sim {
 
-/// What the chargers of some EVs were told last, and how long it holds: decisions in, commands to the simulation out.
-/// Whoever sent a decision may be anybody's program: nothing of it reaches a solver unchecked.
+/// The last decisions for the chargers of some EVs, and how long they hold: decisions in, commands to the simulation
+/// out. A decision may come from any program: nothing of it reaches a solver unchecked.
 class ChargingOrders {
   public:
     ChargingOrders(TimeBase base, std::vector<std::string> const& evs);

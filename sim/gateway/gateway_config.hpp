@@ -24,7 +24,7 @@ void describe(config::Fields& f, SamplingConfig& sampling);
 struct LineGatewayConfig {
     struct Publish {
         Ref topic, transformer; ///< a current transformer of the network
-        Ref voltage;            ///< a voltage transformer beside it; empty: currents alone
+        Ref voltage;            ///< a voltage transformer as well; empty: currents alone
     };
     struct Subscribe {
         Ref topic;

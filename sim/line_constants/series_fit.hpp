@@ -7,7 +7,7 @@
 
 namespace gridspace::sim {
 
-/// A series impedance of resistances and inductances: r + s l, and stages of an inductance beside a resistance
+/// A series impedance of resistances and inductances: r + s l, and stages of an inductance parallel to a resistance
 /// (Foster): what skin effect and earth return look like, whatever their values. Passive and causal.
 struct SeriesImpedance {
     double r_ohm{0}, l_h{0};

@@ -47,7 +47,7 @@ class Simulation {
 
     /// From `from` on nothing opens the breaker: its mechanism is stuck. It can still be closed.
     void fail_to_open(std::string breaker, SimTime from);
-    /// Called when a stuck breaker was told to open.
+    /// Called when a stuck breaker gets an opening command.
     void on_failure(std::function<void(SimTime, std::string const& breaker)> callback) {
         on_failure_ = std::move(callback);
     }

@@ -206,7 +206,7 @@ int run_door(int argc, char** argv) {
         log::error("the door of the box: {}", ok.error().message);
         std::_Exit(static_cast<int>(ok.error().code));
     }
-    std::_Exit(0); // nobody hears a farewell
+    std::_Exit(0); // no participant receives a dispose
 }
 
 } // namespace gridspace::timebox

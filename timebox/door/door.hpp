@@ -19,7 +19,7 @@ struct DoorTopic {
 /// Of a command line.
 [[nodiscard]] bool is_door(int argc, char** argv);
 
-/// A participant of DDS that lives beside somebody else's program in a box, in simulated time as it does, and carries
+/// A participant of DDS next to a foreign program in a box, in simulated time as it does, and carries
 /// samples between its topics and the channel. Ends when the channel does. The exit code.
 [[nodiscard]] int run_door(int argc, char** argv);
 

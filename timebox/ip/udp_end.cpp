@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kLongestDatagram = 65'507;
 constexpr std::size_t kDatagramBookkeeping =
-    768; ///< what the kernel charges a buffer for a datagram beside its octets, about
+    768; ///< what the kernel charges a buffer for a datagram besides its octets, about
 
 bool goes_to_many(std::uint32_t address) {
     return (address >> 28U) == 0xE || ip4_addr_isbroadcast_u32(lwip_htonl(address), ip_current_netif()) != 0;

@@ -450,7 +450,7 @@ static void await_ledgers(gs_member const* m, MemberStatus* status) {
     }
 }
 
-// Looks at all matches and tells the others when something has changed. True: everybody expected is there.
+// Looks at all matches and informs the others when something has changed. True: everybody expected is there.
 static bool refresh_status(gs_member* m) {
     static MatchedPeer peers[MAX_PEERS];
     MemberStatus status;

@@ -31,7 +31,7 @@ bool is_inside(std::string_view interface, std::string_view port) {
 FrameLabels::FrameLabels(RunSource const& run) : run_{run} {
     for (attacker::AttackConfig const& attack : run.attacks) {
         if ((!attack.goose && !attack.frames) || attack.stream.empty()) {
-            continue; // samples are told by their labels, and topics have no frames
+            continue; // samples are recognised by their labels, and topics have no frames
         }
         Place place{attack.name.name,
                     attack.stream.name,

@@ -24,7 +24,7 @@ class FrameLabels {
         [[nodiscard]] bool altered() const { return !attack.empty(); }
     };
     /// A sample that was captured with these currents: a phase is altered when it is labelled and what was captured is
-    /// nearer to what was sent than to what is true. A forged sample and the genuine one beside it are told apart so.
+    /// nearer to what was sent than to what is true. This separates a forged sample from the genuine one next to it.
     [[nodiscard]] Label of_sample(std::string const& stream, std::int64_t index,
                                   std::array<double, 3> const& currents_a) const;
 

@@ -30,7 +30,7 @@ class SampleFeatures {
     /// Of a stream of the scenario.
     static SampleFeatures of(streams::Stream const& stream, double frequency_hz);
 
-    /// An ASDU; writes its row, and tells its label. `whole`: of its frame.
+    /// An ASDU; writes its row, and returns its label. `whole`: of its frame.
     FrameLabels::Label take(Captured const& at, iec61850::FrameHeader const& header, iec61850::Asdu const& asdu,
                             FrameLabels const& labels, FrameLabels::Label const& whole, CsvFile& out);
 

@@ -17,7 +17,7 @@ relay::RelayParams relay_params(ids::Model const& model, double nominal_peak_a, 
     out.element.slope_percent = kSlopePercent;
     out.from_positive = out.to_positive = into_line ? relay::Positive::into_line : relay::Positive::from_to;
     out.seal_in = false;
-    out.required_synch = relay::Synch::none; // what it is, is in the table; the counters tell whether they fit
+    out.required_synch = relay::Synch::none; // what it is, is in the table; the counters show whether they fit
     return out;
 }
 

@@ -20,7 +20,7 @@ struct LineScan {
     std::vector<Alarm> alarms;
 };
 
-/// The detector of a line with a differential element beside it, coupled as in the relay: phasors over a cycle, pickup
+/// The detector of a line with a differential element, coupled as in the relay: phasors over a cycle, pickup
 /// at 30 % of the nominal current, 30 % of slope.
 class LineWatch {
   public:

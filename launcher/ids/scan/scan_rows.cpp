@@ -120,7 +120,7 @@ std::vector<std::string> notes_of(CaptureScan const& scan) {
     if (scan.beyond_table > 0) {
         out.push_back(plural(scan.beyond_table, "frame") + " of more streams or interfaces than are watched");
     }
-    std::map<std::string, std::vector<std::string>> not_judged; // by why; told once
+    std::map<std::string, std::vector<std::string>> not_judged; // by reason; reported once
     for (StreamScan const& s : scan.streams) {
         if (!s.goose && !s.forecast.why_not.empty()) {
             not_judged[s.forecast.why_not].push_back(s.id);

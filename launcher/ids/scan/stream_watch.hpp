@@ -10,7 +10,7 @@
 
 namespace gridspace::scan {
 
-/// A stream at one place of the network: all frames that bear its name, whoever sent them.
+/// A stream at one place of the network: all frames with its name, from any sender.
 struct StreamScan {
     std::string vantage;
     bool goose{false};

@@ -41,7 +41,7 @@ struct Verdicts {
 };
 
 /// Reads the text of a CSV file (docs/reference/ids.md). `threshold`: what a file with scores alone is flagged from.
-/// Everything that is wrong is told with its line and column; nothing then.
+/// All mistakes are reported with line and column; then it returns nothing.
 [[nodiscard]] std::optional<Verdicts> parse_verdicts(std::string_view text, std::string const& name,
                                                      Extent const& extent, std::optional<double> threshold,
                                                      config::Diagnostics& diagnostics);

@@ -38,7 +38,7 @@ function digitsOf(step: number): number {
   return digits;
 }
 
-/** What a picture shows beside the signals: names and dashes of its lines, marks at instants. */
+/** What a picture shows in addition to the signals: names and dashes of its lines, marks at instants. */
 export interface Look { label?: (name: string) => string; dash?: (name: string) => number[] | undefined; marks?: number[] }
 
 function create(node: HTMLElement, d: Drawn, height: number, pattern: string, look: () => Look): uPlot {
@@ -68,7 +68,7 @@ function create(node: HTMLElement, d: Drawn, height: number, pattern: string, lo
       ...d.series.map((s, i) => ({
         label: look().label?.(s.name) ?? short(s.name), stroke: colours[drawing[i].colour], width: 1.5, spanGaps: true,
         dash: look().dash?.(s.name) ?? kDashes[Math.min(drawing[i].dash, kDashes.length - 1)], points: { show: false },
-        paths: s.steps ? uPlot.paths.stepped!({ align: 1 }) : undefined, // what is told when it changes holds until then
+        paths: s.steps ? uPlot.paths.stepped!({ align: 1 }) : undefined, // published on change: holds until then
         value: (u: uPlot, v: number | null) => (v === null || v === undefined ? "" : `${within(v, u.scales.y.max! - u.scales.y.min!)} ${s.unit}`),
       })),
     ],

@@ -1,5 +1,5 @@
 // Flows into the branches at their begin, by the last cycle: of waveforms r.m.s. currents and powers are made here, from what is measured;
-// of phasors they are told.
+// of phasors they are published.
 import { useEffect } from "preact/hooks";
 import { ask, drawn, forget, network, run, signals, values, type Branch, type Network, type Series } from "./model";
 import { fixed } from "./text";
@@ -10,7 +10,7 @@ const kId = "flows";
 
 export interface Flow { branch: Branch; i: (number | undefined)[]; p?: number; q?: number } // A; kW and kvar into the branch
 
-/** Where a branch is measured: phases of a current and of the voltage beside it, and powers where somebody tells them. */
+/** Where a branch is measured: phases of a current and of the voltage there, and powers if they are published. */
 interface Meter { branch: Branch; i: string[]; v: string[]; p?: string; q?: string }
 
 function meters(net: Network, told: Set<string>): Meter[] {

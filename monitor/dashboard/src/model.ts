@@ -1,4 +1,4 @@
-// What the monitor tells, as signals that views depend on.
+// What the monitor sends, as signals that views depend on.
 import { signal } from "@preact/signals";
 
 export interface Process { name: string; program: string; host: string; state: string; incarnation: number; tick?: number; cpu_percent?: number; memory_octets?: number }

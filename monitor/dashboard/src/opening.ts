@@ -7,7 +7,7 @@ export function opening(events: RunEvent[], end: number): { at: number; t0: numb
   const caused = events.filter(e => kindOf(e) === "fault" || e.event === "event" || e.event.endsWith(".begins"));
   const first = caused[0] ?? events.find(e => kindOf(e) !== "note");
   if (!first) return null;
-  // What follows belongs to it until nothing happens for long beside what it took so far.
+  // What follows belongs to it until nothing happens for long, compared with its length so far.
   let last = first.time_s;
   for (const e of events) if (e.time_s > last && e.time_s - last <= Math.max(5 * (last - first.time_s), end / 50)) last = e.time_s;
   const cycles = end < 100 ? 0.03 : 0; // s: of a run of waveforms some periods are to be seen

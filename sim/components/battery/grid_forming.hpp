@@ -92,7 +92,7 @@ class Control {
     double capacity_kwh_, efficiency_, soc_start_percent_;
 };
 
-/// Their signals beside powers and currents, without the name of the element, and the values.
+/// Their signals other than powers and currents, without the name of the element, and the values.
 [[nodiscard]] std::vector<SignalDef> signals();
 [[nodiscard]] double signal(std::size_t index, State const& x, double base_hz, double share);
 

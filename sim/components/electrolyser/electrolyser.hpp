@@ -42,7 +42,7 @@ struct Electrolyser final : OnePort {
     /// Current of the stack at this share of rated power.
     [[nodiscard]] double current_a(double share) const { return stack.current_a(1e3 * efficiency * rated_kw * share); }
 
-    /// Signals beside its powers, and their values.
+    /// Signals other than its powers, and their values.
     [[nodiscard]] static std::vector<SignalDef> signals();
     [[nodiscard]] double signal(std::size_t index, double share, double hydrogen_g) const;
 

@@ -34,7 +34,7 @@ class PowerModel {
     virtual void disconnect() {}
     /// Changes a quantity in a run; false when it cannot have this value.
     virtual bool set(std::string_view /*quantity*/, double /*value*/) { return true; }
-    /// Signals beside its powers and currents, and their values.
+    /// Signals other than its powers and currents, and their values.
     [[nodiscard]] virtual std::vector<SignalDef> signals() const { return {}; }
     [[nodiscard]] virtual double value(std::size_t /*signal*/) const { return 0; }
 };

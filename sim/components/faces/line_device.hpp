@@ -13,7 +13,7 @@ struct LineSwitch : Element {
     LineEnd end{LineEnd::from};
 
     [[nodiscard]] virtual bool closed_at_start() const { return true; }
-    /// How its poles part when it is told to open.
+    /// How its poles part on an opening command.
     [[nodiscard]] virtual emt::Opening opening(Surroundings const& around) const = 0;
 };
 

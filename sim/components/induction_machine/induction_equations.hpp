@@ -82,7 +82,7 @@ class Machine {
     bool running_;
 };
 
-/// Signals beside powers and currents, without the name of the element, and their values.
+/// Signals other than powers and currents, without the name of the element, and their values.
 [[nodiscard]] std::vector<SignalDef> signals();
 [[nodiscard]] double signal(std::size_t index, Machine const& machine, State const& x, Complex i);
 

@@ -21,7 +21,7 @@ struct Stabilizer {
     double min_pu{-0.1}, max_pu{0.1};
 };
 
-/// What AC8B of IEEE 421.5-2005 (6.8) has beside KA, TA and TR: PID control, limits, an alternator with diodes.
+/// What AC8B of IEEE 421.5-2005 (6.8) has in addition to KA, TA and TR: PID control, limits, an alternator with diodes.
 struct Ac8b {
     double kpr{0}, kir{0}, kdr{0}, tdr_s{0};
     std::optional<double> pid_min_pu, pid_max_pu; ///< of the control's output (PSS/E, AC8C of IEEE 421.5-2016)

@@ -12,7 +12,7 @@ namespace gridspace::sim::machines {
 struct Saturation {
     double a{0}, b{0};
 
-    /// E Se(E): what is needed beside E.
+    /// E Se(E): what is needed in addition to E.
     [[nodiscard]] double drop(double e) const {
         double const above = std::max(e - a, 0.0);
         return b * above * above;

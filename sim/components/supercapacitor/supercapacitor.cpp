@@ -94,7 +94,7 @@ bool Supercapacitor::set(std::string_view quantity, double value) {
 
 namespace {
 
-/// Signals beside its powers.
+/// Signals other than its powers.
 enum class BankSignal : std::size_t { soc, voltage, current };
 std::vector<SignalDef> bank_signals() {
     return {{"soc_percent", "%"}, {"voltage_v", "V"}, {"current_a", "A"}};

@@ -8,7 +8,7 @@
 namespace gridspace::sim {
 
 /// A bank of electric double-layer capacitors behind an averaged converter: C, a series resistance R and a leakage
-/// beside C, the classical equivalent circuit. [Spyker and Nelms, Classical equivalent circuit parameters for a
+/// parallel to C, the classical equivalent circuit. [Spyker and Nelms, Classical equivalent circuit parameters for a
 /// double-layer capacitor, IEEE Trans. Aerosp. Electron. Syst. 36(3), 2000]
 ///
 ///     C V' = -I - V / R_leak,   P = (V - I R) I   out of the bank, P = p / efficiency or p efficiency
