@@ -14,6 +14,32 @@ namespace {
 
 using Kind = SampleAttackParams::Kind;
 
+void describe_clock(config::Fields& c, SampleAttackParams& s) {
+    double offset_us = 0, drift_us_per_s = 0;
+    c.number("offset_us", offset_us, {.doc = "at the start of the window", .min = 0});
+    c.number("drift_us_per_s", drift_us_per_s, {.doc = "more of it, from then on"});
+    s.offset_s = offset_us * 1e-6;
+    s.drift = drift_us_per_s * 1e-6;
+    if (offset_us == 0 && drift_us_per_s == 0) {
+        c.error("", "it does not say how far the clock is off", "e.g. clock: {offset_us: 200}");
+    }
+}
+
+void describe_recording(config::Fields& r, AttackConfig& a) {
+    enum class End : std::uint8_t { from, to } end{End::from};
+    r.file("file", a.recording,
+           {.doc = "CSV (time, 3 or 6 currents) or npy, at the rate of the stream", .required = true});
+    r.number("rate_hz", a.recording_rate_hz, {.doc = "npy: its rate", .above = 0});
+    r.choice<End>("end", end, {{"from", End::from}, {"to", End::to}}, {.doc = "of 6 currents, which three"});
+    a.recording_of_to = end == End::to;
+}
+
+void describe_masquerade(config::Fields& m, SampleAttackParams& s) {
+    m.number("peak_a", s.peak_a, {.doc = "crest of its current", .required = true});
+    m.number("angle_deg", s.angle_deg, {.doc = "at its start, phase a"});
+    m.number("tau_s", s.tau_s, {.doc = "time constant of the offset", .above = 0});
+}
+
 /// `value:` says by its key what happens to the samples.
 void describe_value(config::Fields& v, AttackConfig& a) {
     SampleAttackParams& s = a.samples;
@@ -40,35 +66,15 @@ void describe_value(config::Fields& v, AttackConfig& a) {
     is("replay_s", Kind::replay);
     is("freeze", Kind::freeze);
     if (v.object("clock", {.doc = "the clock of the merging unit runs behind, and says that it does not"},
-                 [&](config::Fields& c) {
-                     double offset_us = 0, drift_us_per_s = 0;
-                     c.number("offset_us", offset_us, {.doc = "at the start of the window", .min = 0});
-                     c.number("drift_us_per_s", drift_us_per_s, {.doc = "more of it, from then on"});
-                     s.offset_s = offset_us * 1e-6;
-                     s.drift = drift_us_per_s * 1e-6;
-                     if (offset_us == 0 && drift_us_per_s == 0) {
-                         c.error("", "it does not say how far the clock is off", "e.g. clock: {offset_us: 200}");
-                     }
-                 })) {
+                 [&](config::Fields& c) { describe_clock(c, s); })) {
         is("clock", Kind::clock);
     }
     if (v.object("recording", {.doc = "currents that were recorded elsewhere, again and again"},
-                 [&](config::Fields& r) {
-                     enum class End : std::uint8_t { from, to } end{End::from};
-                     r.file("file", a.recording,
-                            {.doc = "CSV (time, 3 or 6 currents) or npy, at the rate of the stream", .required = true});
-                     r.number("rate_hz", a.recording_rate_hz, {.doc = "npy: its rate", .above = 0});
-                     r.choice<End>("end", end, {{"from", End::from}, {"to", End::to}},
-                                   {.doc = "of 6 currents, which three"});
-                     a.recording_of_to = end == End::to;
-                 })) {
+                 [&](config::Fields& r) { describe_recording(r, a); })) {
         is("recording", Kind::recording);
     }
-    if (v.object("masquerade", {.doc = "a fault that is not there"}, [&](config::Fields& m) {
-            m.number("peak_a", s.peak_a, {.doc = "crest of its current", .required = true});
-            m.number("angle_deg", s.angle_deg, {.doc = "at its start, phase a"});
-            m.number("tau_s", s.tau_s, {.doc = "time constant of the offset", .above = 0});
-        })) {
+    if (v.object("masquerade", {.doc = "a fault that is not there"},
+                 [&](config::Fields& m) { describe_masquerade(m, s); })) {
         is("masquerade", Kind::masquerade);
     }
     if (v.has("uniform_a")) {
@@ -134,8 +140,12 @@ void describe_frames(config::Fields& g, FrameAttackParams& p) {
     needs(FrameKind::synch, "smp_synch");
 }
 
-/// More than from and until.
-void describe_windows(config::Fields& w, AttackConfig& a, std::optional<bool>& said) {
+void describe_window(config::Fields& w, AttackConfig& a, std::optional<bool>& said) {
+    w.fraction("from_s", a.from_s, {.doc = "simulated time of its start", .required = true, .min = 0});
+    w.fraction("until_s", a.until_s, {.doc = "and of its end", .required = true, .above = 0});
+    if (w.has("from_s") && w.has("until_s") && a.until_s <= a.from_s) {
+        w.error("until_s", "it must be after from_s");
+    }
     w.object("repeat", {.doc = "the window again"}, [&](config::Fields& r) {
         r.fraction("every_s", a.every_s, {.doc = "from one start to the next", .required = true, .above = 0});
         r.integer("times", a.times, {.doc = "how many windows in all", .required = true, .min = 2, .max = 100'000});
@@ -156,52 +166,70 @@ void describe_windows(config::Fields& w, AttackConfig& a, std::optional<bool>& s
              });
 }
 
-void describe_attack(config::Fields& f, AttackConfig& a) {
+void describe_place(config::Fields& p, AttackConfig& a) {
+    p.references("between", a.between, {.doc = "man in the middle: a host and one of its links"});
+    bool second = false;
+    p.flag("second_publisher", second, {.doc = "true: sends beside the real publisher"});
+    p.flag("spoof_source", a.spoof, {.doc = "second publisher: take the source address of the real one"});
+    a.place = p.has("between") ? AttackConfig::Place::between : AttackConfig::Place::second_publisher;
+    if (p.has("between") == second) {
+        p.error("", "one place expected", "between: [HOST, LINK], or second_publisher: true");
+    } else if (p.has("between") && a.between.size() != 2) {
+        p.error("between", "a host and a link expected");
+    }
+}
+
+void describe_target(config::Fields& t, AttackConfig& a) {
+    std::vector<config::Ref> channels;
+    t.reference("stream", a.stream, {.doc = "SMV or GOOSE stream"});
+    t.reference("topic", a.topic, {.doc = "DDS topic"});
+    t.references("channels", channels, {.doc = "members of the data set; all when left out"});
+    for (config::Ref const& c : channels) {
+        a.channels.push_back(c.name);
+    }
+    if (a.stream.empty() == a.topic.empty()) {
+        t.error("", "a stream or a topic expected");
+    }
+}
+
+void describe_spacing(config::Fields& f, AttackConfig& a) {
     using Spacing = SampleAttackParams::Spacing;
+    f.choice<Spacing>("spacing", a.samples.spacing, {{"every", Spacing::every}, {"random", Spacing::random}},
+                      {.doc = "every sample, or count single ones"});
+    f.integer("count", a.samples.count, {.doc = "random: how many", .min = 1});
+    f.integer("min_gap", a.samples.min_gap, {.doc = "random: samples from one to the next at least", .min = 1});
+    if (a.samples.spacing == Spacing::random && !f.has("count")) {
+        f.error("count", "random spacing needs it");
+    }
+}
+
+/// What the window says goes with what is done in it. `said`: its condition on messages.
+void check_window(config::Fields& f, AttackConfig const& a, std::optional<bool> said) {
+    if (a.frames && f.has("samples")) {
+        f.error("samples", "an attack on frames acts on all of its window",
+                "leave it out; `frames: {kind: drop}` has a share");
+    }
+    if (a.above_a && a.goose) {
+        f.error("window", "messages have no currents", "when: {said: true}");
+    } else if (said && !a.goose) {
+        f.error("window", "samples say nothing that is true or false", "when: {above_a: 30}");
+    } else if (f.has("window") && a.ramp_s > Rational{0} &&
+               (a.goose || (a.frames && a.frames->kind != FrameKind::delay))) {
+        f.error("window", "what it does has no strength that could grow",
+                "ramp_s goes with `value`, and with `kind: delay`");
+    }
+}
+
+void describe_attack(config::Fields& f, AttackConfig& a) {
     std::optional<bool> said;
     f.reference("by", a.by, {.doc = "the attacker process", .required = true});
     f.object("place", {.doc = "where it sits: between a host and a link, or beside the publisher"},
-             [&](config::Fields& p) {
-                 p.references("between", a.between, {.doc = "man in the middle: a host and one of its links"});
-                 bool second = false;
-                 p.flag("second_publisher", second, {.doc = "true: sends beside the real publisher"});
-                 p.flag("spoof_source", a.spoof, {.doc = "second publisher: take the source address of the real one"});
-                 a.place = p.has("between") ? AttackConfig::Place::between : AttackConfig::Place::second_publisher;
-                 if (p.has("between") == second) {
-                     p.error("", "one place expected", "between: [HOST, LINK], or second_publisher: true");
-                 } else if (p.has("between") && a.between.size() != 2) {
-                     p.error("between", "a host and a link expected");
-                 }
-             });
-    f.object("target", {.doc = "what is attacked", .required = true}, [&](config::Fields& t) {
-        std::vector<config::Ref> channels;
-        t.reference("stream", a.stream, {.doc = "SMV or GOOSE stream"});
-        t.reference("topic", a.topic, {.doc = "DDS topic"});
-        t.references("channels", channels, {.doc = "members of the data set; all when left out"});
-        for (config::Ref const& c : channels) {
-            a.channels.push_back(c.name);
-        }
-        if (a.stream.empty() == a.topic.empty()) {
-            t.error("", "a stream or a topic expected");
-        }
-    });
-    f.object("window", {.doc = "when", .required = true}, [&](config::Fields& w) {
-        w.fraction("from_s", a.from_s, {.doc = "simulated time of its start", .required = true, .min = 0});
-        w.fraction("until_s", a.until_s, {.doc = "and of its end", .required = true, .above = 0});
-        if (w.has("from_s") && w.has("until_s") && a.until_s <= a.from_s) {
-            w.error("until_s", "it must be after from_s");
-        }
-        describe_windows(w, a, said);
-    });
-    f.object("samples", {.doc = "which samples of the window; all when left out"}, [&](config::Fields& s) {
-        s.choice<Spacing>("spacing", a.samples.spacing, {{"every", Spacing::every}, {"random", Spacing::random}},
-                          {.doc = "every sample, or count single ones"});
-        s.integer("count", a.samples.count, {.doc = "random: how many", .min = 1});
-        s.integer("min_gap", a.samples.min_gap, {.doc = "random: samples from one to the next at least", .min = 1});
-        if (a.samples.spacing == Spacing::random && !s.has("count")) {
-            s.error("count", "random spacing needs it");
-        }
-    });
+             [&](config::Fields& p) { describe_place(p, a); });
+    f.object("target", {.doc = "what is attacked", .required = true},
+             [&](config::Fields& t) { describe_target(t, a); });
+    f.object("window", {.doc = "when", .required = true}, [&](config::Fields& w) { describe_window(w, a, said); });
+    f.object("samples", {.doc = "which samples of the window; all when left out"},
+             [&](config::Fields& s) { describe_spacing(s, a); });
     bool const value =
         f.object("value", {.doc = "attacks on values"}, [&](config::Fields& v) { describe_value(v, a); });
     bool const goose = f.object("message", {.doc = "attacks on GOOSE messages"}, [&](config::Fields& g) {
@@ -228,18 +256,7 @@ void describe_attack(config::Fields& f, AttackConfig& a) {
     if (a.goose) {
         a.goose->said = said;
     }
-    if (frames && f.has("samples")) {
-        f.error("samples", "an attack on frames acts on all of its window",
-                "leave it out; `frames: {kind: drop}` has a share");
-    }
-    if (a.above_a && goose) {
-        f.error("window", "messages have no currents", "when: {said: true}");
-    } else if (said && !goose) {
-        f.error("window", "samples say nothing that is true or false", "when: {above_a: 30}");
-    } else if (f.has("window") && a.ramp_s > Rational{0} && (goose || (frames && a.frames->kind != FrameKind::delay))) {
-        f.error("window", "what it does has no strength that could grow",
-                "ramp_s goes with `value`, and with `kind: delay`");
-    }
+    check_window(f, a, said);
 }
 
 } // namespace

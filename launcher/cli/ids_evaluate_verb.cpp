@@ -8,6 +8,7 @@
 #include "launcher/ids/recordings.hpp"
 
 #include <cmath>
+#include <expected>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -90,11 +91,8 @@ void print(ids::Evaluation const& e, IdsEvaluateArguments const& a) {
         "\n\"both ends\": runs in which the two ends of the line differed by more than 2 %, without any forecast\n");
 }
 
-int ids_evaluate(IdsEvaluateArguments const& a) {
-    auto const model = ids::load_model(a.model);
-    if (!model) {
-        return print_error(model.error());
-    }
+/// The exit code where something is wrong, which has been printed.
+std::expected<std::vector<ids::LineWaveform>, int> read_data(IdsEvaluateArguments const& a, ids::Model const& model) {
     std::vector<ids::LineWaveform> recordings;
     for (std::filesystem::path const& file : a.data) {
         if (file.extension() == ".yaml" || file.extension() == ".yml") {
@@ -102,47 +100,34 @@ int ids_evaluate(IdsEvaluateArguments const& a) {
             auto const config = ids::load_training_config(file, diagnostics);
             if (!config) {
                 fmt::print(stderr, "{}\n", diagnostics.render());
-                return static_cast<int>(ExitCode::usage);
+                return std::unexpected{static_cast<int>(ExitCode::usage)};
             }
             auto made = all_recordings(*config, static_cast<std::uint64_t>(a.seed), true);
             if (!made) {
-                return print_error(made.error());
+                return std::unexpected{print_error(made.error())};
             }
             std::move(made->begin(), made->end(), std::back_inserter(recordings));
             continue;
         }
-        auto read = ids::read_recording(file, {a.rate_hz, model->frequency_hz, a.event_s});
+        auto read = ids::read_recording(file, {a.rate_hz, model.frequency_hz, a.event_s});
         if (!read) {
-            return print_error(read.error());
+            return std::unexpected{print_error(read.error())};
         }
         recordings.push_back(std::move(*read));
     }
     for (ids::LineWaveform const& w : recordings) {
-        if (std::abs(w.rate_hz - model->rate_hz) > 1e-6 * w.rate_hz) {
-            return print_error({ExitCode::usage,
-                                fmt::format("{}: {} samples a second; the model '{}' was made for {}", w.name,
-                                            w.rate_hz, model->name, model->rate_hz),
-                                "resample the recording, or train a model for its rate"});
+        if (std::abs(w.rate_hz - model.rate_hz) > 1e-6 * w.rate_hz) {
+            return std::unexpected{print_error({ExitCode::usage,
+                                                fmt::format("{}: {} samples a second; the model '{}' was made for {}",
+                                                            w.name, w.rate_hz, model.name, model.rate_hz),
+                                                "resample the recording, or train a model for its rate"})};
         }
     }
-    ids::EvaluationOptions options;
-    options.percent = a.percent;
-    options.nominal_peak_a = a.nominal_peak_a;
-    options.attacks = a.attacks;
-    options.seed = static_cast<std::uint64_t>(a.seed);
-    for (auto const of : ids::kThresholds) {
-        options.attack_threshold = a.threshold == ids::name_of(of) ? of : options.attack_threshold;
-    }
-    ids::Evaluation const e = evaluate(*model, recordings, options);
-    double const ns = ids::nanoseconds_per_sample<double>(*model),
-                 ns_float = ids::nanoseconds_per_sample<float>(*model);
-    if (!a.json) {
-        fmt::print(
-            "{} ({}, {} parameters, {:.0f} ns a phase-sample here, {:.0f} ns in single precision), {} recordings\n",
-            model->name, model->kind, model->parameters(), ns, ns_float, recordings.size());
-        print(e, a);
-        return 0;
-    }
+    return recordings;
+}
+
+/// By what was evaluated: all, each situation, each attack.
+Json to_json(ids::Evaluation const& e, std::string const& attack_threshold) {
     Json situations = Json::object(), attacks = Json::array();
     for (auto const& [name, q] : e.by_situation) {
         situations[name] = to_json(q);
@@ -156,19 +141,49 @@ int ids_evaluate(IdsEvaluateArguments const& a) {
              {"kirchhoff", to_json(d.kirchhoff_seen)},
              {"median_delay_samples", d.median_delay_samples < 0 ? Json{} : Json(d.median_delay_samples)}});
     }
-    fmt::print("{}\n", Json{{"model", a.model.string()},
-                            {"name", model->name},
-                            {"sha256", model_hash(*model)},
-                            {"recordings", recordings.size()},
-                            {"threshold_percent", a.percent},
-                            {"nominal_peak_a", e.nominal_peak_a},
-                            {"ns_per_sample", ns},
-                            {"ns_per_sample_float", ns_float},
-                            {"all", to_json(e.quality)},
-                            {"situations", situations},
-                            {"attack_threshold", a.threshold},
-                            {"attacks", attacks}}
-                           .dump(2));
+    return {{"all", to_json(e.quality)},
+            {"situations", situations},
+            {"attack_threshold", attack_threshold},
+            {"attacks", attacks}};
+}
+
+int ids_evaluate(IdsEvaluateArguments const& a) {
+    auto const model = ids::load_model(a.model);
+    if (!model) {
+        return print_error(model.error());
+    }
+    auto const recordings = read_data(a, *model);
+    if (!recordings) {
+        return recordings.error();
+    }
+    ids::EvaluationOptions options;
+    options.percent = a.percent;
+    options.nominal_peak_a = a.nominal_peak_a;
+    options.attacks = a.attacks;
+    options.seed = static_cast<std::uint64_t>(a.seed);
+    for (auto const of : ids::kThresholds) {
+        options.attack_threshold = a.threshold == ids::name_of(of) ? of : options.attack_threshold;
+    }
+    ids::Evaluation const e = evaluate(*model, *recordings, options);
+    double const ns = ids::nanoseconds_per_sample<double>(*model),
+                 ns_float = ids::nanoseconds_per_sample<float>(*model);
+    if (!a.json) {
+        fmt::print(
+            "{} ({}, {} parameters, {:.0f} ns a phase-sample here, {:.0f} ns in single precision), {} recordings\n",
+            model->name, model->kind, model->parameters(), ns, ns_float, recordings->size());
+        print(e, a);
+        return 0;
+    }
+    Json out{{"model", a.model.string()},
+             {"name", model->name},
+             {"sha256", model_hash(*model)},
+             {"recordings", recordings->size()},
+             {"threshold_percent", a.percent},
+             {"nominal_peak_a", e.nominal_peak_a},
+             {"ns_per_sample", ns},
+             {"ns_per_sample_float", ns_float}};
+    out.update(to_json(e, a.threshold));
+    fmt::print("{}\n", out.dump(2));
     return 0;
 }
 

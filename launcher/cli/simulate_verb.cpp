@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // gridspace simulate: a network on its own, without a bus and other processes.
-#include "common/comtrade/comtrade_writer.hpp"
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
 #include "launcher/cli/checks.hpp"
 #include "launcher/cli/engine_options.hpp"
 #include "launcher/cli/load.hpp"
+#include "launcher/cli/simulation_output.hpp"
 #include "launcher/cli/verbs.hpp"
 #include "launcher/run/progress.hpp"
 #include "sim/network/network_config.hpp"
@@ -19,7 +19,6 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <unistd.h>
@@ -39,130 +38,6 @@ using Clock = std::chrono::steady_clock;
 
 /// After so many steps somebody looks whether what was written are numbers.
 constexpr std::int64_t kStepsBetweenChecks = 256;
-
-/// By the beginning of the transformer's signals ("ct.NAME", "vt.NAME").
-std::map<std::string, sim::Instrument::Ratio> ratios_of(sim::Network const& n) {
-    std::map<std::string, sim::Instrument::Ratio> out;
-    sim::NetworkAround const around{n};
-    for (sim::Instrument const* i : sim::all<sim::Instrument>(n)) {
-        out[signal_prefix(*i)] = i->ratio(around);
-    }
-    return out;
-}
-
-/// What is written of the simulation, row by row.
-class Output {
-  public:
-    Output(sim::Engine const& engine, std::vector<std::size_t> columns)
-        : engine_{engine}, columns_{std::move(columns)}, values_(columns_.size()) {}
-
-    Result<void> open_csv(std::filesystem::path const& file) {
-        csv_.open(file);
-        if (!csv_) {
-            return fail(ExitCode::environment, fmt::format("cannot write {}", file.string()),
-                        "does the folder exist, and may you write there?");
-        }
-        std::string header = "time_s";
-        for (std::size_t const c : columns_) {
-            header += "," + engine_.signals()[c].name;
-        }
-        csv_ << header << '\n';
-        return {};
-    }
-
-    Result<void> open_comtrade(std::filesystem::path const& file, double frequency_hz, double rate_hz, double trigger_s,
-                               std::map<std::string, sim::Instrument::Ratio> const& ratios) {
-        ComtradeHeader header;
-        header.line_frequency_hz = frequency_hz;
-        header.sample_rate_hz = rate_hz;
-        header.trigger_unix_ns =
-            std::llround(trigger_s * 1e9); // simulated time 0 is 1970: a network alone has no epoch
-        for (std::size_t const c : columns_) {
-            sim::SignalDef const& s = engine_.signals()[c];
-            std::string const tail = s.name.substr(s.name.rfind('.') + 1);
-            std::string const phase = tail == "a" || tail == "b" || tail == "c" ? tail : "";
-            if (!s.may_be_unknown) { // samples of a recording are numbers
-                ComtradeChannel channel{s.name, phase, s.unit};
-                if (auto const ratio = ratios.find(s.name.substr(0, s.name.find('.', 3))); ratio != ratios.end()) {
-                    channel.primary = ratio->second.primary;
-                    channel.secondary = ratio->second.secondary;
-                }
-                (s.unit == "dpc" ? header.digital : header.analog).push_back(std::move(channel));
-            }
-        }
-        auto writer = ComtradeWriter::create(file, std::move(header));
-        if (!writer) {
-            return std::unexpected{writer.error()};
-        }
-        comtrade_.emplace(std::move(*writer));
-        return {};
-    }
-
-    /// What cannot be written: the first value that is no number, where there should be one.
-    [[nodiscard]] Result<void> const& state() const { return state_; }
-
-    void row(double t) {
-        if (!state_) {
-            return;
-        }
-        for (std::size_t k = 0; k < columns_.size(); ++k) {
-            values_[k] = engine_.value(columns_[k]);
-            sim::SignalDef const& s = engine_.signals()[columns_[k]];
-            if (!std::isfinite(values_[k]) && !s.may_be_unknown) {
-                state_ = fail(ExitCode::usage, fmt::format("'{}' is {} at {} s", s.name, values_[k], t),
-                              "the rows before that are written; look at the element there");
-                return;
-            }
-        }
-        if (csv_.is_open()) {
-            line_.clear();
-            fmt::format_to(std::back_inserter(line_), "{}", t);
-            for (double const value : values_) {
-                if (std::isfinite(value)) {
-                    fmt::format_to(std::back_inserter(line_), ",{}", value);
-                } else {
-                    line_.push_back(','); // not known yet: an empty cell
-                }
-            }
-            line_.push_back('\n');
-            csv_.write(line_.data(), static_cast<std::streamsize>(line_.size()));
-        }
-        if (comtrade_) {
-            analog_.clear();
-            std::size_t digital = 0;
-            for (std::size_t k = 0; k < columns_.size(); ++k) {
-                sim::SignalDef const& s = engine_.signals()[columns_[k]];
-                if (s.unit == "dpc") {
-                    digital_[digital++] = values_[k] == 2; // closed
-                } else if (!s.may_be_unknown) {
-                    analog_.push_back(values_[k]);
-                }
-            }
-            comtrade_->row(analog_, {digital_.get(), digital});
-        }
-    }
-
-    Result<void> finish(std::filesystem::path const& csv) {
-        if (csv_.is_open()) {
-            csv_.close();
-            if (!csv_) {
-                return fail(ExitCode::environment, fmt::format("cannot write {}", csv.string()), "is the disk full?");
-            }
-        }
-        return comtrade_ ? comtrade_->finish() : Result<void>{};
-    }
-
-  private:
-    sim::Engine const& engine_;
-    std::vector<std::size_t> columns_;
-    std::vector<double> values_;
-    Result<void> state_;
-    std::ofstream csv_;
-    std::optional<ComtradeWriter> comtrade_;
-    std::string line_;
-    std::vector<double> analog_;
-    std::unique_ptr<bool[]> digital_{std::make_unique<bool[]>(columns_.size())};
-};
 
 std::optional<std::vector<sim::Event>> read_events(std::filesystem::path const& file, sim::Network const& network,
                                                    bool waveform, config::Diagnostics& diagnostics) {
@@ -214,99 +89,59 @@ void print_timing(std::vector<float>& step_us, double simulated_s) {
                step_us.size(), simulated_s, total_s, simulated_s / total_s);
 }
 
-int simulate(SimulateArguments const& a) {
-    config::Diagnostics diagnostics;
-    auto network = sim::load_network(a.network, diagnostics);
-    bool const emt = a.engine.solver == "emt";
-    auto const events = network ? read_events(a.events, *network, emt, diagnostics) : std::nullopt;
-    if (!network || !events) {
-        fmt::print(stderr, "{}\n", diagnostics.render());
-        return static_cast<int>(ExitCode::usage);
-    }
-    auto chosen = chosen_engine(a.engine);
-    if (!chosen) {
-        return print_error(chosen.error());
-    }
-    if (a.threads > 1 && !emt) {
-        return print_error({ExitCode::usage, "--threads is for waveforms: phasors are stepped by one", "leave it out"});
-    }
-    chosen->settings.threads = a.threads;
-    settle_step(chosen->settings, *network, a.quiet);
-    Rational const until = chosen->until_s, step = chosen->settings.step_s;
-    std::vector<sim::TimedAction> const timeline = sim::timeline(*events);
+void warn_of_late_events(std::vector<sim::TimedAction> const& timeline, Rational until) {
     for (sim::TimedAction const& event : timeline) {
-        if (event.at_s > until && !a.list_signals) {
+        if (event.at_s > until) {
             fmt::print(stderr, "warning: event '{}' at {} s comes after the end of the simulation ({} s)\n",
                        event.event, event.at_s.to_double(), until.to_double());
         }
     }
-    // Every step and every event is a whole number of quanta: nothing is rounded to a grid.
+}
+
+/// Every step and every event is a whole number of quanta: nothing is rounded to a grid.
+Result<TimeBase> time_base(Rational step, std::vector<sim::TimedAction> const& timeline) {
     Rational quantum = step;
     try {
         for (sim::TimedAction const& t : timeline) {
             quantum = t.at_s > Rational{0} ? common_divisor(quantum, t.at_s) : quantum;
         }
     } catch (std::overflow_error const&) {
-        return print_error({ExitCode::usage, "the times of the events and the step have no common fraction",
-                            "write them with fewer digits"});
+        return fail(ExitCode::usage, "the times of the events and the step have no common fraction",
+                    "write them with fewer digits");
     }
-    for (std::string const& unseen : emt ? std::vector<std::string>{} : sim::phasor::unseen_by_phasors(*network)) {
-        fmt::print(stderr, "note: {} (--solver emt does)\n", unseen);
+    return TimeBase{quantum};
+}
+
+void list_signals(sim::Engine const& engine) {
+    for (sim::SignalDef const& s : engine.signals()) {
+        fmt::print("{:<36} {}\n", s.name, s.unit.empty() ? "-" : s.unit);
     }
-    TimeBase const base{quantum};
-    double const frequency_hz = network->frequency_hz;
-    std::string const name = network->name;
-    auto const ratios = ratios_of(*network);
-    auto engine = sim::make_engine(chosen->settings, std::move(*network), base);
-    if (!engine) {
-        return print_error(engine.error());
-    }
-    if (a.list_signals) {
-        for (sim::SignalDef const& s : (*engine)->signals()) {
-            fmt::print("{:<36} {}\n", s.name, s.unit.empty() ? "-" : s.unit);
-        }
-        return 0;
-    }
-    auto const columns =
-        choose(names_of((*engine)->signals()), a.signals,
-               {"bus.*.v_pu", "machine.*.frequency_hz", "breaker.*.position", "fuse.*.position", "system.*"}, "signal",
-               "--list-signals shows what there is");
-    if (!columns) {
-        return print_error(columns.error());
-    }
-    (*engine)->will_read(*columns);
-    Output output{**engine, *columns};
-    double const trigger_s = timeline.empty() ? 0 : timeline.front().at_s.to_double();
+}
+
+Result<void> open_files(SimulationOutput& output, SimulateArguments const& a, ComtradeHeader header,
+                        std::map<std::string, sim::Instrument::Ratio> const& ratios) {
     if (!a.csv.empty()) {
         if (auto ok = output.open_csv(a.csv); !ok) {
-            return print_error(ok.error());
+            return ok;
         }
     }
-    if (!a.comtrade.empty()) {
-        if (auto ok = output.open_comtrade(a.comtrade, frequency_hz,
-                                           1 / step.to_double() / static_cast<double>(a.every), trigger_s, ratios);
-            !ok) {
-            return print_error(ok.error());
-        }
-    }
-    sim::Simulation run{std::move(*engine), {base, base.nearest(step)}, timeline};
-    double const duration_s = until.to_double();
-    using Style = launcher::Progress::Style;
-    launcher::Progress progress{a.quiet                        ? Style::quiet
-                                : ::isatty(STDERR_FILENO) != 0 ? Style::terminal
-                                                               : Style::plain,
-                                name, duration_s};
-    for (sim::StuckBreaker const& stuck : sim::stuck_breakers(*events)) {
-        run.fail_to_open(stuck.breaker, SimTime{} + base.nearest(stuck.from_s));
-    }
-    run.on_failure([&](SimTime t, std::string const& breaker) {
+    return a.comtrade.empty() ? Result<void>{} : output.open_comtrade(a.comtrade, std::move(header), ratios);
+}
+
+/// What happens in the simulation, shown as in a run.
+void show_events(sim::Simulation& run, TimeBase base, std::string const& solver, launcher::Progress& progress) {
+    run.on_failure([&progress, base](SimTime t, std::string const& breaker) {
         progress.event(base.seconds(t), breaker, "fails_to_open", "told to open, and stays closed");
     });
-    run.on_happening([&](sim::Happening const& h) { progress.event(h.at_s, h.element, h.event, h.text); });
-    run.on_event([&](SimTime t, sim::TimedAction const& action) {
-        progress.event(base.seconds(t), a.engine.solver, "event", action.event);
+    run.on_happening([&progress](sim::Happening const& h) { progress.event(h.at_s, h.element, h.event, h.text); });
+    run.on_event([&progress, base, &solver](SimTime t, sim::TimedAction const& action) {
+        progress.event(base.seconds(t), solver, "event", action.event);
     });
-    std::vector<float> step_us;
+}
+
+/// Until the end, or until something cannot be written. `step_us`: how long each step took, where that was asked for.
+Result<void> run_to_end(sim::Simulation& run, SimulateArguments const& a, ChosenEngine const& chosen, TimeBase base,
+                        SimulationOutput& output, launcher::Progress& progress, std::vector<float>& step_us) {
     std::int64_t count = 0;
     Clock::time_point before = Clock::now();
     auto const observer = [&](SimTime t) {
@@ -326,27 +161,103 @@ int simulate(SimulateArguments const& a) {
         }
     };
     auto done = run.start(observer);
-    SimTime const end = SimTime{} + base.nearest(until);
-    SimSpan const stretch = base.nearest(step) * kStepsBetweenChecks;
+    SimTime const end = SimTime{} + base.nearest(chosen.until_s);
+    SimSpan const stretch = base.nearest(chosen.settings.step_s) * kStepsBetweenChecks;
     for (SimTime t; done && output.state() && t < end;) {
         t = std::min(end, t + stretch);
         done = run.run_until(t, observer);
     }
+    return done;
+}
+
+launcher::Progress::Style progress_style(bool quiet) {
+    using Style = launcher::Progress::Style;
+    return quiet ? Style::quiet : ::isatty(STDERR_FILENO) != 0 ? Style::terminal : Style::plain;
+}
+
+/// A network that has been read, on an engine that has been chosen.
+int simulate(SimulateArguments const& a, sim::Network network, std::vector<sim::Event> const& events,
+             ChosenEngine const& chosen) {
+    Rational const step = chosen.settings.step_s;
+    std::vector<sim::TimedAction> const timeline = sim::timeline(events);
+    if (!a.list_signals) {
+        warn_of_late_events(timeline, chosen.until_s);
+    }
+    auto const base = time_base(step, timeline);
+    if (!base) {
+        return print_error(base.error());
+    }
+    bool const emt = a.engine.solver == "emt";
+    for (std::string const& unseen : emt ? std::vector<std::string>{} : sim::phasor::unseen_by_phasors(network)) {
+        fmt::print(stderr, "note: {} (--solver emt does)\n", unseen);
+    }
+    ComtradeHeader header;
+    header.line_frequency_hz = network.frequency_hz;
+    header.sample_rate_hz = 1 / step.to_double() / static_cast<double>(a.every);
+    // Simulated time 0 is 1970: a network alone has no epoch.
+    header.trigger_unix_ns = timeline.empty() ? 0 : std::llround(timeline.front().at_s.to_double() * 1e9);
+    std::string const name = network.name;
+    auto const ratios = ratios_of(network);
+    auto engine = sim::make_engine(chosen.settings, std::move(network), *base);
+    if (!engine) {
+        return print_error(engine.error());
+    }
+    if (a.list_signals) {
+        list_signals(**engine);
+        return 0;
+    }
+    auto const columns =
+        choose(names_of((*engine)->signals()), a.signals,
+               {"bus.*.v_pu", "machine.*.frequency_hz", "breaker.*.position", "fuse.*.position", "system.*"}, "signal",
+               "--list-signals shows what there is");
+    if (!columns) {
+        return print_error(columns.error());
+    }
+    (*engine)->will_read(*columns);
+    SimulationOutput output{**engine, *columns};
+    if (auto ok = open_files(output, a, std::move(header), ratios); !ok) {
+        return print_error(ok.error());
+    }
+    sim::Simulation run{std::move(*engine), {*base, base->nearest(step)}, timeline};
+    for (sim::StuckBreaker const& stuck : sim::stuck_breakers(events)) {
+        run.fail_to_open(stuck.breaker, SimTime{} + base->nearest(stuck.from_s));
+    }
+    launcher::Progress progress{progress_style(a.quiet), name, chosen.until_s.to_double()};
+    show_events(run, *base, a.engine.solver, progress);
+    std::vector<float> step_us;
+    auto const done = run_to_end(run, a, chosen, *base, output, progress, step_us);
     progress.finish();
     auto const written = output.finish(a.csv);
-    if (!done) {
-        return print_error(done.error());
+    for (Result<void> const& ok : {done, output.state(), written}) {
+        if (!ok) {
+            return print_error(ok.error());
+        }
     }
-    if (!output.state()) {
-        return print_error(output.state().error());
-    }
-    if (!written) {
-        return print_error(written.error());
-    }
-    if (a.timing && !step_us.empty()) {
-        print_timing(step_us, duration_s);
+    if (!step_us.empty()) {
+        print_timing(step_us, chosen.until_s.to_double());
     }
     return 0;
+}
+
+int simulate(SimulateArguments const& a) {
+    config::Diagnostics diagnostics;
+    auto network = sim::load_network(a.network, diagnostics);
+    bool const emt = a.engine.solver == "emt";
+    auto const events = network ? read_events(a.events, *network, emt, diagnostics) : std::nullopt;
+    if (!network || !events) {
+        fmt::print(stderr, "{}\n", diagnostics.render());
+        return static_cast<int>(ExitCode::usage);
+    }
+    auto chosen = chosen_engine(a.engine);
+    if (!chosen) {
+        return print_error(chosen.error());
+    }
+    if (a.threads > 1 && !emt) {
+        return print_error({ExitCode::usage, "--threads is for waveforms: phasors are stepped by one", "leave it out"});
+    }
+    chosen->settings.threads = a.threads;
+    settle_step(chosen->settings, *network, a.quiet);
+    return simulate(a, std::move(*network), *events, *chosen);
 }
 
 } // namespace

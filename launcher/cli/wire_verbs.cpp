@@ -53,80 +53,87 @@ std::pair<Command, std::shared_ptr<Options>> verb_of(Command wire, std::function
     return {verb, options};
 }
 
-} // namespace
-
-void add_wire(Command app, Action& action) {
-    Command wire = app.add_subcommand("wire", "send, receive, list, replay and judge GOOSE and sampled-value frames");
-    wire.require_subcommand();
-
-    auto const [list, l] =
+void add_list(Command wire, Action& action) {
+    auto const [verb, o] =
         verb_of<wire::ListOptions>(wire, action, "list", "live table of the streams on an interface", wire::list);
-    list.add_option("IF", l->interface, "interface").required();
-    list.add_option("--duration", l->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
-    list.add_flag("--json", l->json, "JSON lines");
-    list.add_flag("--once", l->once, "one table, at the end");
+    verb.add_option("IF", o->interface, "interface").required();
+    verb.add_option("--duration", o->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
+    verb.add_flag("--json", o->json, "JSON lines");
+    verb.add_flag("--once", o->once, "one table, at the end");
+}
 
-    auto const [sv_pub, sp] = verb_of<wire::SvPublishOptions>(
+void add_sv_publish(Command wire, Action& action) {
+    auto const [verb, o] = verb_of<wire::SvPublishOptions>(
         wire, action, "sv-pub", "publish sampled values: balanced sinusoids", wire::sv_publish);
-    sv_pub.add_option("IF", sp->interface, "interface").required();
-    stream_options(sv_pub, sp->stream);
-    sv_pub.add_option("--source", sp->source, "source address (default: the interface's)");
-    sv_pub.add_option("--duration", sp->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
-    sv_pub.add_option("--amplitude", sp->amplitude, "in the units of the data set").check(finite());
-    sv_pub.add_option("--frequency", sp->frequency_hz, "Hz").check(finite());
-    sv_pub.add_option("--streams", sp->streams, "publish so many: APPID, address and svID count up")
+    verb.add_option("IF", o->interface, "interface").required();
+    stream_options(verb, o->stream);
+    verb.add_option("--source", o->source, "source address (default: the interface's)");
+    verb.add_option("--duration", o->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
+    verb.add_option("--amplitude", o->amplitude, "in the units of the data set").check(finite());
+    verb.add_option("--frequency", o->frequency_hz, "Hz").check(finite());
+    verb.add_option("--streams", o->streams, "publish so many: APPID, address and svID count up")
         .check(in_range(1, 64));
-    sv_pub.add_option("--first-smp-cnt", sp->first_smp_cnt, "begin with this counter (default: by the time of day)")
+    verb.add_option("--first-smp-cnt", o->first_smp_cnt, "begin with this counter (default: by the time of day)")
         .check(in_range(0, 65535));
+}
 
-    auto const [sv_sub, ss] = verb_of<wire::SvSubscribeOptions>(
-        wire, action, "sv-sub", "watch sampled values, as JSON lines", wire::sv_subscribe);
-    sv_sub.add_option("IF", ss->interface, "interface").required();
-    stream_options(sv_sub, ss->stream);
-    sv_sub.add_option("--duration", ss->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
-    sv_sub.add_option("--count", ss->count, "end after so many frames").check(count());
-    sv_sub.add_flag("--frames", ss->frames, "a line per sample instead of one per second");
+void add_sv_subscribe(Command wire, Action& action) {
+    auto const [verb, o] = verb_of<wire::SvSubscribeOptions>(wire, action, "sv-sub",
+                                                             "watch sampled values, as JSON lines", wire::sv_subscribe);
+    verb.add_option("IF", o->interface, "interface").required();
+    stream_options(verb, o->stream);
+    verb.add_option("--duration", o->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
+    verb.add_option("--count", o->count, "end after so many frames").check(count());
+    verb.add_flag("--frames", o->frames, "a line per sample instead of one per second");
+}
 
-    auto const [goose_pub, gp] =
+void add_goose_publish(Command wire, Action& action) {
+    auto const [verb, o] =
         verb_of<wire::GoosePublishOptions>(wire, action, "goose-pub", "publish GOOSE", wire::goose_publish);
-    goose_pub.add_option("IF", gp->interface, "interface").required();
-    stream_options(goose_pub, gp->stream);
-    goose_pub.add_option("--source", gp->source, "source address (default: the interface's)");
-    goose_pub.add_option("--value", gp->values, "NAME=VALUE of a member, at the start (may be repeated)").repeated();
-    goose_pub.add_option("--duration", gp->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
-    goose_pub.add_option("--toggle", gp->toggle_s, "change the first boolean every so many seconds").check(seconds());
-    goose_pub.add_option("--first-st-num", gp->first_st_num, "stNum of the first message");
-    goose_pub.add_flag("--nds-com", gp->nds_com, "say that the control block needs commissioning");
-    goose_pub.add_flag("--interactive", gp->interactive, "change members by NAME=VALUE lines on standard input");
+    verb.add_option("IF", o->interface, "interface").required();
+    stream_options(verb, o->stream);
+    verb.add_option("--source", o->source, "source address (default: the interface's)");
+    verb.add_option("--value", o->values, "NAME=VALUE of a member, at the start (may be repeated)").repeated();
+    verb.add_option("--duration", o->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
+    verb.add_option("--toggle", o->toggle_s, "change the first boolean every so many seconds").check(seconds());
+    verb.add_option("--first-st-num", o->first_st_num, "stNum of the first message");
+    verb.add_flag("--nds-com", o->nds_com, "say that the control block needs commissioning");
+    verb.add_flag("--interactive", o->interactive, "change members by NAME=VALUE lines on standard input");
+}
 
-    auto const [goose_sub, gs] = verb_of<wire::GooseSubscribeOptions>(
+void add_goose_subscribe(Command wire, Action& action) {
+    auto const [verb, o] = verb_of<wire::GooseSubscribeOptions>(
         wire, action, "goose-sub", "watch GOOSE messages, as JSON lines", wire::goose_subscribe);
-    goose_sub.add_option("IF", gs->interface, "interface").required();
-    stream_options(goose_sub, gs->stream);
-    goose_sub.add_option("--duration", gs->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
-    goose_sub.add_option("--count", gs->count, "end after so many lines").check(count());
-    goose_sub.add_flag("--strict", gs->strict, "refuse replayed states");
+    verb.add_option("IF", o->interface, "interface").required();
+    stream_options(verb, o->stream);
+    verb.add_option("--duration", o->duration_s, "seconds; 0: until Ctrl-C").check(seconds());
+    verb.add_option("--count", o->count, "end after so many lines").check(count());
+    verb.add_flag("--strict", o->strict, "refuse replayed states");
+}
 
-    auto const [replay, r] = verb_of<wire::ReplayOptions>(
-        wire, action, "replay", "send the frames of a capture with their timing", wire::replay);
-    replay.add_option("FILE", r->file, "pcapng or pcap").required();
-    replay.add_option("IF", r->interface, "interface: a virtual cable").required();
-    replay.add_option("--speed", r->speed, "times the original; 0: as fast as possible")
+void add_replay(Command wire, Action& action) {
+    auto const [verb, o] = verb_of<wire::ReplayOptions>(wire, action, "replay",
+                                                        "send the frames of a capture with their timing", wire::replay);
+    verb.add_option("FILE", o->file, "pcapng or pcap").required();
+    verb.add_option("IF", o->interface, "interface: a virtual cable").required();
+    verb.add_option("--speed", o->speed, "times the original; 0: as fast as possible")
         .check(number(0, "a speed (0 to 1e9)"));
-    replay.add_option("--loop", r->loops, "so many times; 0: for ever").check(in_range(0, 1'000'000'000));
-    replay.add_option("--only", r->only, "only the frames of this interface of the capture");
-    replay.add_flag("--all", r->all_protocols, "other protocols too");
-    replay.add_option("--allow-attacks-on", r->allow_attacks_on, "an interface that is not a virtual cable");
+    verb.add_option("--loop", o->loops, "so many times; 0: for ever").check(in_range(0, 1'000'000'000));
+    verb.add_option("--only", o->only, "only the frames of this interface of the capture");
+    verb.add_flag("--all", o->all_protocols, "other protocols too");
+    verb.add_option("--allow-attacks-on", o->allow_attacks_on, "an interface that is not a virtual cable");
+}
 
-    Command stats = wire.add_subcommand("stats", "rates, gaps, retransmission curves and delays of a capture");
+void add_statistics(Command wire, Action& action) {
+    Command verb = wire.add_subcommand("stats", "rates, gaps, retransmission curves and delays of a capture");
     struct Stats {
         std::filesystem::path file;
         bool json{false};
     };
     auto const s = std::make_shared<Stats>();
-    stats.add_option("FILE", s->file, "pcapng or pcap").required();
-    stats.add_flag("--json", s->json, "as JSON");
-    stats.final_callback([&action, s] {
+    verb.add_option("FILE", s->file, "pcapng or pcap").required();
+    verb.add_flag("--json", s->json, "as JSON");
+    verb.final_callback([&action, s] {
         action = [s] {
             auto const statistics = wire::capture_statistics(s->file);
             if (!statistics) {
@@ -136,6 +143,20 @@ void add_wire(Command app, Action& action) {
             return 0;
         };
     });
+}
+
+} // namespace
+
+void add_wire(Command app, Action& action) {
+    Command wire = app.add_subcommand("wire", "send, receive, list, replay and judge GOOSE and sampled-value frames");
+    wire.require_subcommand();
+    add_list(wire, action);
+    add_sv_publish(wire, action);
+    add_sv_subscribe(wire, action);
+    add_goose_publish(wire, action);
+    add_goose_subscribe(wire, action);
+    add_replay(wire, action);
+    add_statistics(wire, action);
 }
 
 } // namespace gridspace::cli

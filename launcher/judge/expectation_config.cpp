@@ -36,7 +36,8 @@ bool nothing_lies_within(Expectation const& e) {
     return lower > upper || (lower == upper && (e.above == lower || e.below == upper));
 }
 
-void describe(Fields& f, Expectation& e) {
+/// How many verbs are given; the last one counts.
+int describe_verb(Fields& f, Expectation& e) {
     int verbs = 0;
     for (auto const& [name, verb] : kVerbs) {
         std::string text;
@@ -58,6 +59,10 @@ void describe(Fields& f, Expectation& e) {
             f.error(name, expression.error().message);
         }
     }
+    return verbs;
+}
+
+void describe_band(Fields& f, Expectation& e) {
     f.number("is", e.is, {.doc = "wanted value"});
     f.number("tolerance", e.tolerance, {.doc = "of `is`, to both sides", .min = 0});
     f.number("above", e.above, {.doc = "lower bound, not included"});
@@ -67,6 +72,9 @@ void describe(Fields& f, Expectation& e) {
     f.numbers("between", e.between, {.doc = "lower and upper bound"});
     f.numbers("are", e.are, {.doc = "intervals_ms: the wanted intervals from the first message of a new state on"});
     f.text("unit", e.unit, {.doc = "of a time: h, min, s or ms"});
+}
+
+void describe_judged_time(Fields& f, Expectation& e) {
     std::optional<double> within_ms;
     f.number("within_s", e.within_s, {.doc = "how soon after `from`", .above = 0});
     f.number("within_ms", within_ms, {.doc = "how soon after `from`", .above = 0});
@@ -76,6 +84,9 @@ void describe(Fields& f, Expectation& e) {
     describe_moment(f, "from", e.from, "begin of the judged time");
     describe_moment(f, "until", e.until, "end of the judged time");
     describe_moment(f, "since", e.since, "a time counts from here");
+}
+
+void describe_weight(Fields& f, Expectation& e) {
     f.flag("show_only", e.show_only, {.doc = "reported, not judged"});
     std::string timing;
     f.text("timing", timing, {.doc = "advisory: a failure is shown, and the run still passes"});
@@ -83,22 +94,10 @@ void describe(Fields& f, Expectation& e) {
     if (!timing.empty() && timing != "advisory") {
         f.error("timing", fmt::format("'{}' is not understood", timing), "expected advisory");
     }
-    if (verbs != 1) {
-        std::vector<std::string> names;
-        for (auto const& verb : kVerbs) {
-            names.emplace_back(verb.first);
-        }
-        f.error("",
-                fmt::format("expectation '{}' has {}", e.name.name,
-                            verbs == 0 ? "no verb" : fmt::format("{} verbs", verbs)),
-                "exactly one of: " + join(names, ", "));
-        return;
-    }
-    if ((e.verb == Verb::intervals_ms) == e.are.empty()) {
-        f.error("are", fmt::format("expectation '{}': `intervals_ms` and `are` go together", e.name.name),
-                "intervals_ms: stream.TRIP2, from: relay.trip, are: [1, 2, 4], tolerance: 0.5");
-        return;
-    }
+}
+
+/// A verb about a value needs bounds that something lies within, others have none.
+void check_band(Fields& f, Expectation const& e) {
     bool const numeric =
         e.verb != Verb::intervals_ms && e.verb != Verb::always && e.verb != Verb::never && e.verb != Verb::eventually;
     bool const bounded = e.is || e.above || e.below || e.at_least || e.at_most || !e.between.empty();
@@ -116,6 +115,30 @@ void describe(Fields& f, Expectation& e) {
         f.error("", fmt::format("expectation '{}' has bounds that no value lies within", e.name.name),
                 "the lower bound (above, at_least) belongs below the upper one (below, at_most)");
     }
+}
+
+void describe(Fields& f, Expectation& e) {
+    int const verbs = describe_verb(f, e);
+    describe_band(f, e);
+    describe_judged_time(f, e);
+    describe_weight(f, e);
+    if (verbs != 1) {
+        std::vector<std::string> names;
+        for (auto const& verb : kVerbs) {
+            names.emplace_back(verb.first);
+        }
+        f.error("",
+                fmt::format("expectation '{}' has {}", e.name.name,
+                            verbs == 0 ? "no verb" : fmt::format("{} verbs", verbs)),
+                "exactly one of: " + join(names, ", "));
+        return;
+    }
+    if ((e.verb == Verb::intervals_ms) == e.are.empty()) {
+        f.error("are", fmt::format("expectation '{}': `intervals_ms` and `are` go together", e.name.name),
+                "intervals_ms: stream.TRIP2, from: relay.trip, are: [1, 2, 4], tolerance: 0.5");
+        return;
+    }
+    check_band(f, e);
     bool const is_time = e.verb == Verb::time_of;
     if (is_time && e.unit.empty()) {
         e.unit = "s";

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "common/nearest_rank.hpp"
 #include "common/text.hpp"
 #include "launcher/judge/expectation.hpp"
 #include "launcher/judge/timeline.hpp"
+#include "launcher/judge/window_values.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <expected>
 #include <fmt/format.h>
-#include <limits>
 
 namespace gridspace::launcher {
 namespace {
@@ -22,10 +22,6 @@ std::int64_t nanoseconds(double seconds) {
     return std::llround(seconds * 1e9);
 }
 
-std::string seconds_text(std::int64_t ns) {
-    return shortest(static_cast<double>(ns) / 1e9);
-}
-
 /// How far the recording goes: the clock as it was last seen, or what was recorded after that.
 std::int64_t end_of(SignalStore const& signals, double duration_s) {
     std::int64_t end = nanoseconds(duration_s);
@@ -33,148 +29,6 @@ std::int64_t end_of(SignalStore const& signals, double duration_s) {
         end = series.times_ns.empty() ? end : std::max(end, series.times_ns.back());
     }
     return end;
-}
-
-/// All values in the window: of every signal of a pattern, or of the expression.
-std::vector<double> collect(Expectation const& e, Timeline const& timeline) {
-    std::vector<double> out;
-    if (e.expression->is_plain_signal()) {
-        for (SignalSeries const* series : timeline.series()) {
-            for (std::size_t i = 0; i < series->times_ns.size(); ++i) {
-                bool const held_at_begin =
-                    i + 1 < series->times_ns.size() ? series->times_ns[i + 1] > timeline.from() : true;
-                if (series->times_ns[i] <= timeline.until() &&
-                    (series->times_ns[i] >= timeline.from() || held_at_begin)) {
-                    out.push_back(series->values[i]);
-                }
-            }
-        }
-    } else {
-        timeline.run([&](std::int64_t, double value) {
-            out.push_back(value);
-            return true;
-        });
-    }
-    return out;
-}
-
-std::optional<double> statistic(Expectation const& e, Timeline const& timeline) {
-    std::vector<double> values = collect(e, timeline);
-    if (values.empty()) {
-        return std::nullopt;
-    }
-    if (e.verb != Verb::last_of) { // there is no least and no mean of what has no value
-        auto const undefined =
-            std::find_if_not(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-        if (undefined != values.end()) {
-            return *undefined;
-        }
-    }
-    switch (e.verb) {
-    case Verb::min_of:
-        return *std::min_element(values.begin(), values.end());
-    case Verb::max_of:
-        return *std::max_element(values.begin(), values.end());
-    case Verb::mean_of: {
-        double sum = 0;
-        for (double const v : values) {
-            sum += v;
-        }
-        return sum / static_cast<double>(values.size());
-    }
-    case Verb::median_of:
-        std::ranges::sort(values);
-        return nearest_rank(values, 0.5);
-    case Verb::p99_of:
-        std::ranges::sort(values);
-        return nearest_rank(values, 0.99);
-    default: {
-        // last_of: with a pattern, the worst last value is what matters; the largest is shown.
-        if (!e.expression->is_plain_signal()) {
-            return values.back();
-        }
-        std::optional<double> last;
-        for (SignalSeries const* series : timeline.series()) {
-            auto const end = std::upper_bound(series->times_ns.begin(), series->times_ns.end(), timeline.until());
-            if (end != series->times_ns.begin()) {
-                double const v = series->values[static_cast<std::size_t>(end - series->times_ns.begin()) - 1];
-                last = last ? std::max(*last, v) : v;
-            }
-        }
-        return last;
-    }
-    }
-}
-
-/// Where a delay in the window is below zero, and what that says: nothing arrives before it was sent. Empty: nowhere.
-std::string clocks_apart(SignalStore const& signals, Expression const& expression, Timeline const& timeline) {
-    constexpr double kNanosecondMs = 1e-6; // what the arithmetic of doubles may lose
-    for (auto const& [name, series] : signals) {
-        bool const used = is_wall_clock_signal(name) && name.ends_with("_ms") &&
-                          std::any_of(expression.signals().begin(), expression.signals().end(),
-                                      [&](std::string const& pattern) { return matches_glob(pattern, name); });
-        for (std::size_t i = 0; used && i < series.values.size(); ++i) {
-            bool const within = series.times_ns[i] >= timeline.from() && series.times_ns[i] <= timeline.until();
-            if (within && series.values[i] < -kNanosecondMs) {
-                return fmt::format(
-                    "not measurable: {} is below 0 ({} ms) at {} s, so the clocks of its two ends are not one", name,
-                    shortest(series.values[i]), seconds_text(series.times_ns[i]));
-            }
-        }
-    }
-    return {};
-}
-
-bool is_true(double value) {
-    return value != 0 && !std::isnan(value);
-}
-
-/// How often the expression becomes true and false, and at how many samples it is true.
-struct Edges {
-    bool any{false}; ///< the expression has a value in the window
-    std::int64_t rises{0}, falls{0}, true_samples{0};
-};
-
-Edges edges_of(Timeline const& timeline) {
-    Edges edges;
-    bool before = false;
-    timeline.run([&](std::int64_t, double value) {
-        bool const now = is_true(value);
-        edges.true_samples += now ? 1 : 0;
-        edges.rises += edges.any && now && !before ? 1 : 0;
-        edges.falls += edges.any && !now && before ? 1 : 0;
-        edges.any = true;
-        before = now;
-        return true;
-    });
-    return edges;
-}
-
-/// When a condition becomes what is waited for.
-struct Fulfilment {
-    std::optional<std::int64_t> at;         ///< the first time at or after the begin
-    std::optional<std::int64_t> true_since; ///< it was so before the begin already, from here on
-};
-
-/// `timeline` starts before `begin`, so that what becomes true at `begin` is told from what was true before. With
-/// `rises` and `falls` the next edge counts; without, a condition whose first value is true has become so with that
-/// value.
-Fulfilment fulfilment_of(Timeline const& timeline, Expression::Edge edge, std::int64_t begin) {
-    Fulfilment out;
-    bool known = false, before = false;
-    timeline.run([&](std::int64_t t, double value) {
-        bool const now = is_true(value) != (edge == Expression::Edge::falls);
-        bool const becomes = now && (known ? !before : edge == Expression::Edge::none);
-        known = true;
-        before = now;
-        if (t < begin) {
-            out.true_since = becomes ? std::optional{t} : now ? out.true_since : std::nullopt;
-        } else if (becomes) {
-            out.at = t;
-        }
-        return !out.at && !(t >= begin && out.true_since && edge == Expression::Edge::none);
-    });
-    return out;
 }
 
 void judge_condition(Expectation const& e, Timeline const& timeline, ExpectationResult& out) {
@@ -245,59 +99,7 @@ void judge_intervals(Expectation const& e, SignalStore const& signals, std::int6
     out.status = good ? Status::passed : Status::failed;
 }
 
-} // namespace
-
-bool Expectation::Band::contains(double v) const {
-    bool const above_low = !low || (low_open ? v > *low : v >= *low);
-    bool const below_high = !high || (high_open ? v < *high : v <= *high);
-    return above_low && below_high; // NaN is in no band
-}
-
-std::string Expectation::Band::to_string() const {
-    if (low && high) {
-        return *low == *high ? shortest(*low) : fmt::format("{} .. {}", shortest(*low), shortest(*high));
-    }
-    if (low) {
-        return fmt::format("{} {}", low_open ? ">" : ">=", shortest(*low));
-    }
-    return high ? fmt::format("{} {}", high_open ? "<" : "<=", shortest(*high)) : "";
-}
-
-double Expectation::unit_s() const {
-    return unit == "h" ? 3600 : unit == "min" ? 60 : unit == "ms" ? 1e-3 : 1;
-}
-
-Expectation::Band Expectation::band() const {
-    Band b;
-    if (is) {
-        // 4.2 - 0.1 is 4.1000000000000005; what the user meant has few digits.
-        auto const tidy = [](double v) { return std::round(v * 1e12) / 1e12; };
-        b.low = tidy(*is - tolerance.value_or(0));
-        b.high = tidy(*is + tolerance.value_or(0));
-    }
-    if (between.size() == 2) {
-        b.low = between[0];
-        b.high = between[1];
-    }
-    if (at_least) {
-        b.low = *at_least;
-    }
-    if (at_most) {
-        b.high = *at_most;
-    }
-    if (above) {
-        b.low = *above;
-        b.low_open = true;
-    }
-    if (below) {
-        b.high = *below;
-        b.high_open = true;
-    }
-    return b;
-}
-
-ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moments const& moments, double duration_s,
-                        bool lockstep) {
+ExpectationResult not_judged_yet(Expectation const& e) {
     ExpectationResult out;
     out.name = e.name.name;
     out.verb = e.verb_name;
@@ -305,18 +107,22 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     out.band = e.band();
     out.advisory = e.advisory;
     out.unit = e.unit;
-    std::vector<std::string> const& used = e.expression->signals();
-    if (lockstep &&
-        std::any_of(used.begin(), used.end(), [](std::string const& name) { return is_wall_clock_signal(name); })) {
-        out.status = Status::not_applicable;
-        out.detail = "of the wall clock: says nothing in lockstep";
-        return out;
-    }
-    auto const missed = [&](std::string why) {
-        out.detail = std::move(why);
-        out.status = e.show_only ? Status::shown : Status::failed;
-        return out;
-    };
+    return out;
+}
+
+bool is_of_wall_clock(Expression const& expression) {
+    std::vector<std::string> const& used = expression.signals();
+    return std::any_of(used.begin(), used.end(), [](std::string const& name) { return is_wall_clock_signal(name); });
+}
+
+/// In seconds of simulated time.
+struct Instants {
+    double from{0}, until{0}, since{0};
+};
+
+/// Those that the expectation names; or why there is nothing to judge.
+std::expected<Instants, std::string> instants_of(Expectation const& e, SignalStore const& signals,
+                                                 Moments const& moments, double duration_s) {
     auto const instant = [&](std::optional<Moment> const& moment, double otherwise) -> std::optional<double> {
         if (!moment) {
             return otherwise;
@@ -326,34 +132,93 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     auto const from = instant(e.from, 0), until = instant(e.until, duration_s), since = instant(e.since, 0);
     for (auto const& [at, moment] : {std::pair{from, e.from}, {until, e.until}, {since, e.since}}) {
         if (!at) {
-            return missed(fmt::format("'{}' did not happen", moment->event));
+            return std::unexpected{fmt::format("'{}' did not happen", moment->event)};
         }
     }
     std::int64_t const recorded_until = end_of(signals, duration_s);
     for (auto const& [at, moment] : {std::pair{from, e.from}, {since, e.since}}) {
         if (nanoseconds(*at) > recorded_until) { // the timeline names instants that a run may not come to
-            return missed(
-                fmt::format("the run ended at {} s, before '{}'", seconds_text(recorded_until), to_text(*moment)));
+            return std::unexpected{
+                fmt::format("the run ended at {} s, before '{}'", seconds_text(recorded_until), to_text(*moment))};
         }
     }
     if (e.until && nanoseconds(*until) < nanoseconds(*from)) {
-        return missed(fmt::format("'{}' is at {} s, before '{}'", to_text(*e.until), shortest(*until),
-                                  e.from ? to_text(*e.from) : "the start"));
+        return std::unexpected{fmt::format("'{}' is at {} s, before '{}'", to_text(*e.until), shortest(*until),
+                                           e.from ? to_text(*e.from) : "the start")};
+    }
+    return Instants{*from, *until, *since};
+}
+
+std::expected<double, std::string> count_of(Expression const& expression, Timeline const& timeline) {
+    Edges const edges = edges_of(timeline);
+    if (!edges.any) {
+        return std::unexpected{"no values in that time"};
+    }
+    return static_cast<double>(expression.edge() == Expression::Edge::rises   ? edges.rises
+                               : expression.edge() == Expression::Edge::falls ? edges.falls
+                                                                              : edges.true_samples);
+}
+
+/// From `since_s`, in the unit of the expectation. `before_too`: what happens before that is an answer as well.
+std::expected<double, std::string> time_of(Expectation const& e, Timeline const& timeline, std::int64_t begin,
+                                           double since_s, bool before_too) {
+    Expression::Edge const edge = e.expression->edge();
+    auto [at, true_since] = fulfilment_of(timeline, edge, begin);
+    if (!at && true_since && e.since) { // no answer to it
+        return std::unexpected{fmt::format("was already {} at {} s, before '{}'",
+                                           edge == Expression::Edge::falls ? "false" : "true",
+                                           seconds_text(*true_since), to_text(e.from ? *e.from : *e.since))};
+    }
+    if (!at && true_since && edge == Expression::Edge::none) { // no event is asked about: `from` is the first time
+        at = begin;
+    }
+    if (!at) {
+        return std::unexpected{"it never became true"};
+    }
+    if (e.since && !before_too && *at < nanoseconds(since_s)) {
+        return std::unexpected{fmt::format("became true at {} s, before '{}'", seconds_text(*at), to_text(*e.since))};
+    }
+    return (static_cast<double>(*at) / 1e9 - since_s) / e.unit_s();
+}
+
+std::expected<double, std::string> statistic_of(Expectation const& e, Timeline const& timeline) {
+    auto const value = statistic(e, timeline);
+    if (!value) {
+        return std::unexpected{"no values in that time"};
+    }
+    return *value;
+}
+
+} // namespace
+
+ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moments const& moments, double duration_s,
+                        bool lockstep) {
+    ExpectationResult out = not_judged_yet(e);
+    if (lockstep && is_of_wall_clock(*e.expression)) {
+        out.status = Status::not_applicable;
+        out.detail = "of the wall clock: says nothing in lockstep";
+        return out;
+    }
+    auto const missed = [&](std::string why) {
+        out.detail = std::move(why);
+        out.status = e.show_only ? Status::shown : Status::failed;
+        return out;
+    };
+    auto const instants = instants_of(e, signals, moments, duration_s);
+    if (!instants) {
+        return missed(instants.error());
     }
     if (e.verb == Verb::intervals_ms) {
-        judge_intervals(e, signals, nanoseconds(*from), out);
+        judge_intervals(e, signals, nanoseconds(instants->from), out);
         out.status = e.show_only ? Status::shown : out.status;
         return out;
     }
-    double end = *until;
-    if (e.within_s) {
-        end = std::min(end, *from + *e.within_s);
-    }
+    double const end = e.within_s ? std::min(instants->until, instants->from + *e.within_s) : instants->until;
     // A time is looked for from `since` on, or it would be met by what was there before; a band that begins below zero
     // asks for that.
     bool const before_too = out.band.low && *out.band.low < 0;
     bool const is_time = e.verb == Verb::time_of;
-    std::int64_t const begin = nanoseconds(is_time && !e.from && !before_too ? *since : *from);
+    std::int64_t const begin = nanoseconds(is_time && !e.from && !before_too ? instants->since : instants->from);
     Timeline const timeline{*e.expression, signals, is_time ? 0 : begin, nanoseconds(end)};
     if (!timeline.missing().empty()) {
         return missed(fmt::format("no signal '{}' was recorded", timeline.missing()));
@@ -365,56 +230,24 @@ ExpectationResult judge(Expectation const& e, SignalStore const& signals, Moment
     if (std::string why = clocks_apart(signals, *e.expression, timeline); !asks_when && !before_too && !why.empty()) {
         return missed(std::move(why));
     }
-    switch (e.verb) {
-    case Verb::always:
-    case Verb::never:
-    case Verb::eventually:
+    if (e.verb == Verb::always || e.verb == Verb::never || e.verb == Verb::eventually) {
         judge_condition(e, timeline, out);
-        if (e.show_only) {
-            out.status = Status::shown;
-        }
+        out.status = e.show_only ? Status::shown : out.status;
         return out;
-    case Verb::count_of: {
-        Edges const edges = edges_of(timeline);
+    }
+    if (e.verb == Verb::count_of) {
         out.unit.clear();
-        if (!edges.any) {
-            return missed("no values in that time");
-        }
-        out.value = static_cast<double>(e.expression->edge() == Expression::Edge::rises   ? edges.rises
-                                        : e.expression->edge() == Expression::Edge::falls ? edges.falls
-                                                                                          : edges.true_samples);
-        break;
     }
-    case Verb::time_of: {
-        auto [at, true_since] = fulfilment_of(timeline, e.expression->edge(), begin);
-        if (!at && true_since && e.since) { // no answer to it
-            return missed(fmt::format("was already {} at {} s, before '{}'",
-                                      e.expression->edge() == Expression::Edge::falls ? "false" : "true",
-                                      seconds_text(*true_since), to_text(e.from ? *e.from : *e.since)));
-        }
-        if (!at && true_since &&
-            e.expression->edge() == Expression::Edge::none) { // no event is asked about: `from` is the first time
-            at = begin;
-        }
-        if (!at) {
-            return missed("it never became true");
-        }
-        if (e.since && !before_too && *at < nanoseconds(*since)) {
-            return missed(fmt::format("became true at {} s, before '{}'", seconds_text(*at), to_text(*e.since)));
-        }
-        out.value = (static_cast<double>(*at) / 1e9 - *since) / e.unit_s();
-        break;
+    auto const value = e.verb == Verb::count_of ? count_of(*e.expression, timeline)
+                       : is_time                ? time_of(e, timeline, begin, instants->since, before_too)
+                                                : statistic_of(e, timeline);
+    if (!value) {
+        return missed(value.error());
     }
-    default:
-        out.value = statistic(e, timeline);
-        if (!out.value) {
-            return missed("no values in that time");
-        }
-    }
-    if (!std::isfinite(*out.value)) {
-        out.value.reset();
+    if (!std::isfinite(*value)) {
         return missed(kUndefined);
     }
+    out.value = *value;
     out.status = e.show_only ? Status::shown : out.band.contains(*out.value) ? Status::passed : Status::failed;
     return out;
 }

@@ -69,6 +69,66 @@ std::optional<double> decided_at(SignalStore const& signals, std::string const& 
                      sample->second.values[static_cast<std::size_t>(after - sample->second.times_ns.begin()) - 1]};
 }
 
+/// Instants that are named on each path: its begin, without a name, then what the relay decided.
+using NamedInstants = std::vector<std::pair<std::string, double>>;
+
+NamedInstants named_instants(SignalStore const& signals, std::string const& prefix, double from_s, double to_s) {
+    auto const pickup = decided_at(signals, prefix, "pickup", from_s, to_s);
+    auto const trip = decided_at(signals, prefix, "trip", from_s, to_s);
+    NamedInstants named{{"", from_s}};
+    if (pickup) {
+        named.emplace_back(trip == pickup ? "pickup, trip" : "pickup", *pickup);
+    }
+    if (trip && trip != pickup) {
+        named.emplace_back("trip", *trip);
+    }
+    return named;
+}
+
+/// Where a phase goes in the plane, and when it is there.
+struct PhasePath {
+    Figure::Series line;
+    std::vector<std::int64_t> instants; ///< of its points, ns
+    double farthest_a{0};               ///< its largest restraint current
+};
+
+PhasePath phase_path(SignalSeries const& restraint, SignalSeries const& differential, std::size_t phase, double from_s,
+                     double to_s) {
+    PhasePath out{{fmt::format("phase {}", static_cast<char>('a' + phase)), {}, {}}, {}};
+    out.line.path = true;
+    out.line.colour = static_cast<int>(phase);
+    for (std::size_t i = 0; i < std::min(restraint.values.size(), differential.values.size()); ++i) {
+        double const t = static_cast<double>(restraint.times_ns[i]) / 1e9;
+        bool const has_place = std::isfinite(restraint.values[i]) && std::isfinite(differential.values[i]);
+        if (has_place && t >= from_s && t <= to_s) {
+            out.instants.push_back(restraint.times_ns[i]);
+            out.line.times_ns.push_back(as_place(restraint.values[i]));
+            out.line.values.push_back(differential.values[i]);
+            out.farthest_a = std::max(out.farthest_a, restraint.values[i]);
+        }
+    }
+    return out;
+}
+
+/// Dots on a path. `with_names`: with what was decided there, and how long after `zero_s`.
+Figure::Series dots_on(PhasePath const& path, NamedInstants const& named, double zero_s, bool with_names) {
+    Figure::Series points = path.line;
+    points.name.clear(); // it is in the legend already
+    points.times_ns.clear();
+    points.values.clear();
+    points.points = true;
+    points.connected = false;
+    for (auto const& [name, at_s] : named) {
+        auto const nearest = std::lower_bound(path.instants.begin(), path.instants.end(), std::llround(at_s * 1e9));
+        auto const i = static_cast<std::size_t>(std::min(nearest, path.instants.end() - 1) - path.instants.begin());
+        points.times_ns.push_back(path.line.times_ns[i]);
+        points.values.push_back(path.line.values[i]);
+        points.point_names.push_back(
+            with_names && !name.empty() ? fmt::format("{} ({:.4g} ms)", name, (at_s - zero_s) * 1e3) : "");
+    }
+    return points;
+}
+
 } // namespace
 
 void restraint_planes(FigureSettings const& settings, Drawn const& run, std::vector<Figure>& out) {
@@ -81,16 +141,7 @@ void restraint_planes(FigureSettings const& settings, Drawn const& run, std::vec
         }
         Figure f = empty_plane(settings, run, process.key, "restraint current (mean of both ends), A",
                                "differential current, A");
-        double const from_s = f.from_s, to_s = f.to_s, zero_s = f.zero_s;
-        auto const pickup = decided_at(signals, prefix, "pickup", from_s, to_s);
-        auto const trip = decided_at(signals, prefix, "trip", from_s, to_s);
-        std::vector<std::pair<std::string, double>> named{{"", from_s}};
-        if (pickup) {
-            named.emplace_back(trip == pickup ? "pickup, trip" : "pickup", *pickup);
-        }
-        if (trip && trip != pickup) {
-            named.emplace_back("trip", *trip);
-        }
+        auto const named = named_instants(signals, prefix, f.from_s, f.to_s);
         double farthest = 0;
         for (std::size_t p = 0; p < 3; ++p) {
             std::string const phase(1, static_cast<char>('a' + p));
@@ -99,39 +150,14 @@ void restraint_planes(FigureSettings const& settings, Drawn const& run, std::vec
             if (x == signals.end() || y == signals.end()) {
                 continue;
             }
-            Figure::Series path{"phase " + phase, {}, {}}, points;
-            path.path = true;
-            path.colour = static_cast<int>(p);
-            std::vector<std::int64_t> instants;
-            for (std::size_t i = 0; i < std::min(x->second.values.size(), y->second.values.size()); ++i) {
-                double const t = static_cast<double>(x->second.times_ns[i]) / 1e9;
-                bool const has_place = std::isfinite(x->second.values[i]) && std::isfinite(y->second.values[i]);
-                if (has_place && t >= from_s && t <= to_s) {
-                    instants.push_back(x->second.times_ns[i]);
-                    path.times_ns.push_back(as_place(x->second.values[i]));
-                    path.values.push_back(y->second.values[i]);
-                    farthest = std::max(farthest, x->second.values[i]);
-                }
-            }
-            if (path.values.empty()) {
+            PhasePath path = phase_path(x->second, y->second, p, f.from_s, f.to_s);
+            if (path.instants.empty()) {
                 continue;
             }
-            points = path;
-            points.name.clear(); // it is in the legend already
-            points.times_ns.clear();
-            points.values.clear();
-            points.points = true;
-            points.connected = false;
-            for (auto const& [name, at_s] : named) {
-                auto const nearest = std::lower_bound(instants.begin(), instants.end(), std::llround(at_s * 1e9));
-                auto const i = static_cast<std::size_t>(std::min(nearest, instants.end() - 1) - instants.begin());
-                points.times_ns.push_back(path.times_ns[i]);
-                points.values.push_back(path.values[i]);
-                points.point_names.push_back(
-                    p == 0 && !name.empty() ? fmt::format("{} ({:.4g} ms)", name, (at_s - zero_s) * 1e3) : "");
-            }
-            f.series.push_back(std::move(path));
-            f.series.push_back(std::move(points));
+            farthest = std::max(farthest, path.farthest_a);
+            Figure::Series dots = dots_on(path, named, f.zero_s, p == 0);
+            f.series.push_back(std::move(path.line));
+            f.series.push_back(std::move(dots));
         }
         if (f.series.empty()) {
             continue;

@@ -251,25 +251,12 @@ std::string run_text(Json const& j) {
     return out;
 }
 
-} // namespace
-
-Result<RunInfo> run_info(fs::path const& run) {
-    std::error_code ignored;
-    if (fs::is_regular_file(run, ignored)) { // a recording without its folder: times are since 1970
-        auto recording = recording_json(run, 0);
-        if (!recording) {
-            return std::unexpected{recording.error()};
-        }
-        return RunInfo{recording_text(*recording),
-                       Json{{"recording", *recording}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
-    }
-    if (!fs::exists(run / "manifest.json", ignored)) {
-        return fail(ExitCode::usage, fmt::format("'{}' is not the folder of a run", run.string()),
-                    "give one that `gridspace run` has written, its data.mcap, or latest");
-    }
+/// What the manifest and the report's summary say of the run; parts of its folder are added.
+Json run_json(fs::path const& run) {
     Json const manifest = read_json(run / "manifest.json"), summary = read_json(run / "report/summary.json");
     Json const clock = part_of(manifest, "clock"), files = part_of(manifest, "files"),
                build = part_of(manifest, "gridspace");
+    std::error_code ignored;
     Json j{
         {"folder", fs::canonical(run, ignored).string()},
         {"scenario", value_of(manifest, "scenario", std::string{})},
@@ -300,6 +287,26 @@ Result<RunInfo> run_info(fs::path const& run) {
                                   {"exit", value_of(process, "exit", Json(nullptr))},
                                   {"end", value_of(process, "end", std::string{})}});
     }
+    return j;
+}
+
+} // namespace
+
+Result<RunInfo> run_info(fs::path const& run) {
+    std::error_code ignored;
+    if (fs::is_regular_file(run, ignored)) { // a recording without its folder: times are since 1970
+        auto recording = recording_json(run, 0);
+        if (!recording) {
+            return std::unexpected{recording.error()};
+        }
+        return RunInfo{recording_text(*recording),
+                       Json{{"recording", *recording}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};
+    }
+    if (!fs::exists(run / "manifest.json", ignored)) {
+        return fail(ExitCode::usage, fmt::format("'{}' is not the folder of a run", run.string()),
+                    "give one that `gridspace run` has written, its data.mcap, or latest");
+    }
+    Json j = run_json(run);
     std::string text = run_text(j);
     auto const add = [&](char const* key, char const* name, auto const& read, auto const& show) {
         j[key] = nullptr;

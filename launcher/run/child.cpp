@@ -60,29 +60,18 @@ void execute(std::vector<char*> const& arguments) {
     errno = found;
 }
 
-/// In the child: never returns. Reports what fails as "step: reason" on `error_fd`, which closes by itself on success.
-[[noreturn]] void become(PlannedProcess const& process, SpawnOptions const& options, pid_t parent, int control_read,
-                         int status_write, int log_fd, int error_fd) {
-    auto const stop = [&](char const* step) {
-        std::string const text = errno == ENOEXEC ? fmt::format("{}: no program for this machine's processor, and no "
-                                                                "script that begins with #!",
-                                                                step)
-                                                  : fmt::format("{}: {}", step, std::strerror(errno));
-        [[maybe_unused]] auto const written = ::write(error_fd, text.data(), text.size());
-        ::_exit(127);
-    };
-    ::setpgid(0, 0);
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) { // it died before that
-        ::_exit(127);
-    }
-    sigset_t none;
-    sigemptyset(&none);
-    ::sigprocmask(SIG_SETMASK, &none, nullptr);
-    ::signal(SIGPIPE, SIG_DFL);
-    if (options.netns >= 0 && ::setns(options.netns, CLONE_NEWNET) != 0) {
-        stop("entering its host");
-    }
+/// In the child: reports what fails as "step: reason" on `error_fd`, which closes by itself on success.
+[[noreturn]] void give_up(int error_fd, char const* step) {
+    std::string const text = errno == ENOEXEC ? fmt::format("{}: no program for this machine's processor, and no "
+                                                            "script that begins with #!",
+                                                            step)
+                                              : fmt::format("{}: {}", step, std::strerror(errno));
+    [[maybe_unused]] auto const written = ::write(error_fd, text.data(), text.size());
+    ::_exit(127);
+}
+
+/// Where and when the process is computed.
+void take_processor(PlannedProcess const& process) {
     if (process.cpu) {
         cpu_set_t set;
         CPU_ZERO(&set);
@@ -92,14 +81,16 @@ void execute(std::vector<char*> const& arguments) {
     if (process.fifo_priority > 0) {
         schedule_fifo(process.fifo_priority); // what came of it the process says in its log
     }
-    // Standard descriptors, then 3 (status), 4 (listening socket) and 5 (board). Sources are moved above 10 first: no
-    // overlap.
+}
+
+/// Standard descriptors, then 3 (status), 4 (listening socket) and 5 (board). Returns where `error_fd` is from now on.
+int arrange_descriptors(SpawnOptions const& options, int control_read, int status_write, int log_fd, int error_fd) {
+    // Sources are moved above 10 first: no overlap.
     int const control = ::fcntl(control_read, F_DUPFD, 10), status = ::fcntl(status_write, F_DUPFD, 10),
               log = ::fcntl(log_fd, F_DUPFD, 10),
               listening = options.listen_fd < 0 ? -1 : ::fcntl(options.listen_fd, F_DUPFD, 10),
               board = options.board_fd < 0 ? -1 : ::fcntl(options.board_fd, F_DUPFD, 10),
               error = ::fcntl(error_fd, F_DUPFD_CLOEXEC, 10);
-    error_fd = error;
     ::dup2(control, STDIN_FILENO);
     ::dup2(log, STDOUT_FILENO);
     ::dup2(log, STDERR_FILENO);
@@ -118,6 +109,26 @@ void execute(std::vector<char*> const& arguments) {
             ::close(fd);
         }
     }
+    return error;
+}
+
+/// In the child: never returns.
+[[noreturn]] void become(PlannedProcess const& process, SpawnOptions const& options, pid_t parent, int control_read,
+                         int status_write, int log_fd, int error_fd) {
+    ::setpgid(0, 0);
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) { // it died before that
+        ::_exit(127);
+    }
+    sigset_t none;
+    sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+    ::signal(SIGPIPE, SIG_DFL);
+    if (options.netns >= 0 && ::setns(options.netns, CLONE_NEWNET) != 0) {
+        give_up(error_fd, "entering its host");
+    }
+    take_processor(process);
+    error_fd = arrange_descriptors(options, control_read, status_write, log_fd, error_fd);
     for (auto const& [name, value] : process.environment) {
         ::setenv(name.c_str(), value.c_str(), 1);
     }
@@ -137,11 +148,10 @@ void execute(std::vector<char*> const& arguments) {
     }
     std::filesystem::path const folder = process.config_file.parent_path();
     if (::chdir(folder.c_str()) != 0) {
-        stop("entering the run folder");
+        give_up(error_fd, "entering the run folder");
     }
     execute(arguments);
-    stop(arguments[0]);
-    ::_exit(127);
+    give_up(error_fd, arguments[0]);
 }
 
 } // namespace

@@ -106,6 +106,125 @@ Result<Listening> listen(RunPlan const& plan, std::filesystem::path const& folde
     return out;
 }
 
+/// What speaks against the run, before anything of it is there.
+Result<void> check_run(Scenario const& scenario, RunOptions const& options) {
+    if (auto ok = check_isolation(scenario, options.namespaces); !ok) {
+        return ok;
+    }
+    if (auto ok = check_emulators(scenario); !ok) {
+        return ok;
+    }
+    return check_attacks(scenario, options.allow_attacks_on);
+}
+
+RunPlan make_settled_plan(Scenario const& scenario, PlanOptions const& options) {
+    RunPlan plan = make_plan(scenario, options);
+    settle_scheduling(plan);
+    return plan;
+}
+
+void note_scheduling(RunPlan const& plan, Progress& progress) {
+    if (plan.scheduling.starts_with("SCHED_OTHER:")) {
+        progress.note("note: " + plan.scheduling);
+    }
+}
+
+void hand_over_outer_network(int outer_network, RunPlan& plan) {
+    plan.outer_network = outer_network;
+    for (PlannedProcess& process : plan.processes) {
+        if (process.run_on.kind == RunOn::Kind::ssh) { // of the supervisor, which is process 1 where this is read
+            process.environment["GRIDSPACE_OUTER_NETWORK"] = fmt::format("/proc/1/fd/{}", outer_network);
+        }
+    }
+}
+
+/// Between this process and the supervisor.
+struct Channel {
+    UniqueFd own_end, supervisors_end;
+};
+
+Result<Channel> open_channel() {
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+        return fail(ExitCode::environment, fmt::format("no socket: {}", std::strerror(errno)));
+    }
+    return Channel{UniqueFd{ends[0]}, UniqueFd{ends[1]}};
+}
+
+void note_folder(RunPlan const& plan, Progress& progress) {
+    progress.note(fmt::format("run folder: {}", plan.folder.string()));
+    for (PlannedProcess const& process : plan.processes) {
+        if (process.run_on.kind == RunOn::Kind::external) {
+            progress.note(fmt::format("{}: is to be started by somebody else, with {}", process.name,
+                                      process.config_file.string()));
+        }
+    }
+}
+
+/// All that the processes read. `bus_domains`: those of DDS that they meet in.
+Result<void> write_secured_inputs(Scenario const& scenario, RunPlan& plan, std::vector<int> const& bus_domains) {
+    auto ok = secure(scenario, plan, bus_domains, std::time(nullptr));
+    return ok ? write_inputs(scenario, plan, ::geteuid() == 0) : ok;
+}
+
+struct StartedRun {
+    pid_t supervisor{0};
+    std::optional<DomainLock> domains; ///< of a run on the loopback interface
+};
+
+/// The plan becomes one for the loopback interface.
+Result<StartedRun> start_on_loopback(Scenario const& scenario, PlanOptions options, RunPlan& plan,
+                                     std::function<int()> const& supervisor) {
+    auto domains = DomainLock::take();
+    if (!domains) {
+        return std::unexpected{domains.error()};
+    }
+    options.namespaces = false;
+    options.domain = domains->first();
+    plan = make_settled_plan(scenario, options);
+    if (auto ok = write_secured_inputs(scenario, plan, {domains->first(), domains->first() + 1}); !ok) {
+        return std::unexpected{ok.error()};
+    }
+    auto const started = start_without_namespaces(supervisor);
+    if (!started) {
+        return std::unexpected{started.error()};
+    }
+    return StartedRun{*started, std::move(*domains)};
+}
+
+/// In namespaces; where there are none, on the loopback interface, if the scenario can do with it.
+Result<StartedRun> start(Scenario const& scenario, PlanOptions const& options, RunPlan& plan,
+                         std::function<int()> const& supervisor, Progress& progress) {
+    if (options.namespaces) {
+        if (auto ok = write_secured_inputs(scenario, plan, {0, 1}); !ok) {
+            return std::unexpected{ok.error()};
+        }
+        auto const started = start_in_namespaces(supervisor);
+        if (started) {
+            return StartedRun{*started, std::nullopt};
+        }
+        if (has_boards(scenario) || has_raw_frames(scenario)) {
+            return std::unexpected{started.error()};
+        }
+        progress.note(fmt::format("note: {}; running on the loopback interface instead", describe(started.error())));
+    }
+    return start_on_loopback(scenario, options, plan, supervisor);
+}
+
+FinishedRun follow_to_the_end(Scenario const& scenario, RunPlan const& plan, pid_t supervisor, UniqueFd channel,
+                              Progress& progress, EventLog& events, InterruptWatch& interrupts) {
+    FinishedRun finished;
+    finished.folder = plan.folder;
+    {
+        LiveVerdict const so_far{scenario, plan.folder};
+        finished.outcome = follow(plan, supervisor, channel.get(), progress, events, interrupts);
+    }
+    channel.reset();
+    forget_run_keys(plan.folder);
+    finished.unread = progress.take_unread();
+    return finished;
+}
+
 } // namespace
 
 Result<void> check_isolation(Scenario const& scenario, bool namespaces) {
@@ -123,17 +242,10 @@ Result<void> check_isolation(Scenario const& scenario, bool namespaces) {
 
 Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& options, InterruptWatch& interrupts) {
     auto const begin = Clock::now();
-    if (auto ok = check_isolation(scenario, options.namespaces); !ok) {
-        return std::unexpected{ok.error()};
-    }
-    if (auto ok = check_emulators(scenario); !ok) {
-        return std::unexpected{ok.error()};
-    }
-    if (auto ok = check_attacks(scenario, options.allow_attacks_on); !ok) {
+    if (auto ok = check_run(scenario, options); !ok) {
         return std::unexpected{ok.error()};
     }
     Progress progress{options.style, scenario.name, scenario.simulation.duration().to_double()};
-    bool const with_boards = has_boards(scenario);
     auto boards = prepare_boards(scenario, [&](std::string_view text) { progress.note(text); });
     if (!boards) {
         return std::unexpected{boards.error()};
@@ -142,103 +254,48 @@ Result<FinishedRun> run_scenario(Scenario const& scenario, RunOptions const& opt
     if (!folder) {
         return std::unexpected{folder.error()};
     }
-    bool const root = ::geteuid() == 0;
     auto events = EventLog::create(*folder / "events.ndjson");
     if (!events) {
         return std::unexpected{events.error()};
     }
-
-    PlanOptions plan_options{*folder,           options.namespaces,    0,
-                             options.log_level, options.allow_control, std::move(*boards)};
     if (options.allow_control) {
         if (auto ok = write_control_token(*folder); !ok) {
             return std::unexpected{ok.error()};
         }
     }
-    RunPlan plan = make_plan(scenario, plan_options);
-    settle_scheduling(plan);
-    if (plan.scheduling.starts_with("SCHED_OTHER:")) {
-        progress.note("note: " + plan.scheduling);
-    }
-    auto const outer = open_outer_network(plan, with_boards);
+    PlanOptions const plan_options{*folder,           options.namespaces,    0,
+                                   options.log_level, options.allow_control, std::move(*boards)};
+    RunPlan plan = make_settled_plan(scenario, plan_options);
+    note_scheduling(plan, progress);
+    auto const outer = open_outer_network(plan, has_boards(scenario));
     if (!outer) {
         return std::unexpected{outer.error()};
     }
-    plan.outer_network = outer->get();
-    for (PlannedProcess& process : plan.processes) {
-        if (process.run_on.kind == RunOn::Kind::ssh) { // of the supervisor, which is process 1 where this is read
-            process.environment["GRIDSPACE_OUTER_NETWORK"] = fmt::format("/proc/1/fd/{}", outer->get());
-        }
-    }
+    hand_over_outer_network(outer->get(), plan);
     auto listening = listen(plan, *folder, progress);
     if (!listening) {
         return std::unexpected{listening.error()};
     }
-    int ends[2];
-    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
-        return fail(ExitCode::environment, fmt::format("no socket: {}", std::strerror(errno)));
+    auto channel = open_channel();
+    if (!channel) {
+        return std::unexpected{channel.error()};
     }
-    UniqueFd channel{ends[0]}, supervisors_end{ends[1]};
-    progress.note(fmt::format("run folder: {}", folder->string()));
-    for (PlannedProcess const& process : plan.processes) {
-        if (process.run_on.kind == RunOn::Kind::external) {
-            progress.note(fmt::format("{}: is to be started by somebody else, with {}", process.name,
-                                      process.config_file.string()));
-        }
-    }
-
-    std::optional<DomainLock> domains;
-    Result<pid_t> supervisor = fail(ExitCode::environment, "");
-    auto const body = [&] {
-        channel.reset();
-        return supervise(plan, supervisors_end.get(), listening->sockets);
+    note_folder(plan, progress);
+    auto const supervisor = [&] {
+        channel->own_end.reset();
+        return supervise(plan, channel->supervisors_end.get(), listening->sockets);
     };
-    auto const write = [&](std::vector<int> const& bus_domains) -> Result<void> {
-        auto ok = secure(scenario, plan, bus_domains, std::time(nullptr));
-        return ok ? write_inputs(scenario, plan, root) : ok;
-    };
-    if (options.namespaces) {
-        if (auto ok = write({0, 1}); !ok) {
-            return std::unexpected{ok.error()};
-        }
-        supervisor = start_in_namespaces(body);
+    auto const started = start(scenario, plan_options, plan, supervisor, progress);
+    if (!started) {
+        return std::unexpected{started.error()};
     }
-    if (!supervisor && !with_boards && (!options.namespaces || !has_raw_frames(scenario))) {
-        if (options.namespaces) {
-            progress.note(
-                fmt::format("note: {}; running on the loopback interface instead", describe(supervisor.error())));
-        }
-        auto taken = DomainLock::take();
-        if (!taken) {
-            return std::unexpected{taken.error()};
-        }
-        domains.emplace(std::move(*taken));
-        plan_options.namespaces = false;
-        plan_options.domain = domains->first();
-        plan = make_plan(scenario, plan_options);
-        settle_scheduling(plan);
-        if (auto ok = write({domains->first(), domains->first() + 1}); !ok) {
-            return std::unexpected{ok.error()};
-        }
-        supervisor = start_without_namespaces(body);
-    }
-    supervisors_end.reset();
+    channel->supervisors_end.reset();
     listening->sockets.clear();
-    if (!supervisor) {
-        return std::unexpected{supervisor.error()};
-    }
-    FinishedRun finished;
-    finished.folder = *folder;
-    {
-        LiveVerdict const so_far{scenario, *folder};
-        finished.outcome = follow(plan, *supervisor, channel.get(), progress, *events, interrupts);
-    }
-    channel.reset();
-    forget_run_keys(*folder);
-    finished.unread = progress.take_unread();
+    FinishedRun finished = follow_to_the_end(scenario, plan, started->supervisor, std::move(channel->own_end), progress,
+                                             *events, interrupts);
     finished.outcome.total_wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
-    if (auto ok = write_outcome(*folder, finished.outcome);
-        !ok) { // a full disk: how the run went is to be said all the same
+    if (auto ok = write_outcome(*folder, finished.outcome); !ok) {
+        // A full disk: how the run went is to be said all the same.
         finished.unwritten = ok.error();
     }
     return finished;

@@ -95,6 +95,124 @@ void describe_bursts(StreamStatistics& out) {
     }
 }
 
+using Stream = ObservedStream const*;
+using StreamsByFrame = std::unordered_map<std::uint64_t, std::vector<Stream>>;
+
+/// From frame to frame of each stream.
+struct Intervals {
+    std::unordered_map<Stream, std::vector<double>> ms;
+    std::unordered_map<Stream, std::int64_t> last_ns;
+
+    void add(Stream stream, std::int64_t time_ns) {
+        auto const [last, is_first] = last_ns.try_emplace(stream, time_ns);
+        if (!is_first && time_ns >= last->second) {
+            ms[stream].push_back(static_cast<double>(time_ns - last->second) * 1e-6);
+        }
+        last->second = time_ns;
+    }
+};
+
+/// From the first point that saw a frame to the last, ms.
+std::unordered_map<Stream, std::vector<double>> delays_of(Sightings const& sightings, StreamsByFrame const& streams) {
+    std::unordered_map<Stream, std::vector<double>> delays;
+    for (auto const& [key, seen] : sightings.frames) {
+        auto const of_frame = streams.find(key);
+        if (seen.points < 2 || of_frame == streams.end()) {
+            continue;
+        }
+        for (Stream const stream : of_frame->second) {
+            delays[stream].push_back(static_cast<double>(seen.last_ns - seen.time_ns) * 1e-6);
+        }
+    }
+    return delays;
+}
+
+StreamStatistics statistics_of(ObservedStream const& stream, std::vector<double>& intervals_ms,
+                               std::vector<double>& delays_ms) {
+    StreamStatistics s;
+    s.stream = stream;
+    s.interval_ms = percentiles(intervals_ms);
+    if (!delays_ms.empty()) {
+        s.delay_ms = percentiles(delays_ms);
+    }
+    if (stream.goose) {
+        s.steady_ms = steady_interval_ms(stream.intervals);
+        describe_bursts(s);
+    }
+    return s;
+}
+
+/// What of the capture could not be used, a line for each reason.
+std::string text_of_losses(CaptureStatistics const& c) {
+    std::string out;
+    if (c.other > 0) {
+        out += fmt::format("{} frames of other protocols\n", c.other);
+    }
+    if (c.no_ethernet > 0) {
+        out += fmt::format("{} frames of interfaces that are no Ethernet: not looked at\n", c.no_ethernet);
+    }
+    if (c.cut > 0) {
+        out += fmt::format("{} frames were cut by the capture (its snap length)\n", c.cut);
+    }
+    if (c.clock_back > 0) {
+        out += fmt::format("the capture's clock went back {} time{}: the intervals there are left out\n", c.clock_back,
+                           c.clock_back == 1 ? "" : "s");
+    }
+    for (std::size_t i = 0; i < iec61850::kReasons; ++i) {
+        if (c.errors.by_reason[i] > 0) {
+            out += fmt::format("{} frames could not be read: {}\n", c.errors.by_reason[i],
+                               reason_name(static_cast<iec61850::Reason>(i)));
+        }
+    }
+    return out;
+}
+
+std::string text_of(StreamStatistics const& s) {
+    ObservedStream const& o = s.stream;
+    std::string out =
+        fmt::format("\n{} {}  APPID 0x{:04X}  {} -> {}{}\n",
+                    o.routed  ? (o.goose ? "R-GOOSE" : "R-SV")
+                    : o.goose ? "GOOSE"
+                              : "SMV",
+                    o.id, o.app_id, o.source.to_string(), o.destination.to_string(), o.simulated ? "  simulated" : "");
+    out += fmt::format("  {} frames, lost {}, duplicate {}, out of order {}, restarts {}\n", o.frames, o.lost,
+                       o.duplicates, o.out_of_order, o.restarts);
+    if (o.goose) {
+        out += fmt::format(
+            "  {} changes of state; {}; {} came after their time to live\n", o.states,
+            s.steady_ms ? fmt::format("steady interval {:.3f} ms", *s.steady_ms) : "never in steady state", o.late);
+        if (!s.burst_ms.empty()) {
+            out += "  retransmission curve, ms:";
+            for (double const ms : s.burst_ms) {
+                out += fmt::format(" {:.3f}", ms);
+            }
+            out += '\n';
+        }
+    } else {
+        out += fmt::format("  {:.3f} samples/s in {} per frame; {} octets of data; synchronised {}{}\n", o.rate_hz(),
+                           o.asdus, o.sample_octets,
+                           o.smp_synch == 0   ? "no"
+                           : o.smp_synch == 1 ? "locally"
+                           : o.smp_synch == 2 ? "globally"
+                                              : fmt::format("to clock {}", o.smp_synch),
+                           o.counter->wrap_known() ? fmt::format("; counter wraps at {}", o.counter->wrap()) : "");
+    }
+    Percentiles const& i = s.interval_ms;
+    out += i.count == 0 ? std::string{"  interval: not measurable, fewer than two frames that are no duplicates\n"}
+                        : fmt::format("  interval ms: min {:.3f}  p50 {:.3f}  p99 {:.3f}  p99.9 {:.3f}  max {:.3f}\n",
+                                      i.min, i.p50, i.p99, i.p999, i.max);
+    if (s.delay_ms) {
+        Percentiles const& d = *s.delay_ms;
+        TransferClass const* const met = tightest_class(d.p999);
+        out += fmt::format(
+            "  delay ms: p50 {:.4f}  p99 {:.4f}  p99.9 {:.4f}  max {:.4f}; p99.9 meets {} of IEC 61850-5 ({})\n", d.p50,
+            d.p99, d.p999, d.max, met->name, met->use);
+    } else {
+        out += "  delay: not measurable, the capture saw these frames at one point\n";
+    }
+    return out;
+}
+
 nlohmann::ordered_json json_of(Percentiles const& p) {
     return {{"count", p.count}, {"min", p.min}, {"p50", p.p50},  {"p99", p.p99},
             {"p99.9", p.p999},  {"max", p.max}, {"mean", p.mean}};
@@ -135,10 +253,8 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
     }
     Observer observer;
     Sightings sightings;
-    using Stream = ObservedStream const*;
-    std::unordered_map<std::uint64_t, std::vector<Stream>> streams_by_frame;
-    std::unordered_map<Stream, std::vector<double>> intervals;
-    std::unordered_map<Stream, std::int64_t> last;
+    StreamsByFrame streams_by_frame;
+    Intervals intervals;
     std::unordered_map<std::uint32_t, std::int64_t> last_of_interface;
     CaptureStatistics out;
     std::int64_t begin = 0, end = 0;
@@ -165,14 +281,9 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
         streams.clear();
         for (auto const& [stream, duplicate] : observer.add(octets, time)) {
             streams.push_back(stream);
-            if (duplicate) {
-                continue;
+            if (!duplicate) {
+                intervals.add(stream, time);
             }
-            auto const [at, fresh] = last.try_emplace(stream, time);
-            if (!fresh && time >= at->second) {
-                intervals[stream].push_back(static_cast<double>(time - at->second) * 1e-6);
-            }
-            at->second = time;
         }
     });
     if (!read) {
@@ -185,26 +296,9 @@ Result<CaptureStatistics> capture_statistics(std::filesystem::path const& file) 
     for (pcapng::Interface const& interface : reader->interfaces()) {
         out.points.push_back(visible(interface.name));
     }
-    std::unordered_map<Stream, std::vector<double>> delays;
-    for (auto const& [key, seen] : sightings.frames) {
-        auto const streams = streams_by_frame.find(key);
-        for (std::size_t i = 0; seen.points > 1 && streams != streams_by_frame.end() && i < streams->second.size();
-             ++i) {
-            delays[streams->second[i]].push_back(static_cast<double>(seen.last_ns - seen.time_ns) * 1e-6);
-        }
-    }
-    for (ObservedStream const* stream : observer.streams()) {
-        StreamStatistics s;
-        s.stream = *stream;
-        s.interval_ms = percentiles(intervals[stream]);
-        if (auto& own = delays[stream]; !own.empty()) {
-            s.delay_ms = percentiles(own);
-        }
-        if (stream->goose) {
-            s.steady_ms = steady_interval_ms(stream->intervals);
-            describe_bursts(s);
-        }
-        out.streams.push_back(std::move(s));
+    auto delays = delays_of(sightings, streams_by_frame);
+    for (Stream const stream : observer.streams()) {
+        out.streams.push_back(statistics_of(*stream, intervals.ms[stream], delays[stream]));
     }
     return out;
 }
@@ -213,69 +307,9 @@ std::string to_text(CaptureStatistics const& c) {
     std::string out =
         fmt::format("{} frames in {:.6f} s, at {} point{}{}\n", c.frames, c.seconds, c.points.size(),
                     c.points.size() == 1 ? "" : "s", c.truncated ? "; the file ends in the middle of a frame" : "");
-    if (c.other > 0) {
-        out += fmt::format("{} frames of other protocols\n", c.other);
-    }
-    if (c.no_ethernet > 0) {
-        out += fmt::format("{} frames of interfaces that are no Ethernet: not looked at\n", c.no_ethernet);
-    }
-    if (c.cut > 0) {
-        out += fmt::format("{} frames were cut by the capture (its snap length)\n", c.cut);
-    }
-    if (c.clock_back > 0) {
-        out += fmt::format("the capture's clock went back {} time{}: the intervals there are left out\n", c.clock_back,
-                           c.clock_back == 1 ? "" : "s");
-    }
-    for (std::size_t i = 0; i < iec61850::kReasons; ++i) {
-        if (c.errors.by_reason[i] > 0) {
-            out += fmt::format("{} frames could not be read: {}\n", c.errors.by_reason[i],
-                               reason_name(static_cast<iec61850::Reason>(i)));
-        }
-    }
+    out += text_of_losses(c);
     for (StreamStatistics const& s : c.streams) {
-        ObservedStream const& o = s.stream;
-        out += fmt::format("\n{} {}  APPID 0x{:04X}  {} -> {}{}\n",
-                           o.routed  ? (o.goose ? "R-GOOSE" : "R-SV")
-                           : o.goose ? "GOOSE"
-                                     : "SMV",
-                           o.id, o.app_id, o.source.to_string(), o.destination.to_string(),
-                           o.simulated ? "  simulated" : "");
-        out += fmt::format("  {} frames, lost {}, duplicate {}, out of order {}, restarts {}\n", o.frames, o.lost,
-                           o.duplicates, o.out_of_order, o.restarts);
-        if (o.goose) {
-            out += fmt::format(
-                "  {} changes of state; {}; {} came after their time to live\n", o.states,
-                s.steady_ms ? fmt::format("steady interval {:.3f} ms", *s.steady_ms) : "never in steady state", o.late);
-            if (!s.burst_ms.empty()) {
-                out += "  retransmission curve, ms:";
-                for (double const ms : s.burst_ms) {
-                    out += fmt::format(" {:.3f}", ms);
-                }
-                out += '\n';
-            }
-        } else {
-            out += fmt::format("  {:.3f} samples/s in {} per frame; {} octets of data; synchronised {}{}\n",
-                               o.rate_hz(), o.asdus, o.sample_octets,
-                               o.smp_synch == 0   ? "no"
-                               : o.smp_synch == 1 ? "locally"
-                               : o.smp_synch == 2 ? "globally"
-                                                  : fmt::format("to clock {}", o.smp_synch),
-                               o.counter->wrap_known() ? fmt::format("; counter wraps at {}", o.counter->wrap()) : "");
-        }
-        Percentiles const& i = s.interval_ms;
-        out += i.count == 0
-                   ? std::string{"  interval: not measurable, fewer than two frames that are no duplicates\n"}
-                   : fmt::format("  interval ms: min {:.3f}  p50 {:.3f}  p99 {:.3f}  p99.9 {:.3f}  max {:.3f}\n", i.min,
-                                 i.p50, i.p99, i.p999, i.max);
-        if (s.delay_ms) {
-            Percentiles const& d = *s.delay_ms;
-            TransferClass const* const met = tightest_class(d.p999);
-            out += fmt::format(
-                "  delay ms: p50 {:.4f}  p99 {:.4f}  p99.9 {:.4f}  max {:.4f}; p99.9 meets {} of IEC 61850-5 ({})\n",
-                d.p50, d.p99, d.p999, d.max, met->name, met->use);
-        } else {
-            out += "  delay: not measurable, the capture saw these frames at one point\n";
-        }
+        out += text_of(s);
     }
     return out;
 }

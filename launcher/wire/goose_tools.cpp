@@ -91,48 +91,37 @@ Json message_json(GooseFrame const& m, std::int64_t stamp_ns) {
     return out;
 }
 
-} // namespace
-
-Result<void> goose_publish(GoosePublishOptions const& o) {
-    auto const stream = read_stream(o.stream, streams::Kind::goose);
-    if (!stream) {
-        return fail(ExitCode::usage, "the stream cannot be published");
-    }
-    auto port = ethernet::Port::open({.interface = o.interface, .filter = {}, .receive = false});
-    if (!port) {
-        return std::unexpected{port.error()};
-    }
-    auto const source = o.source.empty() ? std::optional{port->mac()} : Mac::parse(o.source);
-    if (!source) {
-        return fail(ExitCode::usage, fmt::format("'{}' is not an Ethernet address", o.source));
-    }
-    auto frame = stream->goose_template(*source);
+/// With the initial values.
+Result<GoosePublisher> make_publisher(GoosePublishOptions const& o, streams::Stream const& stream, Mac const& source) {
+    auto frame = stream.goose_template(source);
     if (!frame) {
         return std::unexpected{frame.error()};
     }
     GoosePublisherParams params;
-    streams::GooseTiming const& t = stream->timing;
+    streams::GooseTiming const& t = stream.timing;
     params.timing = {static_cast<std::int64_t>(t.min_time_ms * 1e6), static_cast<std::int64_t>(t.max_time_ms * 1e6),
                      t.growth, t.live_factor, static_cast<std::uint32_t>(t.live_min_ms)};
-    params.first_sq_num = stream->first_sq_num;
+    params.first_sq_num = stream.first_sq_num;
     params.first_st_num = o.first_st_num;
-    params.simulation = stream->address.simulated;
-    GoosePublisher publisher{std::move(*frame), o.nds_com ? 0 : std::max(stream->conf_rev, 1U), params};
+    params.simulation = stream.address.simulated;
+    GoosePublisher publisher{std::move(*frame), o.nds_com ? 0 : std::max(stream.conf_rev, 1U), params};
     for (std::string const& assignment : o.values) {
         if (auto ok = assign(publisher, assignment); !ok) {
-            return ok;
+            return std::unexpected{ok.error()};
         }
     }
-    auto const toggled = first_boolean(publisher);
-    if (o.toggle_s > 0 && !toggled) {
-        return fail(ExitCode::usage, "the data set has no Boolean to toggle", "--interactive changes any member");
+    return publisher;
+}
+
+void send_due(GoosePublisher& publisher, ethernet::Port& port) {
+    if (Octets const message = publisher.take(monotonic_ns()); !message.empty()) {
+        port.send(message);
     }
-    auto const send_due = [&] {
-        if (Octets const message = publisher.take(monotonic_ns()); !message.empty()) {
-            port->send(message);
-        }
-    };
-    catch_signals();
+}
+
+/// Until the time is over or Ctrl-C. `toggled`: the member that is changed every `toggle_s`, if that is above 0.
+void publish(GoosePublisher& publisher, ethernet::Port& port, GoosePublishOptions const& o,
+             std::optional<std::size_t> toggled) {
     Duration const duration{o.duration_s};
     publisher.start(monotonic_ns(), utc_ns());
     std::int64_t const toggle_ns = static_cast<std::int64_t>(o.toggle_s * 1e9);
@@ -140,7 +129,7 @@ Result<void> goose_publish(GoosePublishOptions const& o) {
     std::string rest;
     bool open = o.interactive;
     while (!duration.over()) {
-        send_due();
+        send_due(publisher, port);
         std::int64_t wake = std::min({*publisher.due(), next_toggle, duration.end_ns()});
         sleep_until(open ? std::min(wake, monotonic_ns() + 1'000'000) : wake);
         std::int64_t const now = monotonic_ns();
@@ -154,20 +143,67 @@ Result<void> goose_publish(GoosePublishOptions const& o) {
                 fmt::print(stderr, "error: {}\n", describe(ok.error()));
             }
             if (publisher.commit(monotonic_ns(), utc_ns())) {
-                send_due(); // each line is a state of its own: a pulse is two of them
+                send_due(publisher, port); // each line is a state of its own: a pulse is two of them
             }
         }
     }
     if (Octets const message = publisher.last(monotonic_ns()); !message.empty()) {
-        port->send(message);
+        port.send(message);
     }
-    auto const& c = publisher.counters();
+}
+
+GooseSubscription subscription_to(streams::Stream const& stream, GooseSubscribeOptions const& o) {
+    GooseSubscription s;
+    s.gocb_ref = stream.control_block;
+    s.go_id = stream.go_id;
+    s.conf_rev = stream.conf_rev;
+    s.data_set = stream.data_set;
+    s.strict = o.strict;
+    s.simulation = stream.address.simulated;
+    if (is_named(o.stream, "mac")) {
+        s.destination = stream.address.destination;
+    }
+    if (is_named(o.stream, "app_id")) {
+        s.app_id = stream.address.app_id;
+    }
+    if (is_named(o.stream, "data_set_name")) {
+        s.dat_set = stream.data_set_name;
+    }
+    return s;
+}
+
+} // namespace
+
+Result<void> goose_publish(GoosePublishOptions const& o) {
+    auto const stream = read_stream(o.stream, streams::Kind::goose);
+    if (!stream) {
+        return fail(ExitCode::usage, "the stream cannot be published");
+    }
+    auto port = ethernet::Port::open({.interface = o.interface, .filter = {}, .receive = false});
+    if (!port) {
+        return std::unexpected{port.error()};
+    }
+    auto const source = source_address(*port, o.source);
+    if (!source) {
+        return std::unexpected{source.error()};
+    }
+    auto publisher = make_publisher(o, *stream, *source);
+    if (!publisher) {
+        return std::unexpected{publisher.error()};
+    }
+    auto const toggled = first_boolean(*publisher);
+    if (o.toggle_s > 0 && !toggled) {
+        return fail(ExitCode::usage, "the data set has no Boolean to toggle", "--interactive changes any member");
+    }
+    catch_signals();
+    publish(*publisher, *port, o, toggled);
+    auto const& c = publisher->counters();
     fmt::print("{}\n", Json{{"sent", port->counters().sent},
                             {"not_sent", port->counters().send_failed},
                             {"states", c.states},
                             {"late", c.late},
-                            {"st_num", publisher.state().st_num},
-                            {"sq_num", publisher.state().sq_num}}
+                            {"st_num", publisher->state().st_num},
+                            {"sq_num", publisher->state().sq_num}}
                            .dump());
     return check_sent(*port);
 }
@@ -179,23 +215,7 @@ Result<void> goose_subscribe(GooseSubscribeOptions const& o) {
         if (!stream) {
             return fail(ExitCode::usage, "the stream cannot be subscribed");
         }
-        GooseSubscription s;
-        s.gocb_ref = stream->control_block;
-        s.go_id = stream->go_id;
-        s.conf_rev = stream->conf_rev;
-        s.data_set = stream->data_set;
-        s.strict = o.strict;
-        s.simulation = stream->address.simulated;
-        if (is_named(o.stream, "mac")) {
-            s.destination = stream->address.destination;
-        }
-        if (is_named(o.stream, "app_id")) {
-            s.app_id = stream->address.app_id;
-        }
-        if (is_named(o.stream, "data_set_name")) {
-            s.dat_set = stream->data_set_name;
-        }
-        subscriber.emplace(std::move(s));
+        subscriber.emplace(subscription_to(*stream, o));
     }
     ethernet::PortOptions port_options;
     port_options.interface = o.interface;

@@ -53,6 +53,17 @@ bool stopped() {
     return g_stop.load();
 }
 
+Result<iec61850::Mac> source_address(ethernet::Port const& port, std::string const& text) {
+    if (text.empty()) {
+        return port.mac();
+    }
+    auto const parsed = iec61850::Mac::parse(text);
+    if (!parsed) {
+        return fail(ExitCode::usage, fmt::format("'{}' is not an Ethernet address", text));
+    }
+    return *parsed;
+}
+
 std::string why_not_sent(ethernet::Port& port) {
     auto const& c = port.counters();
     if (c.send_failed == 0) {

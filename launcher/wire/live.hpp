@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "gateways/iec61850/frame.hpp"
 #include "gateways/iec61850/utc_time.hpp"
 
 #include <cstdint>
@@ -24,6 +25,9 @@ void sleep_until(std::int64_t at_ns);
 /// Makes SIGINT and SIGTERM ask for an orderly end instead of killing.
 void catch_signals();
 [[nodiscard]] bool stopped();
+
+/// The address of the frames: `text`, or the interface's own where that is empty.
+[[nodiscard]] Result<iec61850::Mac> source_address(ethernet::Port const& port, std::string const& text);
 
 /// Why the kernel did not take the first of the frames that were not sent, and what to do; empty when it took all.
 [[nodiscard]] std::string why_not_sent(ethernet::Port& port);

@@ -114,6 +114,110 @@ Result<streams::Stream> numbered(streams::Stream stream, int i) {
     return stream;
 }
 
+/// A publisher for each of the streams that count up from the described one.
+Result<std::vector<SvPublisher>> make_publishers(streams::Stream const& described, Mac const& source, int count) {
+    std::vector<SvPublisher> publishers;
+    for (int i = 0; i < count; ++i) {
+        auto const one = numbered(described, i);
+        if (!one) {
+            return std::unexpected{one.error()};
+        }
+        auto frame = one->sv_template(source);
+        if (!frame) {
+            return std::unexpected{frame.error()};
+        }
+        frame->set_simulated(one->address.simulated);
+        publishers.emplace_back(std::move(*frame), static_cast<std::uint32_t>(one->rate_hz.num()));
+    }
+    return publishers;
+}
+
+/// Where the samples are on the clocks: sample 0 is at the last whole UTC second, unless the counter was chosen.
+struct SampleOrigin {
+    std::int64_t zero_ns{0}, zero_utc_ns{0}; ///< of sample 0, on the monotonic clock and since 1970
+    std::int64_t first_frame{0};
+    std::int64_t offset{0}; ///< of smpCnt from the number of the sample
+};
+
+SampleOrigin origin_of(std::int64_t first_smp_cnt, double rate_hz, std::int64_t samples_per_frame) {
+    std::int64_t const now = monotonic_ns(), utc = utc_ns(), into_second = utc % 1'000'000'000;
+    if (first_smp_cnt >= 0) {
+        return {now, utc, 0, first_smp_cnt / samples_per_frame * samples_per_frame};
+    }
+    return {now - into_second, utc - into_second,
+            static_cast<std::int64_t>(static_cast<double>(into_second) * 1e-9 * rate_hz) / samples_per_frame + 1, 0};
+}
+
+std::uint8_t time_quality_of(streams::Stream const& stream) {
+    constexpr std::uint8_t kAccuracyBits = 0x0A; // about a millisecond
+    bool const synchronised = stream.smp_synch != kNotSynchronised;
+    return static_cast<std::uint8_t>(kAccuracyBits | (synchronised ? 0U : unsigned{UtcTime::kNotSynchronised}));
+}
+
+/// Until the time is over or Ctrl-C.
+void publish(std::vector<SvPublisher>& publishers, streams::Stream const& stream, TestPattern const& pattern,
+             SampleOrigin const& origin, SendSchedule& schedule, ethernet::Port& port, Duration const& duration) {
+    auto const per_frame = static_cast<std::int64_t>(publishers[0].samples_per_frame());
+    SampleGrid const grid{stream.rate_hz};
+    std::uint8_t const time_quality = time_quality_of(stream);
+    std::vector<Octets> batch;
+    while (!duration.over()) {
+        sleep_until(schedule.due_ns());
+        std::size_t const owed = schedule.owed(monotonic_ns(), 16);
+        for (std::size_t k = 0; k < owed; ++k) {
+            batch.clear();
+            for (SvPublisher& publisher : publishers) {
+                for (std::int64_t s = 0; s < per_frame; ++s) {
+                    std::int64_t const number = schedule.next_frame() * per_frame + s, index = number + origin.offset;
+                    pattern.write(index, publisher.sample(index));
+                    if (stream.send_refr_tm) { // the time of the sample, not of this wake-up
+                        publisher.frame().set_refr_tm(
+                            static_cast<std::size_t>(s),
+                            UtcTime::from_nanoseconds(origin.zero_utc_ns + grid.nanoseconds(number), time_quality));
+                    }
+                    if (Octets const frame = publisher.commit(); !frame.empty()) {
+                        batch.push_back(frame);
+                    }
+                }
+            }
+            port.send(batch);
+            schedule.sent(1);
+        }
+    }
+}
+
+/// What is subscribed to, as far as it was chosen.
+struct Subscribed {
+    std::optional<streams::Stream> wanted;
+    std::optional<SvLayout> layout;
+    ethernet::PortOptions port;
+};
+
+Result<Subscribed> subscribed_by(SvSubscribeOptions const& o) {
+    Subscribed out;
+    out.port.interface = o.interface;
+    out.port.filter.ethertypes = {kSvEthertype};
+    if (o.stream.file.empty() && o.stream.keys.empty()) {
+        return out;
+    }
+    out.wanted = read_stream(o.stream, streams::Kind::smv);
+    if (!out.wanted) {
+        return fail(ExitCode::usage, "the stream cannot be subscribed");
+    }
+    out.layout.emplace(out.wanted->data_set);
+    // What was not named is a default of publishers: any stream is taken, and decoded by that data set.
+    if (!is_named(o.stream, "sv_id")) {
+        out.wanted->sv_id.clear();
+    }
+    if (is_named(o.stream, "mac")) {
+        out.port.filter.destinations = {out.wanted->address.destination};
+    }
+    if (is_named(o.stream, "app_id")) {
+        out.port.filter.app_ids = {out.wanted->address.app_id};
+    }
+    return out;
+}
+
 } // namespace
 
 Result<void> sv_publish(SvPublishOptions const& o) {
@@ -125,72 +229,22 @@ Result<void> sv_publish(SvPublishOptions const& o) {
     if (!port) {
         return std::unexpected{port.error()};
     }
-    Mac source = port->mac();
-    if (!o.source.empty()) {
-        auto const parsed = Mac::parse(o.source);
-        if (!parsed) {
-            return fail(ExitCode::usage, fmt::format("'{}' is not an Ethernet address", o.source));
-        }
-        source = *parsed;
+    auto const source = source_address(*port, o.source);
+    if (!source) {
+        return std::unexpected{source.error()};
     }
-    SvLayout const layout{described->data_set};
-    double const rate = described->rate_hz.to_double();
-    std::vector<SvPublisher> publishers;
-    for (int i = 0; i < o.streams; ++i) {
-        auto const one = numbered(*described, i);
-        if (!one) {
-            return std::unexpected{one.error()};
-        }
-        auto frame = one->sv_template(source);
-        if (!frame) {
-            return std::unexpected{frame.error()};
-        }
-        frame->set_simulated(one->address.simulated);
-        publishers.emplace_back(std::move(*frame), static_cast<std::uint32_t>(one->rate_hz.num()));
+    auto publishers = make_publishers(*described, *source, o.streams);
+    if (!publishers) {
+        return std::unexpected{publishers.error()};
     }
     catch_signals();
-    auto const per_frame = static_cast<std::int64_t>(publishers[0].samples_per_frame());
-    // Sample 0 of the grid is at the last whole UTC second, unless the counter was chosen.
-    std::int64_t const now = monotonic_ns(), utc = utc_ns(), into_second = utc % 1'000'000'000;
-    std::int64_t const zero = o.first_smp_cnt >= 0 ? now : now - into_second;
-    std::int64_t const zero_utc = utc - (now - zero);
-    std::int64_t const offset = o.first_smp_cnt >= 0 ? o.first_smp_cnt / per_frame * per_frame : 0;
-    std::int64_t const passed =
-        o.first_smp_cnt >= 0
-            ? 0
-            : static_cast<std::int64_t>(static_cast<double>(into_second) * 1e-9 * rate) / per_frame + 1;
-    SendSchedule schedule{described->rate_hz, static_cast<std::size_t>(per_frame), zero, passed};
-    SampleGrid const grid{described->rate_hz};
+    SvLayout const layout{described->data_set};
+    double const rate = described->rate_hz.to_double();
     TestPattern const pattern{layout, o.amplitude, o.frequency_hz, rate};
-    constexpr std::uint8_t kAccuracyBits = 0x0A; // about a millisecond
-    bool const synchronised = described->smp_synch != kNotSynchronised;
-    auto const time_quality =
-        static_cast<std::uint8_t>(kAccuracyBits | (synchronised ? 0U : unsigned{UtcTime::kNotSynchronised}));
-    Duration const duration{o.duration_s};
-    std::vector<Octets> batch;
-    while (!duration.over()) {
-        sleep_until(schedule.due_ns());
-        std::size_t const owed = schedule.owed(monotonic_ns(), 16);
-        for (std::size_t k = 0; k < owed; ++k) {
-            batch.clear();
-            for (SvPublisher& publisher : publishers) {
-                for (std::int64_t s = 0; s < per_frame; ++s) {
-                    std::int64_t const number = schedule.next_frame() * per_frame + s, index = number + offset;
-                    pattern.write(index, publisher.sample(index));
-                    if (described->send_refr_tm) { // the time of the sample, not of this wake-up
-                        publisher.frame().set_refr_tm(
-                            static_cast<std::size_t>(s),
-                            UtcTime::from_nanoseconds(zero_utc + grid.nanoseconds(number), time_quality));
-                    }
-                    if (Octets const frame = publisher.commit(); !frame.empty()) {
-                        batch.push_back(frame);
-                    }
-                }
-            }
-            port->send(batch);
-            schedule.sent(1);
-        }
-    }
+    std::size_t const per_frame = publishers->front().samples_per_frame();
+    SampleOrigin const origin = origin_of(o.first_smp_cnt, rate, static_cast<std::int64_t>(per_frame));
+    SendSchedule schedule{described->rate_hz, per_frame, origin.zero_ns, origin.first_frame};
+    publish(*publishers, *described, pattern, origin, schedule, *port, Duration{o.duration_s});
     auto const& c = port->counters();
     Json const out{{"sent", c.sent},
                    {"not_sent", c.send_failed},
@@ -201,30 +255,13 @@ Result<void> sv_publish(SvPublishOptions const& o) {
 }
 
 Result<void> sv_subscribe(SvSubscribeOptions const& o) {
-    bool const chosen = !o.stream.file.empty() || !o.stream.keys.empty();
-    std::optional<streams::Stream> wanted;
-    std::optional<SvLayout> layout;
-    ethernet::PortOptions port_options;
-    port_options.interface = o.interface;
-    port_options.filter.ethertypes = {kSvEthertype};
-    if (chosen) {
-        wanted = read_stream(o.stream, streams::Kind::smv);
-        if (!wanted) {
-            return fail(ExitCode::usage, "the stream cannot be subscribed");
-        }
-        layout.emplace(wanted->data_set);
-        // What was not named is a default of publishers: any stream is taken, and decoded by that data set.
-        if (!is_named(o.stream, "sv_id")) {
-            wanted->sv_id.clear();
-        }
-        if (is_named(o.stream, "mac")) {
-            port_options.filter.destinations = {wanted->address.destination};
-        }
-        if (is_named(o.stream, "app_id")) {
-            port_options.filter.app_ids = {wanted->address.app_id};
-        }
+    auto const subscribed = subscribed_by(o);
+    if (!subscribed) {
+        return std::unexpected{subscribed.error()};
     }
-    auto port = ethernet::Port::open(port_options);
+    auto const& wanted = subscribed->wanted;
+    auto const& layout = subscribed->layout;
+    auto port = ethernet::Port::open(subscribed->port);
     if (!port) {
         return std::unexpected{port.error()};
     }

@@ -111,84 +111,106 @@ void LiveRun::reach(std::int64_t time_ns, std::uint64_t tick) {
 
 void LiveRun::decode(std::string const& topic, std::string const& type, std::string const& process,
                      std::span<std::byte const> cdr) {
-    bool good = true;
-    if (topic == "simulation_clock") {
-        SimClock sample;
-        if ((good = bus::codec_of<SimClock>().decode(cdr, &sample))) {
-            clock.seen = true;
-            clock.tick = std::max(clock.tick, sample.tick());
-            clock.time_s = std::max(clock.time_s, static_cast<double>(sample.time_ns()) * 1e-9);
-            clock_process_ = process;
-            if (!recorded) {
-                clock.state = sample.state() == CLOCK_FINAL     ? "final"
-                              : sample.state() == CLOCK_ABORTED ? "aborted"
-                                                                : "running";
-            }
-        }
-    } else if (topic == "clock_ack") {
-        ClockAck sample;
-        if ((good = bus::codec_of<ClockAck>().decode(cdr, &sample))) {
-            if (acknowledged.size() < kProcesses || acknowledged.contains(process)) {
-                acknowledged[process] = {sample.tick(), sample.incarnation()};
-            } else {
-                full("processes that acknowledge", kProcesses);
-            }
-            reach(0, sample.tick());
-        }
-    } else if (topic == "type_catalog") {
-        TypeCatalogEntry sample;
-        good = bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample);
-        if (good && (idl.size() < kTypes || idl.contains(sample.type_name().c_str()))) {
-            idl.insert_or_assign(sample.type_name().c_str(), sample.idl());
-        } else if (good) {
-            full("types", kTypes);
-        }
-    } else if (topic == "signal_catalog") {
-        SignalCatalog sample;
-        if ((good = bus::codec_of<SignalCatalog>().decode(cdr, &sample))) {
-            std::vector<stream::SignalWindow::Column> columns;
-            for (auto const& column : sample.columns()) {
-                columns.push_back({column.name().c_str(), column.unit().c_str(), sample.rate_hz() == 0});
-            }
-            std::pair<std::string, std::string> const key{sample.source().c_str(), sample.group().c_str()};
-            auto const known = signals.find(key);
-            bool const same =
-                known != signals.end() && std::equal(columns.begin(), columns.end(), known->second->columns().begin(),
-                                                     known->second->columns().end(),
-                                                     [](auto const& a, auto const& b) { return a.name == b.name; });
-            if (known == signals.end() && signals.size() >= kGroups) {
-                full("groups of signals", kGroups);
-            } else if (!same) {
-                std::size_t const rows = rows_for(columns.size());
-                signals[key] = std::make_unique<stream::SignalWindow>(std::move(columns), rows);
-            }
-        }
-    } else if (topic == "signals") {
-        decode_signals(cdr, good);
-    } else if (topic == "stream_statistics") {
-        StreamStatistics sample;
-        if ((good = bus::codec_of<StreamStatistics>().decode(cdr, &sample))) {
-            std::pair<std::string, std::string> key{sample.stream().c_str(), sample.process().c_str()};
-            if (stream_ends.contains(key) || stream_ends.size() < kStreamEnds) {
-                stream_ends.insert_or_assign(std::move(key), end_of(sample));
-            } else {
-                full("ends of streams", kStreamEnds);
-            }
-        }
-    } else if (type == "IdsVerdict") {
-        good = intrusion_.on_verdict(cdr, signals);
-    } else if (type == "AttackLabel") {
-        good = intrusion_.on_label(cdr);
-    }
+    bool const good = topic == "simulation_clock"    ? take_clock(process, cdr)
+                      : topic == "clock_ack"         ? take_acknowledgement(process, cdr)
+                      : topic == "type_catalog"      ? take_type(cdr)
+                      : topic == "signal_catalog"    ? take_columns(cdr)
+                      : topic == "signals"           ? take_signals(cdr)
+                      : topic == "stream_statistics" ? take_stream_end(cdr)
+                      : type == "IdsVerdict"         ? intrusion_.on_verdict(cdr, signals)
+                      : type == "AttackLabel"        ? intrusion_.on_label(cdr)
+                                                     : true;
     undecodable += good ? 0 : 1;
 }
 
-void LiveRun::decode_signals(std::span<std::byte const> cdr, bool& good) {
+bool LiveRun::take_clock(std::string const& process, std::span<std::byte const> cdr) {
+    SimClock sample;
+    if (!bus::codec_of<SimClock>().decode(cdr, &sample)) {
+        return false;
+    }
+    clock.seen = true;
+    clock.tick = std::max(clock.tick, sample.tick());
+    clock.time_s = std::max(clock.time_s, static_cast<double>(sample.time_ns()) * 1e-9);
+    clock_process_ = process;
+    if (!recorded) {
+        clock.state = sample.state() == CLOCK_FINAL ? "final" : sample.state() == CLOCK_ABORTED ? "aborted" : "running";
+    }
+    return true;
+}
+
+bool LiveRun::take_acknowledgement(std::string const& process, std::span<std::byte const> cdr) {
+    ClockAck sample;
+    if (!bus::codec_of<ClockAck>().decode(cdr, &sample)) {
+        return false;
+    }
+    if (acknowledged.size() < kProcesses || acknowledged.contains(process)) {
+        acknowledged[process] = {sample.tick(), sample.incarnation()};
+    } else {
+        full("processes that acknowledge", kProcesses);
+    }
+    reach(0, sample.tick());
+    return true;
+}
+
+bool LiveRun::take_type(std::span<std::byte const> cdr) {
+    TypeCatalogEntry sample;
+    if (!bus::codec_of<TypeCatalogEntry>().decode(cdr, &sample)) {
+        return false;
+    }
+    if (idl.size() < kTypes || idl.contains(sample.type_name().c_str())) {
+        idl.insert_or_assign(sample.type_name().c_str(), sample.idl());
+    } else {
+        full("types", kTypes);
+    }
+    return true;
+}
+
+bool LiveRun::take_columns(std::span<std::byte const> cdr) {
+    SignalCatalog sample;
+    if (!bus::codec_of<SignalCatalog>().decode(cdr, &sample)) {
+        return false;
+    }
+    std::vector<stream::SignalWindow::Column> columns;
+    for (auto const& column : sample.columns()) {
+        columns.push_back({column.name().c_str(), column.unit().c_str(), sample.rate_hz() == 0});
+    }
+    std::pair<std::string, std::string> const key{sample.source().c_str(), sample.group().c_str()};
+    auto const known = signals.find(key);
+    bool const same =
+        known != signals.end() &&
+        std::equal(columns.begin(), columns.end(), known->second->columns().begin(), known->second->columns().end(),
+                   [](auto const& a, auto const& b) { return a.name == b.name; });
+    if (known == signals.end() && signals.size() >= kGroups) {
+        full("groups of signals", kGroups);
+    } else if (!same) {
+        std::size_t const rows = rows_for(columns.size());
+        signals[key] = std::make_unique<stream::SignalWindow>(std::move(columns), rows);
+    }
+    return true;
+}
+
+bool LiveRun::take_stream_end(std::span<std::byte const> cdr) {
+    StreamStatistics sample;
+    if (!bus::codec_of<StreamStatistics>().decode(cdr, &sample)) {
+        return false;
+    }
+    std::pair<std::string, std::string> key{sample.stream().c_str(), sample.process().c_str()};
+    if (stream_ends.contains(key) || stream_ends.size() < kStreamEnds) {
+        stream_ends.insert_or_assign(std::move(key), end_of(sample));
+    } else {
+        full("ends of streams", kStreamEnds);
+    }
+    return true;
+}
+
+bool LiveRun::take_signals(std::span<std::byte const> cdr) {
     SignalFrame sample;
-    good = bus::codec_of<SignalFrame>().decode(cdr, &sample);
-    auto const it = good ? signals.find({sample.source().c_str(), sample.group().c_str()}) : signals.end();
+    if (!bus::codec_of<SignalFrame>().decode(cdr, &sample)) {
+        return false;
+    }
+    auto const it = signals.find({sample.source().c_str(), sample.group().c_str()});
     if (it == signals.end() || it->second == nullptr) {
-        return;
+        return true;
     }
     std::size_t const width = it->second->columns().size();
     auto const& times = sample.times_ns();
@@ -199,6 +221,7 @@ void LiveRun::decode_signals(std::span<std::byte const> cdr, bool& good) {
     if (!times.empty() && clock_process_ == sample.source().c_str()) {
         reach(times.back(), 0);
     }
+    return true;
 }
 
 void LiveRun::measure(std::chrono::duration<double> since_last) {

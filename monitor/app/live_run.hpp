@@ -118,7 +118,13 @@ struct LiveRun {
   private:
     void decode(std::string const& topic, std::string const& type, std::string const& process,
                 std::span<std::byte const> cdr);
-    void decode_signals(std::span<std::byte const> cdr, bool& good);
+    // By topic; false: it cannot be decoded.
+    bool take_clock(std::string const& process, std::span<std::byte const> cdr);
+    bool take_acknowledgement(std::string const& process, std::span<std::byte const> cdr);
+    bool take_type(std::span<std::byte const> cdr);
+    bool take_columns(std::span<std::byte const> cdr);
+    bool take_signals(std::span<std::byte const> cdr);
+    bool take_stream_end(std::span<std::byte const> cdr);
     void reach(std::int64_t time_ns, std::uint64_t tick);
     mutable std::optional<graph::Snapshot> snapshot_; ///< of the newest revision that somebody has asked for
     IntrusionView intrusion_;

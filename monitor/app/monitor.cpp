@@ -127,16 +127,8 @@ std::uint64_t keep_graph(LiveRun const& live, std::uint64_t kept) {
     return snapshot.revision;
 }
 
-Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
-    auto socket = socket_to_serve_on(config);
-    if (!socket) {
-        return std::unexpected{socket.error()};
-    }
-    std::string const address = web::address_of(*socket);
-    Stop stop;
-    run.on_stop([&stop] { stop.ask(); });
-
-    LiveRun live{config.run};
+/// The IDL of what is foreign to this installation.
+Result<void> read_types(MonitorConfig const& config, LiveRun& live) {
     if (!config.idl.empty()) {
         auto foreign = read_foreign_idl(config.idl);
         if (!foreign) {
@@ -151,69 +143,58 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
         }
         live.idl.merge(*own);
     }
-    std::unique_ptr<BusTap> tap;
-    std::unique_ptr<RecordedRun> recorded;
-    if (config.recording.empty()) {
-        if (run.bus.qos.empty()) {
-            return fail(ExitCode::usage, "no QoS profiles are named",
-                        "bus: qos: FILE, of the folder `qos` of the installation or the source tree");
-        }
-        auto joined = BusTap::join(run.bus, live);
-        if (!joined) {
-            return std::unexpected{joined.error()};
-        }
-        tap = std::move(*joined);
-    } else {
-        recorded = std::make_unique<RecordedRun>(config.recording, live);
+    return {};
+}
+
+Result<std::unique_ptr<BusTap>> join(DaemonRun const& run, LiveRun& live) {
+    if (run.bus.qos.empty()) {
+        return fail(ExitCode::usage, "no QoS profiles are named",
+                    "bus: qos: FILE, of the folder `qos` of the installation or the source tree");
     }
-    web::Server* serving = nullptr;
-    Api api{live, [&serving] { return serving == nullptr ? web::ServerCounters{} : serving->counters(); }};
-    auto options = options_of(config);
-    if (!options) {
-        return std::unexpected{options.error()};
+    return BusTap::join(run.bus, live);
+}
+
+Result<void> allow_control(std::filesystem::path const& token_file, DaemonRun& run, web::Server::Options& options,
+                           Api& api) {
+    auto token = web::read_token(token_file);
+    if (!token) {
+        return std::unexpected{token.error()};
     }
-    if (!config.control_token.empty() && config.recording.empty()) {
-        auto token = web::read_token(config.control_token);
-        if (!token) {
-            return std::unexpected{token.error()};
-        }
-        if (!options->tokens.empty()) {
-            options->tokens.push_back(*token); // whoever may control the run may look at it
-        }
-        api.allow_control(*token, [&run](std::string const& action) { run.status.control(action); });
+    if (!options.tokens.empty()) {
+        options.tokens.push_back(*token); // whoever may control the run may look at it
     }
+    api.allow_control(*token, [&run](std::string const& action) { run.status.control(action); });
+    return {};
+}
+
+web::Handlers handlers_of(Api& api, PushHub& hub, FoxgloveHub& foxglove) {
     web::Handlers handlers;
     handlers.request = [&api](web::Request const& request) {
         auto page = page_of(request);
         return page ? std::move(*page) : api.answer(request);
     };
-    PushHub hub{live, api};
-    FoxgloveHub foxglove{live};
     handlers.accepts_push = [](std::string const& path, std::vector<std::string> const& offered) {
         auto chosen = FoxgloveHub::choose(offered);
         return chosen || path != "/ws/v1" ? chosen : std::optional{std::string{}};
     };
-    handlers.opened = [&](web::ClientId client, std::string const&, std::string const& protocol) {
+    handlers.opened = [&hub, &foxglove](web::ClientId client, std::string const&, std::string const& protocol) {
         protocol.empty() ? hub.opened(client) : foxglove.opened(client);
     };
     // A hub that does not know the client does nothing.
-    handlers.closed = [&](web::ClientId client) {
+    handlers.closed = [&hub, &foxglove](web::ClientId client) {
         hub.closed(client);
         foxglove.closed(client);
     };
-    handlers.message = [&](web::ClientId client, std::string const& text) {
+    handlers.message = [&hub, &foxglove](web::ClientId client, std::string const& text) {
         hub.message(client, text);
         foxglove.message(client, text);
     };
-    auto server = web::Server::start(std::move(*socket), *options, std::move(handlers));
-    if (!server) {
-        return std::unexpected{server.error()};
-    }
-    serving = server->get();
-    log::info("{}://{}", options->tls ? "https" : "http", address);
+    return handlers;
+}
 
-    EventTail events{config.run.events};
-    ProcessUses uses{config.recording.empty() ? config.run : RunPlan{}};
+/// Until the process is asked to end. `tap`: nullptr for a recorded run.
+void follow(LiveRun& live, BusTap* tap, EventTail& events, ProcessUses& uses, web::Server& server, PushHub& hub,
+            FoxgloveHub& foxglove, Stop& stop) {
     std::uint64_t kept = 0;
     auto measured = std::chrono::steady_clock::now();
     do {
@@ -230,25 +211,80 @@ Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
             measured = now;
         }
         // Nothing that a client has asked for ends the run's monitor, and with it the run.
-        web::guarded("telling the clients", [&] { hub.step(**server, now); });
-        web::guarded("telling the Foxglove clients", [&] { foxglove.step(**server); });
+        web::guarded("telling the clients", [&] { hub.step(server, now); });
+        web::guarded("telling the Foxglove clients", [&] { foxglove.step(server); });
     } while (!stop.wait(kPeriod));
+}
+
+/// Whoever takes it gets all that there is, for a moment.
+void tell_the_rest(PushHub& hub, web::Server& server) {
+    auto const begin = std::chrono::steady_clock::now();
+    auto const due = begin + std::chrono::seconds{1}; // everything is, once
+    auto const all_said = [&] {
+        bool all = true;
+        web::guarded("the last words", [&] { all = hub.step(server, due); });
+        return all;
+    };
+    while (!all_said() && std::chrono::steady_clock::now() - begin < kLastWords) {
+        server.drain(std::chrono::milliseconds{20});
+    }
+    server.drain(kLastWords);
+}
+
+Result<void> serve(MonitorConfig const& config, DaemonRun& run) {
+    auto socket = socket_to_serve_on(config);
+    if (!socket) {
+        return std::unexpected{socket.error()};
+    }
+    std::string const address = web::address_of(*socket);
+    Stop stop;
+    run.on_stop([&stop] { stop.ask(); });
+
+    LiveRun live{config.run};
+    if (auto ok = read_types(config, live); !ok) {
+        return ok;
+    }
+    bool const is_recorded = !config.recording.empty();
+    std::unique_ptr<BusTap> tap;
+    std::unique_ptr<RecordedRun> recorded;
+    if (is_recorded) {
+        recorded = std::make_unique<RecordedRun>(config.recording, live);
+    } else {
+        auto joined = join(run, live);
+        if (!joined) {
+            return std::unexpected{joined.error()};
+        }
+        tap = std::move(*joined);
+    }
+    web::Server* serving = nullptr;
+    Api api{live, [&serving] { return serving == nullptr ? web::ServerCounters{} : serving->counters(); }};
+    auto options = options_of(config);
+    if (!options) {
+        return std::unexpected{options.error()};
+    }
+    if (!config.control_token.empty() && !is_recorded) {
+        if (auto ok = allow_control(config.control_token, run, *options, api); !ok) {
+            return ok;
+        }
+    }
+    PushHub hub{live, api};
+    FoxgloveHub foxglove{live};
+    auto server = web::Server::start(std::move(*socket), *options, handlers_of(api, hub, foxglove));
+    if (!server) {
+        return std::unexpected{server.error()};
+    }
+    serving = server->get();
+    log::info("{}://{}", options->tls ? "https" : "http", address);
+
+    EventTail events{config.run.events};
+    ProcessUses uses{is_recorded ? RunPlan{} : config.run};
+    follow(live, tap.get(), events, uses, **server, hub, foxglove, stop);
     run.on_stop({});
-    if (tap != nullptr) {
+    if (!is_recorded) {
         if (!config.run.events.empty()) {
             last_words(live, events);
         }
-        auto const begin = std::chrono::steady_clock::now();
-        auto const due = begin + std::chrono::seconds{1}; // everything is, once
-        auto const all_said = [&] {
-            bool all = true;
-            web::guarded("the last words", [&] { all = hub.step(**server, due); });
-            return all;
-        };
-        while (!all_said() && std::chrono::steady_clock::now() - begin < kLastWords) {
-            (*server)->drain(std::chrono::milliseconds{20});
-        }
-        (*server)->drain(kLastWords);
+        tell_the_rest(hub, **server);
     }
     return {};
 }

@@ -14,6 +14,33 @@ Json duration_json(double seconds) {
     return seconds < 0 ? Json(nullptr) : Json(seconds);
 }
 
+Json endpoint_json(Endpoint const& e) {
+    bus::EndpointQos const& q = e.endpoint.qos;
+    Json representations = Json::array();
+    for (bus::Representation const one : q.representations) {
+        representations.push_back(name_of(one));
+    }
+    return {{"id", e.endpoint.id},
+            {"process", e.process},
+            {"network", e.network},
+            {"topic", e.endpoint.topic},
+            {"type", e.endpoint.type},
+            {"writer", e.endpoint.writer},
+            {"keyed", e.endpoint.keyed},
+            {"qos",
+             {{"reliability", q.reliable ? "reliable" : "best effort"},
+              {"durability", name_of(q.durability)},
+              {"deadline_s", duration_json(q.deadline_s)},
+              {"liveliness", name_of(q.liveliness)},
+              {"lease_s", duration_json(q.lease_s)},
+              {"ownership", q.exclusive ? "exclusive" : "shared"},
+              {"partitions", q.partitions},
+              {"destination_order", q.by_source_timestamp ? "by source timestamp" : "by reception timestamp"},
+              {"presentation", {{"scope", name_of(q.scope)}, {"coherent", q.coherent}, {"ordered", q.ordered}}},
+              {"latency_budget_s", duration_json(q.latency_budget_s)},
+              {"representations", representations}}}};
+}
+
 } // namespace
 
 std::string to_json(Snapshot const& graph) {
@@ -54,31 +81,7 @@ std::string to_json(Snapshot const& graph) {
                          {"publishes", w.publishes}});
     }
     for (Endpoint const& e : graph.endpoints) {
-        bus::EndpointQos const& q = e.endpoint.qos;
-        Json representations = Json::array();
-        for (bus::Representation const one : q.representations) {
-            representations.push_back(name_of(one));
-        }
-        endpoints.push_back(
-            {{"id", e.endpoint.id},
-             {"process", e.process},
-             {"network", e.network},
-             {"topic", e.endpoint.topic},
-             {"type", e.endpoint.type},
-             {"writer", e.endpoint.writer},
-             {"keyed", e.endpoint.keyed},
-             {"qos",
-              {{"reliability", q.reliable ? "reliable" : "best effort"},
-               {"durability", name_of(q.durability)},
-               {"deadline_s", duration_json(q.deadline_s)},
-               {"liveliness", name_of(q.liveliness)},
-               {"lease_s", duration_json(q.lease_s)},
-               {"ownership", q.exclusive ? "exclusive" : "shared"},
-               {"partitions", q.partitions},
-               {"destination_order", q.by_source_timestamp ? "by source timestamp" : "by reception timestamp"},
-               {"presentation", {{"scope", name_of(q.scope)}, {"coherent", q.coherent}, {"ordered", q.ordered}}},
-               {"latency_budget_s", duration_json(q.latency_budget_s)},
-               {"representations", representations}}}});
+        endpoints.push_back(endpoint_json(e));
     }
     return Json{
         {"revision", graph.revision}, {"processes", processes}, {"topics", topics}, {"edges", edges}, {"wires", wires},

@@ -6,6 +6,8 @@
 #include "monitor/graph/match.hpp"
 
 #include <algorithm>
+#include <tuple>
+#include <utility>
 
 namespace gridspace::graph {
 namespace {
@@ -13,6 +15,60 @@ namespace {
 void add_once(std::vector<std::string>& list, std::string const& text) {
     if (std::find(list.begin(), list.end(), text) == list.end()) {
         list.push_back(text);
+    }
+}
+
+Topic topic_of(std::string const& network, std::string const& name, std::vector<Endpoint> const& endpoints) {
+    Topic topic{name, network, {}, bus::is_management_topic(name), 0, 0};
+    for (Endpoint const& e : endpoints) {
+        (e.endpoint.writer ? topic.writers : topic.readers) += 1;
+        if (topic.type.empty() || e.endpoint.writer) {
+            topic.type = e.endpoint.type;
+        }
+    }
+    return topic;
+}
+
+/// Of one topic, by process and whether it writes.
+using Edges = std::map<std::pair<std::string, bool>, Edge>;
+
+Edges edges_of(Topic const& topic, std::vector<Endpoint> const& endpoints) {
+    Edges edges;
+    for (Endpoint const& e : endpoints) {
+        Edge& edge = edges[{e.process, e.endpoint.writer}];
+        edge.process = e.process;
+        edge.topic = topic.name;
+        edge.network = topic.network;
+        edge.writes = e.endpoint.writer;
+        ++edge.endpoints;
+    }
+    return edges;
+}
+
+/// Which of them have somebody at the other end, and why others have not.
+void match(std::vector<Endpoint> const& endpoints, std::map<std::string, Process> const& processes, Edges& edges) {
+    auto const is_monitor = [&](std::string const& name) {
+        auto const process = processes.find(name);
+        return process != processes.end() && process->second.program == "gridspace-monitor";
+    };
+    for (Endpoint const& w : endpoints) {
+        for (Endpoint const& r : endpoints) {
+            if (!w.endpoint.writer || r.endpoint.writer) {
+                continue;
+            }
+            Edge &writing = edges[{w.process, true}], &reading = edges[{r.process, false}];
+            auto const reasons = mismatch(w.endpoint, r.endpoint);
+            if (!reasons.empty() && is_monitor(r.process)) {
+                continue; // whoever looks on is no fault of what it looks at
+            }
+            if (reasons.empty()) {
+                writing.matched = reading.matched = true;
+            }
+            for (std::string const& reason : reasons) {
+                add_once(writing.problems, r.process + " does not get it: " + reason);
+                add_once(reading.problems, "gets nothing from " + w.process + ": " + reason);
+            }
+        }
     }
 }
 
@@ -120,16 +176,12 @@ std::string GraphModel::process_of(std::string const& participant) const {
     return name.empty() ? "unnamed " + participant.substr(0, 12) : name;
 }
 
-Snapshot GraphModel::snapshot() const {
-    Snapshot out;
-    out.revision = revision_;
-    out.wires = wires_;
-
-    std::map<std::string, Process> processes = expected_;
+std::map<std::string, Process> GraphModel::processes() const {
+    std::map<std::string, Process> out = expected_;
     std::map<std::string, bool> any_here, any_lost;
     for (auto const& [id, participant] : participants_) {
         std::string const name = process_of(id);
-        Process& process = processes[name];
+        Process& process = out[name];
         process.name = name;
         if (!participant.info.peer.program.empty()) {
             process.program = participant.info.peer.program;
@@ -142,7 +194,7 @@ Snapshot GraphModel::snapshot() const {
         any_here[name] = any_here[name] || participant.here;
         any_lost[name] = any_lost[name] || (!participant.here && !participant.clean);
     }
-    for (auto& [name, process] : processes) {
+    for (auto& [name, process] : out) {
         if (any_here.contains(name)) {
             process.state = any_lost[name]   ? ProcessState::lost
                             : any_here[name] ? ProcessState::alive
@@ -151,9 +203,43 @@ Snapshot GraphModel::snapshot() const {
         if (process.host.empty()) {
             process.host = process.addresses.empty() ? "" : process.addresses.front();
         }
+    }
+    return out;
+}
+
+void GraphModel::tell_not_heard(Topic& topic, std::vector<Endpoint> const& endpoints) const {
+    for (Endpoint const& w : endpoints) {
+        if (!w.endpoint.writer) {
+            continue;
+        }
+        bool heard = false;
+        std::vector<std::string> unheard;
+        for (Endpoint const& r : endpoints) {
+            if (r.endpoint.writer || !own_.contains(r.endpoint.participant)) {
+                continue;
+            }
+            auto const reasons = mismatch(w.endpoint, r.endpoint);
+            heard = heard || reasons.empty();
+            for (std::string const& reason : reasons) {
+                add_once(unheard, w.process + ": " + reason);
+            }
+        }
+        for (std::string const& reason : unheard) {
+            if (!heard) {
+                add_once(topic.not_heard, reason);
+            }
+        }
+    }
+}
+
+Snapshot GraphModel::snapshot() const {
+    Snapshot out;
+    out.revision = revision_;
+    out.wires = wires_;
+    std::map<std::string, Process> const all = processes();
+    for (auto const& [name, process] : all) {
         out.processes.push_back(process);
     }
-
     std::map<std::pair<std::string, std::string>, std::vector<Endpoint>> by_topic; // (network, topic)
     for (auto const& [id, entry] : endpoints_) {
         Endpoint endpoint = entry;
@@ -166,52 +252,10 @@ Snapshot GraphModel::snapshot() const {
                std::tie(b.endpoint.topic, b.process, b.endpoint.writer, b.endpoint.id);
     });
     for (auto const& [where, endpoints] : by_topic) {
-        Topic topic{where.second, where.first, {}, bus::is_management_topic(where.second), 0, 0};
-        std::map<std::pair<std::string, bool>, Edge> edges;
-        for (Endpoint const& e : endpoints) {
-            (e.endpoint.writer ? topic.writers : topic.readers) += 1;
-            if (topic.type.empty() || e.endpoint.writer) {
-                topic.type = e.endpoint.type;
-            }
-            Edge& edge = edges[{e.process, e.endpoint.writer}];
-            edge.process = e.process;
-            edge.topic = where.second;
-            edge.network = where.first;
-            edge.writes = e.endpoint.writer;
-            ++edge.endpoints;
-        }
-        for (Endpoint const& w : endpoints) {
-            bool heard = !w.endpoint.writer;
-            std::vector<std::string> unheard;
-            for (Endpoint const& r : endpoints) {
-                if (!w.endpoint.writer || r.endpoint.writer) {
-                    continue;
-                }
-                Edge &writing = edges[{w.process, true}], &reading = edges[{r.process, false}];
-                auto const reasons = mismatch(w.endpoint, r.endpoint);
-                if (own_.contains(r.endpoint.participant)) {
-                    heard = heard || reasons.empty();
-                    for (std::string const& reason : reasons) {
-                        add_once(unheard, w.process + ": " + reason);
-                    }
-                }
-                if (!reasons.empty() && processes[r.process].program == "gridspace-monitor") {
-                    continue; // an observer is no fault of what it looks at
-                }
-                if (reasons.empty()) {
-                    writing.matched = reading.matched = true;
-                }
-                for (std::string const& reason : reasons) {
-                    add_once(writing.problems, r.process + " does not get it: " + reason);
-                    add_once(reading.problems, "gets nothing from " + w.process + ": " + reason);
-                }
-            }
-            for (std::string const& reason : unheard) {
-                if (!heard) {
-                    add_once(topic.not_heard, reason);
-                }
-            }
-        }
+        Topic topic = topic_of(where.first, where.second, endpoints);
+        tell_not_heard(topic, endpoints);
+        Edges edges = edges_of(topic, endpoints);
+        match(endpoints, all, edges);
         out.topics.push_back(std::move(topic));
         for (auto& [key, edge] : edges) {
             out.edges.push_back(std::move(edge));

@@ -96,6 +96,10 @@ class GraphModel {
         bool here{true}, clean{false};
     };
     [[nodiscard]] std::string process_of(std::string const& participant) const;
+    /// Those of the scenario and those that have been seen, by name.
+    [[nodiscard]] std::map<std::string, Process> processes() const;
+    /// What the readers of whoever looks on do not get.
+    void tell_not_heard(Topic& topic, std::vector<Endpoint> const& endpoints) const;
 
     std::map<std::string, Process> expected_;
     std::vector<WireEdge> wires_;

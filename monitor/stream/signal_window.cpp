@@ -101,36 +101,43 @@ double SignalWindow::value_at(std::size_t column, std::int64_t time_ns) const {
     return std::numeric_limits<double>::quiet_NaN();
 }
 
+SignalWindow::Level const& SignalWindow::level_from(std::int64_t from_ns) const {
+    for (Level const& candidate : levels_) {
+        if (bucket(candidate, 0).first_ns <= from_ns || candidate.begun <= capacity_) {
+            return candidate;
+        }
+    }
+    return levels_.back();
+}
+
+std::pair<std::size_t, std::size_t> SignalWindow::buckets_between(Level const& level, std::int64_t from_ns,
+                                                                  std::int64_t to_ns, Ends ends) const {
+    std::size_t const count = kept(level);
+    auto const search = [&](auto before) { // first entry for which `before` does not hold
+        std::size_t low = 0, high = count;
+        while (low < high) {
+            std::size_t const middle = (low + high) / 2;
+            (before(bucket(level, middle)) ? low : high) = before(bucket(level, middle)) ? middle + 1 : middle;
+        }
+        return low;
+    };
+    std::size_t const first = search([&](Bucket const& b) { return b.last_ns < from_ns; });
+    std::size_t const last = search([&](Bucket const& b) { return b.first_ns <= to_ns; });
+    if (ends == Ends::reach_out) {
+        return {first > 0 ? first - 1 : 0, std::min(last + 1, count)};
+    }
+    return {first, last};
+}
+
 Plot SignalWindow::plot(std::size_t column, std::int64_t from_ns, std::int64_t to_ns, std::size_t pixels,
                         Ends ends) const {
     Plot out;
     if (empty() || column >= columns_.size() || to_ns < from_ns || pixels == 0) {
         return out;
     }
-    // The finest level that reaches back far enough; with as many entries that a column has at least one, coarser ones
-    // are quicker.
-    Level const* level = &levels_.back();
-    for (Level const& candidate : levels_) {
-        if (bucket(candidate, 0).first_ns <= from_ns || candidate.begun <= capacity_) {
-            level = &candidate;
-            break;
-        }
-    }
+    Level const* const level = &level_from(from_ns);
     std::size_t const count = kept(*level), width = columns_.size();
-    auto const search = [&](auto before) { // first entry for which `before` does not hold
-        std::size_t low = 0, high = count;
-        while (low < high) {
-            std::size_t const middle = (low + high) / 2;
-            (before(bucket(*level, middle)) ? low : high) = before(bucket(*level, middle)) ? middle + 1 : middle;
-        }
-        return low;
-    };
-    std::size_t first = search([&](Bucket const& b) { return b.last_ns < from_ns; });
-    std::size_t last = search([&](Bucket const& b) { return b.first_ns <= to_ns; }); // one past
-    if (ends == Ends::reach_out) {
-        first = first > 0 ? first - 1 : 0;
-        last = std::min(last + 1, count);
-    }
+    auto const [first, last] = buckets_between(*level, from_ns, to_ns, ends);
     if (first >= last) {
         return out;
     }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gridspace::stream {
@@ -68,6 +69,12 @@ class SignalWindow {
     void add(Level& level, std::int64_t time_ns, std::span<double const> values);
     [[nodiscard]] std::size_t kept(Level const& level) const;
     [[nodiscard]] Bucket const& bucket(Level const& level, std::size_t i) const;
+    /// The finest that reaches back far enough; with as many entries that a column has at least one, coarser ones are
+    /// quicker.
+    [[nodiscard]] Level const& level_from(std::int64_t from_ns) const;
+    /// The first one, and one past the last.
+    [[nodiscard]] std::pair<std::size_t, std::size_t> buckets_between(Level const& level, std::int64_t from_ns,
+                                                                      std::int64_t to_ns, Ends ends) const;
 
     std::vector<Column> columns_;
     std::size_t capacity_;
