@@ -68,7 +68,7 @@ void Supervisor::reap(WatchedProcess& w) {
         return;
     }
     read_status(w); // its last words
-    // The usual end of a program that somebody else wrote and that runs until it is told to end.
+    // The usual end of a program that somebody else wrote and that runs until it gets SIGTERM.
     bool const did_as_asked = w.asked_to_end && end->signal() == SIGTERM;
     news_.tell(nlohmann::ordered_json{{"kind", "exit"},
                                       {"process", w.plan.name},
