@@ -31,8 +31,24 @@ void add_step(RelayTiming& out, std::string what, double at_ms, bool communicati
     out.chain.push_back({std::move(what), std::move(method), at_ms - out.event_s * 1e3, communication, {}, simulated});
 }
 
-/// From the trip's arrival at the breaker IED to open poles. `state`: the stNum of the trip.
-void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::string const& clock,
+/// After the decision at `earliest_ms`. Returns the stNum of the trip, if it was sent.
+std::optional<double> add_sending(SignalStore const& signals, ProtectionChain const& chain, std::string const& clock,
+                                  double earliest_ms, RelayTiming& out) {
+    SignalSeries const *states = series_of(signals, "stream." + chain.trip_stream + ".st_num"),
+                       *sent = series_of(signals, "stream." + chain.trip_stream + ".sent_after_ms");
+    for (std::size_t i = 1;
+         states != nullptr && sent != nullptr && i < std::min(states->values.size(), sent->values.size()); ++i) {
+        if (states->values[i] != states->values[i - 1] && sent->values[i] >= earliest_ms) {
+            add_step(out, "trip GOOSE sent", sent->values[i], false,
+                     clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");
+            return states->values[i];
+        }
+    }
+    return std::nullopt;
+}
+
+/// `state`: the stNum of the trip.
+void add_arrival(SignalStore const& signals, ProtectionChain const& chain, std::string const& clock,
                  std::optional<double> state, RelayTiming& out) {
     SignalSeries const *heard = series_of(signals, "stream." + chain.trip_stream + ".heard_st_num"),
                        *heard_at = series_of(signals, "stream." + chain.trip_stream + ".heard_after_ms");
@@ -46,41 +62,47 @@ void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::
             break;
         }
     }
-    for (ProtectionChain::BreakerIed const& ied : chain.ieds) {
-        std::string const ied_prefix = "breaker_ied." + ied.process + ".";
-        SignalSeries const *at = series_of(signals, ied_prefix + "commanded_after_ms"),
-                           *effect = series_of(signals, ied_prefix + "effect_ms");
-        std::optional<std::size_t> commanded;
-        for (std::size_t const i : rises(series_of(signals, ied_prefix + "command"))) {
-            if (!commanded && at != nullptr && i < at->values.size() && at->values[i] >= out.event_s * 1e3) {
-                commanded = i;
-            }
+}
+
+void add_command(SignalStore const& signals, ProtectionChain::BreakerIed const& ied, std::string const& clock,
+                 RelayTiming& out) {
+    std::string const prefix = "breaker_ied." + ied.process + ".";
+    SignalSeries const *at = series_of(signals, prefix + "commanded_after_ms"),
+                       *effect = series_of(signals, prefix + "effect_ms");
+    std::optional<std::size_t> commanded;
+    for (std::size_t const i : rises(series_of(signals, prefix + "command"))) {
+        if (!commanded && at != nullptr && i < at->values.size() && at->values[i] >= out.event_s * 1e3) {
+            commanded = i;
         }
-        if (commanded && effect != nullptr && *commanded < effect->values.size()) {
-            add_step(out, fmt::format("command of {} in DDS", ied.process), at->values[*commanded], false,
-                     clock + ": written to " + ied.topic);
-            add_step(out, "command takes effect", effect->values[*commanded], false,
-                     "simulated time stated in the command: its message plus the declared latency of the breaker IED");
-        }
-        for (std::string const& breaker : ied.breakers) {
-            std::optional<double> last;
-            for (char const phase : {'a', 'b', 'c'}) {
-                SignalSeries const* pole = series_of(signals, fmt::format("breaker.{}.pole.{}", breaker, phase));
-                for (std::size_t i = 0; pole != nullptr && i < pole->values.size(); ++i) {
-                    if (pole->values[i] == kOpenPosition &&
-                        static_cast<double>(pole->times_ns[i]) / 1e9 >= out.event_s) {
-                        last = std::max(last.value_or(0), static_cast<double>(pole->times_ns[i]) / 1e6);
-                        break;
-                    }
-                }
-            }
-            if (last) {
-                add_step(out, breaker + ": last pole open", *last, false,
-                         "simulated time: each pole opens at its own current zero");
-                out.chain.back().opens = true;
+    }
+    if (commanded && effect != nullptr && *commanded < effect->values.size()) {
+        add_step(out, fmt::format("command of {} in DDS", ied.process), at->values[*commanded], false,
+                 clock + ": written to " + ied.topic);
+        add_step(out, "command takes effect", effect->values[*commanded], false,
+                 "simulated time stated in the command: its message plus the declared latency of the breaker IED");
+    }
+}
+
+void add_opening(SignalStore const& signals, std::string const& breaker, RelayTiming& out) {
+    std::optional<double> last;
+    for (char const phase : {'a', 'b', 'c'}) {
+        SignalSeries const* pole = series_of(signals, fmt::format("breaker.{}.pole.{}", breaker, phase));
+        for (std::size_t i = 0; pole != nullptr && i < pole->values.size(); ++i) {
+            if (pole->values[i] == kOpenPosition && static_cast<double>(pole->times_ns[i]) / 1e9 >= out.event_s) {
+                last = std::max(last.value_or(0), static_cast<double>(pole->times_ns[i]) / 1e6);
+                break;
             }
         }
     }
+    if (last) {
+        add_step(out, breaker + ": last pole open", *last, false,
+                 "simulated time: each pole opens at its own current zero");
+        out.chain.back().opens = true;
+    }
+}
+
+/// How long each step took.
+void count_from_step_to_step(RelayTiming& out) {
     for (std::size_t i = 0; i < out.chain.size(); ++i) {
         // A decision is about a sample: its age is counted from the sample's instant. Otherwise the clocks do not mix.
         bool const about_sample = i == 1 && !out.foreign;
@@ -92,6 +114,19 @@ void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::
             out.chain[i].since_before_ms = out.chain[i].after_ms - (i == 0 ? 0 : out.chain[before].after_ms);
         }
     }
+}
+
+/// From the trip's arrival at the breaker IED to open poles. `state`: the stNum of the trip.
+void add_effects(SignalStore const& signals, ProtectionChain const& chain, std::string const& clock,
+                 std::optional<double> state, RelayTiming& out) {
+    add_arrival(signals, chain, clock, state, out);
+    for (ProtectionChain::BreakerIed const& ied : chain.ieds) {
+        add_command(signals, ied, clock, out);
+        for (std::string const& breaker : ied.breakers) {
+            add_opening(signals, breaker, out);
+        }
+    }
+    count_from_step_to_step(out);
 }
 
 } // namespace
@@ -139,21 +174,10 @@ RelayTiming relay_timing(Results const& r, Node const& scenario, ProtectionChain
         add_step(out, "relay decides to trip", *decided_ms, false,
                  clock + ": the decision about the sample that trips");
     }
-    SignalSeries const *states = series_of(signals, "stream." + chain.trip_stream + ".st_num"),
-                       *sent = series_of(signals, "stream." + chain.trip_stream + ".sent_after_ms");
     constexpr double kRoundingMs = 1e-3;
     // Another member of the stream may have changed before: the trip is what was sent after the decision.
     double const earliest_ms = std::max(out.event_s, decided_ms.value_or(sample_s * 1e3) / 1e3) * 1e3 - kRoundingMs;
-    std::optional<double> state;
-    for (std::size_t i = 1;
-         states != nullptr && sent != nullptr && i < std::min(states->values.size(), sent->values.size()) && !state;
-         ++i) {
-        if (states->values[i] != states->values[i - 1] && sent->values[i] >= earliest_ms) {
-            state = states->values[i];
-            add_step(out, "trip GOOSE sent", sent->values[i], false,
-                     clock + ": handed to the kernel; the relay holds it back until its declared latency has passed");
-        }
-    }
+    auto const state = add_sending(signals, chain, clock, earliest_ms, out);
     add_effects(signals, chain, clock, state, out);
     return out;
 }

@@ -213,6 +213,37 @@ class RecordMaker {
     std::vector<std::string> taken_;
 };
 
+/// Patterns of signals, and whether they are digital channels.
+std::vector<std::pair<std::string, bool>> wanted_channels(ComtradeChannels const& usual,
+                                                          ComtradeSettings const& settings) {
+    std::vector<std::pair<std::string, bool>> wanted;
+    for (std::string const& pattern : usual.analog) {
+        wanted.emplace_back(pattern, false);
+    }
+    for (config::Ref const& pattern : settings.signals) {
+        wanted.emplace_back(comtrade_pattern(pattern.name), false);
+    }
+    for (std::string const& pattern : usual.digital) {
+        wanted.emplace_back(pattern, true);
+    }
+    return wanted;
+}
+
+/// `start`: of the names of the files, which are added to `files`.
+Result<void> write_both_forms(ComtradeRecord const& record, fs::path const& start, bool single_file,
+                              std::vector<fs::path>& files) {
+    for (auto const& [format, ending] :
+         {std::pair{ComtradeFormat::ascii, "ascii"}, {ComtradeFormat::binary, "binary"}}) {
+        auto const file = write_comtrade(start.string() + "_" + ending, record, format,
+                                         single_file ? ComtradeFiles::single : ComtradeFiles::pair);
+        if (!file) {
+            return std::unexpected{file.error()};
+        }
+        files.push_back(*file);
+    }
+    return {};
+}
+
 } // namespace
 
 std::optional<ComtradeSettings> comtrade_settings(Node const& scenario) {
@@ -246,7 +277,7 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
     double const rate = sim::signal_rate_hz(simulation).to_double();
     Node const network = network_of(r.folder, simulation);
     Ratios const ratios = ratios_of(network);
-    ComtradeChannels const usual = usual_channels(scenario, trigger_signal(r, settings));
+    auto const wanted = wanted_channels(usual_channels(scenario, trigger_signal(r, settings)), settings);
     for (std::size_t n = 0; n < instants.size(); ++n) {
         double const trigger_s = static_cast<double>(instants[n]) / 1e9;
         double const from_s = std::max(0.0, trigger_s - settings.before_ms / 1e3),
@@ -255,16 +286,6 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
                    last = static_cast<std::int64_t>(std::floor(to_s * rate + 1e-6));
         RecordMaker maker{r.signals, ratios, rate, first,
                           static_cast<std::size_t>(std::max<std::int64_t>(0, last - first + 1))};
-        std::vector<std::pair<std::string, bool>> wanted;
-        for (std::string const& pattern : usual.analog) {
-            wanted.emplace_back(pattern, false);
-        }
-        for (config::Ref const& pattern : settings.signals) {
-            wanted.emplace_back(comtrade_pattern(pattern.name), false);
-        }
-        for (std::string const& pattern : usual.digital) {
-            wanted.emplace_back(pattern, true);
-        }
         for (auto const& [pattern, digital] : wanted) {
             if (!maker.add(pattern, digital) && n == 0) {
                 out.notes.push_back(fmt::format("no recorded signal matches '{}'", pattern));
@@ -283,15 +304,11 @@ Result<ComtradeOutput> write_comtrade_records(Results const& r, Node const& scen
         std::int64_t const epoch_ns = r.epoch_unix_s * 1'000'000'000;
         header.start_unix_ns = epoch_ns + std::llround(static_cast<double>(first) / rate * 1e9);
         header.trigger_unix_ns = epoch_ns + instants[n];
-        for (auto const& [format, ending] :
-             {std::pair{ComtradeFormat::ascii, "ascii"}, {ComtradeFormat::binary, "binary"}}) {
-            auto const file = write_comtrade(
-                folder / fmt::format("{}_{}_{}", as_file_name(settings.trigger.name), n + 1, ending), maker.record,
-                format, settings.single_file ? ComtradeFiles::single : ComtradeFiles::pair);
-            if (!file) {
-                return std::unexpected{file.error()};
-            }
-            out.files.push_back(*file);
+        if (auto ok = write_both_forms(maker.record,
+                                       folder / fmt::format("{}_{}", as_file_name(settings.trigger.name), n + 1),
+                                       settings.single_file, out.files);
+            !ok) {
+            return std::unexpected{ok.error()};
         }
     }
     return out;

@@ -3,6 +3,7 @@
 //
 // The drawing of a figure: from top to bottom the legend, the labels of the marks, the plot, the axis.
 #include "common/text.hpp"
+#include "launcher/report/axis_range.hpp"
 #include "launcher/report/figure.hpp"
 #include "launcher/report/ticks.hpp"
 
@@ -23,16 +24,12 @@ double width_of(std::string const& text, double character = kCharacter) {
     return character * static_cast<double>(letters);
 }
 
-struct Range {
-    double low{0}, high{1};
-};
-
 class Drawing {
   public:
     explicit Drawing(Figure const& figure) : f_{figure} {
         lay_out();
-        left_ = f_.y_range ? Range{f_.y_range->first, f_.y_range->second} : range_of(false);
-        right_ = range_of(true);
+        left_ = f_.y_range ? AxisRange{f_.y_range->first, f_.y_range->second} : range_of(f_, false);
+        right_ = range_of(f_, true);
     }
 
     std::string svg() {
@@ -163,69 +160,12 @@ class Drawing {
     double row_y(Row const& row) const { return y1_ - kMarkRow * static_cast<double>(row.row) - 3; }
 
     double px(double t) const { return x0_ + (t - f_.from_s) / std::max(1e-12, f_.to_s - f_.from_s) * (x1_ - x0_); }
-    /// On the axis: the value, or its logarithm. Nothing that was counted is drawn half a one down.
-    double scaled(double v) const {
-        return !f_.log_y ? v : v > 0 ? std::log10(v) : f_.x_label.empty() ? std::nan("") : std::log10(0.5);
-    }
     double py(double v, bool right = false) const {
-        Range const& r = right ? right_ : left_;
-        return y1_ + (r.high - scaled(v)) / (r.high - r.low) * (y0_ - y1_);
+        AxisRange const& r = right ? right_ : left_;
+        return y1_ + (r.high - on_axis(f_, v)) / (r.high - r.low) * (y0_ - y1_);
     }
     double lane_y(std::size_t lane, bool up) const {
         return y1_ + kLaneHeight * (static_cast<double>(lane) + (up ? 0.15 : 0.85));
-    }
-
-    Range range_of(bool right) const {
-        Range r{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-        auto const include = [&](double v) {
-            if (std::isfinite(v)) {
-                r.low = std::min(r.low, v);
-                r.high = std::max(r.high, v);
-            }
-        };
-        for (Figure::Series const& s : f_.series) {
-            if (s.right_axis != right) {
-                continue;
-            }
-            if (s.bars) {
-                include(0);
-            }
-            for (std::size_t i = 0; i < s.values.size(); ++i) { // what a line holds at the begin is drawn too
-                bool const begun =
-                    s.path || i + 1 >= s.values.size() || static_cast<double>(s.times_ns[i + 1]) / 1e9 >= f_.from_s;
-                if (begun && (s.path || static_cast<double>(s.times_ns[i]) / 1e9 <= f_.to_s)) {
-                    include(scaled(s.values[i]));
-                }
-            }
-        }
-        for (Figure::Line const& line : right ? std::vector<Figure::Line>{} : f_.lines) {
-            include(scaled(line.value));
-        }
-        for (Figure::Band const& band : right ? std::vector<Figure::Band>{} : f_.bands) {
-            include(scaled(band.low));
-            include(scaled(band.high));
-        }
-        if (!(r.low <= r.high)) {
-            return {0, 1};
-        }
-        // What differs by rounding only is constant: its ticks would not differ at all.
-        bool const varies = r.high - r.low > 1e-12 * std::max(std::abs(r.low), std::abs(r.high));
-        double const pad = varies ? 0.05 * (r.high - r.low) : std::max(1e-6, 0.05 * std::abs(r.high));
-        return {r.low - pad, r.high + pad};
-    }
-
-    /// Of a logarithmic axis between two decimal logarithms: its powers of ten, of a short one 2 and 5 times them too.
-    static std::vector<double> decades(double low, double high) {
-        std::vector<double> out;
-        for (double decade = std::floor(low); decade <= high; ++decade) {
-            for (double const times : {1.0, 2.0, 5.0}) {
-                double const place = decade + std::log10(times);
-                if (place >= low - 1e-9 && place <= high + 1e-9 && (times == 1 || high - low < 2.5)) {
-                    out.push_back(times * std::pow(10, decade));
-                }
-            }
-        }
-        return out;
     }
 
     void y_ticks() {
@@ -309,7 +249,7 @@ class Drawing {
                 down = false;
                 continue;
             }
-            if (!std::isfinite(scaled(v))) {
+            if (!std::isfinite(on_axis(f_, v))) {
                 continue;
             }
             double const x = px(t), y = f_.lanes ? lane_y(i, s.double_point ? v == 1 : v != 0) : py(v, s.right_axis);
@@ -423,7 +363,7 @@ class Drawing {
 
     Figure const& f_;
     TimeUnit unit_;
-    Range left_, right_;
+    AxisRange left_, right_;
     double x0_{62}, x1_{0}, y0_{0}, y1_{0}, marks_top_{0};
     std::vector<Row> rows_;
     std::string legend_, out_;

@@ -36,4 +36,17 @@ std::vector<double> ticks(double low, double high, int count, std::string_view u
     return out;
 }
 
+std::vector<double> decades(double low, double high) {
+    std::vector<double> out;
+    for (double decade = std::floor(low); decade <= high; ++decade) {
+        for (double const times : {1.0, 2.0, 5.0}) {
+            double const place = decade + std::log10(times);
+            if (place >= low - 1e-9 && place <= high + 1e-9 && (times == 1 || high - low < 2.5)) {
+                out.push_back(times * std::pow(10, decade));
+            }
+        }
+    }
+    return out;
+}
+
 } // namespace gridspace::launcher

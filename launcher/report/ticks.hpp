@@ -11,4 +11,7 @@ namespace gridspace::launcher {
 /// so are minutes ("min"): 0, 3, 6 … for a day.
 [[nodiscard]] std::vector<double> ticks(double low, double high, int count, std::string_view unit = {});
 
+/// Of a logarithmic axis between two decimal logarithms: its powers of ten, of a short one 2 and 5 times them too.
+[[nodiscard]] std::vector<double> decades(double low, double high);
+
 } // namespace gridspace::launcher

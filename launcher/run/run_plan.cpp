@@ -174,6 +174,36 @@ std::optional<std::uint64_t> capabilities(Scenario const& scenario, Process cons
     return out;
 }
 
+/// What is executed here, be it an emulator or ssh. `planned`: where and as what the process runs.
+std::vector<std::string> command_of(Process const& process, PlannedProcess const& planned, RunPlan const& plan,
+                                    PlanOptions const& options) {
+    std::vector<std::string> command =
+        guest::command(process.settings->command(), planned.is_guest ? plan.ports : std::vector<Port>{}, planned.host);
+    if (command.empty()) {
+        bool const native = planned.run_on.kind == RunOn::Kind::native;
+        command = {native ? program_file(planned.program).string() : planned.program};
+    }
+    if (process.settings->is_daemon()) {
+        for (std::string const& word :
+             {std::string{"--config"}, planned.config_file.string(), std::string{"--log-level"}, options.log_level}) {
+            command.push_back(word);
+        }
+    }
+    if (planned.run_on.kind == RunOn::Kind::qemu_user) {
+        return qemu_user_command(std::move(command));
+    }
+    if (planned.run_on.kind == RunOn::Kind::qemu_system) {
+        return qemu_system_command(command, planned.config_file, plan.ports, planned.host);
+    }
+    if (planned.run_on.kind == RunOn::Kind::ssh) {
+        auto const bundle = options.boards.find(planned.name);
+        return ssh_board_command(command, planned.config_file, process,
+                                 bundle == options.boards.end() ? "BUNDLE" : bundle->second, plan.ports,
+                                 plan.member_timeout_s);
+    }
+    return command;
+}
+
 PlannedProcess plan_process(Scenario const& scenario, Process const& process, bus::NodeConfig const& node,
                             RunPlan const& plan, PlanOptions const& options) {
     PlannedProcess out;
@@ -211,28 +241,7 @@ PlannedProcess plan_process(Scenario const& scenario, Process const& process, bu
         out.config.find("settings")->set("control_token", Node::quoted_text("../control.token"));
     }
 
-    out.command =
-        guest::command(process.settings->command(), out.is_guest ? plan.ports : std::vector<Port>{}, out.host);
-    if (out.command.empty()) {
-        bool const native = out.run_on.kind == RunOn::Kind::native;
-        out.command = {native ? program_file(out.program).string() : out.program};
-    }
-    if (process.settings->is_daemon()) {
-        for (std::string const& word :
-             {std::string{"--config"}, out.config_file.string(), std::string{"--log-level"}, options.log_level}) {
-            out.command.push_back(word);
-        }
-    }
-    if (out.run_on.kind == RunOn::Kind::qemu_user) {
-        out.command = qemu_user_command(std::move(out.command));
-    } else if (out.run_on.kind == RunOn::Kind::qemu_system) {
-        out.command = qemu_system_command(out.command, out.config_file, plan.ports, out.host);
-    } else if (out.run_on.kind == RunOn::Kind::ssh) {
-        auto const bundle = options.boards.find(out.name);
-        out.command = ssh_board_command(out.command, out.config_file, process,
-                                        bundle == options.boards.end() ? "BUNDLE" : bundle->second, plan.ports,
-                                        plan.member_timeout_s);
-    }
+    out.command = command_of(process, out, plan, options);
     out.environment = environment_of(node);
     out.environment["GRIDSPACE_CONFIG"] = out.config_file.string();
     out.environment["GRIDSPACE_RUN_FOLDER"] = plan.folder.string();

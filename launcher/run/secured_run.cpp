@@ -46,6 +46,59 @@ Result<std::string> text_of(fs::path const& file) {
                : fail(ExitCode::usage, fmt::format("cannot read the QoS profiles '{}'", file.string()));
 }
 
+/// For its owner alone.
+Result<void> make_empty_folder(fs::path const& folder) {
+    std::error_code error;
+    fs::remove_all(folder, error);
+    fs::create_directories(folder, error);
+    fs::permissions(folder, fs::perms::owner_all, error);
+    if (error) {
+        return fail(ExitCode::environment, fmt::format("cannot make '{}': {}", folder.string(), error.message()));
+    }
+    return {};
+}
+
+/// The identity and the rights of a process, and the profiles that name them.
+Result<void> secure_process(Scenario const& scenario, KeyFolder const& keys, fs::path const& folder,
+                            std::vector<int> const& domains, std::int64_t now_unix_s, PlannedProcess& planned) {
+    Process const& process = *scenario.find_process(planned.name);
+    auto const identity = keys.find({planned.name, process.qos.name}, now_unix_s);
+    if (!identity) {
+        return std::unexpected{identity.error()};
+    }
+    fs::path const own = folder / planned.name;
+    std::error_code error;
+    fs::create_directories(own, error);
+    auto const rights = crypto::sign_document(
+        keys.permissions_authority(),
+        permissions(identity->facts.subject, rights_of(scenario, process), domains, identity->facts.valid));
+    auto const profiles = text_of(qos_file(process.qos.name));
+    if (!rights || !profiles) {
+        return std::unexpected{rights ? profiles.error() : rights.error()};
+    }
+    SecurityFiles const files{keys.file(key_files::kIdentityCa),
+                              keys.file(key_files::kPermissionsCa),
+                              keys.file(key_files::kRevoked),
+                              identity->certificate,
+                              identity->key,
+                              folder / "governance.p7s",
+                              own / "permissions.p7s"};
+    auto const secured = secured_profiles(*profiles, files);
+    if (!secured) {
+        return std::unexpected{secured.error()};
+    }
+    auto ok = replace_file(files.permissions, *rights);
+    if (ok) {
+        ok = replace_file(own / "qos.xml", *secured);
+    }
+    if (!ok) {
+        return ok;
+    }
+    planned.config.find("bus")->set("qos", config::Node::scalar((own / "qos.xml").string()));
+    planned.environment["GRIDSPACE_QOS"] = (own / "qos.xml").string();
+    return {};
+}
+
 } // namespace
 
 Result<void> secure(Scenario const& scenario, RunPlan& plan, std::vector<int> const& domains, std::int64_t now_unix_s) {
@@ -53,12 +106,8 @@ Result<void> secure(Scenario const& scenario, RunPlan& plan, std::vector<int> co
         return {};
     }
     fs::path const folder = plan.folder / kSecurity;
-    std::error_code error;
-    fs::remove_all(folder, error);
-    fs::create_directories(folder, error);
-    fs::permissions(folder, fs::perms::owner_all, error);
-    if (error) {
-        return fail(ExitCode::environment, fmt::format("cannot make '{}': {}", folder.string(), error.message()));
+    if (auto ok = make_empty_folder(folder); !ok) {
+        return ok;
     }
     crypto::Validity const valid{now_unix_s - kDay, now_unix_s + 365 * kDay};
     auto const keys = keys_of(scenario, folder, valid);
@@ -73,40 +122,9 @@ Result<void> secure(Scenario const& scenario, RunPlan& plan, std::vector<int> co
         return ok;
     }
     for (PlannedProcess& planned : plan.processes) {
-        Process const& process = *scenario.find_process(planned.name);
-        auto const identity = keys->find({planned.name, process.qos.name}, now_unix_s);
-        if (!identity) {
-            return std::unexpected{identity.error()};
-        }
-        fs::path const own = folder / planned.name;
-        fs::create_directories(own, error);
-        auto const rights = crypto::sign_document(
-            keys->permissions_authority(),
-            permissions(identity->facts.subject, rights_of(scenario, process), domains, identity->facts.valid));
-        auto const profiles = text_of(qos_file(process.qos.name));
-        if (!rights || !profiles) {
-            return std::unexpected{rights ? profiles.error() : rights.error()};
-        }
-        SecurityFiles const files{keys->file(key_files::kIdentityCa),
-                                  keys->file(key_files::kPermissionsCa),
-                                  keys->file(key_files::kRevoked),
-                                  identity->certificate,
-                                  identity->key,
-                                  folder / "governance.p7s",
-                                  own / "permissions.p7s"};
-        auto const secured = secured_profiles(*profiles, files);
-        if (!secured) {
-            return std::unexpected{secured.error()};
-        }
-        auto ok = replace_file(files.permissions, *rights);
-        if (ok) {
-            ok = replace_file(own / "qos.xml", *secured);
-        }
-        if (!ok) {
+        if (auto ok = secure_process(scenario, *keys, folder, domains, now_unix_s, planned); !ok) {
             return ok;
         }
-        planned.config.find("bus")->set("qos", config::Node::scalar((own / "qos.xml").string()));
-        planned.environment["GRIDSPACE_QOS"] = (own / "qos.xml").string();
     }
     if (scenario.security->keys.empty()) {
         forget_authorities(*keys);

@@ -70,6 +70,37 @@ std::string bridge_name(std::size_t link) {
     return fmt::format("br{}", link);
 }
 
+/// The management link, then those of the scenario: by number of their bridge.
+std::vector<std::string> links_of(RunPlan const& plan) {
+    std::vector<std::string> links{std::string{kManagementLink}};
+    for (Link const& link : plan.links) {
+        links.push_back(link.name.name);
+    }
+    return links;
+}
+
+/// The commands that make the switches. `boxed_ip_links`: on which programs in simulated time speak IP.
+std::string bridges(std::vector<std::string> const& links, std::set<std::string> const& boxed_ip_links) {
+    std::string commands;
+    for (std::size_t l = 0; l < links.size(); ++l) {
+        // A frame in simulated time is waited for at every port that takes its kind: such a switch remembers nobody's
+        // place, and gives each frame to all.
+        commands += fmt::format("link add name {0} type bridge mcast_snooping 0 stp_state 0{1}\nlink set dev {0} up\n",
+                                bridge_name(l), boxed_ip_links.contains(links[l]) ? " ageing_time 0" : "");
+    }
+    return commands;
+}
+
+std::set<std::string> hosts_of_guests(RunPlan const& plan) {
+    std::set<std::string> guests;
+    for (PlannedProcess const& process : plan.processes) {
+        if (process.is_guest) {
+            guests.insert(process.host);
+        }
+    }
+    return guests;
+}
+
 } // namespace
 
 VirtualNetwork::~VirtualNetwork() {
@@ -212,25 +243,11 @@ Result<void> VirtualNetwork::build(RunPlan const& plan) {
         }
         hosts_[host] = *fd;
     }
-    std::vector<std::string> links{std::string{kManagementLink}};
-    for (Link const& link : plan.links) {
-        links.push_back(link.name.name);
-    }
-    std::string core = "link set lo up\n";
+    std::vector<std::string> const links = links_of(plan);
+    std::string core = "link set lo up\n" + bridges(links, plan.boxed_ip_links);
     std::map<std::string, std::string> inside;
-    std::set<std::string> guests;
-    for (PlannedProcess const& process : plan.processes) {
-        if (process.is_guest) {
-            guests.insert(process.host);
-        }
-    }
+    std::set<std::string> const guests = hosts_of_guests(plan);
     std::map<std::string, std::size_t> handed_over;
-    for (std::size_t l = 0; l < links.size(); ++l) {
-        // A frame in simulated time is waited for at every port that takes its kind: such a switch remembers nobody's
-        // place, and gives each frame to all.
-        core += fmt::format("link add name {0} type bridge mcast_snooping 0 stp_state 0{1}\nlink set dev {0} up\n",
-                            bridge_name(l), plan.boxed_ip_links.contains(links[l]) ? " ageing_time 0" : "");
-    }
     for (std::size_t p = 0; p < plan.ports.size(); ++p) {
         Port const& port = plan.ports[p];
         auto const link = static_cast<std::size_t>(std::find(links.begin(), links.end(), port.link) - links.begin());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "monitor/diagram/layout.hpp"
 
+#include "monitor/diagram/symbols.hpp"
 #include "monitor/diagram/ways.hpp"
 
 #include <algorithm>
@@ -72,6 +73,8 @@ class Layouter {
         double name_behind{0}, name_before{0};             ///< of buses, which stand above all that
     };
 
+    using Turns = std::vector<std::pair<Run*, std::size_t>>; ///< of branches, and which of their tracks
+
     void find_devices() {
         for (Grid::Device const& device : grid_.devices) {
             if (auto const bus = number_.find(device.bus); bus != number_.end()) {
@@ -88,40 +91,11 @@ class Layouter {
     }
 
     void find_heights() {
-        std::map<std::string, double> faults, tags;
-        for (Grid::Fault const& fault : grid_.faults) {
-            below_ = std::max(below_, fault.line.empty() ? 0 : 30 + kFaultRow * faults[fault.line]++);
-        }
-        for (Grid::Relay const& relay : grid_.relays) {
-            for (config::Ref const& ct : relay.cts) {
-                below_ = std::max(below_, 34 + kTagRow * tags[ct.name]++);
-            }
-        }
-        pitch_ = above_ + below_ + 2;
+        find_pitch();
         std::vector<double> heights(rows_, 30), needs(rows_, 0);
         for (std::size_t b = 0; b < grid_.buses.size(); ++b) {
-            Taps& taps = taps_[b];
-            auto const last = [&](std::set<std::size_t> const& slots) {
-                return slots.empty() ? -1.0 : first_tap_ + pitch_ * static_cast<double>(*slots.rbegin());
-            };
-            double const left = std::max(last(taps.left), taps.source != nullptr ? first_tap_ : -1),
-                         right = last(taps.right);
-            double y = right < 0 ? first_tap_ : right + below_ + 10;
-            for (Grid::Device const* device : taps.devices) {
-                out_.devices.push_back({device, {0, y}, false}); // y is from the bar's top as yet
-                y += kDeviceRow;
-            }
-            double const devices = taps.devices.empty() ? -1 : y - kDeviceRow;
-            taps.bottom = std::max({30.0, left + 12, right + 12, devices + 12});
-            taps.block = std::max({taps.bottom, left + below_, right + below_});
-            if (auto const own =
-                    std::count_if(grid_.faults.begin(), grid_.faults.end(),
-                                  [&](auto const& f) { return f.line.empty() && f.bus == grid_.buses[b].name; });
-                own > 0) { // below all that belongs to it
-                taps.bottom = taps.block;
-                taps.block += 22 + kFaultRow * static_cast<double>(own);
-            }
-            heights[cells_[b].row] = std::max(heights[cells_[b].row], taps.block);
+            find_bar(b);
+            heights[cells_[b].row] = std::max(heights[cells_[b].row], taps_[b].block);
         }
         for (Run& run : runs_) {
             find_symbols(run);
@@ -132,13 +106,7 @@ class Layouter {
                 needs[row] = std::max(needs[row], own - (heights[row] - taps_[run.left].block));
             }
         }
-        double y = kLabelRoom;
-        for (std::size_t r = 0; r < rows_; ++r) {
-            tops_.push_back(y);
-            lane_tops_.push_back(y + heights[r] + std::max(kBetweenRows, needs[r]));
-            y = lane_tops_[r] + kLane * static_cast<double>(lanes_[r]) + kLabelRoom;
-        }
-        out_.height = lane_tops_.empty() ? 0 : y - kLabelRoom;
+        place_rows(heights, needs);
         for (Hanging& h : out_.devices) {
             h.at.y += top(number_.at(h.device->bus));
         }
@@ -149,100 +117,75 @@ class Layouter {
         }
     }
 
-    /// The symbols of both ends; until the columns have places, x is the distance from the bar.
+    /// From a branch to the next one below it.
+    void find_pitch() {
+        std::map<std::string, double> faults, tags;
+        for (Grid::Fault const& fault : grid_.faults) {
+            below_ = std::max(below_, fault.line.empty() ? 0 : 30 + kFaultRow * faults[fault.line]++);
+        }
+        for (Grid::Relay const& relay : grid_.relays) {
+            for (config::Ref const& ct : relay.cts) {
+                below_ = std::max(below_, 34 + kTagRow * tags[ct.name]++);
+            }
+        }
+        pitch_ = above_ + below_ + 2;
+    }
+
+    /// How long a bar is, and what hangs on it at the right.
+    void find_bar(std::size_t b) {
+        Taps& taps = taps_[b];
+        auto const last = [&](std::set<std::size_t> const& slots) {
+            return slots.empty() ? -1.0 : first_tap_ + pitch_ * static_cast<double>(*slots.rbegin());
+        };
+        double const left = std::max(last(taps.left), taps.source != nullptr ? first_tap_ : -1),
+                     right = last(taps.right);
+        double y = right < 0 ? first_tap_ : right + below_ + 10;
+        for (Grid::Device const* device : taps.devices) {
+            out_.devices.push_back({device, {0, y}, false}); // y is from the bar's top as yet
+            y += kDeviceRow;
+        }
+        double const devices = taps.devices.empty() ? -1 : y - kDeviceRow;
+        taps.bottom = std::max({30.0, left + 12, right + 12, devices + 12});
+        taps.block = std::max({taps.bottom, left + below_, right + below_});
+        if (auto const own =
+                std::count_if(grid_.faults.begin(), grid_.faults.end(),
+                              [&](auto const& f) { return f.line.empty() && f.bus == grid_.buses[b].name; });
+            own > 0) { // below all that belongs to it
+            taps.bottom = taps.block;
+            taps.block += 22 + kFaultRow * static_cast<double>(own);
+        }
+    }
+
+    /// `needs`: below the rows, for branches that go down.
+    void place_rows(std::vector<double> const& heights, std::vector<double> const& needs) {
+        double y = kLabelRoom;
+        for (std::size_t r = 0; r < rows_; ++r) {
+            tops_.push_back(y);
+            lane_tops_.push_back(y + heights[r] + std::max(kBetweenRows, needs[r]));
+            y = lane_tops_[r] + kLane * static_cast<double>(lanes_[r]) + kLabelRoom;
+        }
+        out_.height = lane_tops_.empty() ? 0 : y - kLabelRoom;
+    }
+
+    /// The symbols of both ends.
     void find_symbols(Run& run) {
         for (std::size_t end = 0; end < 2; ++end) {
-            std::string const word = (end == 0) == run.turned ? "to" : "from";
-            double x = 10, tag_x = 6;
-            auto const add = [&](std::string const& name, bool is_ct) {
-                Symbol s{name, is_ct, {}, {}, {}};
-                double const half = std::max(width_of(name) / 2, 8.0);
-                s.at.x = x + half;
-                x += 2 * half + 6;
-                for (Grid::Relay const& relay : grid_.relays) {
-                    if (is_ct && std::any_of(relay.cts.begin(), relay.cts.end(),
-                                             [&](config::Ref const& ct) { return ct.name == name; })) {
-                        std::string tag = relay.name;
-                        for (config::Ref const& function : relay.functions) {
-                            tag += " " + function.name;
-                        }
-                        double const wide = width_of(tag) / 2 + 5;
-                        s.tags_x.push_back(std::max(s.at.x, tag_x + wide));
-                        s.tags.push_back(std::move(tag));
-                    }
-                }
-                for (std::size_t t = 0; t < s.tags.size(); ++t) {
-                    tag_x = std::max(tag_x, s.tags_x[t] + width_of(s.tags[t]) / 2 + 9);
-                }
-                s.at.y = static_cast<double>(end);
-                run.route.symbols.push_back(std::move(s));
-            };
-            for (Grid::Breaker const& breaker : grid_.breakers) {
-                if (breaker.line == run.route.branch->name && breaker.end == word) {
-                    add(breaker.name, false);
-                }
-            }
-            for (Grid::Ct const& ct : grid_.cts) {
-                if (ct.line == run.route.branch->name && ct.end == word) {
-                    add(ct.name, true);
-                }
-            }
-            run.reach[end] = x > 10 ? std::max(x, tag_x) : 0;
+            run.reach[end] = add_symbols(grid_, (end == 0) == run.turned ? "to" : "from", end, run.route);
         }
     }
 
     void find_widths() {
         std::vector<Gap> gaps(columns_ + 1); // before the first column, and behind each
         for (std::size_t b = 0; b < grid_.buses.size(); ++b) {
-            Gap &before = gaps[cells_[b].column], &behind = gaps[cells_[b].column + 1];
-            double const label = width_of(grid_.buses[b].label) + value_;
-            before.name_before = std::max(before.name_before, is_tied(b) ? 0 : label / 2 + 6);
-            behind.name_behind = std::max(behind.name_behind, is_tied(b) ? label + 14 : label / 2 + 6);
-            if (taps_[b].source != nullptr) {
-                before.before = std::max(before.before, 33 + std::max(17.0, width_of(taps_[b].source->label) / 2 + 6));
-            }
-            for (Grid::Device const* device : taps_[b].devices) {
-                behind.beside =
-                    std::max(behind.beside, kStub + label_offset(shape_of(device->kind)) + width_of(device->label) +
-                                                10 + (value_ > 0 ? room_of(shape_of(device->kind)) : 0));
-            }
-            for (Grid::Fault const& fault : grid_.faults) {
-                if (fault.line.empty() && fault.bus == grid_.buses[b].name) {
-                    before.before = std::max(before.before, 34 + width_of(fault.name));
-                }
-            }
+            make_room_for_bus(b, gaps[cells_[b].column], gaps[cells_[b].column + 1]);
         }
-        std::vector<std::vector<std::pair<Run*, std::size_t>>> turns(columns_ + 1);
+        std::vector<Turns> turns(columns_ + 1);
         for (Run& run : runs_) {
-            Gap& behind = gaps[cells_[run.left].column + 1];
-            double label = std::max(width_of(run.route.branch->label), value_);
             if (run.kind == Way::Kind::upright) {
-                label = width_of(run.route.branch->label) + value_;
-                for (Symbol const& s : run.route.symbols) {
-                    double wide = width_of(s.name) + 22;
-                    for (std::string const& tag : s.tags) {
-                        wide += width_of(tag) + 18;
-                    }
-                    label = std::max(label, wide);
-                }
-                behind.beside = std::max(behind.beside, label + 30);
-                for (Grid::Fault const& fault : grid_.faults) {
-                    Gap& before = gaps[cells_[run.left].column];
-                    before.before =
-                        std::max(before.before, fault.line == run.route.branch->name ? width_of(fault.name) + 24 : 0);
-                }
+                make_room_for_upright(run, gaps[cells_[run.left].column], gaps[cells_[run.left].column + 1]);
                 continue;
             }
-            for (Grid::Fault const& fault : grid_.faults) {
-                label = std::max(label, fault.line == run.route.branch->name ? 2 * (width_of(fault.name) + 18) : 0);
-            }
-            behind.symbols = std::max({behind.symbols, run.reach[0], run.kind == Way::Kind::loop ? run.reach[1] : 0});
-            behind.label =
-                std::max(behind.label, std::max(label, run.route.branch->kind == "transformer" ? 40 : 0.0) + 18);
-            if (run.kind != Way::Kind::loop) {
-                Gap& last = gaps[cells_[run.right].column];
-                last.before = std::max(last.before, run.reach[1] + 4);
-            }
+            make_room_for_level(run, gaps);
             if (run.kind == Way::Kind::turns || run.kind == Way::Kind::loop || run.kind == Way::Kind::lane) {
                 turns[cells_[run.left].column + 1].emplace_back(&run, 0);
             }
@@ -250,6 +193,59 @@ class Layouter {
                 turns[cells_[run.right].column].emplace_back(&run, 1);
             }
         }
+        place_columns(gaps, turns);
+    }
+
+    void make_room_for_bus(std::size_t b, Gap& before, Gap& behind) const {
+        double const label = width_of(grid_.buses[b].label) + value_;
+        before.name_before = std::max(before.name_before, is_tied(b) ? 0 : label / 2 + 6);
+        behind.name_behind = std::max(behind.name_behind, is_tied(b) ? label + 14 : label / 2 + 6);
+        if (taps_[b].source != nullptr) {
+            before.before = std::max(before.before, 33 + std::max(17.0, width_of(taps_[b].source->label) / 2 + 6));
+        }
+        for (Grid::Device const* device : taps_[b].devices) {
+            behind.beside =
+                std::max(behind.beside, kStub + label_offset(shape_of(device->kind)) + width_of(device->label) + 10 +
+                                            (value_ > 0 ? room_of(shape_of(device->kind)) : 0));
+        }
+        for (Grid::Fault const& fault : grid_.faults) {
+            if (fault.line.empty() && fault.bus == grid_.buses[b].name) {
+                before.before = std::max(before.before, 34 + width_of(fault.name));
+            }
+        }
+    }
+
+    void make_room_for_upright(Run const& run, Gap& before, Gap& behind) const {
+        double label = width_of(run.route.branch->label) + value_;
+        for (Symbol const& s : run.route.symbols) {
+            double wide = width_of(s.name) + 22;
+            for (std::string const& tag : s.tags) {
+                wide += width_of(tag) + 18;
+            }
+            label = std::max(label, wide);
+        }
+        behind.beside = std::max(behind.beside, label + 30);
+        for (Grid::Fault const& fault : grid_.faults) {
+            before.before =
+                std::max(before.before, fault.line == run.route.branch->name ? width_of(fault.name) + 24 : 0);
+        }
+    }
+
+    void make_room_for_level(Run const& run, std::vector<Gap>& gaps) const {
+        Gap& behind = gaps[cells_[run.left].column + 1];
+        double label = std::max(width_of(run.route.branch->label), value_);
+        for (Grid::Fault const& fault : grid_.faults) {
+            label = std::max(label, fault.line == run.route.branch->name ? 2 * (width_of(fault.name) + 18) : 0);
+        }
+        behind.symbols = std::max({behind.symbols, run.reach[0], run.kind == Way::Kind::loop ? run.reach[1] : 0});
+        behind.label = std::max(behind.label, std::max(label, run.route.branch->kind == "transformer" ? 40 : 0.0) + 18);
+        if (run.kind != Way::Kind::loop) {
+            Gap& last = gaps[cells_[run.right].column];
+            last.before = std::max(last.before, run.reach[1] + 4);
+        }
+    }
+
+    void place_columns(std::vector<Gap>& gaps, std::vector<Turns>& turns) {
         double x = kMargin + std::max(gaps[0].before, gaps[0].name_before);
         for (std::size_t c = 0; c < columns_; ++c) {
             Gap& gap = gaps[c + 1];
@@ -279,7 +275,7 @@ class Layouter {
     }
 
     /// Of branches that go down, the lowest turns first, of those that go up the highest: so they do not cross.
-    void place_turns(std::vector<std::pair<Run*, std::size_t>>& turns, double x) {
+    void place_turns(Turns& turns, double x) {
         std::stable_sort(turns.begin(), turns.end(), [&](auto const& a, auto const& b) {
             auto const [ya, za] = turn_of(*a.first, a.second);
             auto const [yb, zb] = turn_of(*b.first, b.second);
@@ -377,36 +373,6 @@ class Layouter {
 };
 
 } // namespace
-
-DeviceShape shape_of(std::string_view kind) {
-    static constexpr std::array<std::string_view, 5> kCircles{"machine", "generator", "pv", "induction_machine",
-                                                              "wind_turbine"};
-    static constexpr std::array<std::string_view, 3> kStores{"ev", "battery", "supercapacitor"};
-    return kind == "source"                                                      ? DeviceShape::source
-           : std::find(kCircles.begin(), kCircles.end(), kind) != kCircles.end() ? DeviceShape::circle
-           : std::find(kStores.begin(), kStores.end(), kind) != kStores.end()    ? DeviceShape::store
-                                                                                 : DeviceShape::arrow;
-}
-
-double label_offset(DeviceShape shape) {
-    return shape == DeviceShape::source   ? 27
-           : shape == DeviceShape::circle ? 21
-           : shape == DeviceShape::store  ? 35
-                                          : 14;
-}
-
-double room_of(DeviceShape shape) {
-    return shape == DeviceShape::store ? 1.4 * kValueRoom : kValueRoom;
-}
-
-double width_of(std::string_view text) {
-    double out = 0;
-    for (char const c : text) {
-        bool const wide = (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-        out += (c & 0xC0) == 0x80 ? 0 : wide ? 7.6 : c == ' ' || c == '.' || c == ',' || c == 'i' || c == 'l' ? 4 : 7;
-    }
-    return out;
-}
 
 Point Route::at(double share) const {
     return {bare[0].x + share * (bare[1].x - bare[0].x), bare[0].y + share * (bare[1].y - bare[0].y)};
