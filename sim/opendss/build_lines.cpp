@@ -103,119 +103,135 @@ LineImpedance read_code(Object const& code, double base_hz, config::Diagnostics&
     return z;
 }
 
-} // namespace
-
-void Builder::line(Object const& object) {
+/// A line as its properties say, one after the other. The length is `units` units of that in which the impedance is
+/// given; of a code or of conductors the unit is theirs, and of matrices and components that of the line.
+struct LineData {
     LineImpedance z;
-    z.base_hz = circuit_.frequency_hz;
-    double length = 1, unit_m = 0, scale = 1, code_unit_m = 0;
-    bool of_code = false;
-    std::string bus[2];
-    config::SourceMark bus_where[2] = {object.where, object.where};
-    auto const converted = [](double from, double to) { return from == 0 || to == 0 ? 1 : from / to; };
-    Meaning meaning = impedance_meaning(z, [&](bool) {
+    double length{1}, unit_m{0}, scale{1}, code_unit_m{0};
+    bool of_code{false};
+
+    [[nodiscard]] double units() const { return length / scale; }
+    /// Impedances of its own take the place of those of a code.
+    void is_own() {
         of_code = false;
         scale = 1;
         unit_m = 0;
-    });
-    for (int i = 0; i < 2; ++i) {
-        meaning[i == 0 ? "bus1" : "bus2"] = [&, i](Value const& v) {
-            bus[i] = v.text();
-            bus_where[i] = v.where();
-        };
     }
-    meaning["linecode"] = [&](Value const& v) {
-        Object const* code = script_.find("linecode", lower(v.text()));
-        if (code == nullptr) {
-            v.wrong(fmt::format("'{}' does not exist", v.text()), "expected the name of a linecode");
-            return;
-        }
-        z = read_code(*code, circuit_.frequency_hz, diagnostics_);
+    void take_code(LineImpedance code) {
+        z = std::move(code);
         of_code = true;
         code_unit_m = z.unit_m;
         scale = converted(code_unit_m, unit_m);
-    };
-    meaning["length"] = [&](Value const& v) { length = v.positive(); };
-    meaning["units"] = [&](Value const& v) {
-        double const given = metres(v);
+    }
+    /// Constants of conductors are per metre, and hold from where they are named.
+    void take(std::optional<LineConstants> const& constants, double frequency_hz) {
+        if (!constants) {
+            return;
+        }
+        z.order(static_cast<int>(constants->z_ohm_per_m.rows()));
+        z.by_sequence = false;
+        z.capacitance_given = of_code = true;
+        z.base_hz = frequency_hz;
+        z.r = constants->z_ohm_per_m.real();
+        z.x = constants->z_ohm_per_m.imag();
+        z.c_nf = constants->c_f_per_m * 1e9;
+        code_unit_m = 1;
+        scale = converted(code_unit_m, unit_m);
+    }
+    void take_unit(double given) {
         scale = of_code ? converted(code_unit_m, given) : scale * converted(unit_m, given);
         unit_m = given;
-    };
-    meaning["phases"] = [&](Value const& v) {
+    }
+    void become_switch() {
+        z.by_sequence = z.capacitance_given = true;
+        z.r1 = z.x1 = z.r0 = z.x0 = 1;
+        z.c1_nf = 1.1;
+        z.c0_nf = 1;
+        length = 0.001;
+        is_own();
+    }
+    /// Nobody has said its capacitance: the default is per 1000 ft.
+    void complete() {
+        if (z.by_sequence && !z.capacitance_given && unit_m > 0 && !of_code) {
+            z.c1_nf *= unit_m / 304.8;
+            z.c0_nf *= unit_m / 304.8;
+        }
+    }
+
+  private:
+    static double converted(double from, double to) { return from == 0 || to == 0 ? 1 : from / to; }
+};
+
+/// The properties of a line beside those of its impedance, its code and its conductors.
+void line_meaning(LineData& d, Meaning& meaning) {
+    meaning["length"] = [&d](Value const& v) { d.length = v.positive(); };
+    meaning["units"] = [&d](Value const& v) { d.take_unit(metres(v)); };
+    meaning["phases"] = [&d](Value const& v) {
         int const phases = v.integer(1, kMaxPhases);
-        if (phases != z.phases && !z.by_sequence) {
-            v.wrong(fmt::format("is {}, and its matrices are of order {}", phases, z.phases),
+        if (phases != d.z.phases && !d.z.by_sequence) {
+            v.wrong(fmt::format("is {}, and its matrices are of order {}", phases, d.z.phases),
                     "expected the phases before the matrices, and those of the linecode");
             return;
         }
-        z.order(phases);
+        d.z.order(phases);
     };
-    meaning["switch"] = [&](Value const& v) {
+    meaning["switch"] = [&d](Value const& v) {
         if (v.yes()) {
-            z.by_sequence = z.capacitance_given = true;
-            z.r1 = z.x1 = z.r0 = z.x0 = 1;
-            z.c1_nf = 1.1;
-            z.c0_nf = 1;
-            length = 0.001;
-            of_code = false;
-            scale = 1;
-            unit_m = 0;
+            d.become_switch();
         }
-    };
-    // Constants of conductors are per metre, and hold from where they are named.
-    std::optional<double> rho;
-    std::optional<Word> spacing;
-    auto const take = [&](std::optional<LineConstants> const& constants) {
-        if (constants) {
-            z.order(static_cast<int>(constants->z_ohm_per_m.rows()));
-            z.by_sequence = false;
-            z.capacitance_given = of_code = true;
-            z.base_hz = circuit_.frequency_hz;
-            z.r = constants->z_ohm_per_m.real();
-            z.x = constants->z_ohm_per_m.imag();
-            z.c_nf = constants->c_f_per_m * 1e9;
-            code_unit_m = 1;
-            scale = converted(code_unit_m, unit_m);
-        }
-    };
-    meaning["rho"] = [&](Value const& v) { rho = v.positive(); };
-    meaning["geometry"] = [&](Value const& v) { take(geometry(v, rho)); };
-    meaning["spacing"] = [&](Value const& v) { spacing = v.word(); };
-    meaning["wires"] = [&](Value const& v) {
-        if (!spacing) {
-            v.wrong("come before the spacing", "expected spacing=… wires=[…]");
-            return;
-        }
-        take(spaced_wires(Value{*spacing, object, "spacing", diagnostics_}, v, rho));
     };
     for (char const* cable : {"cncables", "tscables"}) {
         meaning[cable] = [](Value const& v) {
             v.wrong("are given: constants of cables are not computed", "give a linecode, or the line's matrices");
         };
     }
+}
+
+} // namespace
+
+void Builder::line(Object const& object) {
+    LineData d;
+    d.z.base_hz = circuit_.frequency_hz;
+    Terminals at{object.where};
+    Meaning meaning = impedance_meaning(d.z, [&](bool) { d.is_own(); });
+    at.add_to(meaning);
+    line_meaning(d, meaning);
+    meaning["linecode"] = [&](Value const& v) {
+        Object const* code = script_.find("linecode", lower(v.text()));
+        if (code == nullptr) {
+            v.wrong(fmt::format("'{}' does not exist", v.text()), "expected the name of a linecode");
+            return;
+        }
+        d.take_code(read_code(*code, circuit_.frequency_hz, diagnostics_));
+    };
+    std::optional<double> rho;
+    std::optional<Word> spacing;
+    meaning["rho"] = [&](Value const& v) { rho = v.positive(); };
+    meaning["geometry"] = [&](Value const& v) { d.take(geometry(v, rho), circuit_.frequency_hz); };
+    meaning["spacing"] = [&](Value const& v) { spacing = v.word(); };
+    meaning["wires"] = [&](Value const& v) {
+        if (!spacing) {
+            v.wrong("come before the spacing", "expected spacing=… wires=[…]");
+            return;
+        }
+        d.take(spaced_wires(Value{*spacing, object, "spacing", diagnostics_}, v, rho), circuit_.frequency_hz);
+    };
     replay(object, meaning, diagnostics_);
-    if (z.by_sequence && !z.capacitance_given && unit_m > 0 && !of_code) { // the default is per 1000 ft
-        z.c1_nf *= unit_m / 304.8;
-        z.c0_nf *= unit_m / 304.8;
-    }
-    if (bus[0].empty() || bus[1].empty()) {
-        error(object.where, fmt::format("line.{} has no bus{}", object.name, bus[0].empty() ? 1 : 2));
+    d.complete();
+    if (at.bus1.empty() || at.bus2.empty()) {
+        error(object.where, fmt::format("line.{} has no bus{}", object.name, at.bus1.empty() ? 1 : 2));
         return;
     }
-    double const units = length / scale, frequency = circuit_.frequency_hz / z.base_hz;
-    Eigen::MatrixXcd series = z.series() * units;
-    series.imag() *= frequency;
+    Eigen::MatrixXcd series = d.z.series() * d.units();
+    series.imag() *= circuit_.frequency_hz / d.z.base_hz;
     Eigen::FullPivLU<Eigen::MatrixXcd> const lu{series};
     if (!lu.isInvertible()) {
         error(object.where, fmt::format("line.{} has an impedance without an inverse", object.name),
               "expected an impedance other than 0");
         return;
     }
-    Eigen::MatrixXcd const shunt = z.capacitance().cast<Complex>() * Complex{0, omega_ * 1e-9 * units / 2};
-    std::vector<int> nodes = connect(bus[0], bus_where[0], z.phases, z.phases);
-    std::vector<int> const to = connect(bus[1], bus_where[1], z.phases, z.phases);
-    nodes.insert(nodes.end(), to.begin(), to.end());
-    add(object, std::move(nodes), z.phases, two_terminals(lu.inverse(), shunt));
+    add_between(object, at, lu.inverse(),
+                d.z.capacitance().cast<Complex>() * Complex{0, omega_ * 1e-9 * d.units() / 2});
 }
 
 } // namespace gridspace::opendss

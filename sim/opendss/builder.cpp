@@ -17,6 +17,37 @@ namespace {
 constexpr std::size_t kMaxAdmittances = 40'000'000;
 constexpr int kMaxNodeNumber = 1000;
 
+/// Series and shunt parts of an element of two terminals in one matrix.
+Eigen::MatrixXcd two_terminals(Eigen::MatrixXcd const& series, Eigen::MatrixXcd const& shunt) {
+    auto const n = series.rows();
+    Eigen::MatrixXcd out(2 * n, 2 * n);
+    out << series + shunt, -series, -series, series + shunt;
+    return out;
+}
+
+/// The bus of the other end of what is connected to earth there: "671.1.2.3" gives "671.0.0.0".
+std::string earthed(std::string const& bus, int conductors) {
+    std::string out = bus.substr(0, bus.find('.'));
+    for (int i = 0; i < conductors; ++i) {
+        out += ".0";
+    }
+    return out;
+}
+
+/// A ring of equal branches over the conductors; one or two phases are an open ring over one conductor more.
+Eigen::MatrixXcd ring(int phases, Complex y) {
+    int const conductors = phases < 3 ? phases + 1 : phases;
+    Eigen::MatrixXcd out = Eigen::MatrixXcd::Zero(conductors, conductors);
+    for (int k = 0; k < phases; ++k) {
+        int const next = (k + 1) % conductors;
+        out(k, k) += y;
+        out(next, next) += y;
+        out(k, next) -= y;
+        out(next, k) -= y;
+    }
+    return out;
+}
+
 } // namespace
 
 Eigen::MatrixXcd star(int phases, Complex y) {
@@ -168,11 +199,31 @@ std::vector<int> Builder::connect(std::string const& bus, config::SourceMark con
     return out;
 }
 
-Eigen::MatrixXcd Builder::two_terminals(Eigen::MatrixXcd const& series, Eigen::MatrixXcd const& shunt) {
-    auto const n = series.rows();
-    Eigen::MatrixXcd out(2 * n, 2 * n);
-    out << series + shunt, -series, -series, series + shunt;
-    return out;
+void Builder::add_between(Object const& object, Terminals const& at, Eigen::MatrixXcd const& series,
+                          Eigen::MatrixXcd const& shunt, Eigen::VectorXcd const& emf) {
+    auto const phases = static_cast<int>(series.rows());
+    std::vector<int> nodes = connect(at.bus1, at.where1, phases, phases);
+    std::vector<int> const back =
+        connect(at.bus2.empty() ? earthed(at.bus1, phases) : at.bus2, at.where2, phases, phases);
+    nodes.insert(nodes.end(), back.begin(), back.end());
+    Eigen::MatrixXcd y = two_terminals(series, shunt);
+    Eigen::VectorXcd injected = emf.size() > 0 ? Eigen::VectorXcd{y * emf} : Eigen::VectorXcd{};
+    add(object, std::move(nodes), phases, std::move(y), std::move(injected));
+}
+
+void Builder::add_branches(Object const& object, Terminals const& at, int phases, bool delta, Complex y) {
+    if (!delta) {
+        add_between(object, at, star(phases, y), Eigen::MatrixXcd::Zero(phases, phases));
+        return;
+    }
+    Eigen::MatrixXcd branches = ring(phases, y);
+    auto const conductors = static_cast<int>(branches.rows());
+    add(object, connect(at.bus1, at.where1, phases, conductors), conductors, std::move(branches));
+}
+
+void Terminals::add_to(Meaning& meaning) {
+    meaning["bus1"] = [this](Value const& v) { bus1 = v.text(), where1 = v.where(); };
+    meaning["bus2"] = [this](Value const& v) { bus2 = v.text(), where2 = v.where(); };
 }
 
 void Builder::add(Object const& object, std::vector<int> nodes, int conductors, Eigen::MatrixXcd y,

@@ -17,6 +17,15 @@ using sim::LineConstants;
 inline constexpr int kMaxPhases = 30;
 inline constexpr double kSqrt3 = 1.7320508075688772935;
 
+/// Where an element of two terminals is connected.
+struct Terminals {
+    explicit Terminals(config::SourceMark const& object) : where1{object}, where2{object} {}
+    std::string bus1, bus2;
+    config::SourceMark where1, where2;
+    /// The properties bus1 and bus2.
+    void add_to(Meaning& meaning);
+};
+
 /// Builds a circuit of the objects of a script: one function for each class, each in a file of its own.
 class Builder {
   public:
@@ -46,8 +55,12 @@ class Builder {
     std::vector<int> connect(std::string const& bus, config::SourceMark const& where, int phases, int conductors);
     void add(Object const& object, std::vector<int> nodes, int conductors, Eigen::MatrixXcd y,
              Eigen::VectorXcd injected = {});
-    /// Series and shunt parts of an element of two terminals in one matrix.
-    static Eigen::MatrixXcd two_terminals(Eigen::MatrixXcd const& series, Eigen::MatrixXcd const& shunt);
+    /// An element of two terminals of `phases` each, without bus2 to earth: its series admittance, and `shunt` at both
+    /// ends. `emf`: its voltages, behind the admittance.
+    void add_between(Object const& object, Terminals const& at, Eigen::MatrixXcd const& series,
+                     Eigen::MatrixXcd const& shunt, Eigen::VectorXcd const& emf = {});
+    /// The same branch between all phases, or from each to the second terminal (to earth without bus2).
+    void add_branches(Object const& object, Terminals const& at, int phases, bool delta, Complex y);
     void consume(Object const& object, std::vector<int> const& nodes, int phases, bool delta, LoadLaw const& law);
     /// Multiplier of active and reactive power at the hour, of a load shape.
     std::pair<double, double> shape(std::string const& name, config::SourceMark const& where);
