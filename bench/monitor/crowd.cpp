@@ -12,25 +12,29 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <unistd.h>
 #include <vector>
 
-int main(int argc, char** argv) {
-    using namespace gridspace;
-    if (argc != 6) {
-        std::fprintf(stderr, "usage: bench_crowd QOS_FILE DOMAIN PARTICIPANTS TOPICS_EACH SAMPLES_PER_SECOND\n");
-        return 2;
-    }
-    int const domain = std::atoi(argv[2]), participants = std::atoi(argv[3]), topics = std::atoi(argv[4]);
-    double const rate = std::atof(argv[5]); // of all topics together
-    bus::Codec codec;
-    codec.type_name = "CrowdSample";
-    std::vector<std::unique_ptr<bus::Participant>> crowd;
+namespace {
+
+using namespace gridspace;
+
+struct Crowd {
+    std::vector<std::unique_ptr<bus::Participant>> participants;
     std::vector<std::unique_ptr<bus::RawWriter>> writers;
     std::vector<std::unique_ptr<bus::RawReader>> readers;
-    std::atomic<std::uint64_t> received{0};
+};
+
+/// What cannot be made is printed.
+std::optional<Crowd> make_crowd(char const* qos_file, int domain, int participants, int topics,
+                                std::atomic<std::uint64_t>& received) {
+    bus::Codec codec;
+    codec.type_name = "CrowdSample";
+    Crowd crowd;
     auto const topic = [&](int participant, int i) {
         return fmt::format("crowd_{:03}_{}", participant % participants, i);
     };
@@ -39,25 +43,43 @@ int main(int argc, char** argv) {
         options.process = fmt::format("crowd{:03}", p);
         options.program = "bench_crowd";
         options.domain = domain;
-        options.qos_file = argv[1];
+        options.qos_file = qos_file;
         options.addresses = {"127.0.0.1"};
         auto made = bus::Participant::create(std::move(options));
         if (!made) {
             std::fprintf(stderr, "participant %d: %s\n", p, describe(made.error()).c_str());
-            return 3;
+            return std::nullopt;
         }
         for (int i = 0; i < topics; ++i) {
             auto writer = (*made)->create_writer(topic(p, i), codec);
             auto reader = (*made)->create_reader(
-                topic(p + 1, i), codec, [&](std::span<std::byte const>, bus::SampleHeader const&) { ++received; });
+                topic(p + 1, i), codec,
+                [&received](std::span<std::byte const>, bus::SampleHeader const&) { ++received; });
             if (!writer || !reader) {
                 std::fprintf(stderr, "participant %d: no endpoint\n", p);
-                return 3;
+                return std::nullopt;
             }
-            writers.push_back(std::move(*writer));
-            readers.push_back(std::move(*reader));
+            crowd.writers.push_back(std::move(*writer));
+            crowd.readers.push_back(std::move(*reader));
         }
-        crowd.push_back(std::move(*made));
+        crowd.participants.push_back(std::move(*made));
+    }
+    return crowd;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 6) {
+        std::fprintf(stderr, "usage: bench_crowd QOS_FILE DOMAIN PARTICIPANTS TOPICS_EACH SAMPLES_PER_SECOND\n");
+        return 2;
+    }
+    int const domain = std::atoi(argv[2]), participants = std::atoi(argv[3]), topics = std::atoi(argv[4]);
+    double const rate = std::atof(argv[5]); // of all topics together
+    std::atomic<std::uint64_t> received{0};
+    auto const crowd = make_crowd(argv[1], domain, participants, topics, received);
+    if (!crowd) {
+        return 3;
     }
     std::printf("there\n");
     std::fflush(stdout);
@@ -70,8 +92,8 @@ int main(int argc, char** argv) {
     }};
     std::array<std::byte, 68> sample{std::byte{0}, std::byte{1}};
     auto next = std::chrono::steady_clock::now();
-    for (std::size_t i = 0; !ending; i = (i + 1) % writers.size()) {
-        (void)writers[i]->write_cdr(sample, std::nullopt);
+    for (std::size_t i = 0; !ending; i = (i + 1) % crowd->writers.size()) {
+        (void)crowd->writers[i]->write_cdr(sample, std::nullopt);
         next += std::chrono::nanoseconds{static_cast<std::int64_t>(1e9 / rate)};
         std::this_thread::sleep_until(next);
     }

@@ -95,6 +95,27 @@ Result<void> take_along(config::Node& node, fs::path const& folder, std::map<std
     return {};
 }
 
+/// The program of a process that a board can take, made for the board's processor.
+Result<fs::path> program_for_board(PlannedProcess const& process, std::string const& arch) {
+    bool const recorder = process.program == "gridspace-recorder";
+    if (process.is_foreign || process.is_simulator || recorder || process.program == "gridspace-monitor") {
+        return fail(ExitCode::usage,
+                    fmt::format("process '{}' ({}) is nothing for a board{}", process.name, process.program,
+                                recorder ? ": its recording belongs into the run's folder" : ""),
+                    "agents, gateways and link process are");
+    }
+    fs::path const program = arch == "arm64" ? arm64_files().programs / process.program : program_file(process.program);
+    std::string const machine = machine_of(program), wanted = arch == "arm64" ? "ARM64" : "x86-64";
+    if (machine != wanted) {
+        return fail(ExitCode::environment,
+                    machine.empty()
+                        ? fmt::format("there is no {} for {} ({})", process.program, arch, program.string())
+                        : fmt::format("'{}' is a program for {}, not for {}", program.string(), machine, wanted),
+                    arch == "arm64" ? "./gridspace arm64 build makes it" : "is Gridspace built completely?");
+    }
+    return program;
+}
+
 int bundle(BundleArguments const& a) {
     auto const scenario = load(a.scenario);
     if (!scenario) {
@@ -114,21 +135,9 @@ int bundle(BundleArguments const& a) {
                             fmt::format("scenario '{}' has no process '{}'", scenario->name, a.process),
                             fmt::format("there are: {}", join(names, ", "))});
     }
-    bool const recorder = it->program == "gridspace-recorder";
-    if (it->is_foreign || it->is_simulator || recorder || it->program == "gridspace-monitor") {
-        return print_error({ExitCode::usage,
-                            fmt::format("process '{}' ({}) is nothing for a board{}", it->name, it->program,
-                                        recorder ? ": its recording belongs into the run's folder" : ""),
-                            "agents, gateways and link process are"});
-    }
-    fs::path const program = a.arch == "arm64" ? arm64_files().programs / it->program : program_file(it->program);
-    std::string const machine = machine_of(program), wanted = a.arch == "arm64" ? "ARM64" : "x86-64";
-    if (machine != wanted) {
-        return print_error(
-            {ExitCode::environment,
-             machine.empty() ? fmt::format("there is no {} for {} ({})", it->program, a.arch, program.string())
-                             : fmt::format("'{}' is a program for {}, not for {}", program.string(), machine, wanted),
-             a.arch == "arm64" ? "./gridspace arm64 build makes it" : "is Gridspace built completely?"});
+    auto const program = program_for_board(*it, a.arch);
+    if (!program) {
+        return print_error(program.error());
     }
     // A board is switched on whenever that may be, and waits.
     it->config.find("bus")->find("clock")->set("start_timeout_s", config::Node::scalar("0"));
@@ -157,7 +166,7 @@ int bundle(BundleArguments const& a) {
     fs::path const share = qos_file("member").parent_path().parent_path(); // source tree or share/gridspace
     fs::path const libraries = a.arch == "arm64" ? arm64_files().root : fs::path{"/"};
     int const code = run_and_wait({"sh", (share / "scripts/board/bundle.sh").string(), it->name, a.arch,
-                                   program.string(), stage.string(), libraries.string(), fs::absolute(a.out).string(),
+                                   program->string(), stage.string(), libraries.string(), fs::absolute(a.out).string(),
                                    std::string{gridspace::version().version}});
     fs::remove_all(stage, error);
     return code;

@@ -45,6 +45,32 @@ char const* word(ids::TrainParams::Method method) {
     return "?";
 }
 
+/// What came of it.
+struct Training {
+    std::filesystem::path output;
+    std::size_t recordings{0}, windows{0};
+    double loss_rms{0}, unseen_rms{0}; ///< of the window's scale
+    double wall_s{0};
+};
+
+void print(Training const& t, ids::Model const& model, bool as_json) {
+    if (as_json) {
+        fmt::print("{}\n", Json{{"model", t.output.string()},
+                                {"sha256", model_hash(model)},
+                                {"parameters", model.parameters()},
+                                {"recordings", t.recordings},
+                                {"windows", t.windows},
+                                {"loss_rms_scaled", t.loss_rms},
+                                {"unseen_rms_scaled", t.unseen_rms},
+                                {"wall_s", t.wall_s}}
+                               .dump(2));
+    } else {
+        fmt::print("{}: {} parameters, loss {:.6f} on the training windows, RMS error {:.6f} on unseen ones (of the "
+                   "window's scale), {:.1f} s\n",
+                   t.output.string(), model.parameters(), t.loss_rms, t.unseen_rms, t.wall_s);
+    }
+}
+
 int ids_train(IdsTrainArguments const& arguments) {
     config::Diagnostics diagnostics;
     auto config = ids::load_training_config(arguments.config, diagnostics);
@@ -100,22 +126,8 @@ int ids_train(IdsTrainArguments const& arguments) {
     if (auto const saved = save_model(*model, output); !saved) {
         return print_error(saved.error());
     }
-    double const took = seconds_since(start);
-    if (arguments.json) {
-        fmt::print("{}\n", Json{{"model", output.string()},
-                                {"sha256", model_hash(*model)},
-                                {"parameters", model->parameters()},
-                                {"recordings", recordings->size()},
-                                {"windows", data.count()},
-                                {"loss_rms_scaled", last_rms},
-                                {"unseen_rms_scaled", unseen_rms},
-                                {"wall_s", took}}
-                               .dump(2));
-    } else {
-        fmt::print("{}: {} parameters, loss {:.6f} on the training windows, RMS error {:.6f} on unseen ones (of the "
-                   "window's scale), {:.1f} s\n",
-                   output.string(), model->parameters(), last_rms, unseen_rms, took);
-    }
+    Training const done{output, recordings->size(), data.count(), last_rms, unseen_rms, seconds_since(start)};
+    print(done, *model, arguments.json);
     return 0;
 }
 

@@ -145,6 +145,21 @@ Result<void> write_scenario(ImportArguments const& a, launcher::StationScenario 
     return write(out, head + config::to_yaml(made.root), a.overwrite);
 }
 
+/// `network_file`: what the scenario's network is called where none is given.
+launcher::StationOptions options_of(ImportArguments const& a, fs::path const& out, fs::path const& network_file) {
+    launcher::StationOptions options;
+    options.name = out.stem().string();
+    std::replace_if(
+        options.name.begin(), options.name.end(), [](char c) { return !is_identifier(std::string{'_', c}); }, '_');
+    options.ieds = a.ieds;
+    options.nominal_hz = a.nominal_hz;
+    options.realtime = a.realtime;
+    fs::path const folder = fs::absolute(out).parent_path();
+    options.network = a.network.empty() ? network_file.filename().string()
+                                        : fs::absolute(a.network).lexically_proximate(folder).string();
+    return options;
+}
+
 int import_scl(ImportArguments const& a) {
     if (a.streams_only) {
         return only_streams(a);
@@ -161,16 +176,7 @@ int import_scl(ImportArguments const& a) {
     }
     fs::path const out = a.out.empty() ? fs::path{a.file.stem().string() + ".yaml"} : a.out;
     fs::path const network_file = out.parent_path() / (out.stem().string() + "_network.yaml");
-    launcher::StationOptions options;
-    options.name = out.stem().string();
-    std::replace_if(
-        options.name.begin(), options.name.end(), [](char c) { return !is_identifier(std::string{'_', c}); }, '_');
-    options.ieds = a.ieds;
-    options.nominal_hz = a.nominal_hz;
-    options.realtime = a.realtime;
-    fs::path const folder = fs::absolute(out).parent_path();
-    options.network = a.network.empty() ? network_file.filename().string()
-                                        : fs::absolute(a.network).lexically_proximate(folder).string();
+    launcher::StationOptions options = options_of(a, out, network_file);
     int code = 0;
     if (!choose_network(a, options, code)) {
         return code;

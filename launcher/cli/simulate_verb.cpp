@@ -118,6 +118,17 @@ void list_signals(sim::Engine const& engine) {
     }
 }
 
+/// Without channels.
+ComtradeHeader comtrade_header(double frequency_hz, Rational step, std::int64_t every,
+                               std::vector<sim::TimedAction> const& timeline) {
+    ComtradeHeader header;
+    header.line_frequency_hz = frequency_hz;
+    header.sample_rate_hz = 1 / step.to_double() / static_cast<double>(every);
+    // Simulated time 0 is 1970: a network alone has no epoch.
+    header.trigger_unix_ns = timeline.empty() ? 0 : std::llround(timeline.front().at_s.to_double() * 1e9);
+    return header;
+}
+
 Result<void> open_files(SimulationOutput& output, SimulateArguments const& a, ComtradeHeader header,
                         std::map<std::string, sim::Instrument::Ratio> const& ratios) {
     if (!a.csv.empty()) {
@@ -191,11 +202,7 @@ int simulate(SimulateArguments const& a, sim::Network network, std::vector<sim::
     for (std::string const& unseen : emt ? std::vector<std::string>{} : sim::phasor::unseen_by_phasors(network)) {
         fmt::print(stderr, "note: {} (--solver emt does)\n", unseen);
     }
-    ComtradeHeader header;
-    header.line_frequency_hz = network.frequency_hz;
-    header.sample_rate_hz = 1 / step.to_double() / static_cast<double>(a.every);
-    // Simulated time 0 is 1970: a network alone has no epoch.
-    header.trigger_unix_ns = timeline.empty() ? 0 : std::llround(timeline.front().at_s.to_double() * 1e9);
+    ComtradeHeader header = comtrade_header(network.frequency_hz, step, a.every, timeline);
     std::string const name = network.name;
     auto const ratios = ratios_of(network);
     auto engine = sim::make_engine(chosen.settings, std::move(network), *base);

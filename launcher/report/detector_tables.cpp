@@ -32,66 +32,79 @@ std::string instants(std::vector<std::int64_t> const& trips, double rate_hz) {
     return trips.empty() ? "none" : trips.size() > 3 ? fmt::format("{} … ({} in all)", out, trips.size()) : out;
 }
 
+ReportTable verdict_table(IntrusionScore const& score) {
+    ReportTable t{"Detectors: verdicts against the truth (phase-samples)",
+                  {"detector", "stream", "forged, flagged", "forged, not flagged", "genuine, flagged",
+                   "genuine, not flagged", "precision", "recall", "false positives", "open loop",
+                   "samples of three phases with one", "open loop"},
+                  {}};
+    for (IntrusionScore::Stream const& s : score.streams) {
+        t.rows.push_back({escape_markup(s.detector), escape_markup(s.stream), std::to_string(s.score.true_positives),
+                          std::to_string(s.score.false_negatives), std::to_string(s.score.false_positives),
+                          std::to_string(s.score.true_negatives),
+                          share(s.score.true_positives, s.score.false_positives),
+                          share(s.score.true_positives, s.score.false_negatives), percent(s.score.false_positive),
+                          percent(s.score.open_false_positive), percent(s.packets), percent(s.open_packets)});
+    }
+    return t;
+}
+
+ReportTable attack_table(IntrusionScore const& score) {
+    ReportTable t{"Attacks",
+                  {"attack", "kind", "target", "detector", "altered", "detected", "of those beyond twice the threshold",
+                   "open loop", "delay"},
+                  {}};
+    for (IntrusionScore::Attack const& a : score.attacks) {
+        t.rows.push_back({escape_markup(a.score.attack), escape_markup(a.kind), escape_markup(a.target),
+                          escape_markup(a.detector), std::to_string(a.score.labels), percent(a.score.detected),
+                          percent(a.score.clear_detected), percent(a.score.open_detected),
+                          a.score.seen ? fmt::format("{} samples ({:.2f} ms)", a.score.delay_samples,
+                                                     static_cast<double>(a.score.delay_samples) / a.rate_hz * 1e3)
+                                       : "never seen"});
+    }
+    for (IntrusionScore::Unjudged const& u : score.unjudged) {
+        t.rows.push_back({escape_markup(u.attack), escape_markup(u.kind), escape_markup(u.target), "nobody watches it",
+                          std::to_string(u.labels), "-", "-", "-", "-"});
+    }
+    return t;
+}
+
+/// Of those that a detector watches.
+ReportTable relay_table(IntrusionScore const& score) {
+    ReportTable t{"Relays with a detector: trips against the faults that really were",
+                  {"relay", "line", "faults", "tripped", "blocked or late", "false trips", "trips",
+                   "the same relay without a detector", "added by the detector", "alarms (false)"},
+                  {}};
+    for (IntrusionScore::Relay const& r : score.relays) {
+        if (!r.watched) {
+            continue;
+        }
+        std::string faults;
+        for (double const at : r.faults_s) {
+            faults += (faults.empty() ? "" : ", ") + shortest(at) + " s";
+        }
+        t.rows.push_back({escape_markup(r.relay), escape_markup(r.line), faults.empty() ? "none" : faults,
+                          std::to_string(r.with.tripped), std::to_string(r.with.late_or_blocked),
+                          std::to_string(r.with.false_trips), instants(r.trips, r.rate_hz),
+                          instants(r.trips_without, r.rate_hz),
+                          r.added_ms ? fmt::format("{:.2f} ms", *r.added_ms) : "-",
+                          fmt::format("{} ({})", r.alarms, r.false_alarms)});
+    }
+    return t;
+}
+
 } // namespace
 
 std::vector<ReportTable> detector_tables(IntrusionScore const& score) {
     std::vector<ReportTable> out;
     if (!score.streams.empty()) {
-        ReportTable t{"Detectors: verdicts against the truth (phase-samples)",
-                      {"detector", "stream", "forged, flagged", "forged, not flagged", "genuine, flagged",
-                       "genuine, not flagged", "precision", "recall", "false positives", "open loop",
-                       "samples of three phases with one", "open loop"},
-                      {}};
-        for (IntrusionScore::Stream const& s : score.streams) {
-            t.rows.push_back({escape_markup(s.detector), escape_markup(s.stream),
-                              std::to_string(s.score.true_positives), std::to_string(s.score.false_negatives),
-                              std::to_string(s.score.false_positives), std::to_string(s.score.true_negatives),
-                              share(s.score.true_positives, s.score.false_positives),
-                              share(s.score.true_positives, s.score.false_negatives), percent(s.score.false_positive),
-                              percent(s.score.open_false_positive), percent(s.packets), percent(s.open_packets)});
-        }
-        out.push_back(std::move(t));
+        out.push_back(verdict_table(score));
     }
     if (!score.attacks.empty() || !score.unjudged.empty()) {
-        ReportTable t{"Attacks",
-                      {"attack", "kind", "target", "detector", "altered", "detected",
-                       "of those beyond twice the threshold", "open loop", "delay"},
-                      {}};
-        for (IntrusionScore::Attack const& a : score.attacks) {
-            t.rows.push_back({escape_markup(a.score.attack), escape_markup(a.kind), escape_markup(a.target),
-                              escape_markup(a.detector), std::to_string(a.score.labels), percent(a.score.detected),
-                              percent(a.score.clear_detected), percent(a.score.open_detected),
-                              a.score.seen ? fmt::format("{} samples ({:.2f} ms)", a.score.delay_samples,
-                                                         static_cast<double>(a.score.delay_samples) / a.rate_hz * 1e3)
-                                           : "never seen"});
-        }
-        for (IntrusionScore::Unjudged const& u : score.unjudged) {
-            t.rows.push_back({escape_markup(u.attack), escape_markup(u.kind), escape_markup(u.target),
-                              "nobody watches it", std::to_string(u.labels), "-", "-", "-", "-"});
-        }
-        out.push_back(std::move(t));
+        out.push_back(attack_table(score));
     }
     if (std::any_of(score.relays.begin(), score.relays.end(), [](auto const& r) { return r.watched; })) {
-        ReportTable t{"Relays with a detector: trips against the faults that really were",
-                      {"relay", "line", "faults", "tripped", "blocked or late", "false trips", "trips",
-                       "the same relay without a detector", "added by the detector", "alarms (false)"},
-                      {}};
-        for (IntrusionScore::Relay const& r : score.relays) {
-            if (!r.watched) {
-                continue;
-            }
-            std::string faults;
-            for (double const at : r.faults_s) {
-                faults += (faults.empty() ? "" : ", ") + shortest(at) + " s";
-            }
-            t.rows.push_back({escape_markup(r.relay), escape_markup(r.line), faults.empty() ? "none" : faults,
-                              std::to_string(r.with.tripped), std::to_string(r.with.late_or_blocked),
-                              std::to_string(r.with.false_trips), instants(r.trips, r.rate_hz),
-                              instants(r.trips_without, r.rate_hz),
-                              r.added_ms ? fmt::format("{:.2f} ms", *r.added_ms) : "-",
-                              fmt::format("{} ({})", r.alarms, r.false_alarms)});
-        }
-        out.push_back(std::move(t));
+        out.push_back(relay_table(score));
     }
     return out;
 }

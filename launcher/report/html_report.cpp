@@ -194,15 +194,8 @@ Result<std::vector<std::string>> drawings(Results const& r, std::vector<Figure> 
     return out;
 }
 
-} // namespace
-
-Result<fs::path> write_html_report(Results const& r) {
-    config::Diagnostics ignored;
-    auto const loaded = config::load_yaml(r.folder / "scenario.resolved.yaml", ignored);
-    config::Node const scenario = loaded ? *loaded : config::Node::map();
-    std::error_code error;
-    fs::create_directories(r.folder / "report" / "figures", error);
-
+/// What the run was, how it ended, and what to be wary of.
+std::string opening(Results const& r) {
     bool const passed = r.exit_code() == 0;
     std::string body =
         fmt::format("<header><h1>{}</h1><p>{}</p><p class=\"verdict {}\">{}</p></header>\n", escape_markup(r.scenario),
@@ -214,6 +207,18 @@ Result<fs::path> write_html_report(Results const& r) {
     for (std::string const& note : r.notes) {
         body += fmt::format("<p class=\"warn\">▲ {}</p>\n", escape_markup(note));
     }
+    return body;
+}
+
+} // namespace
+
+Result<fs::path> write_html_report(Results const& r) {
+    config::Diagnostics ignored;
+    auto const loaded = config::load_yaml(r.folder / "scenario.resolved.yaml", ignored);
+    config::Node const scenario = loaded ? *loaded : config::Node::map();
+    std::error_code error;
+    fs::create_directories(r.folder / "report" / "figures", error);
+    std::string body = opening(r);
     ReportSettings const settings = report_settings(scenario);
     WireTiming const timing = measure_wire_timing(r, scenario);
     std::string data;

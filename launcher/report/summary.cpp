@@ -55,6 +55,26 @@ std::string value_text(ExpectationResult const& e) {
     return fmt::format("{:.6g}{}{}", *e.value, e.unit.empty() ? "" : " ", e.unit);
 }
 
+Json consequences_json(Consequences const& c) {
+    Json alarms = Json::object();
+    for (Consequences::Alarm const& alarm : c.alarms) {
+        alarms[alarm.attack] = {{"by", alarm.by}, {"delay_ms", alarm.delay_ms}};
+    }
+    for (std::string const& attack : c.not_alarmed) {
+        alarms[attack] = nullptr;
+    }
+    bool const known = !c.loads.empty();
+    return {{"faults", c.faults},
+            {"trips_lost", c.lost},
+            {"trips_late", c.compared == 0 ? Json(nullptr) : Json(c.late)},
+            {"trips_false", c.false_trips},
+            {"slowest_trip_ms", number_or_null(c.slowest_trip_ms)},
+            {"opened_without_fault", c.opened_without_fault},
+            {"load_not_served_kw", known ? Json(c.load_not_served_kw) : Json(nullptr)},
+            {"energy_not_served_wh", known ? Json(c.energy_not_served_wh) : Json(nullptr)},
+            {"alarms", alarms}};
+}
+
 } // namespace
 
 std::string summary_json(Results const& r) {
@@ -98,24 +118,7 @@ std::string summary_json(Results const& r) {
                  {"topics", topics},
                  {"comtrade", r.comtrade}};
     if (r.consequences) {
-        Consequences const& c = *r.consequences;
-        Json alarms = Json::object();
-        for (Consequences::Alarm const& alarm : c.alarms) {
-            alarms[alarm.attack] = {{"by", alarm.by}, {"delay_ms", alarm.delay_ms}};
-        }
-        for (std::string const& attack : c.not_alarmed) {
-            alarms[attack] = nullptr;
-        }
-        bool const known = !c.loads.empty();
-        summary["consequences"] = {{"faults", c.faults},
-                                   {"trips_lost", c.lost},
-                                   {"trips_late", c.compared == 0 ? Json(nullptr) : Json(c.late)},
-                                   {"trips_false", c.false_trips},
-                                   {"slowest_trip_ms", number_or_null(c.slowest_trip_ms)},
-                                   {"opened_without_fault", c.opened_without_fault},
-                                   {"load_not_served_kw", known ? Json(c.load_not_served_kw) : Json(nullptr)},
-                                   {"energy_not_served_wh", known ? Json(c.energy_not_served_wh) : Json(nullptr)},
-                                   {"alarms", alarms}};
+        summary["consequences"] = consequences_json(*r.consequences);
     }
     config::Diagnostics unread;
     auto const scenario = config::load_yaml(r.folder / "scenario.resolved.yaml", unread);

@@ -14,6 +14,42 @@ using Json = nlohmann::ordered_json;
 /// Beyond it nobody sees anything, and the picture fills the queues of slow clients.
 constexpr std::size_t kMostDrawn = 2000;
 
+Json relays_json(RunPlan const& plan) {
+    Json relays = Json::array();
+    auto const names = [](std::vector<config::Ref> const& refs) {
+        Json out = Json::array();
+        for (config::Ref const& ref : refs) {
+            out.push_back(ref.name);
+        }
+        return out;
+    };
+    for (auto const& r : plan.relays) {
+        relays.push_back({{"name", r.name},
+                          {"functions", names(r.functions)},
+                          {"cts", names(r.cts)},
+                          {"breakers", names(r.breakers)}});
+    }
+    return relays;
+}
+
+Json faults_json(RunPlan const& plan) {
+    Json faults = Json::array();
+    for (auto const& fault : plan.faults) {
+        Json entry{{"name", fault.name}, {"at_s", fault.at_s}};
+        if (fault.line.empty()) {
+            entry["bus"] = fault.bus;
+        } else {
+            entry["line"] = fault.line;
+            entry["position_percent"] = fault.position_percent;
+        }
+        if (fault.until_s) {
+            entry["until_s"] = *fault.until_s;
+        }
+        faults.push_back(std::move(entry));
+    }
+    return faults;
+}
+
 } // namespace
 
 std::string Api::network() const {
@@ -40,34 +76,6 @@ std::string Api::network() const {
     for (auto const& d : plan.devices) {
         devices.push_back({{"name", d.name}, {"label", d.label}, {"bus", d.bus}, {"kind", d.kind}});
     }
-    Json relays = Json::array();
-    auto const names = [](std::vector<config::Ref> const& refs) {
-        Json out = Json::array();
-        for (config::Ref const& ref : refs) {
-            out.push_back(ref.name);
-        }
-        return out;
-    };
-    for (auto const& r : plan.relays) {
-        relays.push_back({{"name", r.name},
-                          {"functions", names(r.functions)},
-                          {"cts", names(r.cts)},
-                          {"breakers", names(r.breakers)}});
-    }
-    Json faults = Json::array();
-    for (auto const& fault : plan.faults) {
-        Json entry{{"name", fault.name}, {"at_s", fault.at_s}};
-        if (fault.line.empty()) {
-            entry["bus"] = fault.bus;
-        } else {
-            entry["line"] = fault.line;
-            entry["position_percent"] = fault.position_percent;
-        }
-        if (fault.until_s) {
-            entry["until_s"] = *fault.until_s;
-        }
-        faults.push_back(std::move(entry));
-    }
     Json const out{
         {"diagram", plan.elements() > kMostDrawn ? std::string{} : diagram::one_line(plan, {nullptr, true}).svg},
         {"frequency_hz", plan.frequency_hz},
@@ -76,8 +84,8 @@ std::string Api::network() const {
         {"breakers", breakers},
         {"cts", cts},
         {"devices", devices},
-        {"relays", relays},
-        {"faults", faults}};
+        {"relays", relays_json(plan)},
+        {"faults", faults_json(plan)}};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

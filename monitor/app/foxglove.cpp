@@ -183,6 +183,51 @@ std::string FoxgloveHub::connection_graph(Client& client) const {
                       {"removedServices", Json::array()}});
 }
 
+void FoxgloveHub::tell(web::Server& server, web::ClientId id, Client& client) {
+    auto const say = [&](Json const& json) { server.push(id, {.octets = share(json_text(json)), .lasting = true}); };
+    if (!std::exchange(client.greeted, true)) {
+        say({{"op", "serverInfo"},
+             {"name", "Gridspace: " + run_.plan.scenario},
+             {"capabilities", {"time", "connectionGraph"}},
+             {"supportedEncodings", Json::array()},
+             {"metadata", Json::object()},
+             {"sessionId", std::to_string(run_.started.time_since_epoch().count())}});
+    }
+    if (client.advertised < advertised_.size()) {
+        server.push(id, {.octets = share(advertisement(client.advertised)), .lasting = true});
+        client.advertised = advertised_.size();
+    }
+    for (std::string const& problem : std::exchange(client.problems, {})) {
+        say({{"op", "status"}, {"level", 1}, {"message", problem}});
+    }
+    for (; client.reported_without_idl < without_idl_.size(); ++client.reported_without_idl) {
+        say({{"op", "status"}, {"level", 1}, {"message", without_idl_[client.reported_without_idl]}});
+    }
+}
+
+void FoxgloveHub::send_samples(web::Server& server, web::ClientId id, Client& client) {
+    for (auto& [number, subscription] : client.subscriptions) {
+        Topic const& key = channels_[subscription.channel - 1];
+        TopicState const& topic = run_.topics.at(key);
+        std::optional<std::int64_t> const stamp_ns =
+            at_wall_clock(key.second) ? std::optional{present_ns()} : std::nullopt;
+        for (RawSample const& sample : topic.newest) {
+            // At first the newest: of a topic that is written once nothing else would ever come.
+            bool const wanted =
+                subscription.fresh ? &sample == &topic.newest.back() : sample.number > subscription.sent;
+            if (wanted) {
+                std::string bytes(1, static_cast<char>(kMessageData));
+                append(bytes, number);
+                append(bytes, static_cast<std::uint64_t>(stamp_ns ? *stamp_ns : sample.source_ns));
+                bytes.append(reinterpret_cast<char const*>(sample.cdr.data()), sample.cdr.size());
+                server.push(id, {.octets = share(std::move(bytes)), .binary = true});
+                subscription.sent = sample.number;
+            }
+        }
+        subscription.fresh = subscription.fresh && topic.newest.empty();
+    }
+}
+
 void FoxgloveHub::step(web::Server& server) {
     std::lock_guard const lock{mutex_};
     if (clients_.empty()) {
@@ -200,53 +245,14 @@ void FoxgloveHub::step(web::Server& server) {
     }
     for (auto& [number_of_client, client] : clients_) {
         web::ClientId const id = number_of_client;
-        auto const say = [&](Json const& json) {
-            server.push(id, {.octets = share(json_text(json)), .lasting = true});
-        };
-        if (!std::exchange(client.greeted, true)) {
-            say({{"op", "serverInfo"},
-                 {"name", "Gridspace: " + run_.plan.scenario},
-                 {"capabilities", {"time", "connectionGraph"}},
-                 {"supportedEncodings", Json::array()},
-                 {"metadata", Json::object()},
-                 {"sessionId", std::to_string(run_.started.time_since_epoch().count())}});
-        }
-        if (client.advertised < advertised_.size()) {
-            server.push(id, {.octets = share(advertisement(client.advertised)), .lasting = true});
-            client.advertised = advertised_.size();
-        }
-        for (std::string const& problem : std::exchange(client.problems, {})) {
-            say({{"op", "status"}, {"level", 1}, {"message", problem}});
-        }
-        for (; client.reported_without_idl < without_idl_.size(); ++client.reported_without_idl) {
-            say({{"op", "status"}, {"level", 1}, {"message", without_idl_[client.reported_without_idl]}});
-        }
+        tell(server, id, client);
         if (time != nullptr) {
             server.push(id, {.octets = time, .binary = true});
         }
         if (client.graph && client.graph_revision != run_.snapshot().revision) {
             server.push(id, {.octets = share(connection_graph(client)), .lasting = true});
         }
-        for (auto& [number, subscription] : client.subscriptions) {
-            Topic const& key = channels_[subscription.channel - 1];
-            TopicState const& topic = run_.topics.at(key);
-            std::optional<std::int64_t> const stamp_ns =
-                at_wall_clock(key.second) ? std::optional{present_ns()} : std::nullopt;
-            for (RawSample const& sample : topic.newest) {
-                // At first the newest: of a topic that is written once nothing else would ever come.
-                bool const wanted =
-                    subscription.fresh ? &sample == &topic.newest.back() : sample.number > subscription.sent;
-                if (wanted) {
-                    std::string bytes(1, static_cast<char>(kMessageData));
-                    append(bytes, number);
-                    append(bytes, static_cast<std::uint64_t>(stamp_ns ? *stamp_ns : sample.source_ns));
-                    bytes.append(reinterpret_cast<char const*>(sample.cdr.data()), sample.cdr.size());
-                    server.push(id, {.octets = share(std::move(bytes)), .binary = true});
-                    subscription.sent = sample.number;
-                }
-            }
-            subscription.fresh = subscription.fresh && topic.newest.empty();
-        }
+        send_samples(server, id, client);
     }
 }
 

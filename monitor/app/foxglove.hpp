@@ -51,6 +51,9 @@ class FoxgloveHub {
         std::size_t reported_without_idl{0};
     };
     void find_channels();
+    /// What the client has to know before samples: who speaks, channels, problems.
+    void tell(web::Server& server, web::ClientId id, Client& client);
+    void send_samples(web::Server& server, web::ClientId id, Client& client);
     [[nodiscard]] std::int64_t present_ns() const;
     [[nodiscard]] std::string advertisement(std::size_t from) const;
     [[nodiscard]] std::string connection_graph(Client& client) const;

@@ -22,6 +22,39 @@ std::map<SampleKey, std::string> altered_samples(Truth const& truth, bool by_pha
     return out;
 }
 
+/// Every other sample of a stream that was judged is said to be genuine.
+void add_unnamed(Truth const& truth, double score, Verdicts& verdicts) {
+    std::set<std::string> judged;
+    for (auto const& [key, verdict] : verdicts.all) {
+        judged.insert(key.stream);
+    }
+    for (std::string const& stream : judged) {
+        for (std::int64_t i = 0; i < truth.extent.samples(stream); ++i) {
+            for (std::uint8_t phase = 0; phase < (verdicts.by_phase ? 3 : 1); ++phase) {
+                verdicts.all.try_emplace({stream, i, phase}, Verdict{false, score});
+            }
+        }
+    }
+}
+
+std::vector<VerdictScore::Kind> kinds_of(std::vector<VerdictScore::Attack> const& attacks) {
+    std::vector<VerdictScore::Kind> out;
+    std::map<std::string, VerdictScore::Kind> kinds;
+    for (VerdictScore::Attack const& attack : attacks) {
+        VerdictScore::Kind& kind =
+            kinds.try_emplace(attack.kind, VerdictScore::Kind{attack.kind, 0, 0, {}}).first->second;
+        ++kind.attacks;
+        kind.seen += attack.score.seen ? 1U : 0U;
+        kind.recall.count += attack.score.detected.count;
+        kind.recall.of += attack.score.detected.of;
+    }
+    for (auto& [name, kind] : kinds) {
+        kind.recall = ids::share_of(kind.recall.count, kind.recall.of);
+        out.push_back(std::move(kind));
+    }
+    return out;
+}
+
 } // namespace
 
 VerdictScore score_verdicts(Truth const& truth, Verdicts verdicts, bool others_are_genuine, std::uint64_t seed) {
@@ -39,16 +72,8 @@ VerdictScore score_verdicts(Truth const& truth, Verdicts verdicts, bool others_a
     for (auto const& [key, attack] : altered) {
         out.altered_unjudged += verdicts.all.try_emplace(key, Verdict{false, lowest}).second ? 1U : 0U;
     }
-    std::set<std::string> judged;
-    for (auto const& [key, verdict] : verdicts.all) {
-        judged.insert(key.stream);
-    }
-    for (std::string const& stream : others_are_genuine ? judged : std::set<std::string>{}) {
-        for (std::int64_t i = 0; i < truth.extent.samples(stream); ++i) {
-            for (std::uint8_t phase = 0; phase < (verdicts.by_phase ? 3 : 1); ++phase) {
-                verdicts.all.try_emplace({stream, i, phase}, Verdict{false, lowest});
-            }
-        }
+    if (others_are_genuine) {
+        add_unnamed(truth, lowest, verdicts);
     }
     ids::Scorer scorer;
     std::map<std::pair<std::string, std::int64_t>, std::uint32_t> blocks;
@@ -77,19 +102,7 @@ VerdictScore score_verdicts(Truth const& truth, Verdicts verdicts, bool others_a
         }
         out.attacks.push_back({label.kind, label.target, delay, std::move(attack)});
     }
-    std::map<std::string, VerdictScore::Kind> kinds;
-    for (VerdictScore::Attack const& attack : out.attacks) {
-        VerdictScore::Kind& kind =
-            kinds.try_emplace(attack.kind, VerdictScore::Kind{attack.kind, 0, 0, {}}).first->second;
-        ++kind.attacks;
-        kind.seen += attack.score.seen ? 1U : 0U;
-        kind.recall.count += attack.score.detected.count;
-        kind.recall.of += attack.score.detected.of;
-    }
-    for (auto& [name, kind] : kinds) {
-        kind.recall = ids::share_of(kind.recall.count, kind.recall.of);
-        out.kinds.push_back(std::move(kind));
-    }
+    out.kinds = kinds_of(out.attacks);
     return out;
 }
 
