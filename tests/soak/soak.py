@@ -5,12 +5,13 @@
 
   1. A scenario in real time for an hour: its processes hold no more memory and descriptors at the end than after a tenth of it, the run
      ends as it should, and the recording holds what was sent, or the report says what was lost.
-  2. Each lockstep scenario is started a hundred times, and ended after a few ticks, beside four busy loops.
+  2. Each scenario is started a hundred times, two at a time, and ended after a few ticks, beside four busy loops.
 
   ./gridspace test --only long_soak                                       an hour, and a hundred starts each
   python3 tests/soak/soak.py --seconds 60 --starts 2 --only ev_charging   a short one
 """
 import argparse
+import concurrent.futures
 import contextlib
 import json
 import os
@@ -96,23 +97,28 @@ def results(summary):
     return walk("", json.loads(summary.read_text())) if summary.exists() else []
 
 
-def starts(gridspace, scenario, times, folder):
-    """Mistakes of a scenario that is started so many times. Each run is ended when the clock has gone a little."""
-    mistakes, slowest = [], 0.0
-    for i in range(times):
-        out, began = folder / f"start_{i}", time.monotonic()
-        run = start(gridspace, scenario, out, "--until", "0.02s" if "goose" in scenario.read_text() or "smv" in scenario.read_text() else "1s", "--set", "expect={}")
-        try:
-            said, _ = run.communicate(timeout=600)
-        except subprocess.TimeoutExpired:
-            run.kill()
-            said = f"not done after 600 s\n{run.communicate()[0]}"
-        slowest = max(slowest, time.monotonic() - began)
-        if run.returncode != 0:
-            mistakes.append(f"{scenario.stem}, start {i}: exit code {run.returncode}; run folder {out}\n{said}")
-        else:
-            shutil.rmtree(out, ignore_errors=True)
-    print(f"{scenario.stem:36} {times - len(mistakes)} of {times} starts, slowest {slowest:.1f} s", flush=True)
+def one_start(gridspace, scenario, out):
+    """(seconds, mistake or None) of a run that is ended when the clock has gone a little."""
+    began = time.monotonic()
+    until = "0.02s" if "goose" in scenario.read_text() or "smv" in scenario.read_text() else "1s"
+    run = start(gridspace, scenario, out, "--until", until, "--set", "expect={}")
+    try:
+        said, _ = run.communicate(timeout=600)
+    except subprocess.TimeoutExpired:
+        run.kill()
+        said = f"not done after 600 s\n{run.communicate()[0]}"
+    if run.returncode != 0:
+        return time.monotonic() - began, f"exit code {run.returncode}; run folder {out}\n{said}"
+    shutil.rmtree(out, ignore_errors=True)
+    return time.monotonic() - began, None
+
+
+def starts(gridspace, scenario, times, folder, at_once):
+    """Mistakes of a scenario that is started so many times."""
+    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
+        ends = list(pool.map(lambda i: one_start(gridspace, scenario, folder / f"start_{scenario.stem}_{i}"), range(times)))
+    mistakes = [f"{scenario.stem}, start {i}: {mistake}" for i, (_, mistake) in enumerate(ends) if mistake]
+    print(f"{scenario.stem:36} {times - len(mistakes)} of {times} starts, slowest {max(s for s, _ in ends):.1f} s", flush=True)
     return mistakes
 
 
@@ -121,6 +127,7 @@ def main():
     parser.add_argument("--gridspace", default=ROOT / "build/release/bin/gridspace", type=pathlib.Path)
     parser.add_argument("--seconds", type=int, default=int(os.environ.get("GRIDSPACE_SOAK_SECONDS", "3600")), help="of the long run; 0: none")
     parser.add_argument("--starts", type=int, default=int(os.environ.get("GRIDSPACE_SOAK_STARTS", "100")), help="of each scenario; 0: none")
+    parser.add_argument("--at-once", type=int, default=2, help="starts of a scenario at a time")
     parser.add_argument("--busy", type=int, default=4, help="busy loops beside the starts")
     parser.add_argument("--only", metavar="NAME", action="append", help="starts of this scenario (default: of all of configs/ that run natively)")
     arguments = parser.parse_args()
@@ -131,7 +138,7 @@ def main():
     try:
         names = arguments.only or sorted(f.stem for f in SCENARIOS.glob("*.yaml") if "arm64" not in f.stem)
         for name in names if arguments.starts else []:
-            mistakes += starts(arguments.gridspace, SCENARIOS / f"{name}.yaml", arguments.starts, folder)
+            mistakes += starts(arguments.gridspace, SCENARIOS / f"{name}.yaml", arguments.starts, folder, arguments.at_once)
     finally:
         for loop in busy:
             loop.kill()
