@@ -49,6 +49,37 @@ std::uint64_t highest(BasicType type) noexcept {
     return ~std::uint64_t{0} >> (64 - 8 * integer_octets(type) + (is_signed(type) ? 1 : 0));
 }
 
+/// What a value is multiplied with to be in the unit of the target; nothing when that is not known.
+std::optional<double> factor_of_units(Rule const& rule, Field const& from, Field const& to, Mistake& mistake) {
+    std::string const& from_unit = rule.from_unit.empty() ? from.unit : rule.from_unit;
+    std::string const& to_unit = rule.to_unit.empty() ? to.unit : rule.to_unit;
+    for (std::string const* unit : {&from_unit, &to_unit}) {
+        if (!unit->empty() && !is_unit(*unit)) {
+            mistake.message = fmt::format("'{}' is not a unit", *unit);
+            mistake.hint = "A, V, W, VA, var, Hz, s, ohm, Wh, varh, degC, deg, pu, %, with n u m k M G before it";
+            return std::nullopt;
+        }
+    }
+    if (!from_unit.empty() && !to_unit.empty()) {
+        auto const factor = unit_factor(from_unit, to_unit);
+        if (!factor) {
+            mistake.message = fmt::format("'{}' is in {}, '{}' in {}: they measure different things", from.name,
+                                          from_unit, to.name, to_unit);
+        }
+        return factor;
+    }
+    if (from_unit.empty() != to_unit.empty() && !(rule.from_unit.empty() && rule.to_unit.empty())) {
+        bool const from_known = !from_unit.empty();
+        mistake.message =
+            fmt::format("'{}' is in {}, and the unit of '{}' is not known", from_known ? from.name : to.name,
+                        from_known ? from_unit : to_unit, from_known ? to.name : from.name);
+        mistake.about_to = from_known;
+        mistake.hint = fmt::format("say it with {}, or scale without units", from_known ? "to_unit" : "from_unit");
+        return std::nullopt;
+    }
+    return 1;
+}
+
 } // namespace
 
 unsigned quality_bits(Field const& field) noexcept {
@@ -64,50 +95,39 @@ std::vector<Field> fields_of(DataSet const& data_set) {
 }
 
 std::optional<Mapping::Step> Mapping::step_of(Rule const& rule, Field const& from, Field const& to, Mistake& mistake) {
+    auto const factor = factor_of_units(rule, from, to, mistake);
+    if (!factor) {
+        return std::nullopt;
+    }
     Step step;
     step.to_type = to.type;
-    step.scale = rule.scale;
+    step.scale = rule.scale * *factor;
     step.offset = rule.offset;
     step.invert = rule.invert;
-    std::string const& from_unit = rule.from_unit.empty() ? from.unit : rule.from_unit;
-    std::string const& to_unit = rule.to_unit.empty() ? to.unit : rule.to_unit;
-    for (std::string const* unit : {&from_unit, &to_unit}) {
-        if (!unit->empty() && !is_unit(*unit)) {
-            mistake.message = fmt::format("'{}' is not a unit", *unit);
-            mistake.hint = "A, V, W, VA, var, Hz, s, ohm, Wh, varh, degC, deg, pu, %, with n u m k M G before it";
-            return std::nullopt;
-        }
-    }
-    if (!from_unit.empty() && !to_unit.empty()) {
-        auto const factor = unit_factor(from_unit, to_unit);
-        if (!factor) {
-            mistake.message = fmt::format("'{}' is in {}, '{}' in {}: they measure different things", from.name,
-                                          from_unit, to.name, to_unit);
-            return std::nullopt;
-        }
-        step.scale *= *factor;
-    }
-    if (from_unit.empty() != to_unit.empty() && !(rule.from_unit.empty() && rule.to_unit.empty())) {
-        bool const from_known = !from_unit.empty();
-        mistake.message =
-            fmt::format("'{}' is in {}, and the unit of '{}' is not known", from_known ? from.name : to.name,
-                        from_known ? from_unit : to_unit, from_known ? to.name : from.name);
-        mistake.about_to = from_known;
-        mistake.hint = fmt::format("say it with {}, or scale without units", from_known ? "to_unit" : "from_unit");
-        return std::nullopt;
-    }
     bool const scaled = step.scale != 1 || step.offset != 0;
-    auto const refuse = [&](std::string hint) -> std::optional<Step> {
-        mistake.message = fmt::format("'{}' is {}, '{}' is {}: one does not become the other", from.name,
-                                      type_name(from.type), to.name, type_name(to.type));
-        mistake.hint = std::move(hint);
-        return std::nullopt;
-    };
     if (arithmetic(from.type) && arithmetic(to.type)) {
         bool const exact = is_integer(from.type) && is_integer(to.type) && !scaled;
         step.kind = from.type == to.type && !scaled ? Kind::copy : exact ? Kind::integer : Kind::number;
         return step;
     }
+    if (from.type == BasicType::boolean && arithmetic(to.type)) {
+        step.kind = Kind::number; // 0 or 1
+        return step;
+    }
+    if (auto const refused = choose_kind(step, rule, from, to)) {
+        mistake.message = fmt::format("'{}' is {}, '{}' is {}: one does not become the other", from.name,
+                                      type_name(from.type), to.name, type_name(to.type));
+        mistake.hint = *refused;
+        return std::nullopt;
+    }
+    if (scaled) {
+        mistake.message = fmt::format("'{}' is {}: it has no scale, offset or unit", from.name, type_name(from.type));
+        return std::nullopt;
+    }
+    return step;
+}
+
+std::optional<std::string> Mapping::choose_kind(Step& step, Rule const& rule, Field const& from, Field const& to) {
     if (from.type == BasicType::timestamp && to.type == BasicType::int64) {
         step.kind = Kind::time_to_nanoseconds;
     } else if (from.type == BasicType::int64 && to.type == BasicType::timestamp) {
@@ -122,38 +142,32 @@ std::optional<Mapping::Step> Mapping::step_of(Rule const& rule, Field const& fro
         step.kind = Kind::code_to_position;
     } else if (from.type == BasicType::position && is_integer(to.type)) {
         step.kind = Kind::integer;
-    } else if (from.type == BasicType::boolean && arithmetic(to.type)) {
-        step.kind = Kind::number; // 0 or 1
-        return step;
     } else if (is_string(from.type) && is_string(to.type)) {
         if (from.length > to.length) {
-            return refuse(fmt::format("{} characters do not fit into {}", from.length, to.length));
+            return fmt::format("{} characters do not fit into {}", from.length, to.length);
         }
     } else if (from.type == BasicType::quality || to.type == BasicType::quality) {
         unsigned const bits = bits_of(to);
         bool const room = to.type == BasicType::quality || bits >= std::min(quality_bits(from), quality::kBits);
         if (bits_of(from) == 0 || !room) {
-            return refuse(is_number(from.type) || is_number(to.type)
-                              ? "a quality is a set of bits: its number is uint16, uint32 or uint64"
-                              : "");
+            return is_number(from.type) || is_number(to.type)
+                       ? "a quality is a set of bits: its number is uint16, uint32 or uint64"
+                       : "";
         }
         step.kind = Kind::bits;
         step.mask = ~std::uint64_t{0} >> (64 - bits);
     } else if (from.type == to.type) {
         step.kind = Kind::copy;
     } else if (arithmetic(from.type) && to.type == BasicType::boolean) {
-        return refuse("what is true is a decision: make it where the number is made");
+        return "what is true is a decision: make it where the number is made";
     } else {
         bool const position = is_number(from.type) && to.type == BasicType::position;
-        return refuse(position ? "a position is a boolean, an enumeration or a whole number: 0 intermediate, 1 open, "
-                                 "2 closed, 3 bad"
-                               : "");
+        return position
+                   ? "a position is a boolean, an enumeration or a whole number: 0 intermediate, 1 open, 2 closed, "
+                     "3 bad"
+                   : "";
     }
-    if (scaled) {
-        mistake.message = fmt::format("'{}' is {}: it has no scale, offset or unit", from.name, type_name(from.type));
-        return std::nullopt;
-    }
-    return step;
+    return std::nullopt;
 }
 
 Mapping Mapping::compile(std::vector<Rule> const& rules, std::vector<Field> const& from, std::vector<Field> const& to,

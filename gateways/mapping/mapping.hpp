@@ -87,6 +87,8 @@ class Mapping {
         Value constant;
     };
     static std::optional<Step> step_of(Rule const& rule, Field const& from, Field const& to, Mistake& mistake);
+    /// What is no arithmetic. Why it cannot be, as a hint.
+    static std::optional<std::string> choose_kind(Step& step, Rule const& rule, Field const& from, Field const& to);
     [[nodiscard]] Value convert(Step const& step, Value const& in) noexcept;
     [[nodiscard]] Value to_integer(Step const& step, Value const& in) noexcept;
     [[nodiscard]] Value to_bits(Step const& step, Value const& in) noexcept;

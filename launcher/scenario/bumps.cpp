@@ -186,7 +186,15 @@ Node bump_settings(Scenario const& scenario, Process const& process) {
     return list;
 }
 
-void check_bumps(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+namespace {
+
+int length_of(Ref const& ref) {
+    return static_cast<int>(ref.name.size());
+}
+
+/// The place must be there, be one of another host, and have a short name. False: nothing else can be said of it.
+bool check_place(Scenario const& scenario, Process const& process, BumpUse const& use,
+                 config::Diagnostics& diagnostics) {
     std::vector<std::string> hosts, links;
     for (Host const& host : scenario.hosts) {
         hosts.push_back(host.name.name);
@@ -194,7 +202,6 @@ void check_bumps(Scenario const& scenario, Process const& process, config::Diagn
     for (Link const& link : scenario.links) {
         links.push_back(link.name.name);
     }
-    auto const width = [](Ref const& ref) { return static_cast<int>(ref.name.size()); };
     auto const must_be = [&](Ref const& ref, std::vector<std::string> const& names, std::string_view kind) {
         if (std::find(names.begin(), names.end(), ref.name) != names.end()) {
             return true;
@@ -202,61 +209,72 @@ void check_bumps(Scenario const& scenario, Process const& process, config::Diagn
         diagnostics.error(ref.where,
                           fmt::format("process '{}' sits in a cable of the {} '{}', which does not exist",
                                       process.name.name, kind, ref.name),
-                          spelling_hint(ref.name, names), width(ref));
+                          spelling_hint(ref.name, names), length_of(ref));
         return false;
     };
-    for (BumpUse const& use : process.settings->bumps(scenario, process)) {
-        bool const host_is_there = must_be(use.host, hosts, "host");
-        if (!must_be(use.link, links, "link") || !host_is_there) {
-            continue;
-        }
-        Host const& host = *std::find_if(scenario.hosts.begin(), scenario.hosts.end(),
-                                         [&](Host const& h) { return h.name == use.host; });
-        if (std::find(host.links.begin(), host.links.end(), use.link) == host.links.end()) {
-            diagnostics.error(use.link.where,
-                              fmt::format("process '{}' sits between '{}' and '{}', and there is no cable",
-                                          process.name.name, use.host.name, use.link.name),
-                              fmt::format("host '{}' is not plugged into that link", use.host.name), width(use.link));
-            continue;
-        }
-        if (piece_from(use.host.name, use.link.name).size() + 3 > kLongestPiece) {
-            diagnostics.error(use.host.where,
-                              fmt::format("the names '{}' and '{}' are too long for a place between them",
-                                          use.host.name, use.link.name),
-                              fmt::format("together at most {} characters", kLongestPiece - 4), width(use.host));
-        }
-        if (use.host == process.host) {
-            diagnostics.error(
-                use.host.where,
-                fmt::format("process '{}' sits in a cable of its own host '{}'", process.name.name, use.host.name),
-                "give it a host of its own: hosts: {NAME: {links: []}}", width(use.host));
-        }
-        if (scenario.clock.mode != bus::ClockMode::lockstep) {
-            continue;
-        }
-        if (use.from_host && use.to_host && !ethertypes_of(scenario, use.host.name, use.link.name, true).empty() &&
-            !ethertypes_of(scenario, use.host.name, use.link.name, false).empty()) {
+    bool const host_is_there = must_be(use.host, hosts, "host");
+    if (!must_be(use.link, links, "link") || !host_is_there) {
+        return false;
+    }
+    Host const& host =
+        *std::find_if(scenario.hosts.begin(), scenario.hosts.end(), [&](Host const& h) { return h.name == use.host; });
+    if (std::find(host.links.begin(), host.links.end(), use.link) == host.links.end()) {
+        diagnostics.error(use.link.where,
+                          fmt::format("process '{}' sits between '{}' and '{}', and there is no cable",
+                                      process.name.name, use.host.name, use.link.name),
+                          fmt::format("host '{}' is not plugged into that link", use.host.name), length_of(use.link));
+        return false;
+    }
+    if (piece_from(use.host.name, use.link.name).size() + 3 > kLongestPiece) {
+        diagnostics.error(
+            use.host.where,
+            fmt::format("the names '{}' and '{}' are too long for a place between them", use.host.name, use.link.name),
+            fmt::format("together at most {} characters", kLongestPiece - 4), length_of(use.host));
+    }
+    if (use.host == process.host) {
+        diagnostics.error(
+            use.host.where,
+            fmt::format("process '{}' sits in a cable of its own host '{}'", process.name.name, use.host.name),
+            "give it a host of its own: hosts: {NAME: {links: []}}", length_of(use.host));
+    }
+    return true;
+}
+
+/// In lockstep the ways that it takes must carry something, and not answer each other.
+void check_ways(Scenario const& scenario, Process const& process, BumpUse const& use,
+                config::Diagnostics& diagnostics) {
+    auto const carries = [&](bool sent) {
+        return !ethertypes_of(scenario, use.host.name, use.link.name, sent).empty();
+    };
+    if (use.from_host && use.to_host) { // one of them may be empty
+        if (carries(true) && carries(false)) {
             diagnostics.error(
                 use.host.where,
                 fmt::format("process '{}' sits on both ways of '{}', which answers what it hears", process.name.name,
                             use.host.name),
                 "in lockstep two entries are needed, one with `direction: from_host` and one with `direction: to_host`",
-                width(use.host));
-            continue;
+                length_of(use.host));
         }
-        for (bool const sent : {true, false}) {
-            if (use.from_host && use.to_host) {
-                break; // one of them may be empty
-            }
-            if ((sent ? use.from_host : use.to_host) &&
-                ethertypes_of(scenario, use.host.name, use.link.name, sent).empty()) {
-                diagnostics.error(use.host.where,
-                                  fmt::format("process '{}' handles what '{}' {} '{}', and that is nothing",
-                                              process.name.name, use.host.name, sent ? "sends on" : "receives from",
-                                              use.link.name),
-                                  fmt::format("the other direction is `direction: {}`", sent ? "to_host" : "from_host"),
-                                  width(use.host));
-            }
+        return;
+    }
+    for (bool const sent : {true, false}) {
+        if ((sent ? use.from_host : use.to_host) && !carries(sent)) {
+            diagnostics.error(use.host.where,
+                              fmt::format("process '{}' handles what '{}' {} '{}', and that is nothing",
+                                          process.name.name, use.host.name, sent ? "sends on" : "receives from",
+                                          use.link.name),
+                              fmt::format("the other direction is `direction: {}`", sent ? "to_host" : "from_host"),
+                              length_of(use.host));
+        }
+    }
+}
+
+} // namespace
+
+void check_bumps(Scenario const& scenario, Process const& process, config::Diagnostics& diagnostics) {
+    for (BumpUse const& use : process.settings->bumps(scenario, process)) {
+        if (check_place(scenario, process, use, diagnostics) && scenario.clock.mode == bus::ClockMode::lockstep) {
+            check_ways(scenario, process, use, diagnostics);
         }
     }
 }

@@ -274,35 +274,6 @@ class Statement {
         ++depth_;
         MatlabMatrix rows{{}};
         std::vector<std::size_t> begins{at_};
-        // Nearly all of a case is plain numbers, each followed by a separator: no expression is made of these.
-        auto const digit_at = [&](std::size_t at) {
-            return at < text_.size() && std::isdigit(static_cast<unsigned char>(text_[at])) != 0;
-        };
-        auto const begins_number = [&](std::size_t at) {
-            return digit_at(at) || (at < text_.size() && text_[at] == '-' && digit_at(at + 1));
-        };
-        auto const plain = [&]() -> std::optional<double> {
-            double v = 0;
-            if (!begins_number(at_)) {
-                return std::nullopt;
-            }
-            auto const [stop, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), v);
-            if (error != std::errc{}) {
-                return std::nullopt;
-            }
-            auto const end = static_cast<std::size_t>(stop - text_.data());
-            std::size_t next = end;
-            while (next < text_.size() && (text_[next] == ' ' || text_[next] == '\t')) {
-                ++next;
-            }
-            bool const ends =
-                next < text_.size() && std::string_view{"\n;,]"}.find(text_[next]) != std::string_view::npos;
-            if (!ends && !(next > end && begins_number(next))) {
-                return std::nullopt;
-            }
-            at_ = end;
-            return v;
-        };
         while (true) {
             skip();
             char const c = peek();
@@ -326,7 +297,7 @@ class Statement {
                 if (rows.back().empty()) {
                     begins.back() = at_;
                 }
-                if (auto const v = plain()) {
+                if (auto const v = plain_number()) {
                     rows.back().push_back(*v);
                     continue;
                 }
@@ -338,6 +309,40 @@ class Statement {
         if (rows.back().empty() && rows.size() > 1) {
             rows.pop_back();
         }
+        note_rows(rows, begins);
+        return rows;
+    }
+
+    [[nodiscard]] bool begins_number(std::size_t at) const {
+        auto const digit_at = [this](std::size_t place) {
+            return place < text_.size() && std::isdigit(static_cast<unsigned char>(text_[place])) != 0;
+        };
+        return digit_at(at) || (at < text_.size() && text_[at] == '-' && digit_at(at + 1));
+    }
+    /// Nearly all of a case is plain numbers, each followed by a separator: no expression is made of these.
+    std::optional<double> plain_number() {
+        double v = 0;
+        if (!begins_number(at_)) {
+            return std::nullopt;
+        }
+        auto const [stop, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), v);
+        if (error != std::errc{}) {
+            return std::nullopt;
+        }
+        auto const end = static_cast<std::size_t>(stop - text_.data());
+        std::size_t next = end;
+        while (next < text_.size() && (text_[next] == ' ' || text_[next] == '\t')) {
+            ++next;
+        }
+        bool const ends = next < text_.size() && std::string_view{"\n;,]"}.find(text_[next]) != std::string_view::npos;
+        if (!ends && !(next > end && begins_number(next))) {
+            return std::nullopt;
+        }
+        at_ = end;
+        return v;
+    }
+    /// The rows of a matrix are of one length; where each begins is kept.
+    void note_rows(MatlabMatrix const& rows, std::vector<std::size_t> const& begins) {
         rows_at_.clear();
         std::size_t counted = 0;
         int line = line_;
@@ -352,7 +357,6 @@ class Statement {
             }
             rows_at_.push_back(line);
         }
-        return rows;
     }
 
     [[nodiscard]] int line_of(std::size_t at) const {
