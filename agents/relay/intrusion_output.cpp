@@ -89,7 +89,8 @@ void IntrusionOutput::tell(ids::LineDetector const& detector, SimTime now) {
     std::string_view const kind = v.alarms == 0 ? "alarm_cleared" : "alarm";
     // One event per isolated fake would be hundreds a run: the log has them all, the run's events the first, and those
     // that mean more.
-    constexpr ids::Alarms kSerious = ids::kOneEnd | ids::kUnconfirmed | ids::kNoise | ids::kLockedOut | ids::kNotArmed;
+    constexpr ids::Alarms kSerious =
+        ids::kOneEnd | ids::kUnconfirmed | ids::kNoise | ids::kLockedOut | ids::kNotArmed | ids::kMeasuringChain;
     bool const first = v.alarms != 0 && !any_told_;
     any_told_ = any_told_ || first;
     if (first || (v.alarms & kSerious) != 0) {

@@ -3,6 +3,7 @@
 #include "launcher/judge/consequences.hpp"
 
 #include "common/config/fields.hpp"
+#include "launcher/judge/protection_chain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -107,8 +108,45 @@ void judge_loads(Consequences& out, Node const& scenario, Node const& network, S
     }
 }
 
-void judge_trips(Consequences& out, IntrusionScore const& score) {
+constexpr std::string_view kBreaker = "breaker.", kPosition = ".position";
+
+/// Whether a breaker was open at some instant of the span; nothing when it was not recorded.
+std::optional<bool> was_open(SignalStore const& signals, std::string const& breaker, double from_s, double to_s) {
+    auto const found = signals.find(std::string{kBreaker} + breaker + std::string{kPosition});
+    if (found == signals.end() || found->second.values.empty()) {
+        return std::nullopt;
+    }
+    bool open = false; // what holds at the begin of the span, and what comes within
+    for (std::size_t i = 0; i < found->second.values.size(); ++i) {
+        double const at_s = 1e-9 * static_cast<double>(found->second.times_ns[i]);
+        if (at_s <= from_s) {
+            open = found->second.values[i] == kOpen;
+        } else if (at_s <= to_s) {
+            open = open || found->second.values[i] == kOpen;
+        }
+    }
+    return open;
+}
+
+/// The relay decided to trip, and none of the breakers behind it opened: the message or the command was taken away.
+bool did_not_open(std::vector<std::string> const& breakers, SignalStore const& signals, double fault_s) {
+    bool recorded = false;
+    for (std::string const& breaker : breakers) {
+        auto const open = was_open(signals, breaker, fault_s, fault_s + kBelongsWithinS);
+        if (open && *open) {
+            return false;
+        }
+        recorded = recorded || open.has_value();
+    }
+    return recorded;
+}
+
+void judge_trips(Consequences& out, IntrusionScore const& score, Node const& scenario, SignalStore const& signals) {
+    std::vector<ProtectionChain> const chains = protection_chains(scenario);
     for (IntrusionScore::Relay const& r : score.relays) {
+        auto const chain = std::ranges::find(chains, r.relay, &ProtectionChain::relay);
+        std::vector<std::string> const breakers =
+            chain == chains.end() ? std::vector<std::string>{} : chain->breakers();
         out.faults += r.with.real_faults;
         out.lost += r.with.late_or_blocked;
         out.false_trips += r.with.false_trips;
@@ -117,6 +155,7 @@ void judge_trips(Consequences& out, IntrusionScore const& score) {
                                            [&](double t) { return t >= fault_s && t <= fault_s + kBelongsWithinS; });
             if (trip != r.trips_s.end()) {
                 out.slowest_trip_ms = std::max(out.slowest_trip_ms.value_or(0), 1e3 * (*trip - fault_s));
+                out.lost += did_not_open(breakers, signals, fault_s) ? 1 : 0;
             }
         }
         out.compared += r.added_each_ms.size();
@@ -144,12 +183,11 @@ void judge_openings(Consequences& out, Node const& scenario, SignalStore const& 
                                                           [&](Node const& name) { return name.text == breaker; })));
         });
     };
-    constexpr std::string_view kBefore = "breaker.", kBehind = ".position";
     for (auto const& [name, series] : signals) {
-        if (!name.starts_with(kBefore) || !name.ends_with(kBehind)) {
+        if (!name.starts_with(kBreaker) || !name.ends_with(kPosition)) {
             continue;
         }
-        std::string const breaker = name.substr(kBefore.size(), name.size() - kBefore.size() - kBehind.size());
+        std::string const breaker = name.substr(kBreaker.size(), name.size() - kBreaker.size() - kPosition.size());
         for (std::size_t i = 1; i < series.values.size(); ++i) {
             bool const opens = series.values[i] == kOpen && series.values[i - 1] != kOpen;
             if (opens && !has_reason(breaker, 1e-9 * static_cast<double>(series.times_ns[i]))) {
@@ -224,7 +262,7 @@ void judge_alarms(Consequences& out, IntrusionScore const& score, Node const& sc
 Consequences find_consequences(IntrusionScore const& score, Node const& scenario, Node const& network,
                                SignalStore const& signals, double end_s) {
     Consequences out;
-    judge_trips(out, score);
+    judge_trips(out, score, scenario, signals);
     judge_openings(out, scenario, signals);
     judge_loads(out, scenario, network, signals, end_s);
     judge_alarms(out, score, scenario, signals);

@@ -12,9 +12,9 @@ namespace gridspace::launcher {
 
 /// What an attacked run did to the grid, apart from what detectors found.
 struct Consequences {
-    std::uint64_t faults{0}, lost{0}, false_trips{0};
-    std::optional<double> slowest_trip_ms;         ///< from a fault to its trip, of those that were tripped on
-    std::vector<std::string> opened_without_fault; ///< breakers, each as often as it happened
+    std::uint64_t faults{0}, lost{0}, false_trips{0}; ///< lost: the relay does not trip, or no breaker behind it opens
+    std::optional<double> slowest_trip_ms;            ///< from a fault to its trip, of those that were tripped on
+    std::vector<std::string> opened_without_fault;    ///< breakers, each as often as it happened
     std::uint64_t compared{0},
         late{0}; ///< faults on which the same relay without a detector tripped too; later than it
 

@@ -4,7 +4,7 @@ import { Lines, type Look } from "./canvas";
 import { ask, drawn, forget, run, signals, values, type Series } from "./model";
 import { choice, choose } from "./state";
 
-const kAlarms = ["flagged", "one end only", "unconfirmed pick-up", "noise", "locked out"]; // bits of alarm_reasons
+const kAlarms = ["flagged", "one end only", "unconfirmed pick-up", "noise", "locked out", "not armed", "measuring chain"]; // bits of alarm_reasons
 const kAround = 0.0125; // s on both sides of a moment: one and a half cycles of 60 Hz
 
 /** Relays with a detector, and the streams that each of them watches. */

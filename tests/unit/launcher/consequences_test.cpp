@@ -51,6 +51,31 @@ TEST(Consequences, WhatTheScenarioTakesAwayIsNotMissed) {
     EXPECT_NEAR(sut.energy_not_served_wh, 4100.0 * 20 / 3600, 1e-9);
 }
 
+/// A relay trips on its fault at 1 s; its breaker's position is recorded.
+std::uint64_t lost_with(std::vector<double> const& positions, double trip_s) {
+    char const* const scenario = R"(
+processes:
+  relay: {program: gridspace-relay, currents: {from: A, to: B}, trip: TRIP}
+  ied: {program: gridspace-breaker, from: TRIP.status, to: commands}
+simulation: {gateways: {LINE: {subscribe: {commands: [CB1]}}}}
+)";
+    IntrusionScore score;
+    IntrusionScore::Relay& relay = score.relays.emplace_back();
+    relay.relay = "relay";
+    relay.faults_s = {1};
+    relay.trips_s = {trip_s};
+    SignalStore signals;
+    signals["breaker.CB1.position"] = {"", {0, kS + kS / 10}, positions};
+    return find_consequences(score, yaml(scenario), network(), signals, 30).lost;
+}
+
+TEST(Consequences, ATripAfterWhichNoBreakerOpensIsLost) {
+    EXPECT_EQ(lost_with({2, 2}, 1.01), 1U);
+    EXPECT_EQ(lost_with({2, 1}, 1.01), 0U) << "it opens";
+    EXPECT_EQ(lost_with({1, 1}, 1.01), 0U) << "it was open";
+    EXPECT_EQ(lost_with({2, 2}, 0.5), 0U) << "no trip of this fault: the relay's own score says so";
+}
+
 TEST(Consequences, NothingIsSaidAboutLoadsThatNobodyRecorded) {
     auto const sut = find_consequences({}, yaml("attacks: {}\n"), network(), {}, 30);
     EXPECT_TRUE(sut.loads.empty());
