@@ -3,6 +3,7 @@
 //
 // Wireshark as the judge: every frame that we write decodes there without a malformed or expert item, with the values
 // we meant.
+#include "gateways/iec61850/authentication.hpp"
 #include "gateways/iec61850/goose_publisher.hpp"
 #include "gateways/iec61850/routable.hpp"
 #include "gateways/iec61850/sv_layout.hpp"
@@ -135,6 +136,28 @@ std::vector<std::uint8_t> goose_apdu(Address const& address) {
     FrameHeader header;
     EXPECT_TRUE(decode_header(publisher.take(0), header));
     return {header.apdu.begin(), header.apdu.end()};
+}
+
+TEST_F(Tshark, ReadsAnAuthenticatedFrameAsBeforeAndShowsItsCodeBehindIt) {
+    KeyEntry key;
+    key.id = 7;
+    key.secret.assign(16, 0x5A);
+    KeyRing keys = std::move(*KeyRing::create(code_kind(CodeAlgorithm::aes_gmac_128), {key}));
+    FrameSigner signer{CodeAlgorithm::aes_gmac_128};
+    std::uint64_t counter = 0;
+    auto frame = SvTemplate::create(address(), {asdu("GS_TL2_MU21", 12)});
+    frame->set_smp_cnt(0, 17);
+    store_float(frame->sample(0), 0, 1.0F);
+    capture(frame->frame());
+    capture(signer.sign(frame->frame(), keys, 1'575'158'405'000'000'000, counter));
+    expect_nothing_wrong();
+    std::string const same = "GS_TL2_MU21 17 3f8000000000000000000000";
+    std::string const lines = fields("sv.svID sv.smpCnt sv.seqData frame.len");
+    std::size_t const octets = frame->frame().size();
+    EXPECT_EQ(lines, same + " " + std::to_string(octets) + "\n" + same + " " +
+                         std::to_string(octets + extension_octets(CodeAlgorithm::aes_gmac_128)) + "\n");
+    EXPECT_THAT(print("-V -Y 'frame.number == 2'"), HasSubstr("Trailer: 85"));
+    EXPECT_THAT(print("-V -Y 'frame.number == 1'"), testing::Not(HasSubstr("Trailer")));
 }
 
 TEST_F(Tshark, ReadsGooseOverUdp) {
