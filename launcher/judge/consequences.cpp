@@ -21,6 +21,8 @@ constexpr double kLateMs = 0.21;
 constexpr double kServed = 0.5;
 /// A trip or an opening so long after a fault is still its own.
 constexpr double kBelongsWithinS = 0.5;
+/// An alarm so long after the last thing that was altered is still about it: what is not confirmed is said after 20 ms.
+constexpr double kAlarmWithinS = 0.04;
 constexpr double kOpen = 1; ///< of a position, as IEC 61850-7-3 counts
 /// Labels of messages come in blocks of this length.
 constexpr double kBlockS = 0.01;
@@ -197,9 +199,14 @@ void judge_openings(Consequences& out, Node const& scenario, SignalStore const& 
     }
 }
 
-/// When each attack altered something for the first time.
-std::map<std::string, double> beginnings(IntrusionScore const& score, Node const& scenario) {
-    std::map<std::string, double> rates, out;
+/// When an attack altered something for the first and for the last time.
+struct Span {
+    double from_s{0}, to_s{0};
+};
+
+std::map<std::string, Span> spans(IntrusionScore const& score, Node const& scenario) {
+    std::map<std::string, double> rates;
+    std::map<std::string, Span> out;
     if (Node const* streams = scenario.find("streams"); streams != nullptr && streams->is_map()) {
         for (Node::Entry const& s : streams->entries) {
             if (Node const* kind = s.value.find("kind"); kind != nullptr && kind->text == "smv") {
@@ -220,14 +227,14 @@ std::map<std::string, double> beginnings(IntrusionScore const& score, Node const
             at_s =
                 std::max(number_at(window, "from_s").value_or(0), 1e-9 * static_cast<double>(label.sent_ns) - kBlockS);
         }
-        auto const [known, is_new] = out.try_emplace(label.attack, at_s);
-        known->second = is_new ? at_s : std::min(known->second, at_s);
+        Span& span = out.try_emplace(label.attack, Span{at_s, at_s}).first->second;
+        span = {std::min(span.from_s, at_s), std::max(span.to_s, at_s)};
     }
     return out;
 }
 
 void judge_alarms(Consequences& out, IntrusionScore const& score, Node const& scenario, SignalStore const& signals) {
-    for (auto const& [attack, from_s] : beginnings(score, scenario)) {
+    for (auto const& [attack, span] : spans(score, scenario)) {
         Consequences::Alarm first{attack, "", 0};
         for (auto const& [name, series] : signals) {
             bool const is_alarm =
@@ -238,8 +245,9 @@ void judge_alarms(Consequences& out, IntrusionScore const& score, Node const& sc
             bool before = false;
             for (std::size_t i = 0; i < series.values.size(); ++i) {
                 bool const up = series.values[i] != 0;
-                double const delay_ms = 1e3 * (1e-9 * static_cast<double>(series.times_ns[i]) - from_s);
-                if (up && !before && delay_ms >= 0) {
+                double const at_s = 1e-9 * static_cast<double>(series.times_ns[i]),
+                             delay_ms = 1e3 * (at_s - span.from_s);
+                if (up && !before && delay_ms >= 0 && at_s <= span.to_s + kAlarmWithinS) {
                     if (first.by.empty() || delay_ms < first.delay_ms) {
                         first.by = name.substr(0, name.size() - std::string_view{".alarm"}.size());
                         first.delay_ms = delay_ms;
