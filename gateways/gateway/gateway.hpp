@@ -56,6 +56,7 @@ class Gateway final : public bus::Member {
     [[nodiscard]] Result<Sink*> open_sink(Route& route);
     [[nodiscard]] Result<bus::CdrWriter*> writer_of(Route const& route);
     [[nodiscard]] Result<void> open_reader(Route const& route, Source& source);
+    [[nodiscard]] Result<void> open_pacer(); ///< of held samples; nothing in lockstep
     [[nodiscard]] Result<void> open_signals();
     [[nodiscard]] Result<void> open_first_line();
     [[nodiscard]] Result<void> open_subscriptions();

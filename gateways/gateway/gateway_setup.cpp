@@ -12,6 +12,27 @@
 #include <fmt/format.h>
 
 namespace gridspace::gateways {
+namespace {
+
+/// What the gateway sends and receives.
+WirePort::Ethertypes ethertypes_of(std::vector<Route> const& routes, GatewaySettings const& settings) {
+    WirePort::Ethertypes ethertypes;
+    auto const add = [](std::vector<std::uint16_t>& list, streams::Stream const* stream) {
+        if (stream != nullptr && std::find(list.begin(), list.end(), stream->ethertype()) == list.end()) {
+            list.push_back(stream->ethertype());
+        }
+    };
+    for (Route const& route : routes) {
+        add(ethertypes.send, route.to_stream);
+        add(ethertypes.receive, route.from_stream);
+    }
+    for (SubscriptionConfig const& one : settings.gateway.subscriptions) {
+        add(ethertypes.receive, streams::find_stream(settings.wire.streams, one.stream.name));
+    }
+    return ethertypes;
+}
+
+} // namespace
 
 Result<void> Gateway::prepare() {
     config::Diagnostics diagnostics;
@@ -19,19 +40,7 @@ Result<void> Gateway::prepare() {
     if (!diagnostics.ok()) {
         return fail(ExitCode::usage, diagnostics.render());
     }
-    WirePort::Ethertypes ethertypes;
-    auto const add = [](std::vector<std::uint16_t>& list, streams::Stream const* stream) {
-        if (stream != nullptr && std::find(list.begin(), list.end(), stream->ethertype()) == list.end()) {
-            list.push_back(stream->ethertype());
-        }
-    };
-    for (Route const& route : routes_) {
-        add(ethertypes.send, route.to_stream);
-        add(ethertypes.receive, route.from_stream);
-    }
-    for (SubscriptionConfig const& one : settings_.gateway.subscriptions) {
-        add(ethertypes.receive, streams::find_stream(settings_.wire.streams, one.stream.name));
-    }
+    WirePort::Ethertypes const ethertypes = ethertypes_of(routes_, settings_);
     received_ = ethertypes.receive;
     auto port = WirePort::open(node_, settings_.wire, ethertypes);
     if (!port) {
@@ -62,6 +71,24 @@ Result<void> Gateway::prepare() {
     if (auto ok = open_subscriptions(); !ok) {
         return ok;
     }
+    if (auto ok = open_pacer(); !ok) {
+        return ok;
+    }
+    if (auto ok = open_signals(); !ok) {
+        return ok;
+    }
+    if (auto ok = open_first_line(); !ok) {
+        return ok;
+    }
+    if (guest_ != nullptr) {
+        if (auto ok = guest_->prepare(node_, sources_); !ok) {
+            return ok;
+        }
+    }
+    return {};
+}
+
+Result<void> Gateway::open_pacer() {
     std::vector<ZeroOrderHoldSink*> held;
     for (Sampled const& sampled : sampled_) {
         if (auto* const sink = dynamic_cast<ZeroOrderHoldSink*>(sampled.sink); sink != nullptr && !node_.lockstep()) {
@@ -74,17 +101,6 @@ Result<void> Gateway::prepare() {
             return std::unexpected{pacer.error()};
         }
         pacer_ = std::move(*pacer);
-    }
-    if (auto ok = open_signals(); !ok) {
-        return ok;
-    }
-    if (auto ok = open_first_line(); !ok) {
-        return ok;
-    }
-    if (guest_ != nullptr) {
-        if (auto ok = guest_->prepare(node_, sources_); !ok) {
-            return ok;
-        }
     }
     return {};
 }
