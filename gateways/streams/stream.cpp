@@ -238,6 +238,60 @@ void check_datagram(Fields& f, Stream const& stream, std::size_t longest) {
     }
 }
 
+/// That its frames can be made, and hold what is added to them.
+void check_frames(Fields& s, Stream const& stream) {
+    std::optional<Error> problem;
+    std::size_t longest = 0;
+    if (stream.kind == Kind::smv) {
+        auto const made = stream.sv_template({});
+        problem = made ? std::nullopt : std::optional{made.error()};
+        longest = made ? made->frame().size() : 0;
+        if (made && stream.authentication &&
+            made->frame().size() - iec61850::app_id_offset(stream.address) +
+                    iec61850::extension_octets(stream.authentication->algorithm) >
+                iec61850::kMaxLength) {
+            s.error("authentication", fmt::format("stream '{}': there is no room for a code", stream.name.name),
+                    fmt::format("a frame has {} octets behind the ethertype: fewer samples_per_frame or members",
+                                iec61850::kMaxLength));
+        }
+    } else {
+        auto const made = stream.goose_template({});
+        problem = made ? std::nullopt : std::optional{made.error()};
+        longest = made ? made->longest_frame() : 0;
+    }
+    if (stream.udp) {
+        check_datagram(s, stream, longest);
+    }
+    if (problem) {
+        s.error("", fmt::format("stream '{}': {}", stream.name.name, problem->message), problem->remedy);
+    }
+}
+
+/// That a receiver can tell two streams apart.
+void check_apart(Fields& s, Stream const& other, Stream const& stream) {
+    bool const same =
+        !other.broken && other.kind == stream.kind &&
+        (stream.kind == Kind::smv ? other.sv_id == stream.sv_id : other.control_block == stream.control_block);
+    if (same && other.address.destination == stream.address.destination &&
+        other.address.app_id == stream.address.app_id) {
+        s.error(
+            "",
+            fmt::format("streams '{}' and '{}' cannot be told apart on the wire", other.name.name, stream.name.name),
+            "another mac, app_id, sv_id or control_block");
+    } else if (!other.broken && other.kind == stream.kind &&
+               (other.authentication || stream.authentication || other.udp || stream.udp) &&
+               other.address.destination == stream.address.destination &&
+               other.address.app_id == stream.address.app_id) {
+        bool const guarded = other.authentication || stream.authentication;
+        s.error(guarded ? "authentication" : "",
+                fmt::format("streams '{}' and '{}' have the same Ethernet address and app_id", other.name.name,
+                            stream.name.name),
+                guarded ? "what is authenticated needs an address of its own"
+                        : "a stream over UDP needs an app_id of its own, or a group that differs in its "
+                          "last 23 bits");
+    }
+}
+
 } // namespace
 
 Result<iec61850::SvTemplate> Stream::sv_template(iec61850::Mac source) const {
@@ -307,54 +361,9 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
                 out.push_back(std::move(stream));
                 return;
             }
-            std::optional<Error> problem;
-            std::size_t longest = 0;
-            if (stream.kind == Kind::smv) {
-                auto const made = stream.sv_template({});
-                problem = made ? std::nullopt : std::optional{made.error()};
-                longest = made ? made->frame().size() : 0;
-                if (made && stream.authentication &&
-                    made->frame().size() - iec61850::app_id_offset(stream.address) +
-                            iec61850::extension_octets(stream.authentication->algorithm) >
-                        iec61850::kMaxLength) {
-                    s.error(
-                        "authentication", fmt::format("stream '{}': there is no room for a code", name.name),
-                        fmt::format("a frame has {} octets behind the ethertype: fewer samples_per_frame or members",
-                                    iec61850::kMaxLength));
-                }
-            } else {
-                auto const made = stream.goose_template({});
-                problem = made ? std::nullopt : std::optional{made.error()};
-                longest = made ? made->longest_frame() : 0;
-            }
-            if (stream.udp) {
-                check_datagram(s, stream, longest);
-            }
-            if (problem) {
-                s.error("", fmt::format("stream '{}': {}", name.name, problem->message), problem->remedy);
-            }
+            check_frames(s, stream);
             for (Stream const& other : out) {
-                bool const same = !other.broken && other.kind == stream.kind &&
-                                  (stream.kind == Kind::smv ? other.sv_id == stream.sv_id
-                                                            : other.control_block == stream.control_block);
-                if (same && other.address.destination == stream.address.destination &&
-                    other.address.app_id == stream.address.app_id) {
-                    s.error("",
-                            fmt::format("streams '{}' and '{}' cannot be told apart on the wire", other.name.name,
-                                        name.name),
-                            "another mac, app_id, sv_id or control_block");
-                } else if (!other.broken && other.kind == stream.kind &&
-                           (other.authentication || stream.authentication || other.udp || stream.udp) &&
-                           other.address.destination == stream.address.destination &&
-                           other.address.app_id == stream.address.app_id) {
-                    bool const guarded = other.authentication || stream.authentication;
-                    s.error(guarded ? "authentication" : "",
-                            fmt::format("streams '{}' and '{}' have the same Ethernet address and app_id",
-                                        other.name.name, name.name),
-                            guarded ? "what is authenticated needs an address of its own"
-                                    : "a stream over UDP needs an app_id of its own, or a group that differs in its "
-                                      "last 23 bits");
-                }
+                check_apart(s, other, stream);
             }
             stream.broken = diagnostics.errors() > errors;
             out.push_back(std::move(stream));
