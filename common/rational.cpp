@@ -41,6 +41,68 @@ Rational reduce(Wide num, Wide den) {
     return {static_cast<std::int64_t>(num), static_cast<std::int64_t>(den)};
 }
 
+constexpr Wide kWidestMantissa = static_cast<Wide>(1) << 100; ///< with another digit it still fits
+
+struct Mantissa {
+    Wide digits;
+    int scale;         ///< power of ten
+    std::size_t taken; ///< characters
+};
+
+/// Digits with an optional point.
+std::optional<Mantissa> parse_mantissa(std::string_view text) {
+    Mantissa out{0, 0, 0};
+    bool point = false;
+    bool any = false;
+    for (; out.taken < text.size(); ++out.taken) {
+        char const c = text[out.taken];
+        if (c == '.' && !point) {
+            point = true;
+        } else if (c >= '0' && c <= '9') {
+            if (out.digits > kWidestMantissa) {
+                return std::nullopt;
+            }
+            out.digits = out.digits * 10 + (c - '0');
+            out.scale -= point ? 1 : 0;
+            any = true;
+        } else {
+            break;
+        }
+    }
+    return any ? std::optional{out} : std::nullopt;
+}
+
+/// "e-3"; 0 for nothing.
+std::optional<int> parse_exponent(std::string_view text) {
+    if (text.empty()) {
+        return 0;
+    }
+    if (text.front() != 'e' && text.front() != 'E') {
+        return std::nullopt;
+    }
+    std::string_view digits = text.substr(1);
+    if (!digits.empty() && digits.front() == '+') {
+        digits.remove_prefix(1);
+    }
+    int exponent = 0;
+    auto const [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
+    if (error != std::errc{} || end != digits.data() + digits.size() || exponent > 30 || exponent < -30) {
+        return std::nullopt;
+    }
+    return exponent;
+}
+
+/// `value` times ten to the power of `exponent`.
+std::optional<Wide> times_power_of_ten(Wide value, int exponent) {
+    for (; exponent > 0; --exponent) {
+        if (value > kWidestMantissa) {
+            return std::nullopt;
+        }
+        value *= 10;
+    }
+    return value;
+}
+
 /// A decimal number as an exact fraction: digits, optional point, optional exponent.
 std::optional<Rational> parse_decimal(std::string_view text) {
     bool negative = false;
@@ -48,67 +110,30 @@ std::optional<Rational> parse_decimal(std::string_view text) {
         negative = text.front() == '-';
         text.remove_prefix(1);
     }
-    Wide mantissa = 0;
-    int scale = 0; // power of ten of the mantissa
-    bool point = false;
-    bool any = false;
-    constexpr Wide kLimit = static_cast<Wide>(1) << 100;
-    std::size_t at = 0;
-    for (; at < text.size(); ++at) {
-        char const c = text[at];
-        if (c == '.' && !point) {
-            point = true;
-        } else if (c >= '0' && c <= '9') {
-            if (mantissa > kLimit) {
-                return std::nullopt;
-            }
-            mantissa = mantissa * 10 + (c - '0');
-            scale -= point ? 1 : 0;
-            any = true;
-        } else {
-            break;
-        }
-    }
-    if (!any) {
+    auto const mantissa = parse_mantissa(text);
+    if (!mantissa) {
         return std::nullopt;
     }
-    if (at < text.size()) {
-        if (text[at] != 'e' && text[at] != 'E') {
-            return std::nullopt;
-        }
-        std::string_view digits = text.substr(at + 1);
-        if (!digits.empty() && digits.front() == '+') {
-            digits.remove_prefix(1);
-        }
-        int exponent = 0;
-        auto const [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
-        if (error != std::errc{} || end != digits.data() + digits.size() || exponent > 30 || exponent < -30) {
-            return std::nullopt;
-        }
-        scale += exponent;
+    auto const exponent = parse_exponent(text.substr(mantissa->taken));
+    if (!exponent) {
+        return std::nullopt;
     }
-    while (scale < 0 && mantissa % 10 == 0 && mantissa != 0) {
-        mantissa /= 10;
+    Wide digits = mantissa->digits;
+    int scale = mantissa->scale + *exponent;
+    while (scale < 0 && digits % 10 == 0 && digits != 0) {
+        digits /= 10;
         ++scale;
     }
-    if (mantissa == 0) {
+    if (digits == 0) {
         return Rational{0};
     }
-    Wide den = 1;
-    for (; scale > 0; --scale) {
-        if (mantissa > kLimit) {
-            return std::nullopt;
-        }
-        mantissa *= 10;
-    }
-    for (; scale < 0; ++scale) {
-        if (den > kLimit) {
-            return std::nullopt;
-        }
-        den *= 10;
+    auto const num = times_power_of_ten(digits, scale);
+    auto const den = times_power_of_ten(1, -scale);
+    if (!num || !den) {
+        return std::nullopt;
     }
     try {
-        return reduce(negative ? -mantissa : mantissa, den);
+        return reduce(negative ? -*num : *num, *den);
     } catch (std::overflow_error const&) {
         return std::nullopt;
     }
