@@ -128,6 +128,23 @@ class Reader {
     std::set<std::string> known_;
 };
 
+std::vector<Layer> read_layers(Json const& layers, std::string& error) {
+    std::vector<Layer> out;
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+        Layer layer;
+        Reader l{layers[k], fmt::format("layers[{}]", k), error};
+        l.integer("inputs", layer.inputs);
+        l.integer("outputs", layer.outputs);
+        l.choice<Layer::Activation>("activation", layer.activation,
+                                    {{"linear", Layer::Activation::linear}, {"tanh", Layer::Activation::tanh}});
+        l.numbers("weights", layer.weights);
+        l.numbers("bias", layer.bias);
+        l.finish();
+        out.push_back(std::move(layer));
+    }
+    return out;
+}
+
 } // namespace
 
 std::string model_hash(Model const& m) {
@@ -218,18 +235,7 @@ Result<Model> model_from_json(std::string_view text, std::string const& source) 
         }
     }
     if (Json const* layers = r.find("layers"); layers != nullptr && layers->is_array()) {
-        for (std::size_t k = 0; k < layers->size(); ++k) {
-            Layer layer;
-            Reader l{(*layers)[k], fmt::format("layers[{}]", k), error};
-            l.integer("inputs", layer.inputs);
-            l.integer("outputs", layer.outputs);
-            l.choice<Layer::Activation>("activation", layer.activation,
-                                        {{"linear", Layer::Activation::linear}, {"tanh", Layer::Activation::tanh}});
-            l.numbers("weights", layer.weights);
-            l.numbers("bias", layer.bias);
-            l.finish();
-            m.layers.push_back(std::move(layer));
-        }
+        m.layers = read_layers(*layers, error);
     } else if (layers != nullptr) {
         r.complain("layers", "a list expected");
     }
