@@ -139,6 +139,29 @@ bool read(std::filesystem::path const& file, RouterConfig& config) {
     return diagnostics.ok();
 }
 
+void serve_until_signal(Router& router, UniqueFd const& signals, UniqueFd const& changes) {
+    using Clock = std::chrono::steady_clock;
+    auto const answer_due = Clock::now() + kAnswerPatience;
+    bool asked = false;
+    while (true) {
+        router.update();
+        auto const left = std::chrono::ceil<std::chrono::milliseconds>(answer_due - Clock::now()).count();
+        if (!asked && left <= 0) {
+            router.note_silent_links();
+            asked = true;
+        }
+        pollfd ready[2]{{signals.get(), POLLIN, 0}, {changes.get(), POLLIN, 0}};
+        if (::poll(ready, 2, asked ? -1 : static_cast<int>(left)) < 0 && errno != EINTR) {
+            break;
+        }
+        if (ready[0].revents != 0) {
+            break;
+        }
+        std::uint64_t count = 0;
+        [[maybe_unused]] auto const taken = ::read(changes.get(), &count, sizeof count);
+    }
+}
+
 int main_function(int argc, char** argv) {
     sigset_t stop;
     sigemptyset(&stop);
@@ -176,26 +199,7 @@ int main_function(int argc, char** argv) {
         return static_cast<int>(opened.error().code);
     }
     printer.ready();
-    using Clock = std::chrono::steady_clock;
-    auto const answer_due = Clock::now() + kAnswerPatience;
-    bool asked = false;
-    while (true) {
-        router.update();
-        auto const left = std::chrono::ceil<std::chrono::milliseconds>(answer_due - Clock::now()).count();
-        if (!asked && left <= 0) {
-            router.note_silent_links();
-            asked = true;
-        }
-        pollfd ready[2]{{signals.get(), POLLIN, 0}, {changes.get(), POLLIN, 0}};
-        if (::poll(ready, 2, asked ? -1 : static_cast<int>(left)) < 0 && errno != EINTR) {
-            break;
-        }
-        if (ready[0].revents != 0) {
-            break;
-        }
-        std::uint64_t count = 0;
-        [[maybe_unused]] auto const taken = ::read(changes.get(), &count, sizeof count);
-    }
+    serve_until_signal(router, signals, changes);
     signalfd_siginfo first;
     [[maybe_unused]] auto const taken = ::read(signals.get(), &first, sizeof first);
     pthread_sigmask(SIG_UNBLOCK, &stop, nullptr); // a second one ends it at once

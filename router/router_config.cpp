@@ -20,21 +20,8 @@ void read_tls(Fields& f, bus::TcpLink::Tls& tls) {
            {.doc = "certificate of the authority that must have signed the other site's (PEM)", .required = true});
 }
 
-void read_end(Fields& f, EndConfig& end) {
-    f.integer("domain", end.domain, {.doc = "DDS domain; of a link, the same on both sides", .min = 0, .max = 232});
-    using Run = EndConfig::Run;
-    f.choice<Run>(
-        "run", end.run, {{"management", Run::management}, {"data", Run::data}},
-        {.doc = "instead of a domain: a network of the run in whose scenario the router is a `program: exec`"});
-    if (end.run != Run::none && (f.has("domain") || f.has("addresses") || f.has("listen") || f.has("connect"))) {
-        f.error("run", "the run says the domain and the addresses",
-                "remove `domain`, `addresses`, `listen` and `connect`");
-    }
-    std::vector<Ref> addresses;
-    f.references("addresses", addresses, {.doc = "IPv4 addresses of the interfaces to use; all when not given"});
-    for (Ref& address : addresses) {
-        end.addresses.push_back(std::move(address.name));
-    }
+/// A link over TCP, where one is wanted: `end.addresses` has been read.
+void read_link(Fields& f, EndConfig& end) {
     std::int64_t listen = 0;
     std::string connect;
     f.integer(
@@ -76,11 +63,29 @@ void read_end(Fields& f, EndConfig& end) {
                 "give `tls`: each side then shows a certificate of your authority "
                 "(docs/how_to/connect_two_sites.md makes them)");
     }
+}
+
+void read_end(Fields& f, EndConfig& end) {
+    f.integer("domain", end.domain, {.doc = "DDS domain; of a link, the same on both sides", .min = 0, .max = 232});
+    using Run = EndConfig::Run;
+    f.choice<Run>(
+        "run", end.run, {{"management", Run::management}, {"data", Run::data}},
+        {.doc = "instead of a domain: a network of the run in whose scenario the router is a `program: exec`"});
+    if (end.run != Run::none && (f.has("domain") || f.has("addresses") || f.has("listen") || f.has("connect"))) {
+        f.error("run", "the run says the domain and the addresses",
+                "remove `domain`, `addresses`, `listen` and `connect`");
+    }
+    std::vector<Ref> addresses;
+    f.references("addresses", addresses, {.doc = "IPv4 addresses of the interfaces to use; all when not given"});
+    for (Ref& address : addresses) {
+        end.addresses.push_back(std::move(address.name));
+    }
+    read_link(f, end);
     f.file("qos", end.qos,
            {.doc = "Fast DDS XML file with the participant profile to use instead of plain UDP: "
                    "qos/discovery_client.xml, qos/tcp_client.xml …"});
     f.text("profile", end.profile, {.doc = "participant profile in that file"});
-    if (has_link && !end.qos.empty()) {
+    if (end.link && !end.qos.empty()) {
         f.error("qos", "a link makes its own participant", "remove `qos`, or `listen` and `connect`");
     }
     f.file(
