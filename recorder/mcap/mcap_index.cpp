@@ -94,6 +94,18 @@ bool read_message_indexes(RecordFile& file, IndexPlace const& place, Channels& c
     return true;
 }
 
+IndexPlace read_index_place(Decoder& d) {
+    d.number<std::uint64_t>(); // times
+    d.number<std::uint64_t>();
+    auto const chunk = d.number<std::uint64_t>(), length = d.number<std::uint64_t>();
+    d.take(d.number<std::uint32_t>()); // the place of each channel's
+    IndexPlace out{chunk + length, d.number<std::uint64_t>()};
+    (void)d.text();            // compression
+    d.number<std::uint64_t>(); // compressed
+    out.chunk_octets = d.number<std::uint64_t>();
+    return out;
+}
+
 std::optional<Content> content_by_index(RecordFile& file) {
     std::uint64_t const start = file.summary_start();
     if (start == 0) {
@@ -124,14 +136,7 @@ std::optional<Content> content_by_index(RecordFile& file) {
         } else if (op == Op::statistics) {
             promised = d.number<std::uint64_t>();
         } else if (op == Op::chunk_index) {
-            d.number<std::uint64_t>(); // times
-            d.number<std::uint64_t>();
-            auto const chunk = d.number<std::uint64_t>(), length = d.number<std::uint64_t>();
-            d.take(d.number<std::uint32_t>()); // the place of each channel's
-            places.push_back({chunk + length, d.number<std::uint64_t>()});
-            (void)d.text();            // compression
-            d.number<std::uint64_t>(); // compressed
-            places.back().chunk_octets = d.number<std::uint64_t>();
+            places.push_back(read_index_place(d));
             index_octets += places.back().octets;
             if (places.back().octets > file.octets() ||
                 index_octets > file.octets()) { // the same ones, again and again
