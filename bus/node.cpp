@@ -81,6 +81,86 @@ void Node::Core::leave_at_once_unless_watched() const {
     }
 }
 
+Result<void> Node::Core::join_networks() {
+    auto const join = [&](char const* profile, NetworkConfig const& network) {
+        return Participant::create({config.process, static_cast<std::uint32_t>(config.incarnation), config.program,
+                                    static_cast<int>(network.domain), config.qos, profile, network.addresses,
+                                    std::chrono::seconds{30}, network.peers});
+    };
+    auto joined_management = join("management", config.management);
+    if (!joined_management) {
+        return std::unexpected{joined_management.error()};
+    }
+    management = std::move(*joined_management);
+    if (config.data) {
+        auto joined_data = join("data", *config.data);
+        if (!joined_data) {
+            return std::unexpected{joined_data.error()};
+        }
+        data = std::move(*joined_data);
+    }
+    return {};
+}
+
+void Node::Core::on_departure(std::uint32_t index, bool clean) {
+    bool const is_debugged = !clean && config.clock.member_timeout_s == 0; // without deadlines silence is no failure
+    Peer const peer = management->peer(index);
+    if (peer.process == config.clock.simulator && !is_simulator() && !is_debugged) {
+        std::lock_guard const lock{mutex};
+        if (!is_from_member(*management, index, peer.process, peer.incarnation)) {
+            return;
+        }
+        if (!clean && !clock_seen) {
+            return; // so many start at once that nobody hears it: who waits for it has a deadline, and says so
+        }
+        simulator_left = true;
+        notify();
+        bool const over = clock_seen && clock.state() == CLOCK_FINAL; // its work may not be done yet
+        if (!over && !final_done && !stop_requested) {
+            fail_locked({clean ? ExitCode::child_died : ExitCode::stall,
+                         fmt::format("the simulator '{}' {}", peer.process,
+                                     clean ? "has left the bus" : "is silent: its lease ran out"),
+                         "its log says why"});
+        }
+    }
+}
+
+void Node::Core::watch_networks() {
+    auto const tell = [this] {
+        std::lock_guard const lock{mutex};
+        ++matches_generation;
+        notify();
+    };
+    management->on_change(tell);
+    if (data) {
+        data->on_change(tell);
+    }
+    management->on_departure([this](std::uint32_t index, bool clean) { on_departure(index, clean); });
+}
+
+Result<void> Node::Core::open_own_writers() {
+    auto const writer = [&](char const* topic, Codec const& codec, std::unique_ptr<RawWriter>& out) -> Result<void> {
+        auto opened = management->create_writer(topic, codec);
+        if (!opened) {
+            return std::unexpected{opened.error()};
+        }
+        out = std::move(*opened);
+        return {};
+    };
+    if (auto ok = writer("member_status", codec_of<MemberStatus>(), status_writer); !ok) {
+        return ok;
+    }
+    if (auto ok = writer("type_catalog", codec_of<TypeCatalogEntry>(), catalog_writer); !ok) {
+        return ok;
+    }
+    if (lockstep() && !is_simulator()) {
+        if (auto ok = writer("clock_ack", codec_of<ClockAck>(), ack_writer); !ok) {
+            return ok;
+        }
+    }
+    return {};
+}
+
 Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
     auto core = std::make_unique<Core>();
     core->config = std::move(config);
@@ -91,74 +171,12 @@ Result<std::unique_ptr<Node>> Node::create(NodeConfig config) {
     core->beyond = core->base.nearest(c.clock.ahead_s);
     core->epoch_ns = c.clock.epoch_unix_s * 1'000'000'000;
 
-    auto const join = [&](char const* profile, NetworkConfig const& network) {
-        return Participant::create({c.process, static_cast<std::uint32_t>(c.incarnation), c.program,
-                                    static_cast<int>(network.domain), c.qos, profile, network.addresses,
-                                    std::chrono::seconds{30}, network.peers});
-    };
-    auto management = join("management", c.management);
-    if (!management) {
-        return std::unexpected{management.error()};
-    }
-    core->management = std::move(*management);
-    if (c.data) {
-        auto data = join("data", *c.data);
-        if (!data) {
-            return std::unexpected{data.error()};
-        }
-        core->data = std::move(*data);
-    }
-    Core* raw = core.get();
-    auto const notify = [raw] {
-        std::lock_guard const lock{raw->mutex};
-        ++raw->matches_generation;
-        raw->notify();
-    };
-    core->management->on_change(notify);
-    if (core->data) {
-        core->data->on_change(notify);
-    }
-    core->management->on_departure([raw](std::uint32_t index, bool clean) {
-        bool const is_debugged =
-            !clean && raw->config.clock.member_timeout_s == 0; // without deadlines silence is no failure
-        Peer const peer = raw->management->peer(index);
-        if (peer.process == raw->config.clock.simulator && !raw->is_simulator() && !is_debugged) {
-            std::lock_guard const lock{raw->mutex};
-            if (!raw->is_from_member(*raw->management, index, peer.process, peer.incarnation)) {
-                return;
-            }
-            if (!clean && !raw->clock_seen) {
-                return; // so many start at once that nobody hears it: who waits for it has a deadline, and says so
-            }
-            raw->simulator_left = true;
-            raw->notify();
-            bool const over = raw->clock_seen && raw->clock.state() == CLOCK_FINAL; // its work may not be done yet
-            if (!over && !raw->final_done && !raw->stop_requested) {
-                raw->fail_locked({clean ? ExitCode::child_died : ExitCode::stall,
-                                  fmt::format("the simulator '{}' {}", peer.process,
-                                              clean ? "has left the bus" : "is silent: its lease ran out"),
-                                  "its log says why"});
-            }
-        }
-    });
-    auto const writer = [&](char const* topic, Codec const& codec, std::unique_ptr<RawWriter>& out) -> Result<void> {
-        auto opened = core->management->create_writer(topic, codec);
-        if (!opened) {
-            return std::unexpected{opened.error()};
-        }
-        out = std::move(*opened);
-        return {};
-    };
-    if (auto ok = writer("member_status", codec_of<MemberStatus>(), core->status_writer); !ok) {
+    if (auto ok = core->join_networks(); !ok) {
         return std::unexpected{ok.error()};
     }
-    if (auto ok = writer("type_catalog", codec_of<TypeCatalogEntry>(), core->catalog_writer); !ok) {
+    core->watch_networks();
+    if (auto ok = core->open_own_writers(); !ok) {
         return std::unexpected{ok.error()};
-    }
-    if (core->lockstep() && !core->is_simulator()) {
-        if (auto ok = writer("clock_ack", codec_of<ClockAck>(), core->ack_writer); !ok) {
-            return std::unexpected{ok.error()};
-        }
     }
     return std::unique_ptr<Node>{new Node{std::move(core)}};
 }

@@ -129,6 +129,10 @@ struct Node::Core {
     std::vector<std::byte> posted; ///< reused
     /// Whether DDS gets it too: somebody who looks on wants to see how far the run is.
     [[nodiscard]] bool show_to_others(bool always);
+    [[nodiscard]] Result<void> join_networks();
+    void watch_networks(); ///< for who comes and who goes
+    void on_departure(std::uint32_t index, bool clean);
+    [[nodiscard]] Result<void> open_own_writers();
     /// Lockstep, after the last tick, which everybody has acknowledged: nobody needs anything again but who looks on.
     void leave_at_once_unless_watched() const;
     /// Until something may have changed: `samples_only`, when nothing but what comes over the network is missing.
