@@ -167,65 +167,73 @@ class RecorderShell {
         }
     }
 
+    /// A topic with what its IDL says of its type; without a reader.
+    static Result<Tap> tap_of(RecorderConfig::Topic const& topic) {
+        Tap tap;
+        tap.topic = topic.name;
+        tap.type = topic.type;
+        tap.idl = std::string{bus::idl_of_type(topic.type)};
+        if (!topic.idl.empty()) {
+            std::ifstream stream{topic.idl};
+            std::stringstream text;
+            text << stream.rdbuf();
+            tap.idl = text.str();
+        }
+        auto model = idl::parse(tap.idl);
+        if (!model) {
+            return fail(ExitCode::usage, fmt::format("the IDL of type '{}': {}", topic.type, model.error().message));
+        }
+        auto const type = model->find(topic.type);
+        if (!type) {
+            return fail(ExitCode::usage,
+                        fmt::format("topic '{}' carries '{}', and no IDL defines that type", topic.name, topic.type),
+                        "`idl: FILE` beside its type names the file that does");
+        }
+        tap.model_type = *type;
+        tap.has_stamp = std::any_of(model->types[*type].members.begin(), model->types[*type].members.end(),
+                                    [](auto const& m) { return m.name == "time_ns"; });
+        tap.model = std::move(*model);
+        return tap;
+    }
+
+    /// `reader`: null for one that is made here.
+    Result<void> add_tap(RecorderConfig::Topic const& topic, std::shared_ptr<bus::CdrReader> reader) {
+        auto tap = tap_of(topic);
+        if (!tap) {
+            return std::unexpected{tap.error()};
+        }
+        if (reader == nullptr) {
+            bus::Codec codec;
+            codec.type_name = topic.type;
+            codec.keyed = tap->model.is_keyed(tap->model_type);
+            if (bus::Codec const* known = bus::find_codec(topic.type); known != nullptr) {
+                codec = *known;
+            }
+            auto opened = node_.cdr_reader(topic.name, codec);
+            if (!opened) {
+                return std::unexpected{opened.error()};
+            }
+            reader = std::move(*opened);
+        }
+        if (!node_.lockstep()) {
+            reader->bound(kMaxWaitingOfTopic);
+        }
+        tap->reader = std::move(reader);
+        taps_.push_back(std::move(*tap));
+        return {};
+    }
+
     Result<void> open_taps() {
-        auto const add = [&](RecorderConfig::Topic const& topic,
-                             std::shared_ptr<bus::CdrReader> reader) -> Result<void> {
-            Tap tap;
-            tap.topic = topic.name;
-            tap.type = topic.type;
-            tap.idl = std::string{bus::idl_of_type(topic.type)};
-            if (!topic.idl.empty()) {
-                std::ifstream stream{topic.idl};
-                std::stringstream text;
-                text << stream.rdbuf();
-                tap.idl = text.str();
-            }
-            auto model = idl::parse(tap.idl);
-            if (!model) {
-                return fail(ExitCode::usage,
-                            fmt::format("the IDL of type '{}': {}", topic.type, model.error().message));
-            }
-            auto const type = model->find(topic.type);
-            if (!type) {
-                return fail(
-                    ExitCode::usage,
-                    fmt::format("topic '{}' carries '{}', and no IDL defines that type", topic.name, topic.type),
-                    "`idl: FILE` beside its type names the file that does");
-            }
-            tap.model_type = *type;
-            tap.has_stamp = std::any_of(model->types[*type].members.begin(), model->types[*type].members.end(),
-                                        [](auto const& m) { return m.name == "time_ns"; });
-            tap.model = std::move(*model);
-            if (reader == nullptr) {
-                bus::Codec codec;
-                codec.type_name = topic.type;
-                codec.keyed = tap.model.is_keyed(*type);
-                if (bus::Codec const* known = bus::find_codec(topic.type); known != nullptr) {
-                    codec = *known;
-                }
-                auto opened = node_.cdr_reader(topic.name, codec);
-                if (!opened) {
-                    return std::unexpected{opened.error()};
-                }
-                reader = std::move(*opened);
-            }
-            if (!node_.lockstep()) {
-                reader->bound(kMaxWaitingOfTopic);
-            }
-            tap.reader = std::move(reader);
-            taps_.push_back(std::move(tap));
-            return {};
-        };
-        if (auto ok = add({"simulation_clock", "SimClock", {}}, node_.tap_clock()); !ok) {
+        if (auto ok = add_tap({"simulation_clock", "SimClock", {}}, node_.tap_clock()); !ok) {
             return ok;
         }
         if (node_.lockstep()) {
-            if (auto ok = add({"clock_ack", "ClockAck", {}}, node_.tap_acknowledgements()); !ok) {
+            if (auto ok = add_tap({"clock_ack", "ClockAck", {}}, node_.tap_acknowledgements()); !ok) {
                 return ok;
             }
         }
         for (RecorderConfig::Topic const& topic : config_.topics) {
-            if (auto ok = add(topic, nullptr); !ok) {
+            if (auto ok = add_tap(topic, nullptr); !ok) {
                 return ok;
             }
         }

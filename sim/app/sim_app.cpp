@@ -98,23 +98,8 @@ class SimApp {
             }
         }
         if (gateways.per_bus) {
-            for (Bus const& bus : network_.buses) {
-                auto gateway = BusGateway::create(node_, simulation_.engine(), network_, bus.name.name);
-                if (!gateway) {
-                    return std::unexpected{gateway.error()};
-                }
-                (*gateway)->on_refusal([this](SimTime t, std::string const& text) {
-                    log::warning("{}", text);
-                    run_.status.event(node_.time_base().seconds(t), node_.config().process, "decision_ignored", text);
-                });
-                gateways_.push_back(std::move(*gateway));
-            }
-            for (Battery const& battery : network_.batteries) {
-                auto gateway = BatteryGateway::create(node_, simulation_.engine(), battery.name.name);
-                if (!gateway) {
-                    return std::unexpected{gateway.error()};
-                }
-                batteries_.push_back(std::move(*gateway));
+            if (auto ok = open_gateways_per_bus(); !ok) {
+                return ok;
             }
         }
         for (LineGatewayConfig const& line : gateways.lines) {
@@ -132,6 +117,33 @@ class SimApp {
         for (StuckBreaker const& stuck : stuck_breakers(config_.events)) {
             simulation_.fail_to_open(stuck.breaker, SimTime{} + node_.time_base().nearest(stuck.from_s));
         }
+        tell_of_events();
+        return {};
+    }
+
+    Result<void> open_gateways_per_bus() {
+        for (Bus const& bus : network_.buses) {
+            auto gateway = BusGateway::create(node_, simulation_.engine(), network_, bus.name.name);
+            if (!gateway) {
+                return std::unexpected{gateway.error()};
+            }
+            (*gateway)->on_refusal([this](SimTime t, std::string const& text) {
+                log::warning("{}", text);
+                run_.status.event(node_.time_base().seconds(t), node_.config().process, "decision_ignored", text);
+            });
+            gateways_.push_back(std::move(*gateway));
+        }
+        for (Battery const& battery : network_.batteries) {
+            auto gateway = BatteryGateway::create(node_, simulation_.engine(), battery.name.name);
+            if (!gateway) {
+                return std::unexpected{gateway.error()};
+            }
+            batteries_.push_back(std::move(*gateway));
+        }
+        return {};
+    }
+
+    void tell_of_events() {
         simulation_.on_failure([this](SimTime t, std::string const& breaker) {
             log::warning("breaker '{}' fails to open", breaker);
             run_.status.event(node_.time_base().seconds(t), breaker, "fails_to_open", "told to open, and stays closed");
@@ -144,7 +156,6 @@ class SimApp {
             log::info("event '{}'", action.event);
             run_.status.event(node_.time_base().seconds(t), node_.config().process, "event", action.event);
         });
-        return {};
     }
 
     Result<void> open_controls(std::vector<ControlConfig> const& configs, bool waveform) {
