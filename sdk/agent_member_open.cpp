@@ -4,6 +4,8 @@
 // How a member opens what the program's description names.
 #include "sdk/agent_member.hpp"
 
+#include "sdk/described_settings.hpp"
+
 #include <fmt/format.h>
 
 namespace gridspace::sdk {

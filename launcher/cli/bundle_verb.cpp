@@ -104,7 +104,7 @@ Result<fs::path> program_for_board(PlannedProcess const& process, std::string co
                                 recorder ? ": its recording belongs into the run's folder" : ""),
                     "agents, gateways and link process are");
     }
-    fs::path const program = arch == "arm64" ? arm64_files().programs / process.program : program_file(process.program);
+    fs::path program = arch == "arm64" ? arm64_files().programs / process.program : program_file(process.program);
     std::string const machine = machine_of(program), wanted = arch == "arm64" ? "ARM64" : "x86-64";
     if (machine != wanted) {
         return fail(ExitCode::environment,
