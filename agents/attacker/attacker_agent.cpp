@@ -59,7 +59,11 @@ class AttackerAgent final : public bus::Member {
         return {};
     }
 
-    void begin(bus::Tick const& tick) override { signals_->announce(tick.time); }
+    void begin(bus::Tick const& tick) override {
+        if (signals_ != nullptr) {
+            signals_->announce(tick.time);
+        }
+    }
 
     Result<void> work(bus::Tick const& tick) override {
         for (auto const& bump : bumps_) {
@@ -218,6 +222,9 @@ class AttackerAgent final : public bus::Member {
     }
 
     Result<void> open_outputs() {
+        if (attacks_.empty()) { // as it is declared
+            return {};
+        }
         std::vector<bus::SignalColumn> columns;
         for (auto const& attack : attacks_) {
             columns.push_back({forged_signal(*attack->config).name, ""});
@@ -329,7 +336,7 @@ class AttackerAgent final : public bus::Member {
             tell_progress(*attack, now, final);
         }
         auto const second = static_cast<std::int64_t>(node_.time_base().seconds(now));
-        if (second == reported_ && !final) {
+        if (signals_ == nullptr || (second == reported_ && !final)) {
             return;
         }
         reported_ = second;
