@@ -30,10 +30,7 @@ program::Declaration declaration(AttackerConfig const& config, std::vector<Attac
     program::Declaration out{.name = "gridspace-attacker",
                              .description = "attacks on streams and topics, each labelled",
                              .role = "attacker",
-                             .settings = config::keys_of([](config::Fields& f) {
-                                 AttackerConfig any;
-                                 describe(f, any);
-                             }),
+                             .settings = config::keys_of<AttackerConfig>(),
                              .latency = "latency_us"};
     if (!config.labels.empty()) {
         out.writes.push_back({.topic = config.labels, .type = "AttackLabel"});

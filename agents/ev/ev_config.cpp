@@ -50,10 +50,7 @@ program::Declaration ev_declaration() {
     return {.name = "gridspace-ev",
             .description = "EV agent: asks for the charging current that its EV needs",
             .role = "ev_agent",
-            .settings = config::keys_of([](config::Fields& f) {
-                EvConfig config;
-                describe(f, config);
-            }),
+            .settings = config::keys_of<EvConfig>(),
             .whole_steps = {"period_s"},
             .latency = "latency_us",
             .elements = {{"ev", "ev", "acts for", from_network}, {"evs", "ev", "acts for", from_network}},

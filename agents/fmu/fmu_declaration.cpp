@@ -2,26 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/fmu/fmu_declaration.hpp"
 
-#include <algorithm>
-
 namespace gridspace::agents {
-namespace {
-
-void add_once(std::vector<program::Topic>& topics, program::Topic topic) {
-    if (std::ranges::none_of(topics, [&](program::Topic const& t) { return t.topic == topic.topic; })) {
-        topics.push_back(std::move(topic));
-    }
-}
-
-} // namespace
-
 program::Declaration fmu_declaration() {
     return {.name = "gridspace-fmu",
             .description = "a model of another tool (FMU) as an agent",
-            .settings = config::keys_of([](config::Fields& f) {
-                FmuConfig any;
-                describe(f, any);
-            }),
+            .settings = config::keys_of<FmuConfig>(),
             .whole_steps = {"period_s"},
             .latency = "latency_us"};
 }

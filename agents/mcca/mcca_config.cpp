@@ -38,10 +38,7 @@ program::Declaration mcca_declaration() {
     return {.name = "gridspace-mcca",
             .description = "microgrid control agent: decides on the charging of all EVs",
             .role = "mcca",
-            .settings = config::keys_of([](config::Fields& f) {
-                MccaConfig config;
-                describe(f, config);
-            }),
+            .settings = config::keys_of<MccaConfig>(),
             .latency = "latency_us",
             .elements = {{"evs", "ev", "decides for"}},
             .reads = {{.topic = "requests", .type = "ChargingRequest", .triggers = true}},

@@ -157,10 +157,7 @@ program::Declaration declaration(RelayConfig const& config, gateways::Declaratio
         .description =
             "protection relay: a line differential, or functions of a bay; sampled values in, a trip by GOOSE out",
         .role = "relay",
-        .settings = config::keys_of([](config::Fields& f) {
-            RelayConfig any;
-            describe(f, any);
-        }),
+        .settings = config::keys_of<RelayConfig>(),
         .latency = "latency_us",
         .promises_latency = true};
     for (Ref const& stream : config.inputs()) {

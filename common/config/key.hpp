@@ -42,6 +42,14 @@ struct Key {
 
 /// Runs a description and gathers its keys; nothing is read, mistakes are not looked for.
 [[nodiscard]] std::vector<Key> keys_of(std::function<void(Fields&)> const& describe);
+/// The keys of a type that has a `describe` of its own.
+template <class Config>
+[[nodiscard]] std::vector<Key> keys_of() {
+    return keys_of([](Fields& f) {
+        Config any;
+        describe(f, any);
+    });
+}
 
 /// The other way round: reads a map by keys that another program has described. Mistakes are reported as for a
 /// description in code; nothing is kept, the values are in the tree.

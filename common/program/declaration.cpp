@@ -98,4 +98,10 @@ std::vector<Topic> expand(std::vector<Topic> const& topics, Values const& values
     return out;
 }
 
+void add_once(std::vector<Topic>& topics, Topic topic) {
+    if (std::ranges::none_of(topics, [&](Topic const& t) { return t.topic == topic.topic && !t.is_stream; })) {
+        topics.push_back(std::move(topic));
+    }
+}
+
 } // namespace gridspace::program

@@ -77,6 +77,9 @@ using Values = std::function<std::vector<std::string>(std::string_view key)>;
 [[nodiscard]] std::vector<Signal> expand(std::vector<Signal> const& signals, Values const& values);
 [[nodiscard]] std::vector<Topic> expand(std::vector<Topic> const& topics, Values const& values);
 
+/// Appends a topic that is not there yet: however often it is used, there is one reader or writer.
+void add_once(std::vector<Topic>& topics, Topic topic);
+
 /// JSON, indented; `version` is the program's.
 [[nodiscard]] std::string to_json(Declaration const& declaration, std::string_view version);
 /// Mistakes are named by line and column of `source`, a name for the text. Nothing when there are any.

@@ -16,10 +16,7 @@ program::Declaration declaration(BreakerConfig const& config, DeclarationContext
     program::Declaration out{.name = "gridspace-breaker",
                              .description = "breaker IED: the trip of a GOOSE stream becomes a command",
                              .role = "breaker",
-                             .settings = config::keys_of([](config::Fields& f) {
-                                 BreakerConfig any;
-                                 describe(f, any);
-                             }),
+                             .settings = config::keys_of<BreakerConfig>(),
                              .latency = "latency_us",
                              .works_ahead = true};
     out.reads = {{.topic = stream, .is_stream = true}};

@@ -8,23 +8,9 @@
 namespace gridspace::gateways {
 namespace {
 
-using program::Topic;
-
-/// Several mappings may use one topic: there is one reader or writer.
-void add_once(std::vector<Topic>& topics, Topic topic) {
-    if (std::ranges::none_of(topics, [&](Topic const& t) { return t.topic == topic.topic && !t.is_stream; })) {
-        topics.push_back(std::move(topic));
-    }
-}
-
-streams::Stream const* find(DeclarationContext const& context, Ref const& name) {
-    auto const found = std::ranges::find_if(context.streams, [&](auto const& s) { return s.name.name == name.name; });
-    return found == context.streams.end() ? nullptr : &*found;
-}
-
 void add_published(std::vector<program::Signal>& out, GatewayConfig const& config, DeclarationContext const& context) {
     for (MappingConfig const& mapping : config.mappings) {
-        streams::Stream const* stream = find(context, mapping.to.stream);
+        streams::Stream const* stream = streams::find_stream(context.streams, mapping.to.stream.name);
         if (stream == nullptr || stream->kind != streams::Kind::smv) {
             continue;
         }
@@ -39,7 +25,7 @@ void add_published(std::vector<program::Signal>& out, GatewayConfig const& confi
 std::vector<GuardedStream> guarded_streams(GatewayConfig const& config, DeclarationContext const& context) {
     std::vector<GuardedStream> out;
     for (MappingConfig const& mapping : config.mappings) {
-        streams::Stream const* stream = find(context, mapping.from.stream);
+        streams::Stream const* stream = streams::find_stream(context.streams, mapping.from.stream.name);
         if (stream == nullptr || mapping.first_line.on_finding == FirstLineConfig::OnFinding::ignore) {
             continue;
         }
@@ -65,10 +51,7 @@ program::Declaration gateway_declaration() {
     return {.name = "gridspace-gateway",
             .description = "translates between DDS topics and IEC 61850 streams",
             .role = "gateway",
-            .settings = config::keys_of([](config::Fields& f) {
-                GatewayConfig any;
-                describe(f, any);
-            }),
+            .settings = config::keys_of<GatewayConfig>(),
             .latency = "latency_us"};
 }
 
@@ -98,7 +81,7 @@ program::Declaration declaration(GatewayConfig const& config, std::vector<Route>
         add(out.signals, watched_signals(route));
     }
     for (SubscriptionConfig const& one : config.subscriptions) {
-        if (streams::Stream const* const stream = find(context, one.stream)) {
+        if (streams::Stream const* const stream = streams::find_stream(context.streams, one.stream.name)) {
             add(out.signals, subscription_signals(one, *stream));
         }
     }

@@ -9,10 +9,7 @@ namespace gridspace::gateways {
 program::Declaration link_declaration() {
     program::Declaration out{.name = "gridspace-link",
                              .description = "impairments of the cable between a host and a switch",
-                             .settings = config::keys_of([](config::Fields& f) {
-                                 LinkConfig any;
-                                 describe(f, any);
-                             })};
+                             .settings = config::keys_of<LinkConfig>()};
     for (char const* name : kLinkCounters) {
         out.signals.push_back({std::string{"link.{process}."} + name, "", 1});
     }

@@ -8,10 +8,7 @@ program::Declaration declaration(MuConfig const& config, DeclarationContext cons
     program::Declaration out{.name = "gridspace-mu",
                              .description = "merging unit: sampled line currents onto the process bus",
                              .role = "merging_unit",
-                             .settings = config::keys_of([](config::Fields& f) {
-                                 MuConfig any;
-                                 describe(f, any);
-                             }),
+                             .settings = config::keys_of<MuConfig>(),
                              .latency = "latency_us",
                              .promises_latency = true};
     out.reads = {{.topic = config.from.name, .type = config.type(), .triggers = true}};

@@ -67,8 +67,8 @@ std::vector<Signal> first_line_signals(FirstLineConfig const& config, std::vecto
 }
 
 GuardedStream guarded(DeclarationContext const& context, std::string const& stream, bool sampled_values) {
-    auto const declared = std::ranges::find_if(context.streams, [&](auto const& s) { return s.name.name == stream; });
-    return {stream, sampled_values, declared != context.streams.end() && declared->authentication.has_value()};
+    streams::Stream const* const declared = streams::find_stream(context.streams, stream);
+    return {stream, sampled_values, declared != nullptr && declared->authentication.has_value()};
 }
 
 } // namespace gridspace::gateways

@@ -372,7 +372,7 @@ std::vector<Stream> read_streams(Node const& streams, config::Diagnostics& diagn
     return out;
 }
 
-Stream const* find_stream(std::vector<Stream> const& streams, std::string_view name) {
+Stream const* find_stream(std::span<Stream const> streams, std::string_view name) {
     auto const it = std::find_if(streams.begin(), streams.end(), [&](Stream const& s) { return s.name.name == name; });
     return it == streams.end() ? nullptr : &*it;
 }

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,6 @@ void describe(config::Fields& f, Stream& stream);
 /// says and that no two are the same on the wire. Entries with mistakes are there too, and broken.
 [[nodiscard]] std::vector<Stream> read_streams(config::Node const& streams, config::Diagnostics& diagnostics);
 
-[[nodiscard]] Stream const* find_stream(std::vector<Stream> const& streams, std::string_view name);
+[[nodiscard]] Stream const* find_stream(std::span<Stream const> streams, std::string_view name);
 
 } // namespace gridspace::streams

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/run/child.hpp"
 
+#include "common/child_process.hpp"
 #include "common/privileges/capabilities.hpp"
 #include "common/realtime.hpp"
 #include "common/text.hpp"
@@ -16,7 +17,6 @@
 #include <iterator>
 #include <optional>
 #include <sched.h>
-#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -115,15 +115,7 @@ int arrange_descriptors(SpawnOptions const& options, int control_read, int statu
 /// In the child: never returns.
 [[noreturn]] void become(PlannedProcess const& process, SpawnOptions const& options, pid_t parent, int control_read,
                          int status_write, int log_fd, int error_fd) {
-    ::setpgid(0, 0);
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) { // it died before that
-        ::_exit(127);
-    }
-    sigset_t none;
-    sigemptyset(&none);
-    ::sigprocmask(SIG_SETMASK, &none, nullptr);
-    ::signal(SIGPIPE, SIG_DFL);
+    begin_child(parent);
     if (options.netns >= 0 && ::setns(options.netns, CLONE_NEWNET) != 0) {
         give_up(error_fd, "entering its host");
     }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/scenario/limited_command.hpp"
 
+#include "common/child_process.hpp"
 #include "common/unique_fd.hpp"
 
 #include <algorithm>
@@ -13,7 +14,6 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -22,13 +22,9 @@
 namespace gridspace::launcher {
 namespace {
 
-[[noreturn]] void become(std::vector<std::string>& words, std::filesystem::path const& input, int output, int errors) {
-    ::setpgid(0, 0);
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    sigset_t none;
-    sigemptyset(&none);
-    ::sigprocmask(SIG_SETMASK, &none, nullptr);
-    ::signal(SIGPIPE, SIG_DFL);
+[[noreturn]] void become(pid_t parent, std::vector<std::string>& words, std::filesystem::path const& input, int output,
+                         int errors) {
+    begin_child(parent);
     ::dup2(::open(input.empty() ? "/dev/null" : input.c_str(), O_RDONLY | O_CLOEXEC), STDIN_FILENO);
     ::dup2(output, STDOUT_FILENO);
     ::dup2(errors, STDERR_FILENO);
@@ -85,9 +81,9 @@ Result<CommandResult> run_limited(std::vector<std::string> words, std::chrono::s
     if (::pipe2(output, O_CLOEXEC) != 0 || ::pipe2(errors, O_CLOEXEC) != 0) {
         return fail(ExitCode::environment, fmt::format("no pipe: {}", std::strerror(errno)));
     }
-    pid_t const pid = ::fork();
+    pid_t const parent = ::getpid(), pid = ::fork();
     if (pid == 0) {
-        become(words, input, output[1], errors[1]);
+        become(parent, words, input, output[1], errors[1]);
     }
     ::close(output[1]);
     ::close(errors[1]);

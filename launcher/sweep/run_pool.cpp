@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/sweep/run_pool.hpp"
 
+#include "common/child_process.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
@@ -10,7 +12,6 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <sched.h>
-#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,15 +21,7 @@ namespace {
 
 /// In the child: only what is safe after fork.
 [[noreturn]] void become(std::vector<char*> const& arguments, cpu_set_t const& processors, pid_t parent, int output) {
-    ::setpgid(0, 0); // a Ctrl-C is for the sweep, which then ends its runs
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) { // it died before that
-        ::_exit(127);
-    }
-    sigset_t none;
-    sigemptyset(&none);
-    ::sigprocmask(SIG_SETMASK, &none, nullptr);
-    ::signal(SIGPIPE, SIG_DFL);
+    begin_child(parent); // a Ctrl-C is for the sweep, which then ends its runs
     if (CPU_COUNT(&processors) > 0) {
         ::sched_setaffinity(0, sizeof processors, &processors);
     }

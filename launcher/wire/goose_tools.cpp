@@ -175,19 +175,12 @@ GooseSubscription subscription_to(streams::Stream const& stream, GooseSubscribeO
 } // namespace
 
 Result<void> goose_publish(GoosePublishOptions const& o) {
-    auto const stream = read_stream(o.stream, streams::Kind::goose);
-    if (!stream) {
-        return fail(ExitCode::usage, "the stream cannot be published");
+    auto opened = open_sending(o.interface, o.stream, streams::Kind::goose, o.source);
+    if (!opened) {
+        return std::unexpected{opened.error()};
     }
-    auto port = ethernet::Port::open({.interface = o.interface, .filter = {}, .receive = false});
-    if (!port) {
-        return std::unexpected{port.error()};
-    }
-    auto const source = source_address(*port, o.source);
-    if (!source) {
-        return std::unexpected{source.error()};
-    }
-    auto publisher = make_publisher(o, *stream, *source);
+    auto& [stream, port, source] = *opened;
+    auto publisher = make_publisher(o, stream, source);
     if (!publisher) {
         return std::unexpected{publisher.error()};
     }
@@ -196,16 +189,16 @@ Result<void> goose_publish(GoosePublishOptions const& o) {
         return fail(ExitCode::usage, "the data set has no Boolean to toggle", "--interactive changes any member");
     }
     catch_signals();
-    publish(*publisher, *port, o, toggled);
+    publish(*publisher, port, o, toggled);
     auto const& c = publisher->counters();
-    fmt::print("{}\n", Json{{"sent", port->counters().sent},
-                            {"not_sent", port->counters().send_failed},
+    fmt::print("{}\n", Json{{"sent", port.counters().sent},
+                            {"not_sent", port.counters().send_failed},
                             {"states", c.states},
                             {"late", c.late},
                             {"st_num", publisher->state().st_num},
                             {"sq_num", publisher->state().sq_num}}
                            .dump());
-    return check_sent(*port);
+    return check_sent(port);
 }
 
 Result<void> goose_subscribe(GooseSubscribeOptions const& o) {

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/wire/live.hpp"
 
-#include "gateways/ethernet/port.hpp"
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -53,15 +51,21 @@ bool stopped() {
     return g_stop.load();
 }
 
-Result<iec61850::Mac> source_address(ethernet::Port const& port, std::string const& text) {
-    if (text.empty()) {
-        return port.mac();
+Result<Sending> open_sending(std::string const& interface, StreamArgument const& stream, streams::Kind kind,
+                             std::string const& source) {
+    auto described = read_stream(stream, kind);
+    if (!described) {
+        return fail(ExitCode::usage, "the stream cannot be published");
     }
-    auto const parsed = iec61850::Mac::parse(text);
-    if (!parsed) {
-        return fail(ExitCode::usage, fmt::format("'{}' is not an Ethernet address", text));
+    auto port = ethernet::Port::open({.interface = interface, .filter = {}, .receive = false});
+    if (!port) {
+        return std::unexpected{port.error()};
     }
-    return *parsed;
+    auto const address = source.empty() ? std::optional{port->mac()} : iec61850::Mac::parse(source);
+    if (!address) {
+        return fail(ExitCode::usage, fmt::format("'{}' is not an Ethernet address", source));
+    }
+    return Sending{std::move(*described), std::move(*port), *address};
 }
 
 std::string why_not_sent(ethernet::Port& port) {

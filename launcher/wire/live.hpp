@@ -3,15 +3,13 @@
 #pragma once
 
 #include "common/result.hpp"
+#include "gateways/ethernet/port.hpp"
 #include "gateways/iec61850/frame.hpp"
 #include "gateways/iec61850/utc_time.hpp"
+#include "launcher/wire/tools.hpp"
 
 #include <cstdint>
 #include <string>
-
-namespace gridspace::ethernet {
-class Port;
-}
 
 namespace gridspace::wire {
 
@@ -26,8 +24,15 @@ void sleep_until(std::int64_t at_ns);
 void catch_signals();
 [[nodiscard]] bool stopped();
 
-/// The address of the frames: `text`, or the interface's own where that is empty.
-[[nodiscard]] Result<iec61850::Mac> source_address(ethernet::Port const& port, std::string const& text);
+/// A stream and where it is sent; `source`: of its frames.
+struct Sending {
+    streams::Stream stream;
+    ethernet::Port port;
+    iec61850::Mac source;
+};
+/// `source`: an address, or empty for the interface's own.
+[[nodiscard]] Result<Sending> open_sending(std::string const& interface, StreamArgument const& stream,
+                                           streams::Kind kind, std::string const& source);
 
 /// Why the kernel did not take the first of the frames that were not sent, and what to do; empty when it took all.
 [[nodiscard]] std::string why_not_sent(ethernet::Port& port);

@@ -221,37 +221,30 @@ Result<Subscribed> subscribed_by(SvSubscribeOptions const& o) {
 } // namespace
 
 Result<void> sv_publish(SvPublishOptions const& o) {
-    auto const described = read_stream(o.stream, streams::Kind::smv);
-    if (!described) {
-        return fail(ExitCode::usage, "the stream cannot be published");
+    auto opened = open_sending(o.interface, o.stream, streams::Kind::smv, o.source);
+    if (!opened) {
+        return std::unexpected{opened.error()};
     }
-    auto port = ethernet::Port::open({.interface = o.interface, .filter = {}, .receive = false});
-    if (!port) {
-        return std::unexpected{port.error()};
-    }
-    auto const source = source_address(*port, o.source);
-    if (!source) {
-        return std::unexpected{source.error()};
-    }
-    auto publishers = make_publishers(*described, *source, o.streams);
+    auto& [stream, port, source] = *opened;
+    auto publishers = make_publishers(stream, source, o.streams);
     if (!publishers) {
         return std::unexpected{publishers.error()};
     }
     catch_signals();
-    SvLayout const layout{described->data_set};
-    double const rate = described->rate_hz.to_double();
+    SvLayout const layout{stream.data_set};
+    double const rate = stream.rate_hz.to_double();
     TestPattern const pattern{layout, o.amplitude, o.frequency_hz, rate};
     std::size_t const per_frame = publishers->front().samples_per_frame();
     SampleOrigin const origin = origin_of(o.first_smp_cnt, rate, static_cast<std::int64_t>(per_frame));
-    SendSchedule schedule{described->rate_hz, per_frame, origin.zero_ns, origin.first_frame};
-    publish(*publishers, *described, pattern, origin, schedule, *port, Duration{o.duration_s});
-    auto const& c = port->counters();
+    SendSchedule schedule{stream.rate_hz, per_frame, origin.zero_ns, origin.first_frame};
+    publish(*publishers, stream, pattern, origin, schedule, port, Duration{o.duration_s});
+    auto const& c = port.counters();
     Json const out{{"sent", c.sent},
                    {"not_sent", c.send_failed},
                    {"late_wakeups", schedule.late_wakeups()},
                    {"worst_late_us", static_cast<double>(schedule.worst_late_ns()) / 1e3}};
     fmt::print("{}\n", out.dump());
-    return check_sent(*port);
+    return check_sent(port);
 }
 
 Result<void> sv_subscribe(SvSubscribeOptions const& o) {

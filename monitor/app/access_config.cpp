@@ -22,10 +22,7 @@ program::Declaration monitor_declaration() {
             .description = "shows a run in a browser, and to programs over REST",
             .role = "monitor",
             .member = false,
-            .settings = config::keys_of([](config::Fields& f) {
-                AccessConfig any;
-                describe(f, any);
-            })};
+            .settings = config::keys_of<AccessConfig>()};
 }
 
 } // namespace gridspace::monitor

@@ -63,10 +63,7 @@ program::Declaration sim_declaration() {
             .description = "simulator: network, simulation clock and gateways",
             .role = "simulator",
             .member = false, // it is the clock
-            .settings = config::keys_of([](config::Fields& f) {
-                SimConfig any;
-                describe(f, any);
-            })};
+            .settings = config::keys_of<SimConfig>()};
 }
 
 program::Declaration declaration(SimulationConfig const& simulation, Network const* network) {
