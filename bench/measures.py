@@ -77,7 +77,7 @@ def codec(build: Build) -> Iterator[Figure]:
 def forecaster(build: Build) -> Iterator[Figure]:
     """Nanoseconds of processor time for the forecast of one phase-sample, and of a plain loop over 20 samples."""
     aims = {"ar_20": 35, "mlp_20_10_1": 200}
-    found = {one["name"]: one["cpu_time"] / one["channels"]
+    found = {one["name"]: one["cpu_time"] / one["phases"]
              for one in json.loads(build.output("bench/bench_forecaster", "--benchmark_format=json", "--benchmark_min_time=0.2"))["benchmarks"]}
     for name, value in found.items():
         yield Figure(name, f"a forecast of {name}" if name != "plain_loop" else "a plain loop over 20 samples", value, "ns", False, aim=aims.get(name))

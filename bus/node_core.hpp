@@ -200,6 +200,11 @@ struct Node::Core {
     [[nodiscard]] Participant& network_of(std::string const& topic);
     [[nodiscard]] std::int64_t source_ns(SimTime at) const { return epoch_ns + base.nanoseconds(at); }
 
+    struct TickWait;
+    [[nodiscard]] Result<std::optional<Tick>> next_in_lockstep(std::unique_lock<std::mutex>& lock);
+    [[nodiscard]] Result<std::optional<Tick>>
+    next_in_real_time(std::unique_lock<std::mutex>& lock,
+                      std::optional<std::chrono::steady_clock::time_point> deadline);
     /// Where the granted tick ends for this process, or its next part: parts end with each whole second, so that what
     /// is said once a second is said then, wherever the ticks end. Under the mutex.
     [[nodiscard]] Tick next_part(lockstep::TickGate::Grant const& grant);
@@ -219,11 +224,18 @@ struct Node::Core {
     void settle_rosters();
     /// Whether the clock counts as this process was configured to. Under the mutex.
     [[nodiscard]] bool clock_fits(SampleHeader const& header);
+    void show_clock(std::span<std::byte const> cdr, SampleHeader const& header); ///< to the tap
+    void take_tick();     ///< of a running clock in lockstep; under the mutex
     void on_held_clock(); ///< under the mutex
     void on_ack_sample(std::span<std::byte const> cdr, SampleHeader const& header);
     void take_ack(std::span<std::byte const> cdr, SampleHeader const& header, std::size_t process,
                   ClockAck const& received); ///< under the mutex
     void on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header);
+    /// Whose writer it is, looked up when its first sample comes.
+    [[nodiscard]] ReaderSlot::Source const& source_of(ReaderSlot& slot, SampleHeader const& header);
+    /// Counts a sample of a process of the run; false when it is not to be taken. Under the mutex.
+    [[nodiscard]] bool count_sample(ReaderSlot const& slot, ReaderSlot::Source const& source,
+                                    SampleHeader const& header, SimTime time);
     /// Takes a ledger (of an acknowledgement or a clock) into the book.
     template <class Ledger>
     void take_ledger(std::size_t process, std::uint32_t incarnation, Ledger const& ledger);

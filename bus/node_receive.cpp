@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Gridspace contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a node does with clocks, acknowledgements and samples, on the threads that receive them.
+// What a node does with clocks and acknowledgements, on the threads that receive them. Samples: node_samples.cpp.
 #include "bus/machine.hpp"
 #include "bus/node_core.hpp"
 #include "common/text.hpp"
@@ -187,11 +187,7 @@ void Node::Core::take_clock(std::span<std::byte const> cdr, SampleHeader const& 
     }
     clock_seen = true;
     if (clock_tap != nullptr && clock.state() != CLOCK_HELD) {
-        Origin origin{{clock.quanta()}, 0, header.writer, header.sequence};
-        std::size_t const simulator = book->process_index(config.clock.simulator);
-        origin.process =
-            static_cast<std::uint32_t>(simulator == lockstep::LedgerBook::kUnknown ? book->process_count() : simulator);
-        clock_tap->push(cdr, origin, base);
+        show_clock(cdr, header);
     }
     ++clock_generation;
     latest_time = {clock.quanta()};
@@ -220,21 +216,33 @@ void Node::Core::take_clock(std::span<std::byte const> cdr, SampleHeader const& 
             return;
         }
         if (!joining) {
-            gate->on_clock(clock.tick(), clock.awaited(), clock.state() == CLOCK_FINAL);
-            std::erase_if(late_acks, [&](auto const& late) {
-                bool const its_time = late.second.tick() < clock.tick();
-                if (its_time) {
-                    count_ack(late.first, late.second);
-                }
-                return its_time;
-            });
-            pending_since = std::chrono::steady_clock::now();
+            take_tick();
         }
         if (!gate->granted()) {
             return; // the last thing to arrive wakes the process, once
         }
     }
     notify();
+}
+
+void Node::Core::show_clock(std::span<std::byte const> cdr, SampleHeader const& header) {
+    Origin origin{{clock.quanta()}, 0, header.writer, header.sequence};
+    std::size_t const simulator = book->process_index(config.clock.simulator);
+    origin.process =
+        static_cast<std::uint32_t>(simulator == lockstep::LedgerBook::kUnknown ? book->process_count() : simulator);
+    clock_tap->push(cdr, origin, base);
+}
+
+void Node::Core::take_tick() {
+    gate->on_clock(clock.tick(), clock.awaited(), clock.state() == CLOCK_FINAL);
+    std::erase_if(late_acks, [&](auto const& late) {
+        bool const its_time = late.second.tick() < clock.tick();
+        if (its_time) {
+            count_ack(late.first, late.second);
+        }
+        return its_time;
+    });
+    pending_since = std::chrono::steady_clock::now();
 }
 
 void Node::Core::on_held_clock() {
@@ -315,103 +323,6 @@ void Node::Core::count_ack(std::size_t process, ClockAck const& received) {
         on_ack(received);
     }
     if (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value()) {
-        notify();
-    }
-}
-
-std::size_t Node::Core::stranger_number(std::string const& name) {
-    constexpr std::size_t kMostStrangers = 256; // names are invented easily
-    auto const found = std::find(strangers.begin(), strangers.end(), name);
-    if (found == strangers.end() && !name.empty() && strangers.size() < kMostStrangers) {
-        strangers.push_back(name);
-        return strangers.size() - 1;
-    }
-    return found == strangers.end() ? kMostStrangers : static_cast<std::size_t>(found - strangers.begin());
-}
-
-void Node::Core::on_data_sample(ReaderSlot& slot, std::span<std::byte const> cdr, SampleHeader const& header) {
-    if (header.source >= slot.sources.size()) {
-        slot.sources.resize(header.source + 1);
-    }
-    ReaderSlot::Source& source = slot.sources[header.source];
-    if (!source.known) {
-        Peer const peer = slot.network->peer(header.peer);
-        source = {true, book->process_index(peer.process), peer.incarnation, peer.process, false, 0};
-        if (source.process == lockstep::LedgerBook::kUnknown && !lockstep()) {
-            std::lock_guard const lock{mutex};
-            source.stranger = stranger_number(peer.process);
-        }
-        if (lockstep() && source.process != lockstep::LedgerBook::kUnknown && !slot.diagnostic) {
-            auto const expected = config.expected_writers.find(slot.topic);
-            source.unexpected = expected != config.expected_writers.end() && !expected->second.contains(peer.process);
-        }
-    }
-    std::size_t const process = source.process;
-    Origin origin;
-    origin.writer = header.writer;
-    origin.sequence = header.sequence;
-    if (process == lockstep::LedgerBook::kUnknown) {
-        ++foreign_samples;
-        if (lockstep()) {
-            return; // a run must not depend on who else is on the bus
-        }
-        origin.process = static_cast<std::uint32_t>(book->process_count() + source.stranger);
-    } else {
-        origin.process = static_cast<std::uint32_t>(process);
-    }
-    // Counted and stored under one lock: what the ledger calls complete must be there to be taken.
-    std::lock_guard const lock{mutex};
-    if (process != lockstep::LedgerBook::kUnknown &&
-        !is_from_member(*slot.network, header.peer, source.name, source.incarnation)) {
-        return;
-    }
-    if (source.unexpected) {
-        fail_locked({ExitCode::usage,
-                     fmt::format("{} writes '{}', which the scenario does not say", source.name, slot.topic),
-                     "in lockstep the order of the processes follows from who writes what: add the topic to its "
-                     "`writes`"});
-        return;
-    }
-    if (joining && config.incarnation > 0) {
-        return; // sent before this incarnation was ready: part of the baseline
-    }
-    origin.time = lockstep() ? base.from_nanoseconds(header.source_ns - epoch_ns) : time_now();
-    if (process != lockstep::LedgerBook::kUnknown) {
-        using Arrival = lockstep::LedgerBook::Arrival;
-        bool const counted = lockstep() && !slot.diagnostic;
-        Arrival const arrival = book->arrived(process, source.incarnation, slot.book_reader, header.writer,
-                                              header.sequence, counted ? origin.time.quanta : INT64_MAX);
-        if (arrival == Arrival::repeated) {
-            return;
-        }
-        if (arrival == Arrival::late) {
-            fail_locked(
-                {ExitCode::stall,
-                 fmt::format("a sample of '{}' from {} came for {} s, which {} had acknowledged without it", slot.topic,
-                             source.name, shortest(base.seconds(origin.time)), source.name),
-                 "a member writes all that belongs to a tick before it acknowledges it, and counts it in its ledger"});
-            return;
-        }
-        if (arrival == Arrival::gap) {
-            ++lost_samples;
-            if (lockstep()) {
-                fail_locked({ExitCode::stall,
-                             fmt::format("a sample of '{}' from {} is lost: number {} came after a gap", slot.topic,
-                                         source.name, header.sequence),
-                             "the depth of its QoS profile is too small for this tick, or a socket buffer is"});
-                return;
-            }
-        }
-    }
-    if (!slot.inbox->push(cdr, origin, base)) {
-        fail_locked({ExitCode::environment,
-                     fmt::format("a sample of '{}' from {} cannot be decoded", slot.topic, source.name),
-                     "both sides must be built from the same IDL"});
-        return;
-    }
-    ++input_generation;
-    if (!lockstep() ||
-        (is_simulator() ? server_waits_no_more && server_waits_no_more() : gate->granted().has_value())) {
         notify();
     }
 }

@@ -19,121 +19,148 @@
 
 namespace gridspace::bus {
 
-Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::time_point> deadline) {
-    Core& core = *core_;
-    std::unique_lock lock{core.mutex};
-    if (core.lockstep()) {
-        auto const may_return = [&] {
-            return core.error || core.stop_requested || core.final_done || core.gate->granted().has_value();
-        };
-        // Waiting for the next clock may take any time: others work, or the run is paused. Once the clock has come,
-        // what belongs to it must follow: twice the simulator's own patience, so that it can name the culprit first.
-        double const patience_s = 2 * core.config.clock.member_timeout_s;
-        bool said = false;
-        auto pending_since = core.pending_since;
-        WaitedTime waiting;
-        Receiving::Turn turn{Receiving::of_process()};
-        while (!may_return()) {
+/// The wait of next() in lockstep. Waiting for the next clock may take any time: others work, or the run is paused.
+/// Once the clock has come, what belongs to it must follow: twice the simulator's own patience, so that it can name the
+/// culprit first.
+struct Node::Core::TickWait {
+    Core& core;
+    std::unique_lock<std::mutex>& lock;
+    double patience_s{2 * core.config.clock.member_timeout_s};
+    std::chrono::steady_clock::time_point pending_since{core.pending_since};
+    bool said{false}; ///< why it waits
+    WaitedTime waiting{};
+    Receiving::Turn turn{Receiving::of_process()};
+
+    [[nodiscard]] bool over() const {
+        return core.error || core.stop_requested || core.final_done || core.gate->granted().has_value();
+    }
+    void wait() {
+        while (!over()) {
             if (!core.fetch_frames.empty() && core.gate->lacks_only_frames()) {
-                lock.unlock();
-                for (auto const& fetch : core.fetch_frames) {
-                    fetch();
+                if (fetch_frames()) {
+                    return;
                 }
-                lock.lock();
-                if (may_return()) {
-                    break;
-                }
-                constexpr std::chrono::microseconds kOnTheirWay{200}; // the kernel has them already, somewhere
-                turn.wait(lock, core.changed, kOnTheirWay);
             } else {
-                core.wait_for_more(turn, lock, WaitedTime::kLook, core.gate->lacks_only_samples());
-                if (core.board == nullptr && core.may_sleep()) {
-                    auto const round = core.round;
-                    lock.unlock();
-                    std::this_thread::sleep_for(round);
-                    lock.lock();
-                }
+                wait_for_more();
             }
-            if (core.matches_published != core.matches_generation) {
-                lock.unlock();
-                core.refresh_status(MEMBER_READY);
-                lock.lock();
-            }
-            if (core.restate_ledger) {
-                core.restate_ledger = false;
-                std::uint64_t const tick = core.clock.tick();
-                SimTime const time = core.latest_time;
-                lock.unlock();
-                (void)core.acknowledge(tick, 0, time);
-                lock.lock();
-            }
-            if (std::exchange(pending_since, core.pending_since) != core.pending_since || !core.gate->has_pending()) {
-                waiting.restart();
-            }
-            auto const waited = waiting.look();
-            if (patience_s > 0 && core.gate->has_pending() && waited.count() > patience_s / 4 && !said &&
-                !may_return()) {
-                said = true; // the simulator is to know why, when its own patience is over
-                std::string const awaited = core.gate->awaiting();
-                lock.unlock();
-                core.publish_status(MEMBER_READY, awaited);
-                lock.lock();
-            }
-            if (patience_s > 0 && core.gate->has_pending() && waited.count() > patience_s && !may_return()) {
-                core.fail_locked({ExitCode::stall,
-                                  fmt::format("tick {}: waited {} s for {}", core.clock.tick(), shortest(patience_s),
-                                              core.gate->awaiting()),
-                                  ""});
-            }
+            refresh();
+            watch_patience();
         }
-        if (core.error) {
-            return std::unexpected{*core.error};
-        }
-        if (core.stop_requested || core.final_done) {
-            return std::nullopt;
-        }
+    }
+    /// What was reported as missing is there.
+    void take_back() {
         if (said) {
-            lock.unlock();
-            core.publish_status(MEMBER_READY, "");
-            lock.lock();
+            unlocked([&] { core.publish_status(MEMBER_READY, ""); });
         }
-        Tick const tick = core.next_part(*core.gate->granted());
-        for (auto& reader : core.readers) {
-            reader->inbox->release(tick.time);
-        }
-        for (auto const& tap : core.taps) {
-            tap->release(tick.time);
-        }
-        core.release_wires(tick.time);
-        log::set_time(core.base.seconds(tick.time));
-        if (!core.together) { // until the acknowledgement
-            core.together.emplace();
-        }
-        return tick;
     }
-    auto const anything_new = [&] {
-        return core.error || core.stop_requested || core.final_done || core.clock_generation != core.clock_taken ||
-               core.input_generation != core.input_taken;
-    };
-    if (deadline) {
-        core.changed.wait_until(lock, *deadline, anything_new);
-    } else {
-        core.changed.wait(lock, anything_new);
+
+  private:
+    template <class Work>
+    void unlocked(Work const& work) {
+        lock.unlock();
+        work();
+        lock.lock();
     }
-    if (core.error) {
-        return std::unexpected{*core.error};
+    bool fetch_frames() {
+        unlocked([&] { std::ranges::for_each(core.fetch_frames, [](auto const& fetch) { fetch(); }); });
+        if (over()) {
+            return true;
+        }
+        constexpr std::chrono::microseconds kOnTheirWay{200}; // the kernel has them already, somewhere
+        turn.wait(lock, core.changed, kOnTheirWay);
+        return false;
     }
-    if (core.stop_requested || core.final_done) {
+    void wait_for_more() {
+        core.wait_for_more(turn, lock, WaitedTime::kLook, core.gate->lacks_only_samples());
+        if (core.board == nullptr && core.may_sleep()) {
+            unlocked([round = core.round] { std::this_thread::sleep_for(round); });
+        }
+    }
+    /// What others have to hear meanwhile.
+    void refresh() {
+        if (core.matches_published != core.matches_generation) {
+            unlocked([&] { core.refresh_status(MEMBER_READY); });
+        }
+        if (std::exchange(core.restate_ledger, false)) {
+            unlocked([&, tick = core.clock.tick(), time = core.latest_time] { (void)core.acknowledge(tick, 0, time); });
+        }
+    }
+    void watch_patience() {
+        if (std::exchange(pending_since, core.pending_since) != core.pending_since || !core.gate->has_pending()) {
+            waiting.restart();
+        }
+        auto const waited = waiting.look();
+        auto const lasts = [&](double share) {
+            return patience_s > 0 && core.gate->has_pending() && waited.count() > share * patience_s && !over();
+        };
+        if (!said && lasts(0.25)) {
+            said = true; // the simulator is to know why, when its own patience is over
+            unlocked([&, awaited = core.gate->awaiting()] { core.publish_status(MEMBER_READY, awaited); });
+        }
+        if (lasts(1)) {
+            core.fail_locked({ExitCode::stall,
+                              fmt::format("tick {}: waited {} s for {}", core.clock.tick(), shortest(patience_s),
+                                          core.gate->awaiting()),
+                              ""});
+        }
+    }
+};
+
+Result<std::optional<Tick>> Node::next(std::optional<std::chrono::steady_clock::time_point> deadline) {
+    std::unique_lock lock{core_->mutex};
+    return core_->lockstep() ? core_->next_in_lockstep(lock) : core_->next_in_real_time(lock, deadline);
+}
+
+Result<std::optional<Tick>> Node::Core::next_in_lockstep(std::unique_lock<std::mutex>& lock) {
+    TickWait awaited{*this, lock};
+    awaited.wait();
+    if (error) {
+        return std::unexpected{*error};
+    }
+    if (stop_requested || final_done) {
         return std::nullopt;
     }
-    core.watch_clock();
-    if (core.error) {
-        return std::unexpected{*core.error};
+    awaited.take_back();
+    Tick const tick = next_part(*gate->granted());
+    for (auto& reader : readers) {
+        reader->inbox->release(tick.time);
     }
-    core.clock_taken = core.clock_generation;
-    core.input_taken = core.input_generation;
-    Tick const tick{core.clock.tick(), core.time_now(), core.clock_seen && core.clock.state() == CLOCK_FINAL};
-    log::set_time(core.base.seconds(tick.time));
+    for (auto const& tap : taps) {
+        tap->release(tick.time);
+    }
+    release_wires(tick.time);
+    log::set_time(base.seconds(tick.time));
+    if (!together) { // until the acknowledgement
+        together.emplace();
+    }
+    return tick;
+}
+
+Result<std::optional<Tick>>
+Node::Core::next_in_real_time(std::unique_lock<std::mutex>& lock,
+                              std::optional<std::chrono::steady_clock::time_point> deadline) {
+    auto const anything_new = [&] {
+        return error || stop_requested || final_done || clock_generation != clock_taken ||
+               input_generation != input_taken;
+    };
+    if (deadline) {
+        changed.wait_until(lock, *deadline, anything_new);
+    } else {
+        changed.wait(lock, anything_new);
+    }
+    if (!error && !stop_requested && !final_done) {
+        watch_clock();
+    }
+    if (error) {
+        return std::unexpected{*error};
+    }
+    if (stop_requested || final_done) {
+        return std::nullopt;
+    }
+    clock_taken = clock_generation;
+    input_taken = input_generation;
+    Tick const tick{clock.tick(), time_now(), clock_seen && clock.state() == CLOCK_FINAL};
+    log::set_time(base.seconds(tick.time));
     return tick;
 }
 

@@ -2,45 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "agents/attacker/label_publisher.hpp"
-#include "agents/attacker/sv_forger.hpp"
-#include "agents/attacker/topic_attacks.hpp"
-#include "agents/attacker/wire_attack.hpp"
+#include "agents/attacker/running.hpp"
 #include "bus/node.hpp"
-#include "common/spsc_ring.hpp"
 #include "gateways/bump_in_the_wire/frame_hook.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <vector>
 
 namespace gridspace::attacker {
-
-/// One attack in this process: its forger, whatever it is, and its labels on their way from the thread that forges.
-struct Running {
-    AttackConfig const* config{nullptr};
-    std::unique_ptr<SvForger> values;
-    std::unique_ptr<WireAttack> messages; ///< on messages, or on frames of sampled values
-    std::unique_ptr<TopicAttack> topic;
-    std::int64_t now_ns{0}; ///< simulated: of what is being forged
-    struct TimedLabel {
-        Label label;
-        std::int64_t time_ns{0};
-    };
-    SpscRing<TimedLabel> timed_labels{16'384};
-    std::atomic<std::uint64_t> lost{0};
-    Tell tell{[this](Label const& label) { lost += timed_labels.push({label, now_ns}) ? 0U : 1U; }};
-    std::unique_ptr<LabelPublisher> labels;
-    bool began{false}, ended{false};
-
-    [[nodiscard]] bool between() const { return config->place == AttackConfig::Place::between; }
-    [[nodiscard]] std::uint64_t forged() const {
-        return values ? values->forged() : messages ? messages->forged() : topic->forged();
-    }
-};
 
 /// The attacks in one direction of one cable, one behind the other.
 class AttackHook final : public gateways::FrameHook {

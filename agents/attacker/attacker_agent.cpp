@@ -6,8 +6,6 @@
 #include "agents/attacker/attack_hook.hpp"
 #include "agents/attacker/attacker_config.hpp"
 #include "agents/attacker/attacker_declaration.hpp"
-#include "agents/attacker/frame_forger.hpp"
-#include "agents/attacker/goose_forger.hpp"
 #include "bus/daemon.hpp"
 #include "bus/member.hpp"
 #include "bus/signal_publisher.hpp"
@@ -119,43 +117,12 @@ class AttackerAgent final : public bus::Member {
     }
 
     Result<void> make_attacks() {
-        auto const seed = static_cast<std::uint64_t>(settings_.own.seed);
-        std::int64_t const base_ns = node_.config().clock.epoch_unix_s * 1'000'000'000;
         for (AttackConfig const& config : settings_.own.attacks) {
-            auto running = std::make_unique<Running>();
-            running->config = &config;
-            streams::Stream const* stream =
-                config.stream.empty() ? nullptr : streams::find_stream(settings_.wire.streams, config.stream.name);
-            if (!config.stream.empty() && stream == nullptr) {
-                return fail(ExitCode::usage,
-                            fmt::format("attack '{}': there is no stream '{}'", config.name.name, config.stream.name));
+            auto attack = make_attack(node_, config, settings_.own, settings_.wire.streams);
+            if (!attack) {
+                return std::unexpected{attack.error()};
             }
-            if (stream == nullptr) {
-                auto topic = make_topic_attack(node_, config, settings_.own);
-                if (!topic) {
-                    return std::unexpected{topic.error()};
-                }
-                running->topic = std::move(*topic);
-            } else if (config.goose) {
-                auto forger = GooseForger::create(*stream, config, seed, base_ns);
-                if (!forger) {
-                    return std::unexpected{forger.error()};
-                }
-                running->messages = std::move(*forger);
-            } else if (config.frames) {
-                auto forger = FrameForger::create(*stream, config, seed);
-                if (!forger) {
-                    return std::unexpected{forger.error()};
-                }
-                running->messages = std::move(*forger);
-            } else {
-                auto forger = SvForger::create(*stream, config, settings_.own.frequency_hz, seed);
-                if (!forger) {
-                    return std::unexpected{forger.error()};
-                }
-                running->values = std::move(*forger);
-            }
-            attacks_.push_back(std::move(running));
+            attacks_.push_back(std::move(*attack));
         }
         return {};
     }

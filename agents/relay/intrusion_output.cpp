@@ -4,11 +4,9 @@
 
 #include "agents/relay/relay_declaration.hpp"
 #include "common/log.hpp"
+#include "common/wall_clock_file.hpp"
 
-#include <cstdlib>
-#include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 
 namespace gridspace::relay {
 
@@ -131,21 +129,8 @@ void IntrusionOutput::write_times() const {
     double const p50 = times_.percentile_us(0.5), p99 = times_.percentile_us(0.99);
     log::info("ids: {} samples of both streams; {:.1f} us a sample in the median, p99 {:.1f} us, longest {:.1f} us",
               times_.count(), p50, p99, times_.longest_us());
-    char const* folder = std::getenv("GRIDSPACE_RUN_FOLDER");
-    if (folder == nullptr) {
-        return;
-    }
-    std::filesystem::path const file = std::filesystem::path{folder} / "wall_clock" / (node_.config().process + ".csv");
-    std::error_code ignored;
-    std::filesystem::create_directories(file.parent_path(), ignored);
-    std::ofstream stream{file, std::ios::trunc};
-    std::string const prefix = "ids." + node_.config().process + ".time_us_";
-    stream << "signal,unit,value\n"
-           << fmt::format("{0}p50,us,{1:.1f}\n{0}p99,us,{2:.1f}\n{0}max,us,{3:.1f}\n", prefix, p50, p99,
-                          times_.longest_us());
-    if (!stream.flush()) {
-        log::warning("cannot write '{}': the report will not say how long a sample takes", file.string());
-    }
+    std::string const& process = node_.config().process;
+    write_wall_clock(process, {{"ids." + process + ".time_us_", &times_}});
 }
 
 } // namespace gridspace::relay

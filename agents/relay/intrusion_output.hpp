@@ -3,10 +3,10 @@
 #pragma once
 
 #include "agents/relay/relay_program.hpp"
-#include "agents/relay/step_times.hpp"
 #include "agents/relay/verdict_publisher.hpp"
 #include "bus/daemon.hpp"
 #include "bus/signal_publisher.hpp"
+#include "common/duration_histogram.hpp"
 #include "ids/detector/line_detector.hpp"
 
 #include <array>
@@ -43,7 +43,7 @@ class IntrusionOutput {
     std::unique_ptr<bus::Writer<IdsVerdict>> writer_;
     std::vector<VerdictPublisher> verdicts_; ///< from, to; none without a topic
     std::unique_ptr<bus::SignalPublisher> state_, counters_;
-    StepTimes times_;
+    DurationHistogram times_;
     std::optional<ids::Alarms> alarms_;
     std::array<bool, 2> locked_out_{};
     bool granted_{true}, any_told_{false};

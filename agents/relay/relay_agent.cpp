@@ -5,6 +5,7 @@
 // functions of a bay.
 #include "agents/relay/relay_declaration.hpp"
 #include "agents/relay/relay_member.hpp"
+#include "common/duration_histogram.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

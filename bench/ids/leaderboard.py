@@ -41,8 +41,8 @@ def text_of(command, **kwargs):
     return subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True, timeout=600, **kwargs).stdout
 
 
-def score(program, run, verdicts):
-    return json.loads(text_of([program, "ids", "score", run, verdicts, "--json"]))
+def score(program, run, *verdicts):
+    return json.loads(text_of([program, "ids", "score", run, *verdicts, "--json"]))
 
 
 def ratio(of, all_):
@@ -113,7 +113,9 @@ def main():
             file = folder / f"{row['key']}.csv"
             if not file.exists():
                 file.write_text(text_of([sys.executable, EXAMPLES / "recorded_verdicts.py", row["folder"]]))
-            scores.setdefault(name, []).append((row, score(arguments.program, row["folder"], file)))
+            its = score(arguments.program, row["folder"], file)
+            its["alarms"] = score(arguments.program, row["folder"])["alarms"]  # as operated: those that its relay raised
+            scores.setdefault(name, []).append((row, its))
     for name, command in ((name, FOREIGN[name]) for name in arguments.foreign):
         print(name, file=sys.stderr)
         folder = arguments.out / "verdicts" / name.replace(" ", "_")
@@ -128,9 +130,11 @@ def main():
 def write(out, scores, detectors):
     board, by_attack = {}, {}
     for name, its in scores.items():
-        delays = [a["delay_ms"] for _, s in its for a in s["attacks"] if a["delay_ms"] is not None]
+        alarms = [s["alarms"] for _, s in its]
+        delays = [a["delay_ms"] for s in alarms for a in s["attacks"] if a["alarmed"]]
         board[name] = {**with_intervals([s for _, s in its]), "runs": len(its), "seen": sum(any(a["seen"] for a in s["attacks"]) for _, s in its),
-                       "delay_ms_median": statistics.median(delays) if delays else None,
+                       "alarmed": sum(any(a["alarmed"] for a in s["attacks"]) for s in alarms), "delay_ms_median": statistics.median(delays) if delays else None,
+                       "false_alarms": sum(s["false"] for s in alarms), "false_share": sum(s["false_s"] for s in alarms) / sum(s["genuine_s"] for s in alarms),
                        "consequence": consequence(detectors[name]) if name in detectors else None}
         for row, s in its:
             at = by_attack.setdefault(row["attack"].replace("bias_a: ~, ", ""), {}).setdefault(name, {"altered": 0, "found": 0, "seen": 0, "runs": 0, "rows": []})
@@ -152,11 +156,13 @@ def tables(found):
     """Detectors, with intervals; what of each attack was found; what it did to trips."""
     board, by_attack = found["detectors"], found["by_attack"]
     in_loop = [name for name, b in board.items() if b["consequence"] is not None]
-    lines = ["| detector | attacks seen | precision, % | recall of samples, % | false positives, % | first flag, ms, median | trips lost, late, false |", "|---|---|---|---|---|---|---|"]
+    lines = ["| detector | attacks alarmed | first alarm, ms, median | false alarms, their share of the time | attacks flagged | precision, % | recall of samples, % "
+             "| false positives, % | trips lost, late, false |", "|---|" + "---|" * 8]
     for name, b in board.items():
         c = b["consequence"]
-        lines.append(f"| {name} | {b['seen']} of {b['runs']} | {percent(b['precision'])} | {percent(b['recall'])} | {percent(b['false_positives'])} | "
-                     f"{'-' if b['delay_ms_median'] is None else format(b['delay_ms_median'], '.3g')} | {'not in the loop' if c is None else '{lost} of {real_faults}, {late}, {false}'.format(**c)} |")
+        delay = "-" if b["delay_ms_median"] is None else format(b["delay_ms_median"], ".3g")
+        lines.append(f"| {name} | {b['alarmed']} of {b['runs']} | {delay} | {b['false_alarms']}, {100 * b['false_share']:.3g} % | {b['seen']} of {b['runs']} | "
+                     f"{percent(b['precision'])} | {percent(b['recall'])} | {percent(b['false_positives'])} | {'not in the loop' if c is None else '{lost} of {real_faults}, {late}, {false}'.format(**c)} |")
 
     def table(title, names, cell):
         lines.extend(["", f"| {title} | " + " | ".join(names) + " |", "|---|" + "---|" * len(names)])

@@ -208,57 +208,11 @@ class RouteMaker {
         std::vector<mapping::Rule> rules, lost;
         std::vector<std::size_t> origins; // of a rule: its place in the configuration
         for (std::size_t i = 0; i < route_.fields.size(); ++i) {
-            FieldRule const& field = route_.fields[i];
-            mapping::Rule rule;
-            rule.from = field.from.name;
-            rule.to = field.to.name;
-            rule.scale = field.scale;
-            rule.offset = field.offset;
-            rule.from_unit = field.from_unit;
-            rule.to_unit = field.to_unit;
-            rule.invert = field.invert;
-            rule.true_is_open = field.true_is_open;
-            auto const target = index_of(route_.to, field.to);
-            if (!target) {
-                continue;
+            if (add_rule(route_.fields[i], rules, lost)) {
+                origins.push_back(i);
             }
-            if (target == route_.time_field || (config_.to.is_topic() && target == route_.index_field)) {
-                error(field.to, fmt::format("'{}' is written by the gateway itself", field.to.name));
-                continue;
-            }
-            if (field.value) {
-                rule.constant = constant(*field.value, *target, field.value_at);
-                if (!rule.constant) {
-                    continue;
-                }
-            }
-            if (field.on_loss) {
-                mapping::Rule loss;
-                loss.to = rule.to;
-                loss.constant = constant(*field.on_loss, *target, field.on_loss_at);
-                if (!loss.constant) {
-                    continue;
-                }
-                lost.push_back(std::move(loss));
-            }
-            if (!field.value && config_.to.is_topic() && !config_.each.empty() &&
-                route_.to[*target].type == BasicType::visible_string) {
-                error(field.to, fmt::format("'{}' is a text beside samples that are gathered", field.to.name),
-                      "only a constant can be written there");
-            }
-            rules.push_back(std::move(rule));
-            origins.push_back(i);
-            route_.written.push_back(*target);
         }
-        std::vector<mapping::Mistake> mistakes;
-        route_.rules = mapping::Mapping::compile(rules, route_.from, route_.to, mistakes);
-        for (mapping::Mistake& mistake : mistakes) {
-            FieldRule const& field = route_.fields[origins[mistake.rule]];
-            Ref const& at = mistake.about_to || field.from.empty() ? field.to : field.from;
-            bool const unknown = mistake.message.starts_with("there is no field");
-            error(at, std::move(mistake.message),
-                  unknown ? near(mistake.about_to ? route_.to : route_.from, at.name) : std::move(mistake.hint));
-        }
+        compile_rules(rules, origins);
         std::vector<mapping::Mistake> none; // constants of the right type for fields that exist
         std::vector<mapping::Rule> constants;
         std::copy_if(rules.begin(), rules.end(), std::back_inserter(constants),
@@ -272,6 +226,62 @@ class RouteMaker {
             if (own) {
                 route_.written.push_back(*own);
             }
+        }
+    }
+
+    /// False when there is no rule, of which everything was said.
+    bool add_rule(FieldRule const& field, std::vector<mapping::Rule>& rules, std::vector<mapping::Rule>& lost) {
+        mapping::Rule rule;
+        rule.from = field.from.name;
+        rule.to = field.to.name;
+        rule.scale = field.scale;
+        rule.offset = field.offset;
+        rule.from_unit = field.from_unit;
+        rule.to_unit = field.to_unit;
+        rule.invert = field.invert;
+        rule.true_is_open = field.true_is_open;
+        auto const target = index_of(route_.to, field.to);
+        if (!target) {
+            return false;
+        }
+        if (target == route_.time_field || (config_.to.is_topic() && target == route_.index_field)) {
+            error(field.to, fmt::format("'{}' is written by the gateway itself", field.to.name));
+            return false;
+        }
+        if (field.value) {
+            rule.constant = constant(*field.value, *target, field.value_at);
+            if (!rule.constant) {
+                return false;
+            }
+        }
+        if (field.on_loss) {
+            mapping::Rule loss;
+            loss.to = rule.to;
+            loss.constant = constant(*field.on_loss, *target, field.on_loss_at);
+            if (!loss.constant) {
+                return false;
+            }
+            lost.push_back(std::move(loss));
+        }
+        if (!field.value && config_.to.is_topic() && !config_.each.empty() &&
+            route_.to[*target].type == BasicType::visible_string) {
+            error(field.to, fmt::format("'{}' is a text beside samples that are gathered", field.to.name),
+                  "only a constant can be written there");
+        }
+        rules.push_back(std::move(rule));
+        route_.written.push_back(*target);
+        return true;
+    }
+
+    void compile_rules(std::vector<mapping::Rule> const& rules, std::vector<std::size_t> const& origins) {
+        std::vector<mapping::Mistake> mistakes;
+        route_.rules = mapping::Mapping::compile(rules, route_.from, route_.to, mistakes);
+        for (mapping::Mistake& mistake : mistakes) {
+            FieldRule const& field = route_.fields[origins[mistake.rule]];
+            Ref const& at = mistake.about_to || field.from.empty() ? field.to : field.from;
+            bool const unknown = mistake.message.starts_with("there is no field");
+            error(at, std::move(mistake.message),
+                  unknown ? near(mistake.about_to ? route_.to : route_.from, at.name) : std::move(mistake.hint));
         }
     }
 

@@ -41,6 +41,47 @@ Result<void> check(std::vector<AsduDescription> const& asdus) {
 
 } // namespace
 
+SvTemplate::Slot SvTemplate::append_asdu(AsduDescription const& asdu, std::size_t start, BerWriter& w) {
+    auto const here = [&] { return static_cast<std::uint32_t>(start + w.size()); };
+    Slot slot;
+    w.head(0x30, content_octets(asdu));
+    w.element(0x80, octets_of(asdu.sv_id));
+    if (!asdu.dat_set.empty()) {
+        w.element(0x81, octets_of(asdu.dat_set));
+    }
+    w.head(0x82, 2);
+    slot.smp_cnt = here();
+    w.integer(0, 2);
+    w.head(0x83, 4);
+    slot.conf_rev = here();
+    w.integer(asdu.conf_rev, 4);
+    if (asdu.refr_tm) {
+        w.head(0x84, 8);
+        slot.refr_tm = here();
+        w.integer(0, 8);
+    }
+    w.head(0x85, 1);
+    slot.smp_synch = here();
+    w.integer(asdu.smp_synch, 1);
+    if (asdu.smp_rate) {
+        w.head(0x86, 2);
+        w.integer(*asdu.smp_rate, 2);
+    }
+    w.head(0x87, asdu.sample_octets);
+    slot.sample = here();
+    slot.sample_octets = static_cast<std::uint32_t>(asdu.sample_octets);
+    w.integer(0, asdu.sample_octets);
+    if (asdu.smp_mod) {
+        w.head(0x88, 2);
+        w.integer(static_cast<std::uint16_t>(*asdu.smp_mod), 2);
+    }
+    if (asdu.gm_identity) {
+        w.head(0x89, 8);
+        w.integer(*asdu.gm_identity, 8);
+    }
+    return slot;
+}
+
 Result<SvTemplate> SvTemplate::create(Address const& address, std::vector<AsduDescription> const& asdus) {
     if (auto ok = check(asdus); !ok) {
         return std::unexpected{ok.error()};
@@ -65,51 +106,14 @@ Result<SvTemplate> SvTemplate::create(Address const& address, std::vector<AsduDe
 
     std::size_t const start = app_id + kHeaderOctets;
     BerWriter w{std::span{out.frame_}.subspan(start)};
-    auto const here = [&] { return static_cast<std::uint32_t>(start + w.size()); };
     w.head(0x60, pdu);
     w.head(0x80, 1);
     w.integer(asdus.size(), 1);
     w.head(0xA2, sequence);
     for (AsduDescription const& asdu : asdus) {
-        Slot slot;
-        w.head(0x30, content_octets(asdu));
-        w.element(0x80, octets_of(asdu.sv_id));
-        if (!asdu.dat_set.empty()) {
-            w.element(0x81, octets_of(asdu.dat_set));
-        }
-        w.head(0x82, 2);
-        slot.smp_cnt = here();
-        w.integer(0, 2);
-        w.head(0x83, 4);
-        slot.conf_rev = here();
-        w.integer(asdu.conf_rev, 4);
-        if (asdu.refr_tm) {
-            w.head(0x84, 8);
-            slot.refr_tm = here();
-            w.integer(0, 8);
-        }
-        w.head(0x85, 1);
-        slot.smp_synch = here();
-        w.integer(asdu.smp_synch, 1);
-        if (asdu.smp_rate) {
-            w.head(0x86, 2);
-            w.integer(*asdu.smp_rate, 2);
-        }
-        w.head(0x87, asdu.sample_octets);
-        slot.sample = here();
-        slot.sample_octets = static_cast<std::uint32_t>(asdu.sample_octets);
-        w.integer(0, asdu.sample_octets);
-        if (asdu.smp_mod) {
-            w.head(0x88, 2);
-            w.integer(static_cast<std::uint16_t>(*asdu.smp_mod), 2);
-        }
-        if (asdu.gm_identity) {
-            w.head(0x89, 8);
-            w.integer(*asdu.gm_identity, 8);
-        }
-        out.slots_.push_back(slot);
+        out.slots_.push_back(append_asdu(asdu, start, w));
     }
-    assert(w.ok() && here() == out.frame_.size());
+    assert(w.ok() && start + w.size() == out.frame_.size());
     return out;
 }
 

@@ -12,6 +12,8 @@
 
 namespace gridspace::iec61850 {
 
+class BerWriter;
+
 /// The constant part of one ASDU.
 struct AsduDescription {
     std::string sv_id;
@@ -56,6 +58,9 @@ class SvTemplate {
     struct Slot {
         std::uint32_t smp_cnt{0}, conf_rev{0}, smp_synch{0}, refr_tm{0}, sample{0}, sample_octets{0};
     };
+    /// Writes an ASDU with nothing in the fields that change; gives where these are. `w` begins at `start` of the
+    /// frame.
+    static Slot append_asdu(AsduDescription const& asdu, std::size_t start, BerWriter& w);
 
     template <class T>
     void patch(std::size_t at, T value) noexcept {

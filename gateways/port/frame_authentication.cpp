@@ -6,11 +6,21 @@
 #include "gateways/port/key_file.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <fmt/format.h>
 
 namespace gridspace::gateways {
 
 using iec61850::Authenticity;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+std::int64_t nanoseconds_since(Clock::time_point begin) {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - begin).count();
+}
+
+} // namespace
 
 std::string authenticity_names(std::uint32_t findings) {
     std::string out;
@@ -68,7 +78,9 @@ iec61850::Octets FrameAuthentication::sign(iec61850::Octets frame, std::int64_t 
     if (guarded == nullptr) {
         return frame;
     }
+    auto const begin = Clock::now();
     iec61850::Octets const out = guarded->signer.sign(frame, guarded->sending, utc_ns, counter_);
+    signing_.add(nanoseconds_since(begin));
     if (out.empty() && !std::exchange(guarded->told, true)) {
         log::warning("stream '{}': no key is valid now, or the frame is too long: frames go out without a code",
                      guarded->stream.name.name);
@@ -82,7 +94,9 @@ bool FrameAuthentication::accept(iec61850::Octets frame, std::int64_t utc_ns, Si
     if (guarded == nullptr) {
         return true;
     }
+    auto const begin = Clock::now();
     Authenticity const found = guarded->verifier.judge(frame, guarded->receiving, utc_ns);
+    checking_.add(nanoseconds_since(begin));
     ++guarded->counters[static_cast<std::size_t>(found)];
     if (found == Authenticity::genuine) {
         return true;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/duration_histogram.hpp"
 #include "common/time.hpp"
 #include "gateways/iec61850/authentication.hpp"
 #include "gateways/streams/stream.hpp"
@@ -51,6 +52,10 @@ class FrameAuthentication {
     [[nodiscard]] Counters const* counters(std::string_view stream) const;
     void on_finding(Finding finding) { finding_ = std::move(finding); }
 
+    /// By how much it delayed the frames of its streams that were sent and received, wall time.
+    [[nodiscard]] DurationHistogram const& signing() const { return signing_; }
+    [[nodiscard]] DurationHistogram const& checking() const { return checking_; }
+
   private:
     struct Guarded {
         streams::Stream stream;
@@ -64,6 +69,7 @@ class FrameAuthentication {
 
     std::vector<Guarded> streams_;
     std::uint64_t counter_{0};
+    DurationHistogram signing_, checking_;
     Finding finding_;
 };
 

@@ -3,6 +3,7 @@
 #include "gateways/port/wire_port.hpp"
 
 #include "common/log.hpp"
+#include "common/wall_clock_file.hpp"
 #include "gateways/ethernet/boxed_ip.hpp"
 #include "gateways/port/wire_clock.hpp"
 
@@ -46,6 +47,11 @@ Result<std::unique_ptr<WirePort>> WirePort::open(bus::Node& node, WireConfig con
 }
 
 WirePort::~WirePort() {
+    if (authentication_ != nullptr) {
+        std::string const process = node_.config().process, prefix = "authentication." + process + ".";
+        write_wall_clock(process + ".authentication", {{prefix + "sign_us_", &authentication_->signing()},
+                                                       {prefix + "check_us_", &authentication_->checking()}});
+    }
     if (links_.size() < 2) {
         return;
     }

@@ -81,6 +81,46 @@ void ControlSettings::note_of_protection(Element const& control) {
     }
 }
 
+void ControlSettings::set_destination(Element const& address, Element const& control, Parameters& p,
+                                      iec61850::Mac const& mac, Node& stream) {
+    auto const group = streams::parse_ipv4(p["IP"]);
+    if (group && streams::is_routed_group(*group)) {
+        Node udp = Node::map();
+        udp.set("group", Node::quoted_text(p["IP"]));
+        if (std::string const& dscp = p["IP-ClassOfTraffic"]; is_class_of_traffic(dscp)) {
+            udp.set("dscp", Node::scalar(dscp));
+        }
+        stream.set("udp", std::move(udp));
+    } else {
+        stream.set("mac", Node::quoted_text(mac.to_string()));
+        if (!p["IP"].empty()) {
+            assumed(
+                address, control,
+                fmt::format("control block '{}' has the IP address '{}', which is no group that routers forward: its "
+                            "MAC address is used",
+                            attribute(control, "name"), p["IP"]));
+        }
+    }
+}
+
+void ControlSettings::set_vlan(Element const& address, Element const& control, Parameters& p, Node& stream) {
+    if (auto const vlan = hexadecimal(p["VLAN-ID"]); vlan && *vlan <= kLargestVlan) {
+        stream.set("vlan_id", Node::scalar(std::to_string(*vlan)));
+    } else if (!p["VLAN-ID"].empty()) {
+        assumed(address, control,
+                fmt::format("control block '{}' has the VLAN-ID '{}', which is none; it was left away",
+                            attribute(control, "name"), p["VLAN-ID"]));
+    }
+    if (std::string const& priority = p["VLAN-PRIORITY"]; is_vlan_priority(priority)) {
+        stream.set("vlan_priority", Node::scalar(priority));
+    } else if (!priority.empty()) {
+        assumed(address, control,
+                fmt::format("control block '{}' has the VLAN-PRIORITY '{}', which is none (0 to 7); the "
+                            "default is used",
+                            attribute(control, "name"), priority));
+    }
+}
+
 bool ControlSettings::read_address(Element const& control, Element const* where, Node& stream) {
     Element const* const address = where == nullptr ? nullptr : child(*where, "Address");
     if (address == nullptr) {
@@ -90,7 +130,7 @@ bool ControlSettings::read_address(Element const& control, Element const* where,
                  "a GSE or SMV with its ldInst and cbName under the ConnectedAP of its IED");
         return false;
     }
-    std::map<std::string, std::string> p;
+    Parameters p;
     for (Element const* e : children(*address, "P")) {
         p[attribute(*e, "type")] = text_of(*e);
     }
@@ -104,45 +144,14 @@ bool ControlSettings::read_address(Element const& control, Element const* where,
                  "like 01-0C-CD-01-00-01, and four hexadecimal digits");
         return false;
     }
-    auto const group = streams::parse_ipv4(p["IP"]);
-    if (group && streams::is_routed_group(*group)) { // R-GOOSE, R-SV: the MAC address follows from it
-        Node udp = Node::map();
-        udp.set("group", Node::quoted_text(p["IP"]));
-        if (std::string const& dscp = p["IP-ClassOfTraffic"]; is_class_of_traffic(dscp)) {
-            udp.set("dscp", Node::scalar(dscp));
-        }
-        stream.set("udp", std::move(udp));
-    } else {
-        stream.set("mac", Node::quoted_text(mac->to_string()));
-        if (!p["IP"].empty()) {
-            assumed(
-                *address, control,
-                fmt::format("control block '{}' has the IP address '{}', which is no group that routers forward: its "
-                            "MAC address is used",
-                            attribute(control, "name"), p["IP"]));
-        }
-    }
+    set_destination(*address, control, p, *mac, stream);
     stream.set("app_id", Node::scalar(fmt::format("0x{:04X}", *app_id)));
     if (p["APPID"].empty()) {
         assumed(*address, control,
                 fmt::format("control block '{}' has no APPID: the standard's default 0x{:04X}",
                             attribute(control, "name"), *app_id));
     }
-    if (auto const vlan = hexadecimal(p["VLAN-ID"]); vlan && *vlan <= kLargestVlan) {
-        stream.set("vlan_id", Node::scalar(std::to_string(*vlan)));
-    } else if (!p["VLAN-ID"].empty()) {
-        assumed(*address, control,
-                fmt::format("control block '{}' has the VLAN-ID '{}', which is none; it was left away",
-                            attribute(control, "name"), p["VLAN-ID"]));
-    }
-    if (std::string const& priority = p["VLAN-PRIORITY"]; is_vlan_priority(priority)) {
-        stream.set("vlan_priority", Node::scalar(priority));
-    } else if (!priority.empty()) {
-        assumed(*address, control,
-                fmt::format("control block '{}' has the VLAN-PRIORITY '{}', which is none (0 to 7); the "
-                            "default is used",
-                            attribute(control, "name"), priority));
-    }
+    set_vlan(*address, control, p, stream);
     return true;
 }
 

@@ -3,7 +3,11 @@
 #pragma once
 
 #include "common/config/node.hpp"
+#include "gateways/iec61850/frame.hpp"
 #include "gateways/scl/source_places.hpp"
+
+#include <map>
+#include <string>
 
 namespace gridspace::scl {
 
@@ -26,6 +30,12 @@ class ControlSettings {
     void note_of_protection(Element const& control);
 
   private:
+    using Parameters = std::map<std::string, std::string>; ///< P of an Address, by type
+
+    /// The MAC address; of a group address (R-GOOSE, R-SV) it follows from that.
+    void set_destination(Element const& address, Element const& control, Parameters& p, iec61850::Mac const& mac,
+                         config::Node& stream);
+    void set_vlan(Element const& address, Element const& control, Parameters& p, config::Node& stream);
     void assumed(Element const& where, Element const& control, std::string text, std::string remedy = {});
     void left_out(Element const& where, Element const& control, std::string text, std::string remedy = {});
     void note_of_times(Element const& time, double ms);

@@ -18,6 +18,39 @@ using iec61850::DataNode;
 
 constexpr double kLongestLiveMs = 4294967295.0; ///< timeAllowedToLive has 32 bits
 
+std::optional<DataNode> read_member(std::string const& name, Node const& node, std::string& problem);
+
+/// `h: {array: float32, count: 3}`.
+std::optional<DataNode> read_array(std::string const& name, Node const& node, Node const& element,
+                                   std::string& problem) {
+    Node const* const count = node.find("count");
+    auto const value = count == nullptr ? std::nullopt : config::number_of(*count);
+    if (!value || *value < 1 || *value > 1000 || *value != static_cast<int>(*value)) {
+        problem = fmt::format("the array '{}' needs a whole `count` of 1 to 1000", name);
+        return std::nullopt;
+    }
+    auto member = read_member("", element, problem);
+    if (!member) {
+        return std::nullopt;
+    }
+    return DataNode{name, DataNode::Kind::array, iec61850::BasicType::boolean, 0,
+                    std::vector<DataNode>(static_cast<std::size_t>(*value), *member)};
+}
+
+/// `id: {type: visible_string, length: 20}`.
+std::optional<DataNode> read_leaf(std::string const& name, Node const& node, Node const& type, std::string& problem) {
+    auto leaf = read_member(name, type, problem);
+    if (Node const* length = node.find("length"); leaf && length != nullptr) {
+        auto const value = config::number_of(*length);
+        if (!value || *value < 1 || *value > 255) {
+            problem = fmt::format("the length of '{}' is '{}'", name, length->text);
+            return std::nullopt;
+        }
+        leaf->length = static_cast<std::uint16_t>(*value);
+    }
+    return leaf;
+}
+
 /// A member of a data set: `Ia: float32`, `id: {type: visible_string, length: 20}`, `h: {array: float32, count: 3}`, a
 /// list of types (an array too), or a map of members (a structure).
 std::optional<DataNode> read_member(std::string const& name, Node const& node, std::string& problem) {
@@ -46,30 +79,10 @@ std::optional<DataNode> read_member(std::string const& name, Node const& node, s
         return std::nullopt;
     }
     if (Node const* element = node.find("array")) {
-        Node const* const count = node.find("count");
-        auto const value = count == nullptr ? std::nullopt : config::number_of(*count);
-        if (!value || *value < 1 || *value > 1000 || *value != static_cast<int>(*value)) {
-            problem = fmt::format("the array '{}' needs a whole `count` of 1 to 1000", name);
-            return std::nullopt;
-        }
-        auto member = read_member("", *element, problem);
-        if (!member) {
-            return std::nullopt;
-        }
-        return DataNode{name, DataNode::Kind::array, iec61850::BasicType::boolean, 0,
-                        std::vector<DataNode>(static_cast<std::size_t>(*value), *member)};
+        return read_array(name, node, *element, problem);
     }
     if (Node const* type = node.find("type"); type != nullptr && type->is_scalar()) {
-        auto leaf = read_member(name, *type, problem);
-        if (Node const* length = node.find("length"); leaf && length != nullptr) {
-            auto const value = config::number_of(*length);
-            if (!value || *value < 1 || *value > 255) {
-                problem = fmt::format("the length of '{}' is '{}'", name, length->text);
-                return std::nullopt;
-            }
-            leaf->length = static_cast<std::uint16_t>(*value);
-        }
-        return leaf;
+        return read_leaf(name, node, *type, problem);
     }
     DataNode structure{name, DataNode::Kind::structure, iec61850::BasicType::boolean, 0, {}};
     for (Node::Entry const& entry : node.entries) {

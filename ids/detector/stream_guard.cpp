@@ -33,13 +33,7 @@ StreamGuard::StreamGuard(Model const& model, GuardParams const& params)
     : params_{params}, closed_{model, params}, open_{model, params}, raw_{model.window} {}
 
 void StreamGuard::predict(Loop& loop) {
-    if (loop.forecaster.channels() == 3) {
-        loop.forecaster.forecast(loop.history.phase(0), loop.next.data());
-    } else {
-        for (std::size_t p = 0; p < 3; ++p) {
-            loop.forecaster.forecast(loop.history.phase(p), &loop.next[p]);
-        }
-    }
+    loop.forecaster.forecast_phases(loop.history.phase(0), loop.next.data());
     for (std::size_t p = 0; p < 3; ++p) {
         double const bound = params_.clamp * std::max(params_.threshold.nominal_peak_a, loop.believed[p].value());
         loop.next[p] = std::min(std::max(loop.next[p], -bound), bound);

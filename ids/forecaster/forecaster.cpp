@@ -68,6 +68,22 @@ void add_up(Dense const& layer, Real const* inputs, Real* out) {
     }
 }
 
+constexpr std::size_t kPhases = 3;
+
+/// One neuron for three phases, `layer.inputs` apart. The sum of each waits for itself alone.
+template <class Real, class Dense>
+std::array<Real, kPhases> add_up_phases(Dense const& layer, Real const* inputs) {
+    Real const* const weights = layer.columns.data();
+    std::size_t const n = layer.inputs;
+    Real a = layer.bias[0], b = a, c = a;
+    for (std::size_t i = 0; i < n; ++i) {
+        a += inputs[i] * weights[i];
+        b += inputs[n + i] * weights[i];
+        c += inputs[2 * n + i] * weights[i];
+    }
+    return {a, b, c};
+}
+
 } // namespace
 
 template <class Real>
@@ -75,7 +91,7 @@ Forecaster<Real>::Forecaster(Model const& model)
     : window_{model.window}, channels_{model.channels}, scale_by_peak_{model.scale == Model::Scale::window_peak},
       scale_a_{static_cast<Real>(model.scale_a)} {
     assert(check(model));
-    std::size_t widest = static_cast<std::size_t>(window_) * static_cast<std::size_t>(channels_);
+    std::size_t widest = static_cast<std::size_t>(window_) * kPhases;
     for (Layer const& layer : model.layers) {
         Dense d;
         d.inputs = static_cast<std::size_t>(layer.inputs);
@@ -96,11 +112,17 @@ Forecaster<Real>::Forecaster(Model const& model)
 }
 
 template <class Real>
-void Forecaster<Real>::forecast(Real const* history, Real* next) {
-    std::size_t const count = static_cast<std::size_t>(window_) * static_cast<std::size_t>(channels_);
+Real Forecaster<Real>::scaled(Real const* history, std::size_t count, Real* to) const {
     Real const scale = scale_by_peak_ ? peak_of(history, count, scale_a_) : scale_a_;
     Real const inverse = 1 / scale;
-    std::transform(history, history + count, a_.data(), [inverse](Real value) { return value * inverse; });
+    std::transform(history, history + count, to, [inverse](Real value) { return value * inverse; });
+    return scale;
+}
+
+template <class Real>
+void Forecaster<Real>::forecast(Real const* history, Real* next) {
+    std::size_t const count = static_cast<std::size_t>(window_) * static_cast<std::size_t>(channels_);
+    Real const scale = scaled(history, count, a_.data());
     for (Dense const& layer : layers_) {
         add_up(layer, a_.data(), b_.data());
         if (layer.squash) {
@@ -110,6 +132,28 @@ void Forecaster<Real>::forecast(Real const* history, Real* next) {
     }
     for (int c = 0; c < channels_; ++c) {
         next[c] = a_[static_cast<std::size_t>(c)] * scale;
+    }
+}
+
+template <class Real>
+void Forecaster<Real>::forecast_phases(Real const* history, Real* next) {
+    auto const n = static_cast<std::size_t>(window_);
+    Dense const& first = layers_.front();
+    if (channels_ == kPhases) {
+        forecast(history, next);
+    } else if (layers_.size() == 1 && !first.squash) {
+        std::array<Real, kPhases> scales;
+        for (std::size_t p = 0; p < kPhases; ++p) {
+            scales[p] = scaled(history + p * n, n, a_.data() + p * n);
+        }
+        std::array<Real, kPhases> const sums = add_up_phases(first, a_.data());
+        for (std::size_t p = 0; p < kPhases; ++p) {
+            next[p] = sums[p] * scales[p];
+        }
+    } else {
+        for (std::size_t p = 0; p < kPhases; ++p) {
+            forecast(history + p * n, next + p);
+        }
     }
 }
 

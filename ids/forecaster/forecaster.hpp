@@ -22,6 +22,10 @@ class Forecaster {
     /// The next sample of each channel. `history`: channels() x window() samples, phase by phase, oldest first; A.
     void forecast(Real const* history, Real* next);
 
+    /// The next sample of three phases, with the bits of forecast(). `history`: 3 x window() samples, phase by phase,
+    /// oldest first; A. A linear model of one channel takes the phases side by side.
+    void forecast_phases(Real const* history, Real* next);
+
   private:
     struct Dense {
         std::size_t inputs{0}, outputs{0};
@@ -29,6 +33,9 @@ class Forecaster {
         std::vector<Real> columns; ///< inputs x outputs: the inner loop runs over neurons, so it vectorises as written
         std::vector<Real> bias;
     };
+    /// Writes `count` samples at `to`, divided by the scale, which it gives.
+    Real scaled(Real const* history, std::size_t count, Real* to) const;
+
     int window_, channels_;
     bool scale_by_peak_;
     Real scale_a_;

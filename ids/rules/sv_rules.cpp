@@ -26,66 +26,9 @@ constexpr std::uint32_t kRemembered = 64; ///< samples of which is known whether
 
 SvRules::Verdict SvRules::judge(SvFacts const& f) {
     Verdict out;
-    std::uint32_t const rate = params_.rate_hz;
-    if (f.smp_cnt >= rate) {
-        out.findings |= kBadCounter;
-    }
-    if (f.simulated && !params_.test_mode) {
-        out.findings |= kSimulatedFrame;
-    }
-    if (bound_) {
-        out.findings |= f.source != identity_.source ? static_cast<std::uint32_t>(kWrongSource) : 0U;
-        bool const same = f.app_id == identity_.app_id && f.vlan == identity_.vlan &&
-                          f.sv_id_hash == identity_.sv_id_hash && f.conf_rev == identity_.conf_rev;
-        out.findings |= same ? 0U : static_cast<std::uint32_t>(kWrongIdentity);
-    }
-    bool const foreign = out.findings != 0;
-    if (!foreign) {
-        bound_ = true;
-        if (identity_.smp_synch > f.smp_synch && running_) {
-            out.findings |= kUnsynchronised; // accepted: the relay blocks by itself, and has to know
-        }
-        identity_ = f;
-        if (running_) {
-            std::uint32_t const ahead = (f.smp_cnt + rate - last_) % rate;
-            // Half a second ahead cannot be told from half a second behind; frames of the last half second are old.
-            bool const old = ahead == 0 || ahead > rate / 2;
-            std::uint32_t const behind = ahead == 0 ? 0 : rate - ahead;
-            std::uint64_t const bit = old && behind < kRemembered ? std::uint64_t{1} << behind : 0;
-            if ((seen_ & bit) != 0) {
-                out.findings |= kDuplicate;
-            } else if (old) {
-                out.findings |= kOutOfOrder;
-                seen_ |= bit;
-            } else if (ahead > 1) {
-                out.findings |= kGap;
-                out.missing = ahead - 1;
-            }
-        }
-        bool const rejected = (out.findings & (kDuplicate | kOutOfOrder)) != 0;
-        if (rejected) {
-            int const frames = f.behind_another ? 0 : 1; // a frame of many samples that comes twice is one
-            other_run_ = f.smp_cnt == other_next_ ? other_run_ + frames : 1;
-            other_next_ = static_cast<std::uint16_t>((f.smp_cnt + 1U) % rate);
-            // The publisher was restarted when its frames go on from there and nothing else comes.
-            if (other_run_ >= params_.resynchronise_after) {
-                out.findings &= ~static_cast<std::uint32_t>(kDuplicate | kOutOfOrder);
-                out.resynchronised = true;
-            }
-        }
-        if ((out.findings & (kDuplicate | kOutOfOrder)) == 0) {
-            if (running_ && params_.check_arrival && !out.resynchronised && out.missing == 0 &&
-                late_or_early(f.arrival_ns - last_arrival_ns_)) {
-                out.findings |= kBadArrival;
-            }
-            std::uint32_t const step = (f.smp_cnt + rate - last_) % rate;
-            bool const known = running_ && !out.resynchronised && step < kRemembered;
-            seen_ = (known ? seen_ << step : 0U) | 1U;
-            running_ = true;
-            last_ = f.smp_cnt;
-            last_arrival_ns_ = f.arrival_ns;
-            other_run_ = 0;
-        }
+    out.findings = strange(f);
+    if (out.findings == 0) {
+        follow(f, out);
     }
     out.accept = (out.findings &
                   (kWrongSource | kWrongIdentity | kDuplicate | kOutOfOrder | kSimulatedFrame | kBadCounter)) == 0;
@@ -93,6 +36,69 @@ SvRules::Verdict SvRules::judge(SvFacts const& f) {
         counters_[k] += (out.findings >> k) & 1U;
     }
     return out;
+}
+
+std::uint32_t SvRules::strange(SvFacts const& f) const {
+    std::uint32_t out = f.smp_cnt >= params_.rate_hz ? static_cast<std::uint32_t>(kBadCounter) : 0U;
+    out |= f.simulated && !params_.test_mode ? static_cast<std::uint32_t>(kSimulatedFrame) : 0U;
+    if (bound_) {
+        out |= f.source != identity_.source ? static_cast<std::uint32_t>(kWrongSource) : 0U;
+        bool const same = f.app_id == identity_.app_id && f.vlan == identity_.vlan &&
+                          f.sv_id_hash == identity_.sv_id_hash && f.conf_rev == identity_.conf_rev;
+        out |= same ? 0U : static_cast<std::uint32_t>(kWrongIdentity);
+    }
+    return out;
+}
+
+void SvRules::follow(SvFacts const& f, Verdict& out) {
+    std::uint32_t const rate = params_.rate_hz;
+    bound_ = true;
+    if (identity_.smp_synch > f.smp_synch && running_) {
+        out.findings |= kUnsynchronised; // accepted: the relay blocks by itself, and has to know
+    }
+    identity_ = f;
+    if (running_) {
+        find_place(f.smp_cnt, out);
+    }
+    if ((out.findings & (kDuplicate | kOutOfOrder)) != 0) {
+        int const frames = f.behind_another ? 0 : 1; // a frame of many samples that comes twice is one
+        other_run_ = f.smp_cnt == other_next_ ? other_run_ + frames : 1;
+        other_next_ = static_cast<std::uint16_t>((f.smp_cnt + 1U) % rate);
+        // The publisher was restarted when its frames go on from there and nothing else comes.
+        if (other_run_ < params_.resynchronise_after) {
+            return;
+        }
+        out.findings &= ~static_cast<std::uint32_t>(kDuplicate | kOutOfOrder);
+        out.resynchronised = true;
+    }
+    if (running_ && params_.check_arrival && !out.resynchronised && out.missing == 0 &&
+        late_or_early(f.arrival_ns - last_arrival_ns_)) {
+        out.findings |= kBadArrival;
+    }
+    std::uint32_t const step = (f.smp_cnt + rate - last_) % rate;
+    bool const known = running_ && !out.resynchronised && step < kRemembered;
+    seen_ = (known ? seen_ << step : 0U) | 1U;
+    running_ = true;
+    last_ = f.smp_cnt;
+    last_arrival_ns_ = f.arrival_ns;
+    other_run_ = 0;
+}
+
+void SvRules::find_place(std::uint16_t smp_cnt, Verdict& out) {
+    std::uint32_t const rate = params_.rate_hz, ahead = (smp_cnt + rate - last_) % rate;
+    // Half a second ahead cannot be told from half a second behind; frames of the last half second are old.
+    bool const old = ahead == 0 || ahead > rate / 2;
+    std::uint32_t const behind = ahead == 0 ? 0 : rate - ahead;
+    std::uint64_t const bit = old && behind < kRemembered ? std::uint64_t{1} << behind : 0;
+    if ((seen_ & bit) != 0) {
+        out.findings |= kDuplicate;
+    } else if (old) {
+        out.findings |= kOutOfOrder;
+        seen_ |= bit;
+    } else if (ahead > 1) {
+        out.findings |= kGap;
+        out.missing = ahead - 1;
+    }
 }
 
 bool SvRules::late_or_early(std::int64_t interval_ns) {

@@ -66,6 +66,9 @@ class SvRules {
     } ///< by bit of SvFinding
 
   private:
+    [[nodiscard]] std::uint32_t strange(SvFacts const& f) const; ///< findings for which it is not the stream's frame
+    void follow(SvFacts const& f, Verdict& out);                 ///< a frame of the stream
+    void find_place(std::uint16_t smp_cnt, Verdict& out);        ///< among those that came before
     [[nodiscard]] bool late_or_early(std::int64_t interval_ns);
 
     SvRuleParams params_;

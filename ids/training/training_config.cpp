@@ -66,11 +66,73 @@ void describe_simulated(config::Fields& f, SimulatedParams& s) {
     f.number("nominal_peak_a", s.nominal_peak_a, {.doc = "crest of the nominal current", .required = true, .above = 0});
 }
 
+void describe_model(config::Fields& m, TrainingConfig& c) {
+    m.integer("window", c.window, {.doc = "samples that it sees", .min = 1, .max = 4096});
+    m.integer("hidden", c.hidden, {.doc = "tanh neurons; 0: linear", .min = 0, .max = 1000});
+    m.integer("channels", c.channels, {.doc = "1: each phase for itself; 3: all together", .min = 1, .max = 3});
+    m.choice<Model::Scale>("scale", c.scale,
+                           {{"window_peak", Model::Scale::window_peak}, {"fixed", Model::Scale::fixed}},
+                           {.doc = "what samples are divided by: the peak of the window, or scale_a"});
+    m.number("scale_a", c.scale_a, {.doc = "fixed: the scale; window_peak: the least", .above = 0});
+    if (c.channels == 2) {
+        m.error("channels", "1 or 3 are possible");
+    }
+}
+
+void describe_training(config::Fields& t, TrainingConfig& c) {
+    using Method = TrainParams::Method;
+    std::int64_t epochs = c.training.epochs, batch = c.training.batch, threads = c.training.threads;
+    t.choice<Method>("method", c.training.method,
+                     {{"huber", Method::huber},
+                      {"least_squares", Method::least_squares},
+                      {"back_propagation", Method::back_propagation},
+                      {"levenberg_marquardt", Method::levenberg_marquardt}},
+                     {.doc = "linear: huber, least_squares; network: back_propagation, levenberg_marquardt"});
+    t.integer("epochs", epochs, {.doc = "passes, or iterations", .min = 1, .max = 100'000});
+    t.number("rate", c.training.rate, {.doc = "back-propagation: first step size; falls to a twentieth", .above = 0});
+    t.number("momentum", c.training.momentum, {.doc = "back-propagation", .min = 0, .below = 1});
+    t.integer("batch", batch, {.doc = "back-propagation: windows a step", .min = 1, .max = 100'000});
+    t.number("huber", c.training.huber,
+             {.doc = "linear: robust standard deviations beyond which errors count linearly", .above = 0});
+    t.number("error_limit", c.training.error_limit, {.doc = "networks: the same in scaled units", .above = 0});
+    t.integer("threads", threads, {.doc = "changes the time, not the result", .min = 1, .max = 256});
+    t.integer("windows", c.windows, {.doc = "training pairs that are drawn", .min = 10, .max = 100'000'000});
+    t.number("event_share", c.event_share,
+             {.doc = "share of them from the cycle after an event, at most", .min = 0, .max = 1});
+    c.training.epochs = static_cast<int>(epochs);
+    c.training.batch = static_cast<int>(batch);
+    c.training.threads = static_cast<int>(threads);
+}
+
+void describe_data(config::Fields& d, TrainingConfig& c) {
+    bool any = false;
+    any |= d.object("synthetic", {.doc = "recordings in closed form"},
+                    [&](config::Fields& s) { describe_synthetic(s, c); });
+    SimulatedParams simulated;
+    if (d.object("simulated", {.doc = "runs of the electromagnetic simulator"},
+                 [&](config::Fields& s) { describe_simulated(s, simulated); })) {
+        c.simulated = simulated;
+        any = true;
+    }
+    d.list("files", {.doc = "recordings (CSV, npy)"}, [&](config::Fields& l) {
+        TrainingConfig::File file;
+        std::optional<double> rate, event;
+        l.file("file", file.file, {.doc = "CSV with a time column, or npy", .required = true});
+        l.number("rate_hz", rate, {.doc = "npy: samples a second", .above = 0});
+        l.number("event_s", event, {.doc = "when something happens", .min = 0});
+        file.options = {rate, c.frequency_hz, event};
+        c.files.push_back(file);
+        any = true;
+    });
+    if (!any) {
+        d.error("", "no data", "give synthetic, simulated or files");
+    }
+}
+
 } // namespace
 
 void describe(config::Fields& f, TrainingConfig& c) {
-    using Method = TrainParams::Method;
-    std::int64_t version = 1, epochs = c.training.epochs, batch = c.training.batch, threads = c.training.threads;
+    std::int64_t version = 1;
     f.integer("gridspace_ids_training", version,
               {.doc = "version of this format", .required = true, .min = 1, .max = 1});
     f.text("name", c.name, {.doc = "of the model", .required = true});
@@ -78,66 +140,11 @@ void describe(config::Fields& f, TrainingConfig& c) {
     f.file("output", c.output, {.doc = "model file that is written", .required = true});
     f.number("rate_hz", c.rate_hz, {.doc = "samples a second", .max = 1e6, .above = 0});
     f.number("frequency_hz", c.frequency_hz, {.doc = "nominal frequency", .max = 1000, .above = 0});
-    f.object("model", {.doc = "its shape"}, [&](config::Fields& m) {
-        m.integer("window", c.window, {.doc = "samples that it sees", .min = 1, .max = 4096});
-        m.integer("hidden", c.hidden, {.doc = "tanh neurons; 0: linear", .min = 0, .max = 1000});
-        m.integer("channels", c.channels, {.doc = "1: each phase for itself; 3: all together", .min = 1, .max = 3});
-        m.choice<Model::Scale>("scale", c.scale,
-                               {{"window_peak", Model::Scale::window_peak}, {"fixed", Model::Scale::fixed}},
-                               {.doc = "what samples are divided by: the peak of the window, or scale_a"});
-        m.number("scale_a", c.scale_a, {.doc = "fixed: the scale; window_peak: the least", .above = 0});
-        if (c.channels == 2) {
-            m.error("channels", "1 or 3 are possible");
-        }
-    });
-    f.object("training", {.doc = "how"}, [&](config::Fields& t) {
-        t.choice<Method>("method", c.training.method,
-                         {{"huber", Method::huber},
-                          {"least_squares", Method::least_squares},
-                          {"back_propagation", Method::back_propagation},
-                          {"levenberg_marquardt", Method::levenberg_marquardt}},
-                         {.doc = "linear: huber, least_squares; network: back_propagation, levenberg_marquardt"});
-        t.integer("epochs", epochs, {.doc = "passes, or iterations", .min = 1, .max = 100'000});
-        t.number("rate", c.training.rate,
-                 {.doc = "back-propagation: first step size; falls to a twentieth", .above = 0});
-        t.number("momentum", c.training.momentum, {.doc = "back-propagation", .min = 0, .below = 1});
-        t.integer("batch", batch, {.doc = "back-propagation: windows a step", .min = 1, .max = 100'000});
-        t.number("huber", c.training.huber,
-                 {.doc = "linear: robust standard deviations beyond which errors count linearly", .above = 0});
-        t.number("error_limit", c.training.error_limit, {.doc = "networks: the same in scaled units", .above = 0});
-        t.integer("threads", threads, {.doc = "changes the time, not the result", .min = 1, .max = 256});
-        t.integer("windows", c.windows, {.doc = "training pairs that are drawn", .min = 10, .max = 100'000'000});
-        t.number("event_share", c.event_share,
-                 {.doc = "share of them from the cycle after an event, at most", .min = 0, .max = 1});
-    });
-    c.training.epochs = static_cast<int>(epochs);
-    c.training.batch = static_cast<int>(batch);
-    c.training.threads = static_cast<int>(threads);
+    f.object("model", {.doc = "its shape"}, [&](config::Fields& m) { describe_model(m, c); });
+    f.object("training", {.doc = "how"}, [&](config::Fields& t) { describe_training(t, c); });
     c.training.hidden = static_cast<int>(c.hidden);
-    bool any = false;
-    f.object("data", {.doc = "what it learns from; all of these together", .required = true}, [&](config::Fields& d) {
-        any |= d.object("synthetic", {.doc = "recordings in closed form"},
-                        [&](config::Fields& s) { describe_synthetic(s, c); });
-        SimulatedParams simulated;
-        if (d.object("simulated", {.doc = "runs of the electromagnetic simulator"},
-                     [&](config::Fields& s) { describe_simulated(s, simulated); })) {
-            c.simulated = simulated;
-            any = true;
-        }
-        d.list("files", {.doc = "recordings (CSV, npy)"}, [&](config::Fields& l) {
-            TrainingConfig::File file;
-            std::optional<double> rate, event;
-            l.file("file", file.file, {.doc = "CSV with a time column, or npy", .required = true});
-            l.number("rate_hz", rate, {.doc = "npy: samples a second", .above = 0});
-            l.number("event_s", event, {.doc = "when something happens", .min = 0});
-            file.options = {rate, c.frequency_hz, event};
-            c.files.push_back(file);
-            any = true;
-        });
-        if (!any) {
-            d.error("", "no data", "give synthetic, simulated or files");
-        }
-    });
+    f.object("data", {.doc = "what it learns from; all of these together", .required = true},
+             [&](config::Fields& d) { describe_data(d, c); });
     c.synthetic.rate_hz = c.rate_hz;
     c.synthetic.frequency_hz = c.frequency_hz;
 }

@@ -5,6 +5,7 @@
 #include "common/config/fields.hpp"
 #include "common/config/merge.hpp"
 #include "common/config/yaml.hpp"
+#include "launcher/judge/number_at.hpp"
 
 #include <set>
 #include <vector>
@@ -62,17 +63,13 @@ std::optional<Cause> fault_on_own_line(std::filesystem::path const& run, Node co
     std::optional<Cause> out;
     Node const* events = scenario.find("events");
     for (Node::Entry const& event : events == nullptr ? std::vector<Node::Entry>{} : events->entries) {
-        auto const number = [&](char const* key) {
-            Node const* node = event.value.find(key);
-            return node == nullptr ? std::nullopt : config::number_of(*node);
-        };
         Node const* fault = event.value.find("apply_fault");
         Node const* line = fault == nullptr ? nullptr : fault->find("line");
-        auto const at = number("at_s");
+        auto const at = number_at(&event.value, "at_s");
         if (line == nullptr || !lines.contains(line->text) || !at || *at > until_s || (out && *at < out->second)) {
             continue;
         }
-        auto const stands_ms = number("clear_after_ms");
+        auto const stands_ms = number_at(&event.value, "clear_after_ms");
         if (!stands_ms || *at + *stands_ms / 1e3 + kLongS >= until_s) {
             out = {event.key, *at};
         }

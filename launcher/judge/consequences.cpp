@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/judge/consequences.hpp"
 
-#include "common/config/fields.hpp"
+#include "launcher/judge/number_at.hpp"
 #include "launcher/judge/protection_chain.hpp"
 
 #include <algorithm>
@@ -21,16 +21,7 @@ constexpr double kLateMs = 0.21;
 constexpr double kServed = 0.5;
 /// A trip or an opening so long after a fault is still its own.
 constexpr double kBelongsWithinS = 0.5;
-/// An alarm so long after the last thing that was altered is still about it: what is not confirmed is said after 20 ms.
-constexpr double kAlarmWithinS = 0.04;
 constexpr double kOpen = 1; ///< of a position, as IEC 61850-7-3 counts
-/// Labels of messages come in blocks of this length.
-constexpr double kBlockS = 0.01;
-
-std::optional<double> number_at(Node const* map, std::string_view key) {
-    Node const* value = map == nullptr ? nullptr : map->find(key);
-    return value == nullptr ? std::nullopt : config::number_of(*value);
-}
 
 /// What a load asks for: from an instant on, kW at 1 p.u. Nothing when a profile or an agent decides about it.
 std::optional<std::map<std::int64_t, double>> demand(Node const& load, std::string const& name, Node const& scenario) {
@@ -199,73 +190,24 @@ void judge_openings(Consequences& out, Node const& scenario, SignalStore const& 
     }
 }
 
-/// When an attack altered something for the first and for the last time.
-struct Span {
-    double from_s{0}, to_s{0};
-};
-
-std::map<std::string, Span> spans(IntrusionScore const& score, Node const& scenario) {
-    std::map<std::string, double> rates;
-    std::map<std::string, Span> out;
-    if (Node const* streams = scenario.find("streams"); streams != nullptr && streams->is_map()) {
-        for (Node::Entry const& s : streams->entries) {
-            if (Node const* kind = s.value.find("kind"); kind != nullptr && kind->text == "smv") {
-                rates[s.key] = number_at(&s.value, "rate_hz").value_or(4800);
-            }
-        }
-    }
-    Node const* attacks = scenario.find("attacks");
-    for (IntrusionRecording::Label const& label : score.recording.labels) {
-        auto const rate = rates.find(label.target);
-        double at_s = 0;
-        if (rate != rates.end()) {
-            at_s = static_cast<double>(label.index) / rate->second;
-        } else {
-            Node const* window = attacks == nullptr || attacks->find(label.attack) == nullptr
-                                     ? nullptr
-                                     : attacks->find(label.attack)->find("window");
-            at_s =
-                std::max(number_at(window, "from_s").value_or(0), 1e-9 * static_cast<double>(label.sent_ns) - kBlockS);
-        }
-        Span& span = out.try_emplace(label.attack, Span{at_s, at_s}).first->second;
-        span = {std::min(span.from_s, at_s), std::max(span.to_s, at_s)};
-    }
-    return out;
-}
-
-void judge_alarms(Consequences& out, IntrusionScore const& score, Node const& scenario, SignalStore const& signals) {
-    for (auto const& [attack, span] : spans(score, scenario)) {
-        Consequences::Alarm first{attack, "", 0};
-        for (auto const& [name, series] : signals) {
-            bool const is_alarm =
-                (name.starts_with("ids.") || name.starts_with("first_line.")) && name.ends_with(".alarm");
-            if (!is_alarm) {
-                continue;
-            }
-            bool before = false;
-            for (std::size_t i = 0; i < series.values.size(); ++i) {
-                bool const up = series.values[i] != 0;
-                double const at_s = 1e-9 * static_cast<double>(series.times_ns[i]),
-                             delay_ms = 1e3 * (at_s - span.from_s);
-                if (up && !before && delay_ms >= 0 && at_s <= span.to_s + kAlarmWithinS) {
-                    if (first.by.empty() || delay_ms < first.delay_ms) {
-                        first.by = name.substr(0, name.size() - std::string_view{".alarm"}.size());
-                        first.delay_ms = delay_ms;
-                    }
-                    break;
-                }
-                before = up;
-            }
-        }
-        if (first.by.empty()) {
-            out.not_alarmed.push_back(attack);
-        } else {
-            out.alarms.push_back(std::move(first));
-        }
-    }
-}
-
 } // namespace
+
+bool is_disturbed(Node const& scenario) {
+    auto const any = [&](char const* key, auto const& holds) {
+        Node const* const node = scenario.find(key);
+        return node != nullptr && node->is_map() && std::ranges::any_of(node->entries, holds);
+    };
+    return any("attacks", [](Node::Entry const&) { return true; }) ||
+           any("processes", // what `impairments:` stand for
+               [](Node::Entry const& process) {
+                   Node const* const program = process.value.find("program");
+                   return program != nullptr && program->text == "gridspace-link";
+               }) ||
+           any("events", [](Node::Entry const& event) {
+               return event.value.find("kill") != nullptr || event.value.find("pause") != nullptr ||
+                      event.value.find("restart") != nullptr;
+           });
+}
 
 Consequences find_consequences(IntrusionScore const& score, Node const& scenario, Node const& network,
                                SignalStore const& signals, double end_s) {
@@ -273,7 +215,11 @@ Consequences find_consequences(IntrusionScore const& score, Node const& scenario
     judge_trips(out, score, scenario, signals);
     judge_openings(out, scenario, signals);
     judge_loads(out, scenario, network, signals, end_s);
-    judge_alarms(out, score, scenario, signals);
+    AttackSpans spans{scenario};
+    for (IntrusionRecording::Label const& label : score.recording.labels) {
+        spans.add(label);
+    }
+    out.alarms = score_alarms(spans.all(), raised_alarms(signals, end_s), end_s);
     return out;
 }
 
@@ -292,12 +238,11 @@ void add_consequence_signals(Consequences const& c, double end_s, SignalStore& s
         add("consequence.load_not_served_kw", "kW", c.load_not_served_kw);
         add("consequence.energy_not_served_wh", "Wh", c.energy_not_served_wh);
     }
-    for (Consequences::Alarm const& alarm : c.alarms) {
-        add("score." + alarm.attack + ".alarmed", "", 1);
-        add("score." + alarm.attack + ".alarm_ms", "ms", alarm.delay_ms);
-    }
-    for (std::string const& attack : c.not_alarmed) {
-        add("score." + attack + ".alarmed", "", 0);
+    for (AlarmScore::Attack const& attack : c.alarms.attacks) {
+        add("score." + attack.span.attack + ".alarmed", "", attack.delay_ms ? 1 : 0);
+        if (attack.delay_ms) {
+            add("score." + attack.span.attack + ".alarm_ms", "ms", *attack.delay_ms);
+        }
     }
 }
 

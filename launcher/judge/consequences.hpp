@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "launcher/judge/alarm_score.hpp"
 #include "launcher/judge/intrusion_score.hpp"
 
 #include <optional>
@@ -10,7 +11,7 @@
 
 namespace gridspace::launcher {
 
-/// What an attacked run did to the grid, apart from what detectors found.
+/// What attacks and disturbances did to the grid, apart from what detectors found.
 struct Consequences {
     std::uint64_t faults{0}, lost{0}, false_trips{0}; ///< lost: the relay does not trip, or no breaker behind it opens
     std::optional<double> slowest_trip_ms;            ///< from a fault to its trip, of those that were tripped on
@@ -29,13 +30,11 @@ struct Consequences {
     double load_not_served_kw{0};     ///< largest of their sum
     double energy_not_served_wh{0};
 
-    struct Alarm { ///< the first alarm of an attack, whoever raised it
-        std::string attack, by;
-        double delay_ms{0};
-    };
-    std::vector<Alarm> alarms;
-    std::vector<std::string> not_alarmed; ///< attacks during which nobody raised an alarm
+    AlarmScore alarms; ///< of whoever raised them
 };
+
+/// Whether somebody or something works against the run: attacks, impaired cables, processes that are killed or stopped.
+[[nodiscard]] bool is_disturbed(config::Node const& scenario);
 
 /// While a load gets less than half of what it asks for (its power at 1 p.u., with what events have set), all that it
 /// does not get is not served. A load in the dark is; one at 0.9 p.u. is not.

@@ -109,11 +109,14 @@ Result<void> read_recording(fs::path const& folder, Results& out, RecordingLoss&
     return {};
 }
 
-/// Only where somebody watched or attacked: other runs are not read twice.
+/// Only where somebody watched, attacked or disturbed: other runs are not read twice.
 Result<void> add_intrusion(fs::path const& folder, Results& out) {
-    bool const any = std::any_of(out.topics.begin(), out.topics.end(),
-                                 [](auto const& t) { return t.type == "IdsVerdict" || t.type == "AttackLabel"; });
-    if (!any) {
+    config::Diagnostics unread;
+    auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", unread);
+    bool const disturbed = scenario && is_disturbed(*scenario);
+    bool const watched = std::any_of(out.topics.begin(), out.topics.end(),
+                                     [](auto const& t) { return t.type == "IdsVerdict" || t.type == "AttackLabel"; });
+    if (!disturbed && !watched) {
         return {};
     }
     auto score = read_intrusion_score(folder, out.signals, out.events, out.outcome.simulated_s);
@@ -122,9 +125,7 @@ Result<void> add_intrusion(fs::path const& folder, Results& out) {
     }
     out.intrusion = std::move(*score);
     add_intrusion_signals(out.intrusion, out.outcome.simulated_s, out.signals);
-    config::Diagnostics unread;
-    auto const scenario = config::load_yaml(folder / "scenario.resolved.yaml", unread);
-    if (scenario && scenario->find("attacks") != nullptr && scenario->find("attacks")->is_map()) {
+    if (disturbed) {
         fs::path const file = folder / "network.yaml";
         auto const network = fs::exists(file) ? config::load_yaml(file, unread) : std::nullopt;
         out.consequences = find_consequences(out.intrusion, *scenario, network ? *network : config::Node::map(),

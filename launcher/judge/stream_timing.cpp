@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "launcher/judge/stream_timing.hpp"
 
-#include "common/config/fields.hpp"
+#include "launcher/judge/number_at.hpp"
 #include "launcher/judge/signal_rows.hpp"
 #include "launcher/wire/steady_interval.hpp"
 
@@ -22,9 +22,7 @@ std::size_t last_count(SignalStore const& signals, std::string const& name) {
 /// A number of a stream's entry in `streams:`; nothing where it has none.
 std::optional<double> declared(Node const& scenario, std::string const& stream, char const* key) {
     Node const* streams = scenario.find("streams");
-    Node const* entry = streams == nullptr ? nullptr : streams->find(stream);
-    Node const* value = entry == nullptr ? nullptr : entry->find(key);
-    return value == nullptr ? std::nullopt : config::number_of(*value);
+    return number_at(streams == nullptr ? nullptr : streams->find(stream), key);
 }
 
 std::string declared_text(Node const& entry, char const* key) {

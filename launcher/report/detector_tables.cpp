@@ -112,7 +112,7 @@ std::vector<ReportTable> detector_tables(IntrusionScore const& score) {
 std::vector<ReportTable> consequence_tables(Consequences const& c) {
     auto const power = [](double kw) { return fmt::format("{:.3g} kW", kw); };
     auto const energy = [](double wh) { return fmt::format("{:.3g} Wh", wh); };
-    ReportTable sum{"What the attacks did to the grid", {"", ""}, {}};
+    ReportTable sum{"What attacks and disturbances did to the grid", {"", ""}, {}};
     sum.rows.push_back({"trips lost", fmt::format("{} of {} faults", c.lost, c.faults)});
     sum.rows.push_back({"trips late", c.compared == 0 ? "not judged: no relay with a detector tripped on a fault"
                                                       : fmt::format("{} of {}", c.late, c.compared)});
@@ -137,12 +137,11 @@ std::vector<ReportTable> consequence_tables(Consequences const& c) {
     for (std::string const& load : c.loads.empty() ? std::vector<std::string>{} : c.unknown) {
         sum.rows.push_back({"load " + escape_markup(load), "not judged"});
     }
-    for (Consequences::Alarm const& alarm : c.alarms) {
-        sum.rows.push_back({"first alarm of " + escape_markup(alarm.attack),
-                            fmt::format("{:.2f} ms after its start, by {}", alarm.delay_ms, escape_markup(alarm.by))});
-    }
-    for (std::string const& attack : c.not_alarmed) {
-        sum.rows.push_back({"first alarm of " + escape_markup(attack), "none"});
+    for (AlarmScore::Attack const& attack : c.alarms.attacks) {
+        sum.rows.push_back({"first alarm of " + escape_markup(attack.span.attack),
+                            attack.delay_ms ? fmt::format("{:.2f} ms after its start, by {}", *attack.delay_ms,
+                                                          escape_markup(attack.by))
+                                            : "none"});
     }
     return {std::move(sum)};
 }

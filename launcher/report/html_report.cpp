@@ -7,6 +7,7 @@
 #include "common/time.hpp"
 #include "launcher/folder/write_file.hpp"
 #include "launcher/judge/expectation_rule.hpp"
+#include "launcher/report/authentication_table.hpp"
 #include "launcher/report/detector_tables.hpp"
 #include "launcher/report/event_tables.hpp"
 #include "launcher/report/figures.hpp"
@@ -250,7 +251,7 @@ Result<fs::path> write_html_report(Results const& r) {
     add_tables(r.consequences ? consequence_tables(*r.consequences) : std::vector<ReportTable>{});
     add_tables(detector_tables(r.intrusion));
     add_tables(wire_timing_tables(timing, published_of(scenario)));
-    add_tables({real_time_table(r)});
+    add_tables({real_time_table(r), authentication_table(r, scenario)});
     std::for_each(rest, figures->end(), [&](std::string const& drawing) { body += drawing; });
     body += notes(scenario) + files_table(r);
     add_tables({stranger_table(r)});

@@ -57,11 +57,9 @@ std::string value_text(ExpectationResult const& e) {
 
 Json consequences_json(Consequences const& c) {
     Json alarms = Json::object();
-    for (Consequences::Alarm const& alarm : c.alarms) {
-        alarms[alarm.attack] = {{"by", alarm.by}, {"delay_ms", alarm.delay_ms}};
-    }
-    for (std::string const& attack : c.not_alarmed) {
-        alarms[attack] = nullptr;
+    for (AlarmScore::Attack const& attack : c.alarms.attacks) {
+        alarms[attack.span.attack] =
+            attack.delay_ms ? Json{{"by", attack.by}, {"delay_ms", *attack.delay_ms}} : Json(nullptr);
     }
     bool const known = !c.loads.empty();
     return {{"faults", c.faults},

@@ -273,6 +273,21 @@ Result<void> Writer::put_index() {
     return put(index_);
 }
 
+Bytes Writer::statistics_body() const {
+    Bytes out;
+    Encoder{out}
+        .number(message_count_)
+        .number(static_cast<std::uint16_t>(schemas_.size()))
+        .number(static_cast<std::uint32_t>(channels_.size()))
+        .number(std::uint32_t{0})
+        .number(std::uint32_t{0})
+        .number(chunk_count_)
+        .number(first_time_)
+        .number(last_time_)
+        .numbers(channel_counts_);
+    return out;
+}
+
 Result<void> Writer::finish() {
     if (!fd_ || std::exchange(finished_, true)) {
         return {};
@@ -301,20 +316,7 @@ Result<void> Writer::finish() {
     };
     group(Op::schema, schemas_, schema_body);
     group(Op::channel, channels_, channel_body);
-    group(Op::statistics, std::array{0}, [&](int) {
-        Bytes b;
-        Encoder{b}
-            .number(message_count_)
-            .number(static_cast<std::uint16_t>(schemas_.size()))
-            .number(static_cast<std::uint32_t>(channels_.size()))
-            .number(std::uint32_t{0})
-            .number(std::uint32_t{0})
-            .number(chunk_count_)
-            .number(first_time_)
-            .number(last_time_)
-            .numbers(channel_counts_);
-        return b;
-    });
+    group(Op::statistics, std::array{0}, [&](int) { return statistics_body(); });
     if (auto ok = put(out); !ok) {
         return ok;
     }

@@ -48,6 +48,7 @@ class Writer {
     [[nodiscard]] Result<void> put(std::vector<std::uint8_t> const& bytes);
     void spill_index();
     [[nodiscard]] Result<void> put_index();
+    [[nodiscard]] std::vector<std::uint8_t> statistics_body() const;
 
     UniqueFd fd_;
     std::filesystem::path file_;

@@ -53,14 +53,7 @@ std::array<std::pair<Command, std::vector<Ref> const*>, 5> commands_of(Event con
              {Command::reset, &e.reset}}};
 }
 
-} // namespace
-
-std::span<EventAction const> event_actions() {
-    return kActions;
-}
-
-void describe(Fields& f, Event& e) {
-    f.fraction("at_s", e.at_s, {.doc = "simulated time", .required = true, .min = 0});
+void describe_settings(Fields& f, Event& e) {
     config::Node set;
     f.raw("set", set, what("set"));
     for (config::Node::Entry const& entry : set.entries) {
@@ -75,8 +68,9 @@ void describe(Fields& f, Event& e) {
                     "expected a number");
         }
     }
-    f.references("open", e.open, what("open"));
-    f.references("close", e.close, what("close"));
+}
+
+void describe_fault(Fields& f, Event& e) {
     f.object("apply_fault", what("apply_fault"), [&](Fields& g) {
         ApplyFault& fault = e.fault.emplace();
         fault.name = e.name.name;
@@ -99,13 +93,9 @@ void describe(Fields& f, Event& e) {
                     "give one of `line` and `bus`");
         }
     });
-    f.fraction("clear_after_ms", e.clear_after_ms, {.doc = "the fault clears by itself after so long", .above = 0});
-    f.reference("disconnect", e.disconnect, what("disconnect"));
-    f.reference("connect", e.connect, what("connect"));
-    f.references("start", e.start, what("start"));
-    f.references("stop", e.stop, what("stop"));
-    f.references("fail_to_open", e.fail_to_open, what("fail_to_open"));
-    f.references("reset", e.reset, what("reset"));
+}
+
+void describe_modes(Fields& f, Event& e) {
     config::Node mode;
     f.raw("mode", mode, what("mode"));
     for (config::Node::Entry const& entry : mode.entries) {
@@ -115,14 +105,9 @@ void describe(Fields& f, Event& e) {
         f.error("mode", fmt::format("`mode` is {}", config::describe(mode)),
                 "expected elements and their modes: {G1: droop}");
     }
-    f.reference("desynchronise", e.desynchronise, what("desynchronise"));
-    f.integer("shift_samples", e.shift_samples,
-              {.doc = "desynchronise: how far its counter runs ahead of the samples", .min = -4800, .max = 4800});
-    f.reference("resynchronise", e.resynchronise, what("resynchronise"));
-    f.reference("kill", e.kill, what("kill"));
-    f.reference("pause", e.pause, what("pause"));
-    f.reference("resume", e.resume, what("resume"));
-    f.reference("restart", e.restart, what("restart"));
+}
+
+void check(Fields& f, Event const& e) {
     if (std::none_of(std::begin(kActions), std::end(kActions), [&](EventAction const& a) { return f.has(a.key); })) {
         std::vector<std::string> keys;
         for (EventAction const& action : kActions) {
@@ -137,6 +122,37 @@ void describe(Fields& f, Event& e) {
     if (e.clear_after_ms && !e.fault) {
         f.error("clear_after_ms", fmt::format("event '{}' has no fault to clear", e.name.name));
     }
+}
+
+} // namespace
+
+std::span<EventAction const> event_actions() {
+    return kActions;
+}
+
+void describe(Fields& f, Event& e) {
+    f.fraction("at_s", e.at_s, {.doc = "simulated time", .required = true, .min = 0});
+    describe_settings(f, e);
+    f.references("open", e.open, what("open"));
+    f.references("close", e.close, what("close"));
+    describe_fault(f, e);
+    f.fraction("clear_after_ms", e.clear_after_ms, {.doc = "the fault clears by itself after so long", .above = 0});
+    f.reference("disconnect", e.disconnect, what("disconnect"));
+    f.reference("connect", e.connect, what("connect"));
+    f.references("start", e.start, what("start"));
+    f.references("stop", e.stop, what("stop"));
+    f.references("fail_to_open", e.fail_to_open, what("fail_to_open"));
+    f.references("reset", e.reset, what("reset"));
+    describe_modes(f, e);
+    f.reference("desynchronise", e.desynchronise, what("desynchronise"));
+    f.integer("shift_samples", e.shift_samples,
+              {.doc = "desynchronise: how far its counter runs ahead of the samples", .min = -4800, .max = 4800});
+    f.reference("resynchronise", e.resynchronise, what("resynchronise"));
+    f.reference("kill", e.kill, what("kill"));
+    f.reference("pause", e.pause, what("pause"));
+    f.reference("resume", e.resume, what("resume"));
+    f.reference("restart", e.restart, what("restart"));
+    check(f, e);
 }
 
 void describe_events(Fields& parent, std::vector<Event>& events) {

@@ -57,6 +57,49 @@ LineGatewayConfig::Publish read_bay(Ref const& topic, Node const& value, std::st
     return out;
 }
 
+LineGatewayConfig::Subscribe read_subscription(Ref const& topic, Node const& value, Diagnostics& diagnostics) {
+    LineGatewayConfig::Subscribe out{topic, {}};
+    if (value.is_scalar()) {
+        out.breakers.push_back({value.text, value.where});
+    }
+    for (Node const& item : value.items) {
+        out.breakers.push_back({item.text, item.where});
+    }
+    if (out.breakers.empty()) {
+        diagnostics.error(topic.where, fmt::format("topic '{}' opens no breaker", topic.name),
+                          "expected a list of breakers", static_cast<int>(topic.name.size()));
+    }
+    return out;
+}
+
+LineGatewayConfig read_gateway(Node::Entry const& entry, Diagnostics& diagnostics) {
+    LineGatewayConfig gateway;
+    gateway.name = {entry.key, entry.where};
+    Node publish, subscribe;
+    config::read_fields(entry.value, "simulation.gateways." + entry.key, diagnostics, [&](config::Fields& f) {
+        f.raw("publish", publish, {.doc = "DDS topic: current transformer, or {ct: …, vt: …} of a bay"});
+        f.raw("subscribe", subscribe, {.doc = "DDS topic: breakers that a trip command on it opens"});
+    });
+    topics_of(&publish, fmt::format("`publish` of gateway '{}'", entry.key), diagnostics,
+              [&](Ref const& topic, Node const& value) {
+                  if (value.is_scalar()) {
+                      gateway.publish.push_back({topic, {value.text, value.where}, {}});
+                  } else if (value.is_map()) {
+                      gateway.publish.push_back(read_bay(topic, value, entry.key, diagnostics));
+                  } else {
+                      diagnostics.error(topic.where,
+                                        fmt::format("topic '{}' publishes {}", topic.name, config::describe(value)),
+                                        "expected the name of a current transformer, or {ct: …, vt: …}",
+                                        static_cast<int>(topic.name.size()));
+                  }
+              });
+    topics_of(&subscribe, fmt::format("`subscribe` of gateway '{}'", entry.key), diagnostics,
+              [&](Ref const& topic, Node const& value) {
+                  gateway.subscribe.push_back(read_subscription(topic, value, diagnostics));
+              });
+    return gateway;
+}
+
 } // namespace
 
 void describe(config::Fields& f, SamplingConfig& s) {
@@ -95,47 +138,12 @@ GatewaysConfig read_gateways(Node const& gateways, Diagnostics& diagnostics) {
         return out;
     }
     for (Node::Entry const& entry : gateways.entries) {
-        LineGatewayConfig gateway;
-        gateway.name = {entry.key, entry.where};
         if (!entry.value.is_map()) {
             diagnostics.error(entry.where, fmt::format("gateway '{}' is {}", entry.key, config::describe(entry.value)),
                               "expected a map with `publish` and `subscribe`");
             continue;
         }
-        Node publish, subscribe;
-        config::read_fields(entry.value, "simulation.gateways." + entry.key, diagnostics, [&](config::Fields& f) {
-            f.raw("publish", publish, {.doc = "DDS topic: current transformer, or {ct: …, vt: …} of a bay"});
-            f.raw("subscribe", subscribe, {.doc = "DDS topic: breakers that a trip command on it opens"});
-        });
-        topics_of(&publish, fmt::format("`publish` of gateway '{}'", entry.key), diagnostics,
-                  [&](Ref const& topic, Node const& value) {
-                      if (value.is_scalar()) {
-                          gateway.publish.push_back({topic, {value.text, value.where}, {}});
-                      } else if (value.is_map()) {
-                          gateway.publish.push_back(read_bay(topic, value, entry.key, diagnostics));
-                      } else {
-                          diagnostics.error(topic.where,
-                                            fmt::format("topic '{}' publishes {}", topic.name, config::describe(value)),
-                                            "expected the name of a current transformer, or {ct: …, vt: …}",
-                                            static_cast<int>(topic.name.size()));
-                      }
-                  });
-        topics_of(&subscribe, fmt::format("`subscribe` of gateway '{}'", entry.key), diagnostics,
-                  [&](Ref const& topic, Node const& value) {
-                      LineGatewayConfig::Subscribe subscription{topic, {}};
-                      if (value.is_scalar()) {
-                          subscription.breakers.push_back({value.text, value.where});
-                      }
-                      for (Node const& item : value.items) {
-                          subscription.breakers.push_back({item.text, item.where});
-                      }
-                      if (subscription.breakers.empty()) {
-                          diagnostics.error(topic.where, fmt::format("topic '{}' opens no breaker", topic.name),
-                                            "expected a list of breakers", static_cast<int>(topic.name.size()));
-                      }
-                      gateway.subscribe.push_back(std::move(subscription));
-                  });
-        out.lines.push_back(std::move(gateway));
+        out.lines.push_back(read_gateway(entry, diagnostics));
     }
     return out;
 }

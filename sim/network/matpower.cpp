@@ -87,61 +87,72 @@ class Converter {
             return;
         }
         for (std::size_t r = 0; r < table.size(); ++r) {
-            int const line = table.line(r);
-            double const number = table.at(r, 1);
-            double const written_type = table.at(r, 2);
-            if (number != std::floor(number) || number < 0 || number > 1e9) {
-                diagnostics_.error({text_, line, 1}, fmt::format("a bus has the number {}", shortest(number)),
-                                   "expected a whole number");
-                continue;
+            auto const type = type_of_bus(table, r);
+            if (type == kIsolated) {
+                isolated_.insert(table.at(r, 1)); // out of service, with everything at it
+            } else if (type) {
+                add_bus(table, r, *type);
             }
-            if (written_type != 1 && written_type != 2 && written_type != 3 && written_type != 4) {
-                diagnostics_.error({text_, line, 1},
-                                   fmt::format("bus {} is of type {}", shortest(number), shortest(written_type)),
-                                   "expected 1 (PQ), 2 (PV), 3 (reference) or 4 (isolated)");
-                continue;
-            }
-            if (auto const [it, fresh] = seen_.try_emplace(number, line); !fresh) {
-                diagnostics_.error({text_, line, 1}, fmt::format("bus {} is given twice", shortest(number)),
-                                   fmt::format("first on line {}", it->second));
-                continue;
-            }
-            auto const type = static_cast<int>(written_type);
-            if (type == 4) {
-                isolated_.insert(number); // out of service, with everything at it
-                continue;
-            }
-            Bus bus;
-            bus.name = ref(bus_name(number), line);
-            double const kv = table.at(r, 10);
-            bus.voltage_v = kv > 0 ? kv * 1e3 : 1e3;
-            if (table.at(r, 8) > 0) {
-                bus.start = {table.at(r, 8), table.at(r, 9)};
-            }
-            types_[number] = type;
-            if (type == 3) {
-                slack_angle_[number] = table.at(r, 9);
-            }
-            double const p = table.at(r, 3), q = table.at(r, 4), g = table.at(r, 5), b = table.at(r, 6);
-            if (p != 0 || q != 0) {
-                Load load;
-                load.name = ref(fmt::format("D{}", r + 1), line);
-                load.bus = bus.name;
-                load.p_kw = p * 1e3;
-                load.q_kvar = q * 1e3;
-                network_.loads.push_back(load);
-            }
-            if (g != 0 || b != 0) {
-                Shunt shunt;
-                shunt.name = ref(fmt::format("S{}", r + 1), line);
-                shunt.bus = bus.name;
-                shunt.p_kw = g * 1e3;
-                shunt.q_kvar = b * 1e3;
-                network_.shunts.push_back(shunt);
-            }
-            voltages_[number] = bus.voltage_v;
-            network_.buses.push_back(bus);
         }
+    }
+
+    static constexpr int kIsolated = 4;
+    /// Nothing when the bus cannot be used, of which everything was said.
+    std::optional<int> type_of_bus(Table const& table, std::size_t r) {
+        int const line = table.line(r);
+        double const number = table.at(r, 1);
+        double const type = table.at(r, 2);
+        if (number != std::floor(number) || number < 0 || number > 1e9) {
+            diagnostics_.error({text_, line, 1}, fmt::format("a bus has the number {}", shortest(number)),
+                               "expected a whole number");
+            return std::nullopt;
+        }
+        if (type != 1 && type != 2 && type != 3 && type != kIsolated) {
+            diagnostics_.error({text_, line, 1}, fmt::format("bus {} is of type {}", shortest(number), shortest(type)),
+                               "expected 1 (PQ), 2 (PV), 3 (reference) or 4 (isolated)");
+            return std::nullopt;
+        }
+        if (auto const [it, fresh] = seen_.try_emplace(number, line); !fresh) {
+            diagnostics_.error({text_, line, 1}, fmt::format("bus {} is given twice", shortest(number)),
+                               fmt::format("first on line {}", it->second));
+            return std::nullopt;
+        }
+        return static_cast<int>(type);
+    }
+
+    void add_bus(Table const& table, std::size_t r, int type) {
+        int const line = table.line(r);
+        double const number = table.at(r, 1);
+        Bus bus;
+        bus.name = ref(bus_name(number), line);
+        double const kv = table.at(r, 10);
+        bus.voltage_v = kv > 0 ? kv * 1e3 : 1e3;
+        if (table.at(r, 8) > 0) {
+            bus.start = {table.at(r, 8), table.at(r, 9)};
+        }
+        types_[number] = type;
+        if (type == 3) {
+            slack_angle_[number] = table.at(r, 9);
+        }
+        double const p = table.at(r, 3), q = table.at(r, 4), g = table.at(r, 5), b = table.at(r, 6);
+        if (p != 0 || q != 0) {
+            Load load;
+            load.name = ref(fmt::format("D{}", r + 1), line);
+            load.bus = bus.name;
+            load.p_kw = p * 1e3;
+            load.q_kvar = q * 1e3;
+            network_.loads.push_back(load);
+        }
+        if (g != 0 || b != 0) {
+            Shunt shunt;
+            shunt.name = ref(fmt::format("S{}", r + 1), line);
+            shunt.bus = bus.name;
+            shunt.p_kw = g * 1e3;
+            shunt.q_kvar = b * 1e3;
+            network_.shunts.push_back(shunt);
+        }
+        voltages_[number] = bus.voltage_v;
+        network_.buses.push_back(bus);
     }
 
     void generators() {

@@ -24,6 +24,21 @@ void read_phase(Value const& v, Watched& watched, int& phase) {
     }
 }
 
+/// What a capacitor's control goes by: one word, of which the first letter counts.
+void read_kind(Value const& v, CapacitorControl::Kind& kind) {
+    using Kind = CapacitorControl::Kind;
+    static constexpr std::pair<char, Kind> kKinds[] = {
+        {'c', Kind::current}, {'v', Kind::voltage}, {'k', Kind::kvar}, {'p', Kind::power_factor}, {'t', Kind::time}};
+    std::string const word = lower(v.text());
+    auto const known =
+        std::find_if(std::begin(kKinds), std::end(kKinds), [&](auto const& k) { return word.starts_with(k.first); });
+    if (known == std::end(kKinds)) {
+        v.wrong(fmt::format("is '{}'", v.text()), "expected current, voltage, kvar, pf or time");
+        return;
+    }
+    kind = known->second;
+}
+
 } // namespace
 
 void Builder::regulator(Object const& object) {
@@ -95,31 +110,12 @@ void Builder::capacitor_control(Object const& object) {
     c.name = fmt::format("capcontrol.{}", object.name);
     std::string capacitor, element;
     int terminal = 1;
-    using Kind = CapacitorControl::Kind;
     auto const into = [](double& number) { return [&number](Value const& v) { number = v.number(); }; };
     replay(object,
            {{"element", [&](Value const& v) { element = lower(v.text()); }},
             {"capacitor", [&](Value const& v) { capacitor = lower(v.text()); }},
             {"terminal", [&](Value const& v) { terminal = v.integer(1, 20); }},
-            {"type",
-             [&](Value const& v) {
-                 static constexpr std::pair<char, Kind> kKinds[] = {{'c', Kind::current},
-                                                                    {'v', Kind::voltage},
-                                                                    {'k', Kind::kvar},
-                                                                    {'p', Kind::power_factor},
-                                                                    {'t', Kind::time}};
-                 std::string const word = lower(v.text());
-                 bool known = false;
-                 for (auto const& [letter, kind] : kKinds) {
-                     if (word.starts_with(letter)) {
-                         c.kind = kind;
-                         known = true;
-                     }
-                 }
-                 if (!known) {
-                     v.wrong(fmt::format("is '{}'", v.text()), "expected current, voltage, kvar, pf or time");
-                 }
-             }},
+            {"type", [&](Value const& v) { read_kind(v, c.kind); }},
             {"ptratio", [&](Value const& v) { c.pt_ratio = v.positive(); }},
             {"ctratio", [&](Value const& v) { c.ct_ratio = v.positive(); }},
             {"onsetting", into(c.on)},
@@ -144,7 +140,7 @@ void Builder::capacitor_control(Object const& object) {
         error(object.where, fmt::format("{}: {} has no terminal {}, phase {}", c.name, element, terminal, c.phase + 1));
         return;
     }
-    if (c.kind == Kind::time && !hour_) {
+    if (c.kind == CapacitorControl::Kind::time && !hour_) {
         circuit_.left_out.push_back({object.where, fmt::format("{} goes by the time of day", c.name), true});
         return;
     }

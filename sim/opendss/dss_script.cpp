@@ -4,6 +4,7 @@
 
 #include "common/config/yaml.hpp"
 #include "common/text.hpp"
+#include "sim/opendss/dss_commands.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -51,7 +52,7 @@ class Interpreter {
 
   private:
     struct Command {
-        std::string_view name;
+        std::string name;
         void (Interpreter::*run)(std::vector<Word>&);
     };
     static std::vector<Command> const& commands();
@@ -483,96 +484,31 @@ class Interpreter {
 
 std::vector<Interpreter::Command> const& Interpreter::commands() {
     using I = Interpreter;
-    static std::vector<Command> const kCommands{{"new", &I::make},
-                                                {"edit", &I::edit},
-                                                {"more", &I::more},
-                                                {"~", &I::more},
-                                                {"redirect", &I::redirect},
-                                                {"compile", &I::compile},
-                                                {"clear", &I::clear},
-                                                {"clearall", &I::clear},
-                                                {"set", &I::set},
-                                                {"solve", &I::solve},
-                                                {"setkvbase", &I::set_kv_base},
-                                                {"batchedit", &I::batch_edit},
-                                                {"enable", &I::enable},
-                                                {"disable", &I::disable},
-                                                {"open", &I::open},
-                                                {"close", &I::close},
-                                                {"var", &I::define_variables},
-                                                {"calcvoltagebases", &I::nothing},
-                                                {"makebuslist", &I::nothing},
-                                                {"buscoords", &I::nothing},
-                                                {"latlongcoords", &I::nothing},
-                                                {"uuids", &I::nothing},
-                                                {"show", &I::nothing},
-                                                {"plot", &I::nothing},
-                                                {"export", &I::nothing},
-                                                {"visualize", &I::nothing},
-                                                {"help", &I::nothing},
-                                                {"?", &I::nothing},
-                                                {"get", &I::nothing},
-                                                {"select", &I::nothing},
-                                                {"say", &I::nothing},
-                                                {"fileedit", &I::nothing},
-                                                {"closedi", &I::nothing},
-                                                {"formedit", &I::nothing},
-                                                {"dump", &I::nothing},
-                                                {"save", &I::nothing},
-                                                {"sample", &I::nothing},
-                                                {"panel", &I::nothing},
-                                                {"totals", &I::nothing},
-                                                {"capacity", &I::nothing},
-                                                {"voltages", &I::nothing},
-                                                {"currents", &I::nothing},
-                                                {"powers", &I::nothing},
-                                                {"losses", &I::nothing},
-                                                {"summary", &I::nothing},
-                                                {"init", &I::nothing},
-                                                {"quit", &I::nothing},
-                                                {"about", &I::nothing},
-                                                {"comparecases", &I::nothing},
-                                                {"meterzones", &I::nothing},
-                                                {"clone", &I::leave_out},
-                                                {"interpolate", &I::nothing},
-                                                {"distribute", &I::leave_out},
-                                                {"reduce", &I::leave_out},
-                                                {"estimate", &I::leave_out},
-                                                {"allocateloads", &I::leave_out},
-                                                {"addbusmarker", &I::nothing},
-                                                {"clearbusmarkers", &I::nothing},
-                                                {"relcalc", &I::nothing},
-                                                {"rotate", &I::leave_out},
-                                                {"reset", &I::nothing},
-                                                {"cktlosses", &I::nothing},
-                                                {"di_plot", &I::nothing},
-                                                {"wait", &I::nothing},
-                                                {"cd", &I::leave_out},
-                                                {"cvrtloadshapes", &I::nothing},
-                                                {"seriescap", &I::leave_out},
-                                                {"fncspublish", &I::nothing},
-                                                {"remove", &I::leave_out},
-                                                {"calcincmatrix", &I::nothing},
-                                                {"buildy", &I::nothing},
-                                                {"alignfile", &I::nothing},
-                                                {"userclasses", &I::nothing},
-                                                {"propagate", &I::leave_out},
-                                                {"phaselosses", &I::nothing},
-                                                {"nodediff", &I::nothing},
-                                                {"varvalues", &I::nothing},
-                                                {"varnames", &I::nothing},
-                                                {"ysc", &I::nothing},
-                                                {"zsc", &I::nothing},
-                                                {"zsc10", &I::nothing},
-                                                {"zscrefresh", &I::nothing},
-                                                {"puvoltages", &I::nothing},
-                                                {"nodelist", &I::nothing},
-                                                {"seqvoltages", &I::nothing},
-                                                {"seqcurrents", &I::nothing},
-                                                {"seqpowers", &I::nothing},
-                                                {"setbusxy", &I::nothing},
-                                                {"guids", &I::nothing},
-                                                {"doscmd", &I::leave_out}};
+    static std::vector<Command> const kCommands = [] {
+        std::vector<Command> out{{"new", &I::make},
+                                 {"edit", &I::edit},
+                                 {"more", &I::more},
+                                 {"~", &I::more},
+                                 {"redirect", &I::redirect},
+                                 {"compile", &I::compile},
+                                 {"clear", &I::clear},
+                                 {"clearall", &I::clear},
+                                 {"set", &I::set},
+                                 {"solve", &I::solve},
+                                 {"setkvbase", &I::set_kv_base},
+                                 {"batchedit", &I::batch_edit},
+                                 {"enable", &I::enable},
+                                 {"disable", &I::disable},
+                                 {"open", &I::open},
+                                 {"close", &I::close},
+                                 {"var", &I::define_variables}};
+        std::vector<std::string> const left_out = split(kLeftOutCommands, ' ');
+        for (std::string const& name : split(kOtherCommands, ' ')) {
+            bool const changes = std::find(left_out.begin(), left_out.end(), name) != left_out.end();
+            out.push_back({name, changes ? &I::leave_out : &I::nothing});
+        }
+        return out;
+    }();
     return kCommands;
 }
 

@@ -24,7 +24,9 @@ Extent extent_of(std::vector<streams::Stream> const& streams, double simulated_s
 Result<Truth> read_truth(std::filesystem::path const& run, double simulated_s) {
     config::Diagnostics diagnostics;
     std::vector<streams::Stream> streams;
+    launcher::AttackSpans spans{config::Node::map()};
     if (auto scenario = config::load_yaml(run / "scenario.resolved.yaml", diagnostics)) {
+        spans = launcher::AttackSpans{*scenario};
         if (config::Node const* const all = scenario->find("streams")) {
             streams = streams::read_streams(*all, diagnostics);
         }
@@ -36,6 +38,7 @@ Result<Truth> read_truth(std::filesystem::path const& run, double simulated_s) {
     out.extent = extent_of(streams, simulated_s);
     std::set<std::string> attacked;
     auto const read = launcher::read_attack_labels(run / "data.mcap", [&](auto const& label) {
+        spans.add(label);
         if (out.extent.rates_hz.contains(label.target)) {
             attacked.insert(label.target);
             out.labels.push_back(label);
@@ -47,11 +50,11 @@ Result<Truth> read_truth(std::filesystem::path const& run, double simulated_s) {
         return std::unexpected{read.error()};
     }
     out.extent.only_stream = attacked.size() == 1 ? *attacked.begin() : "";
-    if (out.labels.empty()) {
+    out.attacks = spans.all();
+    if (out.attacks.empty()) {
         return fail(ExitCode::usage,
-                    fmt::format("'{}' holds no label of a stream of sampled values: there is no truth to judge by",
-                                run.string()),
-                    "a run with `attacks:` on one, whose attacker has `labels:`, and with `record: {samples: all}`");
+                    fmt::format("'{}' holds no label of an attack: there is no truth to judge by", run.string()),
+                    "a run with `attacks:`, whose attacker has `labels:`, and with `record: {samples: all}`");
     }
     return out;
 }

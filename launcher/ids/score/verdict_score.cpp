@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 namespace gridspace::score {
@@ -55,12 +56,40 @@ std::vector<VerdictScore::Kind> kinds_of(std::vector<VerdictScore::Attack> const
     return out;
 }
 
+/// Of a detector that says something about samples, whose flags make the alarms.
+std::vector<launcher::RaisedAlarm> flagged_alarms(Verdicts const& verdicts, Extent const& extent) {
+    std::vector<double> flagged_s;
+    for (auto const& [key, verdict] : verdicts.all) {
+        if (verdict.flagged) {
+            flagged_s.push_back(static_cast<double>(key.index) / extent.rates_hz.at(key.stream));
+        }
+    }
+    std::sort(flagged_s.begin(), flagged_s.end());
+    std::vector<launcher::RaisedAlarm> out;
+    for (double const at_s : flagged_s) {
+        if (out.empty() || at_s > out.back().to_s) {
+            out.push_back({at_s, at_s, {}});
+        }
+        out.back().to_s = at_s + launcher::kAlarmWithinS;
+    }
+    return out;
+}
+
 } // namespace
+
+std::vector<launcher::RaisedAlarm> alarms_of(Verdicts const& verdicts, Extent const& extent) {
+    return verdicts.is_alarms ? launcher::raised_alarms(verdicts.alarm_from_s, {}, extent.end_s)
+                              : flagged_alarms(verdicts, extent);
+}
 
 VerdictScore score_verdicts(Truth const& truth, Verdicts verdicts, bool others_are_genuine, std::uint64_t seed) {
     VerdictScore out;
     out.by_phase = verdicts.by_phase;
     out.has_scores = verdicts.has_scores;
+    std::vector<launcher::AttackSpan> on_samples;
+    std::copy_if(truth.attacks.begin(), truth.attacks.end(), std::back_inserter(on_samples),
+                 [&](launcher::AttackSpan const& a) { return truth.extent.rates_hz.contains(a.target); });
+    out.alarms = launcher::score_alarms(std::move(on_samples), alarms_of(verdicts, truth.extent), truth.extent.end_s);
     out.judged = verdicts.all.size();
     out.messages_not_judged = truth.messages_not_judged;
     auto const altered = altered_samples(truth, verdicts.by_phase);

@@ -27,7 +27,12 @@ struct VerdictScore {
     };
     std::vector<Kind> kinds; ///< by name
     std::map<std::string, std::uint64_t> messages_not_judged;
+    launcher::AlarmScore alarms; ///< of the attacks on samples, see alarms_of
 };
+
+/// An alarm begins with a flagged sample of any stream, and stands until none was flagged for kAlarmWithinS.
+[[nodiscard]] std::vector<launcher::RaisedAlarm> alarms_of(Verdicts const& verdicts, Extent const& extent);
+
 /// `others_are_genuine`: samples of the run without a row count as verdict 0 (a list of alarms).
 [[nodiscard]] VerdictScore score_verdicts(Truth const& truth, Verdicts verdicts, bool others_are_genuine,
                                           std::uint64_t seed);

@@ -14,8 +14,8 @@
 namespace gridspace::score {
 namespace {
 
-enum Column : std::uint8_t { kStream, kSample, kTime, kPhase, kVerdict, kScore };
-constexpr std::array<char const*, 6> kNames{"stream", "sample", "time_s", "phase", "verdict", "score"};
+enum Column : std::uint8_t { kStream, kSample, kTime, kPhase, kVerdict, kScore, kAlarm };
+constexpr std::array<char const*, 7> kNames{"stream", "sample", "time_s", "phase", "verdict", "score", "alarm"};
 
 struct Cell {
     std::string_view text;
@@ -61,10 +61,10 @@ class Parser {
         }
         for (++line; line < source_->lines.size() && !diagnostics_.full(); ++line) {
             if (!is_skipped(line)) {
-                read_row(line);
+                out_.is_alarms ? read_alarm(line) : read_row(line);
             }
         }
-        if (diagnostics_.ok() && out_.all.empty()) {
+        if (diagnostics_.ok() && !out_.is_alarms && out_.all.empty()) { // no alarm at all is an answer
             diagnostics_.error({source_, 0, 0}, "there is no row below the names");
         }
         return diagnostics_.ok() ? std::optional{std::move(out_)} : std::nullopt;
@@ -101,6 +101,9 @@ class Parser {
         auto const missing = [&](std::string const& what, std::string const& why) {
             wrong(line, cells.front(), fmt::format("there is no column '{}'", what), why);
         };
+        if (places_[kAlarm]) {
+            return check_alarm_header(line, cells);
+        }
         if (places_[kSample].has_value() == places_[kTime].has_value()) {
             places_[kSample]
                 ? wrong(line, cells[*places_[kTime]], "both 'sample' and 'time_s'", "which of the two counts?")
@@ -121,10 +124,49 @@ class Parser {
         return diagnostics_.ok();
     }
 
-    void read_row(std::size_t line) {
-        auto const cells = cells_of(source_->lines[line]);
+    bool check_alarm_header(std::size_t line, std::vector<Cell> const& cells) {
+        for (Column const other : {kStream, kSample, kPhase, kVerdict, kScore}) {
+            if (places_[other]) {
+                wrong(line, cells[*places_[other]], fmt::format("both 'alarm' and '{}'", kNames[other]),
+                      "a file is about samples, or says when an alarm came and went: time_s,alarm");
+            }
+        }
+        if (!places_[kTime]) {
+            wrong(line, cells[*places_[kAlarm]], "there is no column 'time_s'", "when the alarm came or went");
+        }
+        out_.is_alarms = true;
+        return diagnostics_.ok();
+    }
+
+    [[nodiscard]] bool has_all_cells(std::size_t line, std::vector<Cell> const& cells) {
         if (cells.size() != columns_) {
             wrong(line, cells.back(), fmt::format("{} cells, where the row of names has {}", cells.size(), columns_));
+        }
+        return cells.size() == columns_;
+    }
+
+    void read_alarm(std::size_t line) {
+        auto const cells = cells_of(source_->lines[line]);
+        if (!has_all_cells(line, cells)) {
+            return;
+        }
+        Cell const& when = cells[*places_[kTime]];
+        auto const time_s = read_time(line, when);
+        auto const stands = read_binary(line, cells[*places_[kAlarm]], "state of an alarm");
+        if (!time_s || !stands) {
+            return;
+        }
+        if (*time_s < 0 || *time_s > extent_.end_s) {
+            wrong(line, when, fmt::format("'{}' is outside the run", when.text),
+                  fmt::format("it lasts from 0 to {} s", extent_.end_s));
+        } else if (!out_.alarm_from_s.try_emplace(*time_s, *stands).second) {
+            wrong(line, when, fmt::format("two rows at {} s", when.text));
+        }
+    }
+
+    void read_row(std::size_t line) {
+        auto const cells = cells_of(source_->lines[line]);
+        if (!has_all_cells(line, cells)) {
             return;
         }
         auto const cell = [&](Column c) { return cells[*places_[c]]; };
@@ -172,12 +214,25 @@ class Parser {
             }
             return out;
         }
+        auto const time_s = read_time(line, cell);
+        return time_s ? std::optional{std::llround(*time_s * rate_hz)} : std::nullopt;
+    }
+
+    std::optional<double> read_time(std::size_t line, Cell const& cell) {
         auto const time_s = number<double>(cell.text);
         if (!time_s || !(std::fabs(*time_s) <= 1e9)) {
             wrong(line, cell, fmt::format("'{}' is no time", cell.text), "seconds since the start of the run");
             return std::nullopt;
         }
-        return std::llround(*time_s * rate_hz);
+        return time_s;
+    }
+
+    std::optional<bool> read_binary(std::size_t line, Cell const& cell, char const* what) {
+        if (cell.text != "0" && cell.text != "1") {
+            wrong(line, cell, fmt::format("'{}' is no {}", cell.text, what), "0 or 1");
+            return std::nullopt;
+        }
+        return cell.text == "1";
     }
 
     bool read_phase(std::size_t line, std::vector<Cell> const& cells, SampleKey& key) {
@@ -207,12 +262,9 @@ class Parser {
             out.flagged = threshold_ && *score >= *threshold_;
         }
         if (out_.has_verdicts && !(threshold_ && out_.has_scores)) {
-            Cell const& cell = cells[*places_[kVerdict]];
-            if (cell.text != "0" && cell.text != "1") {
-                wrong(line, cell, fmt::format("'{}' is no verdict", cell.text), "0 or 1");
-                return false;
-            }
-            out.flagged = cell.text == "1";
+            auto const flagged = read_binary(line, cells[*places_[kVerdict]], "verdict");
+            out.flagged = flagged.value_or(false);
+            return flagged.has_value();
         }
         return true;
     }

@@ -38,6 +38,8 @@ struct Verdicts {
     bool has_verdicts{false}, has_scores{false};
     bool by_phase{false}; ///< a verdict for each phase; otherwise one for the whole sample
     std::map<SampleKey, Verdict> all;
+    bool is_alarms{false};               ///< the file says when an alarm came and went, and nothing about samples
+    std::map<double, bool> alarm_from_s; ///< it stands, or not, from this instant on
 };
 
 /// Reads the text of a CSV file (docs/reference/ids.md). `threshold`: what a file with scores alone is flagged from.

@@ -7,6 +7,7 @@ import contextlib
 import json
 import os
 import pathlib
+import queue
 import random
 import shutil
 import signal
@@ -46,12 +47,16 @@ class Gateway(unittest.TestCase):
             own_namespace.cable(a, b)
         self.folder = pathlib.Path(tempfile.mkdtemp())
         self.running = []
+        self.lines = {}  # of subscribers
 
     def tearDown(self):
         for process in self.running:
             with contextlib.suppress(ProcessLookupError):
                 process.kill()
-            process.communicate(timeout=HANG_S)
+            if process in self.lines:
+                process.wait(timeout=HANG_S)
+            else:
+                process.communicate(timeout=HANG_S)
         for link in ("in0", "out0"):
             subprocess.run(["ip", "link", "del", link], check=False)
         shutil.rmtree(self.folder)
@@ -76,10 +81,23 @@ class Gateway(unittest.TestCase):
     def wire(self, *arguments):
         return [str(BIN / "gridspace"), "wire", *arguments]
 
+    def subscribe(self, *arguments):
+        """A subscriber whose lines are always taken: behind a full pipe it would stop, and lose frames."""
+        process = self.start(self.wire(*arguments))
+        lines = self.lines[process] = queue.SimpleQueue()
+
+        def take():
+            for line in process.stdout:
+                lines.put(line)
+            lines.put(None)
+
+        threading.Thread(target=take, daemon=True).start()
+        return process
+
     def first_line(self, process, wanted):
         """The first JSON line of a subscriber that `wanted` accepts."""
         deadline = time.monotonic() + HANG_S
-        for line in process.stdout:
+        while (line := self.lines[process].get()) is not None:
             message = json.loads(line)
             if wanted(message):
                 return message
@@ -100,7 +118,7 @@ class Gateway(unittest.TestCase):
         self.gateway("outward", "out0", {"OUT": GOOSE_OUT}, {"m": {
             "from": {"topic": "feeders", "type": "example::FeederState", "where": {"feeder": "A"}}, "to": {"stream": "OUT"},
             "fields": {"mv": {"from": "voltage_kv", "scale": 1000}, "there": "energised", "pos": {"value": "closed"}}}})
-        subscriber = self.start(self.wire("goose-sub", "out1", *keys_of(GOOSE_OUT)))
+        subscriber = self.subscribe("goose-sub", "out1", *keys_of(GOOSE_OUT))
         # A topic has no memory: a change that comes before the two gateways have found each other is gone. So another value is
         # published, again and again, until one has come through.
         arrived = threading.Event()
@@ -136,7 +154,7 @@ class Gateway(unittest.TestCase):
         self.gateway("outward", "out0", {"OUT": SV_OUT}, {"m": {
             "from": {"topic": "feeders", "type": "example::FeederState"}, "to": {"stream": "OUT"}, "lost_after_ms": 2000,
             "fields": {"Ia": {"from": "voltage_kv", "from_unit": "A", "to_unit": "mA"}, "q": {"value": "good", "on_loss": "invalid"}}}})
-        subscriber = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(SV_OUT)))
+        subscriber = self.subscribe("sv-sub", "out1", "--frames", *keys_of(SV_OUT))
         publisher = self.start(self.wire("sv-pub", "in0", "--amplitude", "10", *keys_of(SV_IN)))
         first = self.first_line(subscriber, lambda m: m.get("values", {}).get("Ia", 0) != 0)
         self.assertLessEqual(abs(first["values"]["Ia"]), 10000)
@@ -158,8 +176,8 @@ class Gateway(unittest.TestCase):
         self.gateway("outward", "out0", {"OUT": out}, {"m": {
             "from": {"topic": "lines", "type": "LineCurrents"}, "to": {"stream": "OUT"}, "each": "samples", "index": "first_index",
             "buffer_ms": 40, "fields": {"Ia": "samples.ia", "Ib": "samples.ib", "Ic": "samples.ic"}}})
-        original = self.start(self.wire("sv-sub", "in1", "--frames", *keys_of(SV_IN)))
-        again = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(out)))
+        original = self.subscribe("sv-sub", "in1", "--frames", *keys_of(SV_IN))
+        again = self.subscribe("sv-sub", "out1", "--frames", *keys_of(out))
         self.start(self.wire("sv-pub", "in0", "--amplitude", "10", *keys_of(SV_IN)))
         first = self.first_line(again, lambda m: True)
         wanted = {first["smp_cnt"]: first["values"]}
@@ -179,7 +197,7 @@ class Gateway(unittest.TestCase):
         self.gateway("outward", "out0", {"OUT": out}, {"m": {
             "from": {"topic": "lines", "type": "LineCurrents"}, "to": {"stream": "OUT"}, "each": "samples", "index": "first_index",
             "buffer_ms": 40, "fields": {"Ia": "samples.ia", "Ib": "samples.ib", "Ic": "samples.ic"}}})
-        again = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(out)))
+        again = self.subscribe("sv-sub", "out1", "--frames", *keys_of(out))
         port, enough = self.raw_port("in0"), threading.Event()
 
         def send():  # at the stream's rate; of every twenty samples three are missing, so that frames begin at odd ones too
@@ -210,7 +228,7 @@ class Gateway(unittest.TestCase):
         self.gateway("outward", "out0", {"OUT": SV_OUT}, {"m": {
             "from": {"topic": "feeders", "type": "example::FeederState", "where": {"feeder": "B"}}, "to": {"stream": "OUT"},
             "fields": {"Ia": {"from": "voltage_kv", "scale": 1000}}}})
-        subscriber = self.start(self.wire("sv-sub", "out1", "--frames", *keys_of(SV_OUT)))
+        subscriber = self.subscribe("sv-sub", "out1", "--frames", *keys_of(SV_OUT))
         for amplitude, stream in (("1000", SV_IN), ("10", other)):
             self.start(self.wire("sv-pub", "in0", "--amplitude", amplitude, *keys_of(stream)))
         self.first_line(subscriber, lambda m: m.get("values", {}).get("Ia", 0) != 0)
@@ -258,7 +276,7 @@ class Gateway(unittest.TestCase):
         """Frames of an independent encoder, whole ones between damaged ones and a storm of somebody else's."""
         self.gateway("inward", "in1", {"IN": GOOSE_IN}, self.INWARD_GOOSE)
         self.gateway("outward", "out0", {"OUT": GOOSE_OUT}, self.OUTWARD_GOOSE)
-        subscriber = self.start(self.wire("goose-sub", "out1", *keys_of(GOOSE_OUT)))
+        subscriber = self.subscribe("goose-sub", "out1", *keys_of(GOOSE_OUT))
         port, dice, state = self.raw_port("in0"), random.Random(11), 0
 
         def send(number):
@@ -279,7 +297,7 @@ class Gateway(unittest.TestCase):
     def test_an_interface_that_vanishes_and_comes_back_is_used_again(self):
         self.gateway("inward", "in1", {"IN": GOOSE_IN}, self.INWARD_GOOSE)
         self.gateway("outward", "out0", {"OUT": GOOSE_OUT}, self.OUTWARD_GOOSE)
-        subscriber = self.start(self.wire("goose-sub", "out1", *keys_of(GOOSE_OUT)))
+        subscriber = self.subscribe("goose-sub", "out1", *keys_of(GOOSE_OUT))
         state = 0
 
         def send(number):

@@ -157,12 +157,16 @@ class Export(ScenarioTest):
             self.assertEqual(done.returncode, 0, done.stderr)
             return done
 
-        def scored(text):
+        def scored(text=None):
             file = self.folder / "verdicts.csv"
-            file.write_text(text)
-            code, found, said = gridspace("ids", "score", run, file, "--json")
+            if text is not None:
+                file.write_text(text)
+            code, found, said = gridspace("ids", "score", run, *([] if text is None else [file]), "--json")
             self.assertEqual(code, OK, said)
             return json.loads(found)
+
+        def first_alarms(found):
+            return {a["attack"]: a["by"] if a["alarmed"] else None for a in found["alarms"]["attacks"]}
 
         rules = SOURCE / "examples/detectors/rule_checker.py"
         said = verdicts(sys.executable, rules, data, "attacked", "--messages").stderr
@@ -170,6 +174,13 @@ class Export(ScenarioTest):
         # The man in the middle keeps all headers as they are: no rule sees him.
         by_rules = scored(verdicts(sys.executable, rules, data, "attacked").stdout)
         self.assertEqual((by_rules["true_positives"], by_rules["false_positives"]), (0, 0))
+        self.assertEqual(first_alarms(by_rules), {"masquerade": None}, "verdicts on samples do not judge a forged message")
+        # Alarms judge both: of the checker, and of those that were in the loop (without breaker2 nobody checks its messages).
+        listed = scored(verdicts(sys.executable, rules, data, "attacked", "--alarms").stdout)["alarms"]
+        self.assertEqual([(a["attack"], a["alarmed"]) for a in listed["attacks"]], [("masquerade", False), ("trip", True)])
+        self.assertEqual((listed["count"], listed["false"]), (1, 0))
+        in_the_loop = scored()
+        self.assertEqual(first_alarms(in_the_loop)["masquerade"], "ids.relay2")
         python = next((p for p in (sys.executable, "/usr/bin/python3")
                        if subprocess.run([p, "-c", "import sklearn"], capture_output=True).returncode == 0), None)
         if python:

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -105,6 +106,33 @@ TEST(Forecaster, AScaleByThePeakMakesTheForecastScaleWithTheWindow) {
     sut.forecast(small.data(), &a);
     sut.forecast(large.data(), &b);
     EXPECT_NEAR(b, 100 * a, 1e-10);
+}
+
+template <class Real>
+void expect_the_bits_of_one_phase_after_another(Model const& model) {
+    Forecaster<Real> sut{model};
+    Random r{11};
+    auto const n = static_cast<std::size_t>(model.window);
+    std::vector<Real> history(3 * n);
+    for (Real& x : history) {
+        x = static_cast<Real>(r.uniform(-40, 40));
+    }
+    std::array<Real, 3> together{}, alone{};
+    sut.forecast_phases(history.data(), together.data());
+    for (std::size_t p = 0; p < 3; p += static_cast<std::size_t>(model.channels)) {
+        sut.forecast(history.data() + p * n, alone.data() + p);
+    }
+    EXPECT_EQ(std::memcmp(together.data(), alone.data(), sizeof together), 0) << model.window << " " << model.channels;
+}
+
+TEST(Forecaster, ThreePhasesTogetherHaveTheBitsOfEachByItself) {
+    Model linear = network(20, 1);
+    linear.layers = {linear.layers.front()};
+    linear.layers.front().activation = Layer::Activation::linear;
+    for (Model const& model : {linear, network(20, 10), network(7, 3), network(20, 4, 3)}) {
+        expect_the_bits_of_one_phase_after_another<double>(model);
+        expect_the_bits_of_one_phase_after_another<float>(model);
+    }
 }
 
 TEST(ModelFile, ReadsBackToTheSameModelBitByBit) {

@@ -5,6 +5,7 @@
 #include "common/config/yaml.hpp"
 
 #include <gtest/gtest.h>
+#include <tuple>
 
 namespace gridspace::launcher {
 namespace {
@@ -129,6 +130,14 @@ TEST(Consequences, ABreakerThatOpensWithoutAFaultIsNamed) {
     EXPECT_EQ(sut.opened_without_fault, (std::vector<std::string>{"CB2", "CB4"}));
 }
 
+TEST(Consequences, AreLookedForWhereSomebodyOrSomethingWorksAgainstTheRun) {
+    EXPECT_TRUE(is_disturbed(yaml("attacks: {a: {by: x}}\n")));
+    EXPECT_TRUE(is_disturbed(yaml("processes: {c: {program: gridspace-link}}\n")));
+    EXPECT_TRUE(is_disturbed(yaml("events: {dies: {at_s: 1, kill: mu}}\n")));
+    EXPECT_FALSE(is_disturbed(yaml("attacks: {}\nprocesses: {s: {program: gridspace-sim}}\n"
+                                   "events: {f: {at_s: 1, open: [CB]}}\n")));
+}
+
 TEST(Consequences, AnAlarmCountsFromTheFirstThingThatWasAltered) {
     IntrusionScore score;
     auto const label = [&](char const* attack, char const* target, std::int64_t index, std::int64_t sent_ns) {
@@ -153,13 +162,17 @@ TEST(Consequences, AnAlarmCountsFromTheFirstThingThatWasAltered) {
         {"ids.r.alarms", {"", {0, kS / 10 + 1'000'000}, {0, 1}}},
     };
     auto const sut = find_consequences(score, scenario, network(), signals, 30);
-    ASSERT_EQ(sut.alarms.size(), 2U);
-    EXPECT_EQ(sut.alarms[0].attack, "messages");
-    EXPECT_EQ(sut.alarms[0].by, "first_line.b");
-    EXPECT_NEAR(sut.alarms[0].delay_ms, 1, 1e-6) << "messages: not before the window, and not later than 10 ms";
-    EXPECT_EQ(sut.alarms[1].attack, "values");
-    EXPECT_NEAR(sut.alarms[1].delay_ms, 100, 1e-6) << "the alarm that was up before is none of this attack";
-    EXPECT_EQ(sut.not_alarmed, (std::vector<std::string>{"over", "silent"})) << "96 ms after the end is not about it";
+    ASSERT_EQ(sut.alarms.attacks.size(), 4U);
+    auto const& [messages, over, silent, values] =
+        std::tie(sut.alarms.attacks[0], sut.alarms.attacks[1], sut.alarms.attacks[2], sut.alarms.attacks[3]);
+    EXPECT_EQ(messages.by, "first_line.b");
+    EXPECT_NEAR(*messages.delay_ms, 1, 1e-6) << "messages: not before the window, and not later than 10 ms";
+    EXPECT_FALSE(over.delay_ms) << over.span.attack << ": 96 ms after the end is not about it";
+    EXPECT_FALSE(silent.delay_ms);
+    EXPECT_EQ(values.span.attack, "values");
+    EXPECT_NEAR(*values.delay_ms, 100, 1e-6) << "the alarm that was up before is none of this attack";
+    EXPECT_EQ(sut.alarms.alarms, 3U);
+    EXPECT_EQ(sut.alarms.false_alarms, 1U) << "the one at 50 ms";
 }
 
 } // namespace

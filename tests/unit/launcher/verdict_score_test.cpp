@@ -53,6 +53,11 @@ TEST(VerdictsFile, EachMistakeHasItsPlaceWhatWasFoundAndWhatIsExpected) {
              {"stream,sample,verdict\nA,1\n", "v.csv:2:3:", "2 cells"},
              {"stream,sample,phase,verdict\nA,1,d,1\n", "v.csv:2:5:", "'d' is no phase"},
              {"stream,sample,score\nA,1,nan\n", "v.csv:2:5:", "'nan' is no score"},
+             {"time_s,alarm,verdict\n0,1,1\n", "v.csv:1:14:", "both 'alarm' and 'verdict'"},
+             {"alarm\n1\n", "v.csv:1:1:", "no column 'time_s'"},
+             {"time_s,alarm\n0.1,yes\n", "v.csv:2:5:", "'yes' is no state of an alarm"},
+             {"time_s,alarm\n1.1,1\n", "v.csv:2:1:", "'1.1' is outside the run"},
+             {"time_s,alarm\n0.1,1\n0.1,0\n", "v.csv:3:1:", "two rows at 0.1 s"},
              {"", "v.csv", "empty"},
              {"stream,sample,verdict\n", "v.csv", "no row"}}) {
         std::string said;
@@ -114,6 +119,37 @@ TEST(VerdictScore, RecallIsSaidByKindOfAttack) {
     EXPECT_EQ(s.kinds[1].recall.count, 0U);
     EXPECT_EQ(s.quality.true_positives, 1U);
     EXPECT_EQ(s.quality.false_positives, 1U);
+}
+
+TEST(VerdictScore, AFlaggedSampleOfAnyStreamRaisesAnAlarmUntilNoneWasFlaggedForFortyMilliseconds) {
+    auto const verdicts = parse("stream,sample,verdict\nA,480,1\nA,490,0\nB,600,1\nA,1200,1\n");
+    auto const sut = alarms_of(*verdicts, kExtent);
+    ASSERT_EQ(sut.size(), 2U);
+    EXPECT_DOUBLE_EQ(sut[0].from_s, 0.1);
+    EXPECT_DOUBLE_EQ(sut[0].to_s, 0.125 + 0.04);
+    EXPECT_DOUBLE_EQ(sut[1].from_s, 0.25);
+}
+
+TEST(VerdictScore, AnAttackIsAlarmedByAnAlarmThatBeginsDuringItAndNotByOneThatStandsAlready) {
+    Truth truth = attacked(480, 960);
+    truth.attacks = {{"attack", "bias", "A", 0.1, 0.2}, {"message", "injection", "G", 0.5, 0.6}};
+    auto const found = score_verdicts(truth, *parse("stream,sample,verdict\nA,485,1\n"), false, 1).alarms;
+    ASSERT_EQ(found.attacks.size(), 1U) << "verdicts on samples do not speak of messages";
+    EXPECT_NEAR(*found.attacks[0].delay_ms, 5 / 4.8, 1e-9);
+    auto const standing = score_verdicts(truth, *parse("stream,sample,verdict\nA,479,1\nA,485,1\n"), false, 1);
+    EXPECT_FALSE(standing.alarms.attacks[0].delay_ms);
+    EXPECT_TRUE(standing.attacks[0].score.seen) << "the sample was flagged";
+    EXPECT_EQ(standing.alarms.false_alarms, 1U);
+}
+
+TEST(VerdictsFile, AListOfAlarmsMayBeEmpty) {
+    auto const sut = parse("time_s,alarm\n");
+    ASSERT_TRUE(sut);
+    EXPECT_TRUE(alarms_of(*sut, kExtent).empty());
+    auto const one = parse("alarm,time_s\n1,0.25\n0,0.5\n");
+    ASSERT_TRUE(one);
+    ASSERT_EQ(alarms_of(*one, kExtent).size(), 1U);
+    EXPECT_EQ(alarms_of(*one, kExtent)[0].to_s, 0.5);
 }
 
 /// Random scores with ties: altered ones are higher on the whole.

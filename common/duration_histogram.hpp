@@ -8,17 +8,17 @@
 #include <cstdint>
 #include <ctime>
 
-namespace gridspace::relay {
+namespace gridspace {
 
-/// Processor time of this thread: what a sample costs, whoever else wants the processor meanwhile.
+/// Processor time of this thread: what something costs, whoever else wants the processor meanwhile. A system call.
 [[nodiscard]] inline std::int64_t processor_time_ns() {
     timespec t{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return t.tv_sec * 1'000'000'000LL + t.tv_nsec;
 }
 
-/// How long the detector worked on each sample: a histogram of 0.1 us up to 400 us, and the longest. No allocation.
-class StepTimes {
+/// How long something took that is done often: in classes of 0.1 us up to 400 us, and the longest. No allocation.
+class DurationHistogram {
   public:
     void add(std::int64_t ns) {
         ns = std::max<std::int64_t>(ns, 0);
@@ -47,4 +47,4 @@ class StepTimes {
     std::int64_t longest_ns_{0};
 };
 
-} // namespace gridspace::relay
+} // namespace gridspace

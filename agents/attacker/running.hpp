@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Gridspace contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "agents/attacker/attacker_config.hpp"
+#include "agents/attacker/label_publisher.hpp"
+#include "agents/attacker/sv_forger.hpp"
+#include "agents/attacker/topic_attacks.hpp"
+#include "agents/attacker/wire_attack.hpp"
+#include "common/spsc_ring.hpp"
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+namespace gridspace::attacker {
+
+/// One attack in this process: its forger, whatever it is, and its labels on their way from the thread that forges.
+struct Running {
+    AttackConfig const* config{nullptr};
+    std::unique_ptr<SvForger> values;
+    std::unique_ptr<WireAttack> messages; ///< on messages, or on frames of sampled values
+    std::unique_ptr<TopicAttack> topic;
+    std::int64_t now_ns{0}; ///< simulated: of what is being forged
+    struct TimedLabel {
+        Label label;
+        std::int64_t time_ns{0};
+    };
+    SpscRing<TimedLabel> timed_labels{16'384};
+    std::atomic<std::uint64_t> lost{0};
+    Tell tell{[this](Label const& label) { lost += timed_labels.push({label, now_ns}) ? 0U : 1U; }};
+    std::unique_ptr<LabelPublisher> labels;
+    bool began{false}, ended{false};
+
+    [[nodiscard]] bool between() const { return config->place == AttackConfig::Place::between; }
+    [[nodiscard]] std::uint64_t forged() const {
+        return values ? values->forged() : messages ? messages->forged() : topic->forged();
+    }
+};
+
+/// `config` must outlive it. Fails when the target is not there, or nothing of the kind can be done to it.
+[[nodiscard]] Result<std::unique_ptr<Running>> make_attack(bus::Node& node, AttackConfig const& config,
+                                                           AttackerSettings const& settings,
+                                                           std::vector<streams::Stream> const& streams);
+
+} // namespace gridspace::attacker
