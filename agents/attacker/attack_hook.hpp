@@ -5,6 +5,7 @@
 #include "agents/attacker/running.hpp"
 #include "bus/node.hpp"
 #include "gateways/bump_in_the_wire/frame_hook.hpp"
+#include "gateways/port/wire_clock.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -16,7 +17,7 @@ namespace gridspace::attacker {
 /// The attacks in one direction of one cable, one behind the other.
 class AttackHook final : public gateways::FrameHook {
   public:
-    explicit AttackHook(bus::Node const& node) : node_{node} {}
+    explicit AttackHook(bus::Node const& node) : clock_{node} {}
     void add(Running& attack) { chain_.push_back(&attack); }
     [[nodiscard]] bool empty() const { return chain_.empty(); }
 
@@ -62,13 +63,9 @@ class AttackHook final : public gateways::FrameHook {
             attack.messages->pass(octets, time_ns, emit, attack.tell);
         }
     }
-    void set_base(Running& attack) const {
-        if (!node_.lockstep()) {
-            attack.messages->set_utc_base(node_.start_unix_ns());
-        }
-    }
+    void set_base(Running& attack) const { attack.messages->set_utc_base(clock_.start_utc_ns()); }
 
-    bus::Node const& node_;
+    gateways::WireClock clock_;
     std::vector<Running*> chain_;
 };
 

@@ -67,7 +67,7 @@ class AttackerAgent final : public bus::Member {
         for (auto const& bump : bumps_) {
             bump->work(tick.time);
         }
-        beside(clock_.simulated() ? clock_.of(tick.time) : simulated_now());
+        beside(clock_.simulated_ns(tick.time, settings_.speed));
         publish(tick.time, tick.final);
         if (port_ != nullptr) {
             port_->maintain();
@@ -204,14 +204,10 @@ class AttackerAgent final : public bus::Member {
         return {};
     }
 
-    /// Simulated time now, in real time.
-    [[nodiscard]] std::int64_t simulated_now() const {
-        std::int64_t const start = node_.start_unix_ns();
-        return start == 0 ? -1
-                          : static_cast<std::int64_t>(static_cast<double>(clock_.utc_ns(0) - start) * settings_.speed);
-    }
+    /// Real time.
     [[nodiscard]] std::chrono::steady_clock::time_point wall_of(std::int64_t simulated_ns) const {
-        auto const ahead = static_cast<double>(simulated_ns - simulated_now()) / settings_.speed;
+        auto const ahead =
+            static_cast<double>(simulated_ns - clock_.simulated_ns({}, settings_.speed)) / settings_.speed;
         return WireClock::wall(clock_.now() + static_cast<std::int64_t>(std::max(ahead, 0.0)));
     }
 
@@ -234,7 +230,7 @@ class AttackerAgent final : public bus::Member {
     void beside(std::int64_t until_ns) {
         for (std::uint16_t const ethertype : ethertypes_) {
             for (bus::WireFrame const* frame : port_->take(ethertype)) {
-                std::int64_t const at_ns = node_.lockstep() ? clock_.of(frame->time) : until_ns;
+                std::int64_t const at_ns = clock_.heard_ns(frame->time, until_ns);
                 elapse(at_ns - 1);
                 hear(WirePort::octets(*frame), at_ns);
             }
@@ -268,9 +264,7 @@ class AttackerAgent final : public bus::Member {
             if (!attack->messages || attack->between()) {
                 continue;
             }
-            if (!node_.lockstep()) {
-                attack->messages->set_utc_base(node_.start_unix_ns());
-            }
+            attack->messages->set_utc_base(clock_.start_utc_ns());
             while (attack->messages->due() && *attack->messages->due() <= until_ns) {
                 attack->now_ns = *attack->messages->due();
                 attack->messages->elapse(
@@ -293,8 +287,7 @@ class AttackerAgent final : public bus::Member {
         for (auto const& attack : attacks_) {
             for (Running::TimedLabel timed; attack->timed_labels.pop(timed);) {
                 if (attack->labels) {
-                    attack->labels->add(timed.label, timed.time_ns,
-                                        node_.lockstep() ? std::min(clock_.at_or_after(timed.time_ns), now) : now);
+                    attack->labels->add(timed.label, timed.time_ns, std::min(clock_.sim_time(timed.time_ns), now));
                 }
             }
             if (final && attack->labels) {

@@ -32,6 +32,20 @@ class WireClock {
         clock_gettime(CLOCK_REALTIME, &t);
         return t.tv_sec * 1'000'000'000LL + t.tv_nsec;
     }
+    /// UTC of simulated time 0; in real time 0 before it is known.
+    [[nodiscard]] std::int64_t start_utc_ns() const { return simulated() ? utc_ns(0) : node_.start_unix_ns(); }
+    /// Nanoseconds of simulated time at `tick`; in real time now, at that speed, and -1 before it is known.
+    [[nodiscard]] std::int64_t simulated_ns(SimTime tick, double speed) const {
+        if (simulated()) {
+            return of(tick);
+        }
+        std::int64_t const start = node_.start_unix_ns();
+        return start == 0 ? -1 : static_cast<std::int64_t>(static_cast<double>(utc_ns(0) - start) * speed);
+    }
+    /// The same when a frame came: its own time; in real time that of the look that found it.
+    [[nodiscard]] std::int64_t heard_ns(SimTime frame, std::int64_t look_ns) const {
+        return simulated() ? of(frame) : look_ns;
+    }
     /// UTC when the clock of the state machines showed `ns`, by what both show now.
     [[nodiscard]] std::int64_t utc_at(std::int64_t ns) const {
         if (node_.lockstep()) {

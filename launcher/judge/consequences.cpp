@@ -223,6 +223,16 @@ Consequences find_consequences(IntrusionScore const& score, Node const& scenario
     return out;
 }
 
+std::vector<std::pair<std::string, std::string>> consequence_signals() {
+    return {{"consequence.trips_lost", ""},
+            {"consequence.trips_late", ""},
+            {"consequence.trips_false", ""},
+            {"consequence.openings_false", ""},
+            {"consequence.slowest_trip_ms", "ms"},
+            {"consequence.load_not_served_kw", "kW"},
+            {"consequence.energy_not_served_wh", "Wh"}};
+}
+
 void add_consequence_signals(Consequences const& c, double end_s, SignalStore& signals) {
     auto const add = [&](std::string const& name, std::string const& unit, double value) {
         signals[name] = {unit, {std::llround(end_s * 1e9)}, {value}};

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gridspace::launcher {
@@ -41,7 +42,9 @@ struct Consequences {
 [[nodiscard]] Consequences find_consequences(IntrusionScore const& score, config::Node const& scenario,
                                              config::Node const& network, SignalStore const& signals, double end_s);
 
-/// Adds it as signals with one value: consequence.trips_lost …, score.ATTACK.alarm_ms.
+/// The names of its signals, and their units; those of an attack are score.ATTACK.alarmed and alarm_ms.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> consequence_signals();
+/// Adds it as signals with one value.
 void add_consequence_signals(Consequences const& consequences, double end_s, SignalStore& signals);
 
 } // namespace gridspace::launcher

@@ -91,17 +91,6 @@ class AttackerProcess final : public DeclaredSettings {
             out.push_back({prefix + "alarmed", "", 0});
             out.push_back({prefix + "alarm_ms", "ms", 0});
         }
-        bool const first = std::find_if(s.processes.begin(), s.processes.end(), [&](Process const& p) {
-                               return p.program.name == process.program.name;
-                           })->name == process.name;
-        if (first) { // of the run, whoever attacks
-            for (char const* name : {"trips_lost", "trips_late", "trips_false", "openings_false"}) {
-                out.push_back({std::string{"consequence."} + name, "", 0});
-            }
-            out.push_back({"consequence.slowest_trip_ms", "ms", 0});
-            out.push_back({"consequence.load_not_served_kw", "kW", 0});
-            out.push_back({"consequence.energy_not_served_wh", "Wh", 0});
-        }
         return out;
     }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {

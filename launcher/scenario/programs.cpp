@@ -12,6 +12,7 @@
 #include "gateways/gateway/gateway_declaration.hpp"
 #include "gateways/link/link_declaration.hpp"
 #include "gateways/mu/mu_declaration.hpp"
+#include "launcher/judge/consequences.hpp"
 #include "launcher/scenario/capture_points.hpp"
 #include "launcher/scenario/dataflow.hpp"
 #include "launcher/scenario/declared_program.hpp"
@@ -170,6 +171,16 @@ class RecorderSettings final : public DeclaredSettings {
     static std::unique_ptr<ProcessSettings> read(Fields& f) { return std::make_unique<RecorderSettings>(f); }
     explicit RecorderSettings(Fields& f) : DeclaredSettings{recorder::recorder_declaration()} {
         describe_own(f, config_);
+    }
+    /// What the report computes from the recording of a run that was attacked or disturbed.
+    [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
+        std::vector<SignalUse> out = DeclaredSettings::signals(s, process);
+        if (is_disturbed(s.resolved)) {
+            for (auto& [name, unit] : consequence_signals()) {
+                out.push_back({std::move(name), std::move(unit), 0});
+            }
+        }
+        return out;
     }
     [[nodiscard]] std::vector<TopicUse> reads(Scenario const& s, Process const& process) const override {
         return s.record.samples ? recorded_topics(s, process) : std::vector<TopicUse>{};

@@ -113,7 +113,8 @@ std::vector<Setting> within_the_classes() {
     return {{"nothing", {}, {}},
             {"5P: 1 % and 60 minutes at each end", {1, 60, 0}, {-1, -60, 0}},
             {"80 us of skew", {0, 0, 80}, {}},
-            {"charging current of 4 %", {}, {}, 4}};
+            {"charging current of 4 %", {}, {}, 4},
+            {"all of these at once", {1, 60, 80}, {-1, -60, 0}, 4}};
 }
 
 TEST(StandingDifference, OfTheAccuracyClassesNeitherLosesNorDelaysAFault) {
