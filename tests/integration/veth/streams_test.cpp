@@ -49,7 +49,9 @@ Port open(std::string interface, std::uint16_t ethertype, bool receive) {
 
 using Streams = Veth;
 
-TEST_F(Streams, SixOf4800HertzArriveCompleteOnceAndInOrder) {
+/// Sends six streams and checks that all of it arrives. False when the machine stood still for so long that frames are
+/// those of a publisher that was started again: then nothing is said.
+bool six_streams_arrive() {
     constexpr std::size_t kStreams = 6;
     Port receiver = open("right", kSvEthertype, true), sender = open("left", kSvEthertype, false);
     std::vector<SvSubscriber> subscribers;
@@ -100,6 +102,10 @@ TEST_F(Streams, SixOf4800HertzArriveCompleteOnceAndInOrder) {
     }
     sent_frames = schedule.next_frame() * static_cast<std::int64_t>(kStreams);
     listening.join();
+    constexpr std::int64_t kHalfOfTheCounter = 400'000'000; // with a margin: it runs for a second
+    if (schedule.worst_late_ns() > kHalfOfTheCounter) {
+        return false;
+    }
     for (SvSubscriber const& s : subscribers) {
         auto const& c = s.counters();
         EXPECT_EQ(c.samples, static_cast<std::uint64_t>(schedule.next_frame())) << s.subscription().sv_id;
@@ -107,10 +113,17 @@ TEST_F(Streams, SixOf4800HertzArriveCompleteOnceAndInOrder) {
         EXPECT_EQ(c.of(SvEvent::duplicate) + c.of(SvEvent::late) + c.of(SvEvent::restart), 0U);
     }
     EXPECT_EQ(receiver.counters().dropped, 0U);
-    RecordProperty("rate_hz", std::to_string(subscribers[0].arrivals().rate_hz()));
-    RecordProperty("late_wakeups", std::to_string(schedule.late_wakeups()));
     std::printf("rate %.4f Hz, %lu late wake-ups, worst %.0f us\n", subscribers[0].arrivals().rate_hz(),
                 schedule.late_wakeups(), static_cast<double>(schedule.worst_late_ns()) / 1e3);
+    return true;
+}
+
+TEST_F(Streams, SixOf4800HertzArriveCompleteOnceAndInOrder) {
+    bool done = false;
+    for (int attempt = 0; attempt < 10 && !done; ++attempt) {
+        done = six_streams_arrive();
+    }
+    EXPECT_TRUE(done) << "the machine stood still each time";
 }
 
 TEST_F(Streams, ATripArrivesOnceAndIsRepeatedByTheCurve) {

@@ -37,6 +37,11 @@ def lines(text):
     return [json.loads(line) for line in text.splitlines()]
 
 
+def messages(text):
+    """What a GOOSE subscriber says of messages: on a busy machine one may also expire."""
+    return [line for line in lines(text) if line["event"] != "expired"]
+
+
 class WireTools(unittest.TestCase):
     def setUp(self):
         own_namespace.cable("left", "right")
@@ -129,7 +134,7 @@ class WireTools(unittest.TestCase):
         for keys, event in [(["app_id=0x8002"], "identity_mismatch"), (["mac=01:0C:CD:01:00:02"], "identity_mismatch"),
                             (["data_set_name=IED/LLN0$x"], "identity_mismatch"), (message[3:6], "first"), ([], "first")]:
             done = self.while_publishing(message, "goose-sub", "right", "--count", "1", "control_block=IED/LLN0$GO$g", *keys)
-            self.assertEqual([(e["event"], e["accepted"]) for e in lines(done.stdout)], [(event, event == "first")], keys)
+            self.assertEqual([(e["event"], e["accepted"]) for e in messages(done.stdout)], [(event, event == "first")], keys)
 
     def test_a_slow_stream_has_its_rate_and_loses_nothing(self):
         publisher = ["sv-pub", "left", "rate_hz=80", "sv_id=MU"]
@@ -228,7 +233,7 @@ class WireTools(unittest.TestCase):
             done = self.while_publishing(["goose-pub", "left", "control_block=IED/LLN0$GO$g", f"data_set_name={data_set}", "max_time_ms=20", "data_set={trip: boolean}"],
                                          "goose-sub", "right", "--file", str(file), "--stream", "G", "--count", "1")
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertEqual([(e["event"], e["accepted"], e["dat_set"]) for e in lines(done.stdout)], [(event, accepted, data_set)])
+            self.assertEqual([(e["event"], e["accepted"], e["dat_set"]) for e in messages(done.stdout)], [(event, accepted, data_set)])
 
     def test_a_capture_is_replayed_and_judged(self):
         capture = self.folder / "c.pcapng"
