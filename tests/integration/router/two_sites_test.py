@@ -120,10 +120,13 @@ class TwoSites(ScenarioTest):
     def json_file(self, name, content):
         return self.write(name, json.dumps(content))
 
-    def scenario(self, router_config, **changes):
-        """Case 1 in which a router stands in for the agent of EV4."""
+    def scenario(self, router_config, until_requests=False, **changes):
+        """Case 1 in which a router stands in for the agent of EV4; begun, if wanted, when that agent's requests have come through it:
+        in real time the run would not wait for an agent that it does not know."""
         ev4 = {"program": "exec", "qos": None, "ev": None, "requested_h": None, "command": [str(BIN / "gridspace"), "router", "--json", str(router_config)],
                "reads": {"bus_measurements": {"type": "BusMeasurement"}}, "writes": {"requests": {"type": "ChargingRequest"}}}
+        if until_requests:
+            ev4["ready"] = {"says": '"topic":"requests"', "within_s": HANG_S / 2}
         return self.json_file("split.yaml", {
             "extends": str(SOURCE / "configs/scenarios/ev_charging.yaml"), "name": "ev_charging_split",
             "clock": {"mode": "realtime", "speed": SPEED, "start_timeout_s": 120},
@@ -254,7 +257,7 @@ class TwoSites(ScenarioTest):
     def test_an_agent_joins_over_tcp_without_a_router_of_its_own(self):
         """qos/tcp_server.xml and tcp_client.xml."""
         agent = self.agent({"qos": str(self.profile("tcp_client.xml")), "management": {"domain": 0}}, clock_from="ev4")
-        run = self.run_here(self.scenario(self.router_here({"qos": str(self.profile("tcp_server.xml"))})))
+        run = self.run_here(self.scenario(self.router_here({"qos": str(self.profile("tcp_server.xml"))}), until_requests=True))
         self.assertEqual(run.finish(), OK, run.stderr())
         agent.process.wait(HANG_S)
         self.assert_charged_as_in_one_piece(run)
@@ -262,7 +265,7 @@ class TwoSites(ScenarioTest):
     def test_an_agent_joins_through_a_discovery_server(self):
         """qos/discovery_server.xml and discovery_client.xml: UDP without multicast."""
         agent = self.agent({"qos": str(self.profile("discovery_client.xml")), "management": {"domain": 0}}, clock_from="ev4")
-        run = self.run_here(self.scenario(self.router_here({"qos": str(self.profile("discovery_server.xml")), "addresses": [HERE]})))
+        run = self.run_here(self.scenario(self.router_here({"qos": str(self.profile("discovery_server.xml")), "addresses": [HERE]}), until_requests=True))
         self.assertEqual(run.finish(), OK, run.stderr())
         agent.process.wait(HANG_S)
         self.assert_charged_as_in_one_piece(run)
