@@ -315,7 +315,9 @@ class AttackerAgent final : public bus::Member {
         if (!attack.began && attack.forged() > 0) {
             attack.began = true;
             log::info("attack '{}' on {}: begins", c.name.name, target);
-            run_.status.event(time_s, node_.config().process, c.name.name + ".begins",
+            std::int64_t const first_ns = attack.first_ns; // within the tick: before what answers to it
+            run_.status.event(first_ns < 0 ? time_s : std::min(1e-9 * static_cast<double>(first_ns), time_s),
+                              node_.config().process, c.name.name + ".begins",
                               fmt::format("attack '{}' on {} begins", c.name.name, target));
         }
         if (!attack.ended && (final || time_s > c.end_s())) {

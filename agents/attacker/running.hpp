@@ -28,7 +28,12 @@ struct Running {
     };
     SpscRing<TimedLabel> timed_labels{16'384};
     std::atomic<std::uint64_t> lost{0};
-    Tell tell{[this](Label const& label) { lost += timed_labels.push({label, now_ns}) ? 0U : 1U; }};
+    std::atomic<std::int64_t> first_ns{-1}; ///< simulated: of the first label
+    Tell tell{[this](Label const& label) {
+        std::int64_t none = -1;
+        first_ns.compare_exchange_strong(none, now_ns);
+        lost += timed_labels.push({label, now_ns}) ? 0U : 1U;
+    }};
     std::unique_ptr<LabelPublisher> labels;
     bool began{false}, ended{false};
 
