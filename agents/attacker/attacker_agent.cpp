@@ -286,6 +286,7 @@ class AttackerAgent final : public bus::Member {
     void publish(SimTime now, bool final) {
         for (auto const& attack : attacks_) {
             for (Running::TimedLabel timed; attack->timed_labels.pop(timed);) {
+                attack->first_ns = attack->first_ns.value_or(timed.time_ns);
                 if (attack->labels) {
                     attack->labels->add(timed.label, timed.time_ns, std::min(clock_.sim_time(timed.time_ns), now));
                 }
@@ -315,9 +316,9 @@ class AttackerAgent final : public bus::Member {
         if (!attack.began && attack.forged() > 0) {
             attack.began = true;
             log::info("attack '{}' on {}: begins", c.name.name, target);
-            std::int64_t const first_ns = attack.first_ns; // within the tick: before what answers to it
-            run_.status.event(first_ns < 0 ? time_s : std::min(1e-9 * static_cast<double>(first_ns), time_s),
-                              node_.config().process, c.name.name + ".begins",
+            // Within the tick: before what answers to it.
+            double const begins_s = attack.first_ns ? 1e-9 * static_cast<double>(*attack.first_ns) : time_s;
+            run_.status.event(std::min(begins_s, time_s), node_.config().process, c.name.name + ".begins",
                               fmt::format("attack '{}' on {} begins", c.name.name, target));
         }
         if (!attack.ended && (final || time_s > c.end_s())) {

@@ -20,7 +20,7 @@ iec61850::GooseSubscription listen_to(streams::Stream const& s) {
 } // namespace
 
 Result<std::unique_ptr<GooseForger>> GooseForger::create(streams::Stream const& stream, AttackConfig const& config,
-                                                         std::uint64_t seed, std::int64_t utc_base_ns) {
+                                                         std::uint64_t seed) {
     auto frame = stream.goose_template({});
     if (!frame) {
         return std::unexpected{frame.error()};
@@ -37,14 +37,13 @@ Result<std::unique_ptr<GooseForger>> GooseForger::create(streams::Stream const& 
                                 config.channels.empty() ? "" : fmt::format(" '{}'", config.channels.front())));
     }
     GooseAttack attack{*config.goose, times_in_ns(config), seed};
-    return std::unique_ptr<GooseForger>{
-        new GooseForger{stream, config, std::move(attack), std::move(*frame), *leaf, utc_base_ns}};
+    return std::unique_ptr<GooseForger>{new GooseForger{stream, config, std::move(attack), std::move(*frame), *leaf}};
 }
 
 GooseForger::GooseForger(streams::Stream const& stream, AttackConfig const& config, GooseAttack attack,
-                         iec61850::GooseTemplate frame, std::size_t leaf, std::int64_t utc_base_ns)
+                         iec61850::GooseTemplate frame, std::size_t leaf)
     : heard_{listen_to(stream)}, attack_{std::move(attack)}, template_{std::move(frame)}, leaf_{leaf},
-      utc_base_ns_{utc_base_ns}, spoof_{config.spoof} {}
+      spoof_{config.spoof} {}
 
 void GooseForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) {
     bool const decoded = time_ns >= 0 && iec61850::decode_goose(frame, decoded_).has_value();

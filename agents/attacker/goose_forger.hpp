@@ -19,9 +19,8 @@ namespace gridspace::attacker {
 /// Boolean (a dropped message: sent as said, the attack's kind tells). Pure; no allocation per message.
 class GooseForger final : public WireAttack {
   public:
-    /// `utc_base_ns`: UTC of simulated time 0.
-    [[nodiscard]] static Result<std::unique_ptr<GooseForger>>
-    create(streams::Stream const& stream, AttackConfig const& config, std::uint64_t seed, std::int64_t utc_base_ns);
+    [[nodiscard]] static Result<std::unique_ptr<GooseForger>> create(streams::Stream const& stream,
+                                                                     AttackConfig const& config, std::uint64_t seed);
 
     void pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) override;
     [[nodiscard]] std::optional<std::int64_t> due() const override { return attack_.next_ns(); }
@@ -33,7 +32,7 @@ class GooseForger final : public WireAttack {
 
   private:
     GooseForger(streams::Stream const& stream, AttackConfig const& config, GooseAttack attack,
-                iec61850::GooseTemplate frame, std::size_t leaf, std::int64_t utc_base_ns);
+                iec61850::GooseTemplate frame, std::size_t leaf);
     [[nodiscard]] iec61850::Octets frame_of(GooseState const& state);
     void count() { forged_.store(attack_.forged() + attack_.dropped(), std::memory_order_relaxed); }
     void tell_one(bool sent, Tell const& tell);
@@ -42,7 +41,7 @@ class GooseForger final : public WireAttack {
     GooseAttack attack_;
     iec61850::GooseTemplate template_;
     std::size_t leaf_;
-    std::int64_t utc_base_ns_;
+    std::int64_t utc_base_ns_{0};
     bool spoof_;
     bool real_value_{false};
     iec61850::GooseFrame decoded_;

@@ -38,8 +38,7 @@ Result<std::unique_ptr<Running>> make_attack(bus::Node& node, AttackConfig const
     if (stream == nullptr) {
         ok = keep(make_topic_attack(node, config, settings), out->topic);
     } else if (config.goose) {
-        std::int64_t const base_ns = node.config().clock.epoch_unix_s * 1'000'000'000;
-        ok = keep(GooseForger::create(*stream, config, seed, base_ns), out->messages);
+        ok = keep(GooseForger::create(*stream, config, seed), out->messages);
     } else if (config.frames) {
         ok = keep(FrameForger::create(*stream, config, seed), out->messages);
     } else {

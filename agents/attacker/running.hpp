@@ -11,6 +11,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace gridspace::attacker {
@@ -28,13 +29,9 @@ struct Running {
     };
     SpscRing<TimedLabel> timed_labels{16'384};
     std::atomic<std::uint64_t> lost{0};
-    std::atomic<std::int64_t> first_ns{-1}; ///< simulated: of the first label
-    Tell tell{[this](Label const& label) {
-        std::int64_t none = -1;
-        first_ns.compare_exchange_strong(none, now_ns);
-        lost += timed_labels.push({label, now_ns}) ? 0U : 1U;
-    }};
+    Tell tell{[this](Label const& label) { lost += timed_labels.push({label, now_ns}) ? 0U : 1U; }};
     std::unique_ptr<LabelPublisher> labels;
+    std::optional<std::int64_t> first_ns; ///< simulated: of the first label that was taken
     bool began{false}, ended{false};
 
     [[nodiscard]] bool between() const { return config->place == AttackConfig::Place::between; }

@@ -29,7 +29,7 @@ class WireAttack {
 
     /// The address that forged frames come from.
     virtual void set_source(iec61850::Mac const& source) = 0;
-    /// UTC of simulated time 0, where it is known late.
+    /// UTC of simulated time 0, before the first of the calls above; in real time it is known late.
     virtual void set_utc_base(std::int64_t /*utc_base_ns*/) {}
     [[nodiscard]] virtual std::uint64_t forged() const = 0; ///< from any thread
 };

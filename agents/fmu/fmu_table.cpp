@@ -273,19 +273,6 @@ class TableMaker {
         output.rules = compile(rules, origins, from, output.type.fields);
     }
 
-    static mapping::Rule rule_of(FieldRule const& field) {
-        mapping::Rule rule;
-        rule.from = field.from.name;
-        rule.to = field.to.name;
-        rule.scale = field.scale;
-        rule.offset = field.offset;
-        rule.from_unit = field.from_unit;
-        rule.to_unit = field.to_unit;
-        rule.invert = field.invert;
-        rule.true_is_open = field.true_is_open;
-        return rule;
-    }
-
     mapping::Mapping compile(std::vector<mapping::Rule> const& rules, std::vector<FieldRule const*> const& origins,
                              std::vector<Field> const& from, std::vector<Field> const& to) {
         std::vector<mapping::Mistake> mistakes;

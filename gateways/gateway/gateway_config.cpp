@@ -118,6 +118,19 @@ void describe_mapping(Fields& f, MappingConfig& m) {
 
 } // namespace
 
+mapping::Rule rule_of(FieldRule const& field) {
+    mapping::Rule rule;
+    rule.from = field.from.name;
+    rule.to = field.to.name;
+    rule.scale = field.scale;
+    rule.offset = field.offset;
+    rule.from_unit = field.from_unit;
+    rule.to_unit = field.to_unit;
+    rule.invert = field.invert;
+    rule.true_is_open = field.true_is_open;
+    return rule;
+}
+
 void describe(config::Fields& f, GatewayConfig& config) {
     f.map("mappings", {.doc = "what is translated into what"}, [&](Ref const& name, Fields& m) {
         MappingConfig mapping;

@@ -5,6 +5,7 @@
 #include "common/rational.hpp"
 #include "gateways/first_line/first_line_config.hpp"
 #include "gateways/gateway/subscription_config.hpp"
+#include "gateways/mapping/mapping.hpp"
 #include "gateways/ptp/ptp_config.hpp"
 
 #include <cstdint>
@@ -35,6 +36,8 @@ struct FieldRule {
     std::string from_unit, to_unit;
     bool invert{false}, true_is_open{true};
 };
+/// As the mapping takes it, without its constant, which has a type of its target.
+[[nodiscard]] mapping::Rule rule_of(FieldRule const& field);
 
 /// What an event of the timeline does to the clock of a publisher of samples.
 struct ClockChange {

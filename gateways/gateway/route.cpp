@@ -231,15 +231,7 @@ class RouteMaker {
 
     /// False when there is no rule, of which everything was said.
     bool add_rule(FieldRule const& field, std::vector<mapping::Rule>& rules, std::vector<mapping::Rule>& lost) {
-        mapping::Rule rule;
-        rule.from = field.from.name;
-        rule.to = field.to.name;
-        rule.scale = field.scale;
-        rule.offset = field.offset;
-        rule.from_unit = field.from_unit;
-        rule.to_unit = field.to_unit;
-        rule.invert = field.invert;
-        rule.true_is_open = field.true_is_open;
+        mapping::Rule rule = rule_of(field);
         auto const target = index_of(route_.to, field.to);
         if (!target) {
             return false;

@@ -223,30 +223,26 @@ Consequences find_consequences(IntrusionScore const& score, Node const& scenario
     return out;
 }
 
-std::vector<std::pair<std::string, std::string>> consequence_signals() {
-    return {{"consequence.trips_lost", ""},
-            {"consequence.trips_late", ""},
-            {"consequence.trips_false", ""},
-            {"consequence.openings_false", ""},
-            {"consequence.slowest_trip_ms", "ms"},
-            {"consequence.load_not_served_kw", "kW"},
-            {"consequence.energy_not_served_wh", "Wh"}};
+std::vector<ConsequenceSignal> consequence_signals(Consequences const& c) {
+    auto const count = [](auto n) { return static_cast<double>(n); };
+    auto const known = [&](double value) { return c.loads.empty() ? std::nullopt : std::optional{value}; };
+    return {{"consequence.trips_lost", "", count(c.lost)},
+            {"consequence.trips_late", "", count(c.late)},
+            {"consequence.trips_false", "", count(c.false_trips)},
+            {"consequence.openings_false", "", count(c.opened_without_fault.size())},
+            {"consequence.slowest_trip_ms", "ms", c.slowest_trip_ms},
+            {"consequence.load_not_served_kw", "kW", known(c.load_not_served_kw)},
+            {"consequence.energy_not_served_wh", "Wh", known(c.energy_not_served_wh)}};
 }
 
 void add_consequence_signals(Consequences const& c, double end_s, SignalStore& signals) {
     auto const add = [&](std::string const& name, std::string const& unit, double value) {
         signals[name] = {unit, {std::llround(end_s * 1e9)}, {value}};
     };
-    add("consequence.trips_lost", "", static_cast<double>(c.lost));
-    add("consequence.trips_late", "", static_cast<double>(c.late));
-    add("consequence.trips_false", "", static_cast<double>(c.false_trips));
-    add("consequence.openings_false", "", static_cast<double>(c.opened_without_fault.size()));
-    if (c.slowest_trip_ms) {
-        add("consequence.slowest_trip_ms", "ms", *c.slowest_trip_ms);
-    }
-    if (!c.loads.empty()) {
-        add("consequence.load_not_served_kw", "kW", c.load_not_served_kw);
-        add("consequence.energy_not_served_wh", "Wh", c.energy_not_served_wh);
+    for (ConsequenceSignal const& signal : consequence_signals(c)) {
+        if (signal.value) {
+            add(signal.name, signal.unit, *signal.value);
+        }
     }
     for (AlarmScore::Attack const& attack : c.alarms.attacks) {
         add("score." + attack.span.attack + ".alarmed", "", attack.delay_ms ? 1 : 0);

@@ -7,7 +7,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace gridspace::launcher {
@@ -42,9 +41,13 @@ struct Consequences {
 [[nodiscard]] Consequences find_consequences(IntrusionScore const& score, config::Node const& scenario,
                                              config::Node const& network, SignalStore const& signals, double end_s);
 
-/// The names of its signals, and their units; those of an attack are score.ATTACK.alarmed and alarm_ms.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> consequence_signals();
-/// Adds it as signals with one value.
+/// One of its figures; without a value when nothing is known of it.
+struct ConsequenceSignal {
+    std::string name, unit;
+    std::optional<double> value;
+};
+[[nodiscard]] std::vector<ConsequenceSignal> consequence_signals(Consequences const& consequences);
+/// Adds them as signals with one value, and of each attack score.ATTACK.alarmed and alarm_ms.
 void add_consequence_signals(Consequences const& consequences, double end_s, SignalStore& signals);
 
 } // namespace gridspace::launcher

@@ -141,7 +141,7 @@ void check_stream(Scenario const& s, AttackConfig const& a, Diagnostics& diagnos
         if (auto const made = attacker::SvForger::create(*stream, a, frequency_hz, 0); !made) {
             complain(made.error());
         }
-    } else if (auto const made = attacker::GooseForger::create(*stream, a, 0, 0); !made) {
+    } else if (auto const made = attacker::GooseForger::create(*stream, a, 0); !made) {
         complain(made.error());
     }
 }

@@ -176,8 +176,8 @@ class RecorderSettings final : public DeclaredSettings {
     [[nodiscard]] std::vector<SignalUse> signals(Scenario const& s, Process const& process) const override {
         std::vector<SignalUse> out = DeclaredSettings::signals(s, process);
         if (is_disturbed(s.resolved)) {
-            for (auto& [name, unit] : consequence_signals()) {
-                out.push_back({std::move(name), std::move(unit), 0});
+            for (ConsequenceSignal& signal : consequence_signals({})) {
+                out.push_back({std::move(signal.name), std::move(signal.unit), 0});
             }
         }
         return out;

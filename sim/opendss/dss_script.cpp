@@ -502,10 +502,9 @@ std::vector<Interpreter::Command> const& Interpreter::commands() {
                                  {"open", &I::open},
                                  {"close", &I::close},
                                  {"var", &I::define_variables}};
-        std::vector<std::string> const left_out = split(kLeftOutCommands, ' ');
         for (std::string const& name : split(kOtherCommands, ' ')) {
-            bool const changes = std::find(left_out.begin(), left_out.end(), name) != left_out.end();
-            out.push_back({name, changes ? &I::leave_out : &I::nothing});
+            bool const changes = name.ends_with('!');
+            out.push_back({changes ? name.substr(0, name.size() - 1) : name, changes ? &I::leave_out : &I::nothing});
         }
         return out;
     }();

@@ -235,8 +235,8 @@ std::vector<std::uint8_t> real_message(streams::Stream const& stream, std::uint3
 TEST(GooseForger, MasqueradeIsTheNextStateWithTheOtherMembersAsTheyAre) {
     auto const all = declared();
     auto const& stream = *streams::find_stream(all, "TRIP");
-    auto sut =
-        *GooseForger::create(stream, message(GooseAttackParams::Kind::masquerade_trip), 1, 1'000'000'000'000'000'000);
+    auto sut = *GooseForger::create(stream, message(GooseAttackParams::Kind::masquerade_trip), 1);
+    sut->set_utc_base(1'000'000'000'000'000'000);
     std::vector<Label> labels;
     Tell const tell = [&](Label const& l) { labels.push_back(l); };
     sut->pass(real_message(stream, 4, 9, false), 500'000'000, nullptr, tell);
@@ -269,8 +269,8 @@ TEST(GooseForger, MasqueradeIsTheNextStateWithTheOtherMembersAsTheyAre) {
 TEST(GooseForger, GrayholeDropsAndStretchAltersOnlyInItsTime) {
     auto const all = declared();
     auto const& stream = *streams::find_stream(all, "TRIP");
-    auto hole = *GooseForger::create(stream, message(GooseAttackParams::Kind::grayhole), 1, 0);
-    auto stretch = *GooseForger::create(stream, message(GooseAttackParams::Kind::stretch), 1, 0);
+    auto hole = *GooseForger::create(stream, message(GooseAttackParams::Kind::grayhole), 1);
+    auto stretch = *GooseForger::create(stream, message(GooseAttackParams::Kind::stretch), 1);
     int passed = 0, labels = 0;
     std::uint32_t live_ms = 0;
     for (std::uint32_t k = 0; k < 30; ++k) { // from 0.1 to 3.0 s
@@ -296,8 +296,8 @@ TEST(GooseForger, GrayholeDropsAndStretchAltersOnlyInItsTime) {
 TEST(GooseForger, WhatItHasForgedMayBeAskedFromAnotherThread) {
     auto const all = declared();
     auto const& stream = *streams::find_stream(all, "TRIP");
-    auto hole = *GooseForger::create(stream, message(GooseAttackParams::Kind::grayhole), 1, 0);
-    auto flood = *GooseForger::create(stream, message(GooseAttackParams::Kind::flooding), 1, 0);
+    auto hole = *GooseForger::create(stream, message(GooseAttackParams::Kind::grayhole), 1);
+    auto flood = *GooseForger::create(stream, message(GooseAttackParams::Kind::flooding), 1);
     count_from_another_thread(*hole, [&] {
         for (std::uint32_t k = 0; k < 30; ++k) {
             hole->pass(real_message(stream, 1, k, false), 100'000'000LL * (k + 1), [](auto) {}, [](Label const&) {});
@@ -313,7 +313,7 @@ TEST(GooseForger, NeedsABooleanMember) {
     auto const all = declared();
     auto config = message(GooseAttackParams::Kind::flooding);
     config.channels = {"count"};
-    auto const sut = GooseForger::create(*streams::find_stream(all, "TRIP"), config, 1, 0);
+    auto const sut = GooseForger::create(*streams::find_stream(all, "TRIP"), config, 1);
     ASSERT_FALSE(sut);
     EXPECT_NE(sut.error().message.find("no Boolean member 'count'"), std::string::npos);
 }
