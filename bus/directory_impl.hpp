@@ -23,6 +23,12 @@ class Directory {
         std::lock_guard const lock{mutex_};
         return locked_index(prefix);
     }
+    /// Nobody's when it has not been heard of.
+    Peer peer_of(rtps::GuidPrefix_t const& prefix) const {
+        std::lock_guard const lock{mutex_};
+        auto const it = index_.find(prefix);
+        return it == index_.end() ? Peer{} : peers_[it->second];
+    }
     Peer peer(std::uint32_t index) const {
         std::lock_guard const lock{mutex_};
         return index < peers_.size() ? peers_[index] : Peer{};
@@ -100,6 +106,38 @@ class Directory {
     std::mutex callbacks_mutex_;   // guards the next two, also while they are called
     std::function<void()> on_change_;
     std::function<void(std::uint32_t, bool)> on_departure_;
+};
+
+/// The endpoints that discovery has told of. As many as the participant's limits let be (bound_the_others).
+class KnownEndpoints {
+  public:
+    void found(rtps::GUID_t const& guid, std::string topic, bool writer) {
+        std::lock_guard const lock{mutex_};
+        all_[guid] = {std::move(topic), writer};
+    }
+    void gone(rtps::GUID_t const& guid) {
+        std::lock_guard const lock{mutex_};
+        all_.erase(guid);
+    }
+    /// The participants that have one on a topic.
+    [[nodiscard]] std::vector<rtps::GuidPrefix_t> on(std::string const& topic, bool writers) const {
+        std::vector<rtps::GuidPrefix_t> out;
+        std::lock_guard const lock{mutex_};
+        for (auto const& [guid, known] : all_) {
+            if (known.writer == writers && known.topic == topic) {
+                out.push_back(guid.guidPrefix);
+            }
+        }
+        return out;
+    }
+
+  private:
+    struct Known {
+        std::string topic;
+        bool writer{false};
+    };
+    mutable std::mutex mutex_;
+    std::map<rtps::GUID_t, Known> all_;
 };
 
 /// The endpoints that one endpoint is matched with.

@@ -28,6 +28,7 @@ namespace gridspace::bus {
 struct Lookout {
     std::string missing;
     std::size_t present{0};
+    bool says_why{false}; ///< what of each that is missing has been discovered
 };
 
 /// The inside of a Node, shared by its parts. `mutex` guards everything below it; receiving threads take it briefly.
@@ -252,13 +253,14 @@ struct Node::Core {
     [[nodiscard]] bool acknowledge(std::uint64_t tick, std::uint64_t next_tick_needed, SimTime time);
 
     /// Peers with which everything expected is matched.
-    [[nodiscard]] std::vector<Peer> matched_peers(Lookout& lookout) const;
+    [[nodiscard]] std::vector<Peer> matched_peers(Lookout& lookout);
     /// Looks at the matches and publishes member_status if they changed; returns what is missing. Only the process's
     /// own thread calls it.
     std::string refresh_status(MemberState state_when_incomplete);
     void publish_status(MemberState state, std::string_view waiting_for);
     std::vector<Peer> status_matched;
     std::string status_missing{"-"};
+    bool start_is_slow{false};        ///< so what is missing is told with what of it is known
     std::size_t endpoints_present{0}; ///< at the last look; the process's own thread's
 };
 

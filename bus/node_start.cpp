@@ -25,10 +25,22 @@ void expect(ExpectedPeers& peers, char const* topic, std::string const& process)
     peers[topic].try_emplace(process, 1);
 }
 
+/// How far the discovery of an endpoint has come.
+std::string how_far(Participant const& network, std::string const& topic, bool writer, std::string const& process) {
+    auto const is_it = [&](Peer const& peer) { return peer.process == process; };
+    if (std::ranges::any_of(network.known_on(topic, writer), is_it)) {
+        return " (discovered, not matched)";
+    }
+    auto const here = network.here();
+    bool const has_come = std::ranges::any_of(here, [&](std::uint32_t index) { return is_it(network.peer(index)); });
+    return has_come ? " (not discovered, though its participant is)" : " (its participant is not discovered)";
+}
+
 /// For each expected process: are so many endpoints of its newest incarnation matched?
-void check_matches(std::string_view kind, std::string const& topic, std::map<std::string, std::int64_t> const& expected,
-                   std::vector<Peer> const& matched, std::map<std::string, std::uint32_t>& newest,
-                   std::set<std::string>& lacking, std::set<std::string> const& absent, Lookout& lookout) {
+void check_matches(Participant const& network, bool writers, std::string const& topic,
+                   std::map<std::string, std::int64_t> const& expected, std::vector<Peer> const& matched,
+                   std::map<std::string, std::uint32_t>& newest, std::set<std::string>& lacking,
+                   std::set<std::string> const& absent, Lookout& lookout) {
     std::string& missing = lookout.missing;
     for (auto const& [process, count] : expected) {
         if (absent.contains(process)) {
@@ -48,7 +60,8 @@ void check_matches(std::string_view kind, std::string const& topic, std::map<std
         if (endpoints < count) {
             lacking.insert(process);
             std::string const lack =
-                fmt::format("{} of {} {}(s) of '{}' in {}", count - endpoints, count, kind, topic, process);
+                fmt::format("{} of {} {}(s) of '{}' in {}{}", count - endpoints, count, writers ? "writer" : "reader",
+                            topic, process, lookout.says_why ? how_far(network, topic, writers, process) : "");
             if (missing.size() < 160 &&
                 missing.find(lack) == std::string::npos) { // several writers may lack the same reader
                 missing += (missing.empty() ? "" : ", ") + lack;
@@ -65,32 +78,33 @@ void check_matches(std::string_view kind, std::string const& topic, std::map<std
 
 } // namespace
 
-std::vector<Peer> Node::Core::matched_peers(Lookout& lookout) const {
+std::vector<Peer> Node::Core::matched_peers(Lookout& lookout) {
     std::map<std::string, std::uint32_t> newest;
     std::set<std::string> lacking;
-    auto const look = [&](std::string_view kind, ExpectedPeers const& expected, std::string const& topic,
+    auto const look = [&](Participant const& network, bool of_writers, std::string const& topic,
                           std::vector<Peer> const& matched) {
-        if (auto const it = expected.find(topic); it != expected.end()) {
-            check_matches(kind, topic, it->second, matched, newest, lacking, absent, lookout);
+        ExpectedPeers const& all = of_writers ? config.expected_writers : config.expected_readers;
+        if (auto const it = all.find(topic); it != all.end()) {
+            check_matches(network, of_writers, topic, it->second, matched, newest, lacking, absent, lookout);
         }
     };
     for (auto const& reader : readers) {
-        look("writer", config.expected_writers, reader->topic, reader->raw->matched());
+        look(*reader->network, true, reader->topic, reader->raw->matched());
     }
     // Several writers of one topic: each must be matched with every expected reader.
     for (WriterSlot const& writer : writers) {
         if (writer.raw != nullptr) {
-            look("reader", config.expected_readers, writer.topic, writer.raw->matched());
+            look(network_of(writer.topic), false, writer.topic, writer.raw->matched());
         }
     }
     if (clock_reader != nullptr) {
-        look("writer", config.expected_writers, "simulation_clock", clock_reader->matched());
+        look(*management, true, "simulation_clock", clock_reader->matched());
     }
     if (ack_reader != nullptr) {
-        look("writer", config.expected_writers, "clock_ack", ack_reader->matched());
+        look(*management, true, "clock_ack", ack_reader->matched());
     }
     if (ack_writer != nullptr) {
-        look("reader", config.expected_readers, "clock_ack", ack_writer->matched());
+        look(*management, false, "clock_ack", ack_writer->matched());
     }
     std::vector<Peer> out;
     for (auto const& [process, incarnation] : newest) {
@@ -107,6 +121,7 @@ std::string Node::Core::refresh_status(MemberState state_when_incomplete) {
         matches_published = matches_generation;
     }
     Lookout lookout;
+    lookout.says_why = start_is_slow;
     std::vector<Peer> const matched = matched_peers(lookout);
     std::string& missing = lookout.missing;
     endpoints_present = lookout.present;
@@ -298,7 +313,7 @@ Result<void> Node::Core::await_others() {
                                    "is that process running, and on the same network and DDS domain?");
         }
         if (!said && std::chrono::steady_clock::now() - began > std::chrono::seconds{3}) {
-            said = true;
+            said = start_is_slow = true;
             log::info("waits for {}", missing);
         }
         // Discovery callbacks notify; the short period only covers a change between the look and the wait.

@@ -28,7 +28,7 @@ namespace {
 class FastDdsParticipant final : public Participant {
   public:
     FastDdsParticipant(ParticipantOptions options, DiscoveryObserver* observer)
-        : options_{std::move(options)}, listener_{directory_, observer} {}
+        : options_{std::move(options)}, listener_{directory_, endpoints_, observer} {}
 
     ~FastDdsParticipant() override {
         if (participant_ == nullptr) {
@@ -131,6 +131,13 @@ class FastDdsParticipant final : public Participant {
     void on_change(std::function<void()> callback) override { directory_.on_change(std::move(callback)); }
     [[nodiscard]] std::vector<std::uint32_t> here() const override { return directory_.here(); }
     [[nodiscard]] bool is_here(std::uint32_t peer) const override { return directory_.is_here(peer); }
+    [[nodiscard]] std::vector<Peer> known_on(std::string const& topic, bool writers) const override {
+        std::vector<Peer> out;
+        for (auto const& prefix : endpoints_.on(topic, writers)) {
+            out.push_back(directory_.peer_of(prefix));
+        }
+        return out;
+    }
     void on_departure(std::function<void(std::uint32_t, bool)> callback) override {
         directory_.on_departure(std::move(callback));
     }
@@ -314,6 +321,7 @@ class FastDdsParticipant final : public Participant {
     bool secured_{false};
     std::shared_ptr<rtps_guard::Gate> gate_{std::make_shared<rtps_guard::Gate>()};
     Directory directory_;
+    KnownEndpoints endpoints_;
     ParticipantListener listener_;
     dds::DomainParticipant* participant_{nullptr};
     dds::Publisher* publisher_{nullptr};

@@ -99,6 +99,8 @@ class Participant {
     /// The participants that are here, as indices for peer(), in the order in which they were found.
     [[nodiscard]] virtual std::vector<std::uint32_t> here() const = 0;
     [[nodiscard]] virtual bool is_here(std::uint32_t peer) const = 0;
+    /// Who has a writer, or a reader, of a topic, as far as discovery has told; matched or not.
+    [[nodiscard]] virtual std::vector<Peer> known_on(std::string const& topic, bool writers) const = 0;
     /// Datagrams that were no RTPS, or such as the library must not see (bus/rtps_guard): "12 (numbers that cannot
     /// be)".
     [[nodiscard]] virtual std::string refused_datagrams() const = 0;

@@ -50,8 +50,8 @@ inline constexpr std::string_view kUserDataMark = "gridspace/1";
 /// Tells the directory and an observer who comes, goes, and shows who he is.
 class ParticipantListener final : public dds::DomainParticipantListener {
   public:
-    ParticipantListener(Directory& directory, DiscoveryObserver* observer)
-        : directory_{directory}, observer_{observer} {}
+    ParticipantListener(Directory& directory, KnownEndpoints& endpoints, DiscoveryObserver* observer)
+        : directory_{directory}, endpoints_{endpoints}, observer_{observer} {}
     void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryInfo&& found) override {
         using Info = rtps::ParticipantDiscoveryInfo;
         rtps::GuidPrefix_t const& prefix = found.info.m_guid.guidPrefix;
@@ -99,6 +99,7 @@ class ParticipantListener final : public dds::DomainParticipantListener {
     void secure() { secured_ = true; }
 
     void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& found) override {
+        keep(found.info, true, found.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER);
         if (observer_ != nullptr) {
             if (found.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
                 observer_->endpoint_gone(id_of(found.info.guid()));
@@ -108,6 +109,7 @@ class ParticipantListener final : public dds::DomainParticipantListener {
         }
     }
     void on_subscriber_discovery(dds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& found) override {
+        keep(found.info, false, found.status == rtps::ReaderDiscoveryInfo::REMOVED_READER);
         if (observer_ != nullptr) {
             if (found.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
                 observer_->endpoint_gone(id_of(found.info.guid()));
@@ -118,7 +120,17 @@ class ParticipantListener final : public dds::DomainParticipantListener {
     }
 
   private:
+    template <class Data>
+    void keep(Data const& endpoint, bool writer, bool gone) {
+        if (gone) {
+            endpoints_.gone(endpoint.guid());
+        } else {
+            endpoints_.found(endpoint.guid(), std::string{endpoint.topicName().c_str()}, writer);
+        }
+    }
+
     Directory& directory_;
+    KnownEndpoints& endpoints_;
     DiscoveryObserver* observer_;
     bool secured_{false};
     Authentication authentication_;

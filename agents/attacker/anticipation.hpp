@@ -43,6 +43,9 @@ class Anticipation {
     /// What was really sent, after rounding to the type of the stream.
     void sent(Forged const& forged) { pending_[static_cast<std::size_t>(forged.index) % pending_.size()] = forged; }
 
+    /// What the attack waits for has come.
+    void trigger() { attack_.trigger(); }
+
     [[nodiscard]] SampleAttack const& attack() const { return attack_; }
 
   private:

@@ -140,7 +140,33 @@ void describe_frames(config::Fields& g, FrameAttackParams& p) {
     needs(FrameKind::synch, "smp_synch");
 }
 
-void describe_window(config::Fields& w, AttackConfig& a, std::optional<bool>& said) {
+void describe_condition(config::Fields& c, AttackConfig::Condition& condition) {
+    double above_a = 0;
+    bool said = false;
+    std::vector<config::Ref> channels;
+    c.number("above_a", above_a, {.doc = "sampled values: the magnitude of a current", .min = 0});
+    c.flag("said", said, {.doc = "GOOSE: what the real publisher says of a Boolean"});
+    c.reference("stream", condition.stream,
+                {.doc = "another stream that passes the attacker; the target when left out"});
+    c.references("channels", channels, {.doc = "members of that stream: any of the currents, or the Boolean"});
+    for (config::Ref const& channel : channels) {
+        condition.channels.push_back(channel.name);
+    }
+    if (c.has("said") == c.has("above_a")) {
+        c.error("", "one condition expected", "above_a: 30, or said: true");
+    } else if (c.has("said")) {
+        condition.said = said;
+    } else {
+        condition.above_a = above_a;
+    }
+    if (condition.stream.empty() && !channels.empty()) {
+        c.error("channels", "those of the target are in `target`", "leave it out, or name a stream");
+    } else if (condition.said && channels.size() > 1) {
+        c.error("channels", "one Boolean expected");
+    }
+}
+
+void describe_window(config::Fields& w, AttackConfig& a) {
     w.fraction("from_s", a.from_s, {.doc = "simulated time of its start", .required = true, .min = 0});
     w.fraction("until_s", a.until_s, {.doc = "and of its end", .required = true, .above = 0});
     if (w.has("from_s") && w.has("until_s") && a.until_s <= a.from_s) {
@@ -154,16 +180,11 @@ void describe_window(config::Fields& w, AttackConfig& a, std::optional<bool>& sa
         }
     });
     w.fraction("ramp_s", a.ramp_s, {.doc = "values and delays: from nothing to the full attack", .above = 0});
-    w.object("when", {.doc = "it begins in the window when the attacker sees this on the target"},
-             [&](config::Fields& c) {
-                 bool value = false;
-                 c.number("above_a", a.above_a, {.doc = "samples: the magnitude of an attacked current", .min = 0});
-                 c.flag("said", value, {.doc = "messages: what the real publisher says of the attacked Boolean"});
-                 said = c.has("said") ? std::optional{value} : std::nullopt;
-                 if (c.has("said") == c.has("above_a")) {
-                     c.error("", "one condition expected", "above_a: 30, or said: true");
-                 }
-             });
+    AttackConfig::Condition when;
+    if (w.object("when", {.doc = "it begins in the window when the attacker sees this"},
+                 [&](config::Fields& c) { describe_condition(c, when); })) {
+        a.when = std::move(when);
+    }
 }
 
 void describe_place(config::Fields& p, AttackConfig& a) {
@@ -203,15 +224,18 @@ void describe_spacing(config::Fields& f, AttackConfig& a) {
     }
 }
 
-/// What the window says goes with what is done in it. `said`: its condition on messages.
-void check_window(config::Fields& f, AttackConfig const& a, std::optional<bool> said) {
+/// What the window says goes with what is done in it.
+void check_window(config::Fields& f, AttackConfig const& a) {
+    bool const of_target = a.when && a.when->stream.empty();
     if (a.frames && f.has("samples")) {
         f.error("samples", "an attack on frames acts on all of its window",
                 "leave it out; `frames: {kind: drop}` has a share");
     }
-    if (a.above_a && a.goose) {
+    if (a.waits_for_other() && !a.topic.empty()) {
+        f.error("window", "an attack on a topic does not hear a stream", "its condition is on the topic itself");
+    } else if (of_target && a.when->above_a && a.goose) {
         f.error("window", "messages have no currents", "when: {said: true}");
-    } else if (said && !a.goose) {
+    } else if (of_target && a.when->said && !a.goose) {
         f.error("window", "samples say nothing that is true or false", "when: {above_a: 30}");
     } else if (f.has("window") && a.ramp_s > Rational{0} &&
                (a.goose || (a.frames && a.frames->kind != FrameKind::delay))) {
@@ -221,13 +245,12 @@ void check_window(config::Fields& f, AttackConfig const& a, std::optional<bool> 
 }
 
 void describe_attack(config::Fields& f, AttackConfig& a) {
-    std::optional<bool> said;
     f.reference("by", a.by, {.doc = "the attacker process", .required = true});
     f.object("place", {.doc = "where it sits: between a host and a link, or beside the publisher"},
              [&](config::Fields& p) { describe_place(p, a); });
     f.object("target", {.doc = "what is attacked", .required = true},
              [&](config::Fields& t) { describe_target(t, a); });
-    f.object("window", {.doc = "when", .required = true}, [&](config::Fields& w) { describe_window(w, a, said); });
+    f.object("window", {.doc = "when", .required = true}, [&](config::Fields& w) { describe_window(w, a); });
     f.object("samples", {.doc = "which samples of the window; all when left out"},
              [&](config::Fields& s) { describe_spacing(s, a); });
     bool const value =
@@ -253,10 +276,10 @@ void describe_attack(config::Fields& f, AttackConfig& a) {
         f.error(goose ? "message" : "frames", "an attack has one of `value`, `frames` and `message`");
         return;
     }
-    if (a.goose) {
-        a.goose->said = said;
+    if (a.goose && a.when && a.when->stream.empty()) {
+        a.goose->said = a.when->said;
     }
-    check_window(f, a, said);
+    check_window(f, a);
 }
 
 } // namespace
@@ -291,7 +314,7 @@ void describe_attacks(config::Fields& parent, std::vector<AttackConfig>& attacks
 AttackTimes times_in_ns(AttackConfig const& config) {
     auto const ns = [](Rational s) { return std::llround(s.to_double() * 1e9); };
     return {ns(config.from_s), ns(config.until_s), ns(config.every_s),
-            config.times,      ns(config.ramp_s),  config.above_a.has_value()};
+            config.times,      ns(config.ramp_s),  config.when.has_value()};
 }
 
 namespace {
@@ -345,7 +368,8 @@ Result<SampleAttack> make_sample_attack(AttackConfig const& config, std::vector<
     p.every = std::llround(config.every_s.to_double() * rate_hz);
     p.times = config.times;
     p.ramp = std::llround(config.ramp_s.to_double() * rate_hz);
-    p.above_a = config.above_a;
+    p.above_a = config.when && !config.waits_for_other() ? config.when->above_a : std::nullopt;
+    p.waits = config.waits_for_other();
     if (p.kind == SampleAttackParams::Kind::recording) {
         auto currents = read_currents(config, rate_hz);
         if (!currents) {

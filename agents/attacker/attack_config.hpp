@@ -28,10 +28,18 @@ struct AttackConfig {
     config::Ref stream, topic;         ///< the target: one of the two
     std::vector<std::string> channels; ///< members of the data set or of the type
     Rational from_s{0}, until_s{0};
-    Rational every_s{0};           ///< from the start of a window to that of the next
-    std::int64_t times{1};         ///< how many windows
-    Rational ramp_s{0};            ///< from nothing to the full attack
-    std::optional<double> above_a; ///< samples: it begins when an attacked current is larger
+    Rational every_s{0};   ///< from the start of a window to that of the next
+    std::int64_t times{1}; ///< how many windows
+    Rational ramp_s{0};    ///< from nothing to the full attack
+    /// It begins, within each window, when a stream that passes the attacker shows this. One of the two is given.
+    struct Condition {
+        config::Ref stream;                ///< empty: the target
+        std::vector<std::string> channels; ///< of that stream
+        std::optional<double> above_a;     ///< sampled values: a current is larger
+        std::optional<bool> said;          ///< GOOSE: its publisher says so
+    };
+    std::optional<Condition> when;
+    [[nodiscard]] bool waits_for_other() const { return when && !when->stream.empty(); }
     [[nodiscard]] double end_s() const {
         return until_s.to_double() + static_cast<double>(times - 1) * every_s.to_double();
     }

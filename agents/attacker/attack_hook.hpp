@@ -19,9 +19,13 @@ class AttackHook final : public gateways::FrameHook {
   public:
     explicit AttackHook(bus::Node const& node) : clock_{node} {}
     void add(Running& attack) { chain_.push_back(&attack); }
-    [[nodiscard]] bool empty() const { return chain_.empty(); }
+    /// Of either direction: its condition looks at what passes here.
+    void watch(Running& attack) { watching_.push_back(&attack); }
 
     void pass(gateways::PassingFrame const& frame, gateways::FrameOutput& out) override {
+        for (Running* attack : watching_) {
+            attack->look(frame.octets, frame.time_ns);
+        }
         hand_on(0, frame.octets, frame.time_ns, 0, out);
     }
     [[nodiscard]] std::optional<std::int64_t> due() const override {
@@ -66,7 +70,7 @@ class AttackHook final : public gateways::FrameHook {
     void set_base(Running& attack) const { attack.messages->set_utc_base(clock_.start_utc_ns()); }
 
     gateways::WireClock clock_;
-    std::vector<Running*> chain_;
+    std::vector<Running*> chain_, watching_;
 };
 
 } // namespace gridspace::attacker

@@ -130,15 +130,23 @@ class AttackerAgent final : public bus::Member {
     /// Bumps in the wire with the attacks of their cable, and the port of the second publishers.
     Result<void> open_wires() {
         for (auto const& config : settings_.bumps) {
-            hooks_.push_back(std::make_unique<AttackHook>(node_));
-            AttackHook& hook = *hooks_.back();
+            AttackHook& from_host = *hooks_.emplace_back(std::make_unique<AttackHook>(node_));
+            AttackHook& to_host = *hooks_.emplace_back(std::make_unique<AttackHook>(node_));
             for (auto const& attack : attacks_) {
-                if (attack->between() && attack->config->between[0].name == config.host &&
-                    attack->config->between[1].name == config.link) {
-                    hook.add(*attack);
+                if (!attack->between() || attack->config->between[0].name != config.host ||
+                    attack->config->between[1].name != config.link) {
+                    continue;
+                }
+                auto const& towards = settings_.own.towards_host;
+                bool const is_towards =
+                    std::ranges::find(towards, attack->config->name.name, &config::Ref::name) != towards.end();
+                (is_towards ? to_host : from_host).add(*attack);
+                if (attack->condition) {
+                    from_host.watch(*attack);
+                    to_host.watch(*attack);
                 }
             }
-            auto bump = BumpInTheWire::open(node_, config, settings_.speed, {&hook, &hook});
+            auto bump = BumpInTheWire::open(node_, config, settings_.speed, {&from_host, &to_host});
             if (!bump) {
                 return std::unexpected{bump.error()};
             }
@@ -146,8 +154,13 @@ class AttackerAgent final : public bus::Member {
         }
         std::vector<std::uint16_t> ethertypes;
         for (auto const& attack : attacks_) {
-            if (!attack->between() && attack->topic == nullptr) {
-                ethertypes.push_back(attack->config->goose ? iec61850::kGooseEthertype : iec61850::kSvEthertype);
+            if (attack->between() || attack->topic != nullptr) {
+                continue;
+            }
+            AttackConfig const& config = *attack->config;
+            ethertypes.push_back(config.goose ? iec61850::kGooseEthertype : iec61850::kSvEthertype);
+            if (config.waits_for_other()) {
+                ethertypes.push_back(config.when->said ? iec61850::kGooseEthertype : iec61850::kSvEthertype);
             }
         }
         std::sort(ethertypes.begin(), ethertypes.end());
@@ -228,12 +241,18 @@ class AttackerAgent final : public bus::Member {
 
     /// What second publishers do, up to and including `until_ns`.
     void beside(std::int64_t until_ns) {
+        heard_.clear();
         for (std::uint16_t const ethertype : ethertypes_) {
             for (bus::WireFrame const* frame : port_->take(ethertype)) {
-                std::int64_t const at_ns = clock_.heard_ns(frame->time, until_ns);
-                elapse(at_ns - 1);
-                hear(WirePort::octets(*frame), at_ns);
+                heard_.emplace_back(clock_.heard_ns(frame->time, until_ns), frame);
             }
+        }
+        if (ethertypes_.size() > 1) {
+            std::ranges::stable_sort(heard_, {}, &std::pair<std::int64_t, bus::WireFrame const*>::first);
+        }
+        for (auto const& [at_ns, frame] : heard_) {
+            elapse(at_ns - 1);
+            hear(WirePort::octets(*frame), at_ns);
         }
         elapse(until_ns);
         for (auto const& attack : attacks_) {
@@ -250,6 +269,7 @@ class AttackerAgent final : public bus::Member {
         for (auto const& attack : attacks_) {
             if (!attack->between() && !attack->topic) { // those have a time of their own, on the thread of the cable
                 attack->now_ns = at_ns;
+                attack->look(octets, at_ns);
             }
             if (attack->values && !attack->between()) {
                 attack->values->hear(octets, at_ns, [&](auto forged) { send(forged, at_ns); }, attack->tell);
@@ -346,6 +366,7 @@ class AttackerAgent final : public bus::Member {
     std::unique_ptr<bus::Writer<AttackLabel>> labels_;
     std::unique_ptr<bus::SignalPublisher> signals_;
     std::vector<std::uint16_t> ethertypes_;
+    std::vector<std::pair<std::int64_t, bus::WireFrame const*>> heard_; ///< in this tick, by simulated time
     std::unique_ptr<WirePort> port_;
     std::vector<std::unique_ptr<BumpInTheWire>> bumps_; ///< last: their threads use what stands above
     std::int64_t reported_{-1};

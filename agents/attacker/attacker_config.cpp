@@ -15,6 +15,7 @@ void describe(config::Fields& f, AttackerSettings& settings) {
     describe_attacks(f, settings.attacks);
     f.integer("seed", settings.seed, {.doc = "of everything random"});
     f.number("frequency_hz", settings.frequency_hz, {.doc = "nominal frequency", .above = 0});
+    f.references("towards_host", settings.towards_host, {.doc = "attacks in a cable whose target goes to the host"});
     f.map("topic_types", {.doc = "types of the topics that are attacked"},
           [&](config::Ref const& topic, config::Fields& t) {
               t.text("type", settings.topic_types[topic.name],

@@ -22,6 +22,7 @@ struct AttackerSettings {
     std::vector<AttackConfig> attacks;
     std::int64_t seed{0};
     double frequency_hz{60};
+    std::vector<config::Ref> towards_host; ///< attacks in a cable whose target goes to the host; others: comes from it
     std::map<std::string, std::string> topic_types; ///< of the topics that are attacked
     std::string allow_attacks_on;                   ///< an interface that is not a virtual cable
 };

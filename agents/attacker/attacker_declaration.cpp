@@ -40,6 +40,9 @@ program::Declaration declaration(AttackerConfig const& config, std::vector<Attac
         if (a->place == AttackConfig::Place::second_publisher && !a->stream.empty()) {
             // What is listened to beside a publisher is what is sent there.
             out.reads.push_back({.topic = a->stream.name, .is_stream = true});
+            if (a->waits_for_other()) {
+                out.reads.push_back({.topic = a->when->stream.name, .is_stream = true});
+            }
             out.writes.push_back({.topic = a->stream.name, .is_stream = true});
         }
         if (std::string const type = a->topic.empty() ? "" : type_of(a->topic.name); !type.empty()) {

@@ -32,38 +32,21 @@ Result<std::unique_ptr<FrameForger>> FrameForger::create(streams::Stream const& 
                                stream.name.name, wrap - 1));
     }
     auto out = std::unique_ptr<FrameForger>{new FrameForger{stream, config, seed}};
-    if (config.above_a) {
-        for (std::string const& phase : phase_channels(stream)) {
-            auto const slot = *out->target_.layout().index_of(phase);
-            bool const wanted = config.channels.empty() || std::find(config.channels.begin(), config.channels.end(),
-                                                                     phase) != config.channels.end();
-            if (wanted) {
-                out->watched_.emplace_back(slot, out->target_.amperes(slot));
-            }
+    if (config.when && !config.waits_for_other()) {
+        auto condition = StreamCondition::create(stream, config.name.name, *config.when, config.channels);
+        if (!condition) {
+            return std::unexpected{condition.error()};
         }
-        if (out->watched_.empty()) {
-            return bad("it waits for a current, and none of the target's is attacked");
-        }
+        out->condition_ = std::move(*condition);
     }
     return out;
 }
 
 FrameForger::FrameForger(streams::Stream const& stream, AttackConfig const& config, std::uint64_t seed)
-    : target_{stream}, rate_hz_{stream.rate_hz.to_double()}, above_a_{config.above_a},
-      attack_{*config.frames, times_in_ns(config), seed}, in_cable_{config.place == AttackConfig::Place::between},
-      spoof_{config.spoof} {
+    : target_{stream}, rate_hz_{stream.rate_hz.to_double()}, attack_{*config.frames, times_in_ns(config), seed},
+      in_cable_{config.place == AttackConfig::Place::between}, spoof_{config.spoof} {
     buffer_.reserve(2048);
     newest_.reserve(iec61850::kMaxAsdus);
-}
-
-void FrameForger::look_for_condition(std::int64_t time_ns) {
-    for (iec61850::Asdu const& asdu : decoded_.view()) {
-        for (auto const& [slot, scale] : watched_) {
-            if (std::fabs(target_.layout().read(slot, asdu.sample).number() * scale) > *above_a_) {
-                attack_.trigger(time_ns);
-            }
-        }
-    }
 }
 
 bool FrameForger::rewrite(iec61850::Asdu const& asdu, std::uint8_t tag, std::size_t octets, std::uint64_t value) {
@@ -104,8 +87,8 @@ void FrameForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const&
         }
         return;
     }
-    if (above_a_) {
-        look_for_condition(time_ns);
+    if (condition_ && condition_->met(frame, time_ns)) {
+        attack_.trigger(time_ns);
     }
     Kind const kind = attack_.params().kind;
     if (kind == Kind::flood) { // copies go out in elapse()

@@ -4,6 +4,7 @@
 
 #include "agents/attacker/attack_config.hpp"
 #include "agents/attacker/frame_attack.hpp"
+#include "agents/attacker/stream_condition.hpp"
 #include "agents/attacker/sv_target.hpp"
 #include "agents/attacker/wire_attack.hpp"
 
@@ -25,20 +26,19 @@ class FrameForger final : public WireAttack {
     [[nodiscard]] std::int64_t delay_ns() const override { return delay_ns_; }
     [[nodiscard]] std::optional<std::int64_t> due() const override { return attack_.next_ns(); }
     void elapse(std::int64_t now_ns, Emit const& emit, Tell const& tell) override;
+    void trigger(std::int64_t now_ns) override { attack_.trigger(now_ns); }
     void set_source(iec61850::Mac const& source) override { source_ = source; }
     [[nodiscard]] std::uint64_t forged() const override { return forged_.load(std::memory_order_relaxed); }
 
   private:
     FrameForger(streams::Stream const& stream, AttackConfig const& config, std::uint64_t seed);
-    void look_for_condition(std::int64_t time_ns);
     /// Writes a number of so many octets behind its tag in the ASDU; false when it is not there in that size.
     [[nodiscard]] bool rewrite(iec61850::Asdu const& asdu, std::uint8_t tag, std::size_t octets, std::uint64_t value);
     [[nodiscard]] double altered(iec61850::Asdu const& asdu);
 
     SvTarget target_;
     double rate_hz_;
-    std::vector<std::pair<std::size_t, double>> watched_; ///< slots of the attacked currents, and their scale
-    std::optional<double> above_a_;
+    std::optional<StreamCondition> condition_; ///< on the target itself
     FrameAttack attack_;
     bool in_cable_, spoof_;
     std::optional<iec61850::Mac> source_;

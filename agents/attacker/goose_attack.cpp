@@ -9,7 +9,7 @@ namespace gridspace::attacker {
 namespace {
 
 AttackTimes waiting(AttackTimes times, bool waits) {
-    times.waits = waits;
+    times.waits = times.waits || waits;
     return times;
 }
 
@@ -25,8 +25,8 @@ bool GooseAttack::only_alters() const {
 
 std::optional<GooseState> GooseAttack::pass(std::int64_t now_ns, GooseState const& real) {
     heard_[heard_count_++ % heard_.size()] = real;
-    if (params_.said == real.value && window_.trigger(now_ns)) {
-        next_ns_ = now_ns;
+    if (params_.said == real.value) {
+        trigger(now_ns);
     }
     if (!window_.acts(now_ns)) {
         return real;

@@ -48,13 +48,20 @@ struct GooseAttackParams {
 /// Forges GOOSE messages from the real ones that it hears. Pure; no allocation after construction.
 class GooseAttack {
   public:
-    /// `times`: nanoseconds; it waits when `params.said` is given.
+    /// `times`: nanoseconds; it waits also when `params.said` is given.
     GooseAttack(GooseAttackParams const& params, AttackTimes const& times, std::uint64_t seed);
     GooseAttack(GooseAttackParams const& params, std::int64_t from_ns, std::int64_t until_ns, std::uint64_t seed)
         : GooseAttack{params, AttackTimes{from_ns, until_ns}, seed} {}
 
     /// A real message passes. What goes on: nothing when it is dropped.
     [[nodiscard]] std::optional<GooseState> pass(std::int64_t now_ns, GooseState const& real);
+
+    /// What it waits for has come.
+    void trigger(std::int64_t now_ns) {
+        if (window_.trigger(now_ns)) {
+            next_ns_ = now_ns;
+        }
+    }
 
     /// The forged message that is due at `now_ns`; call again until there is none. Nothing before a real one was heard.
     [[nodiscard]] std::optional<GooseState> forge(std::int64_t now_ns);

@@ -2,35 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "agents/attacker/goose_forger.hpp"
 
+#include "agents/attacker/stream_condition.hpp"
+#include "gateways/port/subscriptions.hpp"
+
 #include <fmt/format.h>
 
 namespace gridspace::attacker {
-namespace {
-
-iec61850::GooseSubscription listen_to(streams::Stream const& s) {
-    iec61850::GooseSubscription out;
-    out.gocb_ref = s.control_block;
-    out.dat_set = s.data_set_name;
-    out.go_id = s.go_id;
-    out.conf_rev = s.conf_rev;
-    out.data_set = s.data_set;
-    return out;
-}
-
-} // namespace
-
 Result<std::unique_ptr<GooseForger>> GooseForger::create(streams::Stream const& stream, AttackConfig const& config,
                                                          std::uint64_t seed) {
     auto frame = stream.goose_template({});
     if (!frame) {
         return std::unexpected{frame.error()};
     }
-    std::optional<std::size_t> leaf;
-    for (std::size_t i = 0; i < frame->leaves().size() && !leaf; ++i) {
-        iec61850::Leaf const& candidate = frame->leaves()[i];
-        bool const wanted = config.channels.empty() || config.channels.front() == candidate.name;
-        leaf = wanted && candidate.type == iec61850::BasicType::boolean ? std::optional{i} : std::nullopt;
-    }
+    auto const leaf = boolean_leaf(stream, config.channels.empty() ? "" : config.channels.front());
     if (!leaf) {
         return fail(ExitCode::usage,
                     fmt::format("attack '{}': stream '{}' has no Boolean member{}", config.name.name, stream.name.name,
@@ -42,8 +26,8 @@ Result<std::unique_ptr<GooseForger>> GooseForger::create(streams::Stream const& 
 
 GooseForger::GooseForger(streams::Stream const& stream, AttackConfig const& config, GooseAttack attack,
                          iec61850::GooseTemplate frame, std::size_t leaf)
-    : heard_{listen_to(stream)}, attack_{std::move(attack)}, template_{std::move(frame)}, leaf_{leaf},
-      spoof_{config.spoof} {}
+    : heard_{gateways::goose_subscription(stream)}, attack_{std::move(attack)}, template_{std::move(frame)},
+      leaf_{leaf}, spoof_{config.spoof} {}
 
 void GooseForger::pass(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell) {
     bool const decoded = time_ns >= 0 && iec61850::decode_goose(frame, decoded_).has_value();

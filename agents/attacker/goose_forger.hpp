@@ -26,6 +26,7 @@ class GooseForger final : public WireAttack {
     [[nodiscard]] std::optional<std::int64_t> due() const override { return attack_.next_ns(); }
     void elapse(std::int64_t now_ns, Emit const& emit, Tell const& tell) override;
 
+    void trigger(std::int64_t now_ns) override { attack_.trigger(now_ns); }
     void set_source(iec61850::Mac const& source) override { template_.set_source(source); }
     void set_utc_base(std::int64_t utc_base_ns) override { utc_base_ns_ = utc_base_ns; }
     [[nodiscard]] std::uint64_t forged() const override { return forged_.load(std::memory_order_relaxed); }

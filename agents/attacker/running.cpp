@@ -20,6 +20,16 @@ Result<void> keep(Result<Made> made, Place& place) {
     return {};
 }
 
+Result<StreamCondition> make_condition(AttackConfig const& config, std::vector<streams::Stream> const& streams) {
+    AttackConfig::Condition const& when = *config.when;
+    streams::Stream const* const stream = streams::find_stream(streams, when.stream.name);
+    if (stream == nullptr) {
+        return fail(ExitCode::usage,
+                    fmt::format("attack '{}': there is no stream '{}'", config.name.name, when.stream.name));
+    }
+    return StreamCondition::create(*stream, config.name.name, when, when.channels);
+}
+
 } // namespace
 
 Result<std::unique_ptr<Running>> make_attack(bus::Node& node, AttackConfig const& config,
@@ -43,6 +53,9 @@ Result<std::unique_ptr<Running>> make_attack(bus::Node& node, AttackConfig const
         ok = keep(FrameForger::create(*stream, config, seed), out->messages);
     } else {
         ok = keep(SvForger::create(*stream, config, settings.frequency_hz, seed), out->values);
+    }
+    if (ok && config.waits_for_other()) {
+        ok = keep(make_condition(config, streams), out->condition);
     }
     if (!ok) {
         return std::unexpected{ok.error()};

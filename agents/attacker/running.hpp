@@ -4,6 +4,7 @@
 
 #include "agents/attacker/attacker_config.hpp"
 #include "agents/attacker/label_publisher.hpp"
+#include "agents/attacker/stream_condition.hpp"
 #include "agents/attacker/sv_forger.hpp"
 #include "agents/attacker/topic_attacks.hpp"
 #include "agents/attacker/wire_attack.hpp"
@@ -22,7 +23,8 @@ struct Running {
     std::unique_ptr<SvForger> values;
     std::unique_ptr<WireAttack> messages; ///< on messages, or on frames of sampled values
     std::unique_ptr<TopicAttack> topic;
-    std::int64_t now_ns{0}; ///< simulated: of what is being forged
+    std::optional<StreamCondition> condition; ///< on another stream than the target
+    std::int64_t now_ns{0};                   ///< simulated: of what is being forged
     struct TimedLabel {
         Label label;
         std::int64_t time_ns{0};
@@ -35,6 +37,17 @@ struct Running {
     bool began{false}, ended{false};
 
     [[nodiscard]] bool between() const { return config->place == AttackConfig::Place::between; }
+    /// A frame passes the place where it sits, before anything becomes of it.
+    void look(iec61850::Octets frame, std::int64_t time_ns) {
+        if (!condition || !condition->met(frame, time_ns)) {
+            return;
+        }
+        if (values) {
+            values->trigger();
+        } else {
+            messages->trigger(time_ns);
+        }
+    }
     [[nodiscard]] std::uint64_t forged() const {
         return values ? values->forged() : messages ? messages->forged() : topic->forged();
     }

@@ -82,7 +82,7 @@ Result<SampleAttack> SampleAttack::create(SampleAttackParams params, std::uint64
     if (params.times > 1 && params.every < params.until - params.from) {
         return bad("its windows overlap", "every_s is from one start to the next, at least until_s - from_s");
     }
-    if (params.spacing == SampleAttackParams::Spacing::random && (params.times > 1 || params.above_a)) {
+    if (params.spacing == SampleAttackParams::Spacing::random && (params.times > 1 || params.above_a || params.waits)) {
         return bad("single samples are drawn from one window that is known beforehand",
                    "leave `repeat` and `when` out, or alter every sample");
     }
@@ -106,8 +106,8 @@ Result<SampleAttack> SampleAttack::create(SampleAttackParams params, std::uint64
 }
 
 SampleAttack::SampleAttack(SampleAttackParams params, std::uint64_t seed)
-    : params_{std::move(params)},
-      window_{{params_.from, params_.until, params_.every, params_.times, params_.ramp, params_.above_a.has_value()}},
+    : params_{std::move(params)}, window_{{params_.from, params_.until, params_.every, params_.times, params_.ramp,
+                                           params_.above_a.has_value() || params_.waits}},
       random_{seed, params_.name} {
     if (params_.spacing == SampleAttackParams::Spacing::random) {
         chosen_ = choose(random_, params_.from, params_.until, params_.count, params_.min_gap);
@@ -123,9 +123,10 @@ SampleAttack::SampleAttack(SampleAttackParams params, std::uint64_t seed)
 /// The start of the window when the sample is to be altered.
 std::optional<std::int64_t> SampleAttack::due(std::int64_t index, Abc const& true_a) {
     for (std::size_t p = 0; p < 3 && params_.above_a; ++p) {
-        if ((params_.channels & (1U << p)) != 0 && std::fabs(true_a[p]) > *params_.above_a) {
-            window_.trigger(index);
-        }
+        triggered_ = triggered_ || ((params_.channels & (1U << p)) != 0 && std::fabs(true_a[p]) > *params_.above_a);
+    }
+    if (std::exchange(triggered_, false)) {
+        window_.trigger(index);
     }
     auto const start = window_.start(index);
     if (!start || params_.spacing == SampleAttackParams::Spacing::every) {

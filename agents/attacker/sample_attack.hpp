@@ -37,6 +37,7 @@ struct SampleAttackParams {
     std::int64_t every{0}, times{1}; ///< the window again, so many times in all
     std::int64_t ramp{0};            ///< samples from the truth to the full fake
     std::optional<double> above_a;   ///< begins within the window when an attacked current is larger
+    bool waits{false};               ///< begins within the window when trigger() was called
 
     enum class Spacing { every, random };
     Spacing spacing{Spacing::every}; ///< every: all samples of the window; random: `count` single ones
@@ -74,6 +75,9 @@ class SampleAttack {
     /// Takes the true sample of each index, in order, attacked or not.
     [[nodiscard]] Outcome apply(std::int64_t index, Abc const& true_a);
 
+    /// What it waits for has come: it begins at the next sample, if that is within a window.
+    void trigger() { triggered_ = params_.waits; }
+
     [[nodiscard]] SampleAttackParams const& params() const { return params_; }
     [[nodiscard]] std::vector<std::int64_t> const& chosen() const { return chosen_; } ///< spacing random: the samples
     [[nodiscard]] std::uint64_t altered() const { return altered_; }
@@ -93,6 +97,7 @@ class SampleAttack {
     std::vector<Abc> past_; ///< ring of the last true samples: `delay` of them, or what the slowest clock needs
     std::size_t past_next_{0}, past_filled_{0};
     Abc before_{};
+    bool triggered_{false}; ///< since the last sample
     std::uint64_t altered_{0};
 };
 

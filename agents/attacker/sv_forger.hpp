@@ -27,6 +27,11 @@ class SvForger {
 
     /// Second publisher: listens to a real frame, and `emit`s the one that is to come before the next real one.
     void hear(iec61850::Octets frame, std::int64_t time_ns, Emit const& emit, Tell const& tell);
+    /// What it waits for has come, on another stream.
+    void trigger() {
+        attack_.trigger();
+        anticipation_.trigger();
+    }
     /// The address that forged frames come from.
     void set_source(iec61850::Mac const& source) { template_.set_source(source); }
 

@@ -27,6 +27,9 @@ class WireAttack {
     [[nodiscard]] virtual std::optional<std::int64_t> due() const = 0;
     virtual void elapse(std::int64_t now_ns, Emit const& emit, Tell const& tell) = 0;
 
+    /// What it waits for has come, on another stream.
+    virtual void trigger(std::int64_t now_ns) = 0;
+
     /// The address that forged frames come from.
     virtual void set_source(iec61850::Mac const& source) = 0;
     /// UTC of simulated time 0, before the first of the calls above; in real time it is known late.

@@ -11,7 +11,8 @@ void describe_way(config::Fields& f, std::string_view key, std::string_view doc,
     f.object(key, {.doc = doc}, [&](config::Fields& w) {
         way.emplace();
         w.text("in", way->in, {.doc = "name of the piece of cable from which frames come", .required = true});
-        w.text("out", way->out, {.doc = "and of the one on which they go on", .required = true});
+        w.text("out", way->out,
+               {.doc = "and of the one on which they go on; empty: they pass untouched, and are heard"});
         bool smv = false, goose = false, ip = false;
         w.flag("smv", smv, {.doc = "sampled values travel there"});
         w.flag("goose", goose, {.doc = "GOOSE messages travel there"});

@@ -18,7 +18,7 @@ struct BumpConfig {
     std::string host_interface, switch_interface;
     /// The names that the lockstep ledgers know the pieces of the cable by, and what travels there.
     struct Way {
-        std::string in, out;
+        std::string in, out; ///< `out` empty: its frames pass untouched, and are only heard
         std::vector<std::uint16_t> ethertypes;
     };
     std::optional<Way> from_host, to_host; ///< a direction that is not given passes untouched

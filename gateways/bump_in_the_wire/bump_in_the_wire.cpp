@@ -45,18 +45,23 @@ bool is_for_hooks(std::uint16_t channel) {
 /// One direction.
 struct BumpInTheWire::Way final : FrameOutput {
     Way(bus::Node& n, std::optional<BumpConfig::Way> const& config, FrameHook* h, double s)
-        : node{n}, clock{n}, hook{config ? h : nullptr}, speed{s} {
+        : node{n}, clock{n}, hook{config ? h : nullptr}, only_heard{config && config->out.empty()}, speed{s} {
         if (!config || !node.lockstep()) {
             return;
         }
         for (std::uint16_t const ethertype : config->ethertypes) {
             readers[ethertype] = std::make_unique<bus::WireReader>(node, config->in, ethertype);
-            writers[ethertype] = std::make_unique<bus::WireWriter>(node, config->out, ethertype);
+            if (!only_heard) {
+                writers[ethertype] = std::make_unique<bus::WireWriter>(node, config->out, ethertype);
+            }
         }
     }
 
     void send(std::span<std::uint8_t const> octets, std::int64_t delay_ns) override {
         assert(delay_ns >= 0);
+        if (only_heard) {
+            return;
+        }
         std::int64_t at_ns = 0;
         if (node.lockstep()) {
             at_ns = clock.of(clock.at_or_after(now_ns + delay_ns));
@@ -97,14 +102,19 @@ struct BumpInTheWire::Way final : FrameOutput {
 
     /// Frames of the hook's own up to and including `until_ns`.
     void elapse(std::int64_t until_ns) {
+        if (hook == nullptr) {
+            return;
+        }
         for (auto due = hook->due(); due && *due <= until_ns; due = hook->due()) {
             now_ns = std::max(now_ns, *due);
             hook->elapse(now_ns, *this);
         }
     }
 
-    void lockstep_tick(SimTime end) {
+    /// Lockstep: what has come for the tick that ends now, in the order of time.
+    void take() {
         frames.clear();
+        passed = 0;
         for (auto const& [ethertype, reader] : readers) {
             auto const due = reader->take();
             frames.insert(frames.end(), due.begin(), due.end());
@@ -112,19 +122,22 @@ struct BumpInTheWire::Way final : FrameOutput {
         std::sort(frames.begin(), frames.end(), [](bus::WireFrame const* a, bus::WireFrame const* b) {
             return a->time != b->time ? a->time < b->time : a->octets < b->octets;
         });
-        SimTime const begin = end - node.time_base().nearest(node.config().clock.tick_s);
-        for (bus::WireFrame const* frame : frames) {
-            if (frame->time <= begin && end.quanta > 0) {
-                ++lost; // came while this process was paused: a cable without anybody in it
-                continue;
-            }
-            std::int64_t const at = clock.of(frame->time);
-            elapse(at - 1); // at equal times the frame comes first
-            now_ns = at;
-            ++received;
-            hook->pass({{reinterpret_cast<std::uint8_t const*>(frame->octets.data()), frame->octets.size()}, at},
-                       *this);
+    }
+    [[nodiscard]] bus::WireFrame const* next() const { return passed < frames.size() ? frames[passed] : nullptr; }
+
+    void pass_next(SimTime end) {
+        bus::WireFrame const* const frame = frames[passed++];
+        if (frame->time <= end - node.time_base().nearest(node.config().clock.tick_s) && end.quanta > 0) {
+            ++lost; // came while this process was paused: a cable without anybody in it
+            return;
         }
+        now_ns = clock.of(frame->time);
+        ++received;
+        hook->pass({{reinterpret_cast<std::uint8_t const*>(frame->octets.data()), frame->octets.size()}, now_ns},
+                   *this);
+    }
+
+    void finish(SimTime end) {
         std::int64_t const end_ns = clock.of(end);
         elapse(end_ns);
         while (auto const waiting = line.pop(end_ns)) {
@@ -150,11 +163,13 @@ struct BumpInTheWire::Way final : FrameOutput {
     bus::Node& node;
     WireClock clock;
     FrameHook* hook; ///< null: this direction passes untouched
+    bool only_heard; ///< it passes untouched too
     double speed;
     ethernet::Port* out{nullptr};
     std::map<std::uint16_t, std::unique_ptr<bus::WireReader>> readers; ///< lockstep
     std::map<std::uint16_t, std::unique_ptr<bus::WireWriter>> writers;
     std::vector<bus::WireFrame const*> frames;
+    std::size_t passed{0}; ///< of them
     DelayLine line{kWaitingFrames};
     std::int64_t now_ns{0}; ///< simulated: of what the hook is called for
     std::atomic<std::uint64_t> received{0}, sent{0}, lost{0};
@@ -187,9 +202,14 @@ struct BumpInTheWire::Impl {
             for (std::size_t i = 0; i < n; ++i) {
                 ethernet::ReceivedFrame const& frame = batch[i];
                 std::uint16_t const channel = ethernet::channel_of(frame.octets);
-                if (side.way->hook == nullptr || !is_for_hooks(channel)) {
+                bool const in_hands = side.way->hook != nullptr && is_for_hooks(channel);
+                if (!in_hands || side.way->only_heard) {
                     (void)side.opposite->send(frame.octets);
-                } else if (node.lockstep()) {
+                }
+                if (!in_hands) {
+                    continue;
+                }
+                if (node.lockstep()) {
                     // Without a reader nobody of the run sends it: it has no place in simulated time.
                     if (auto const reader = side.way->readers.find(channel); reader != side.way->readers.end()) {
                         reader->second->push(std::as_bytes(frame.octets), frame.stamp_ns);
@@ -303,10 +323,25 @@ void BumpInTheWire::work(SimTime end) {
     if (!impl_->node.lockstep()) {
         return;
     }
-    for (Way* way : {&impl_->from_host, &impl_->to_host}) {
-        if (way->hook != nullptr) {
-            way->lockstep_tick(end);
+    std::array<Way*, 2> const ways{&impl_->from_host, &impl_->to_host};
+    for (Way* way : ways) {
+        way->take();
+    }
+    // Both directions in one order of time: a hook of one may act on what passes in the other.
+    for (;;) {
+        bus::WireFrame const *const from = ways[0]->next(), *const to = ways[1]->next();
+        if (from == nullptr && to == nullptr) {
+            break;
         }
+        Way& way = from != nullptr && (to == nullptr || from->time <= to->time) ? *ways[0] : *ways[1];
+        std::int64_t const at_ns = impl_->clock.of(way.next()->time);
+        for (Way* each : ways) {
+            each->elapse(at_ns - 1); // at equal times the frame comes first
+        }
+        way.pass_next(end);
+    }
+    for (Way* way : ways) {
+        way->finish(end);
     }
 }
 

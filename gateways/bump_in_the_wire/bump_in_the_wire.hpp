@@ -13,9 +13,9 @@
 namespace gridspace::gateways {
 
 /// Stands in the cable between a host and a switch and hands every frame of SV and GOOSE of the chosen direction to a
-/// hook; everything else passes untouched and at once. In lockstep it takes part in the ledgers: what comes in is due
-/// at its simulated send time, and what goes on is entered with its own; in real time its own thread does the work as
-/// frames come.
+/// hook (or lets it hear them while they pass); everything else passes untouched and at once. In lockstep it takes part
+/// in the ledgers: what comes in is due at its simulated send time, and what goes on is entered with its own; in real
+/// time its own thread does the work as frames come.
 class BumpInTheWire {
   public:
     /// Hooks of the two directions; needed where the configuration takes a direction. They must outlive the bump in the

@@ -29,7 +29,7 @@ class FrameOutput {
 class FrameHook {
   public:
     virtual ~FrameHook() = default;
-    /// A frame has come. Nothing sent means that it is dropped.
+    /// A frame has come. Nothing sent means that it is dropped; where frames are only heard, what is sent goes nowhere.
     virtual void pass(PassingFrame const& frame, FrameOutput& out) { out.send(frame.octets); }
     /// Frames of its own: when the next one is due (simulated time), and the call at that time.
     [[nodiscard]] virtual std::optional<std::int64_t> due() const { return std::nullopt; }

@@ -59,17 +59,20 @@ class AttackerProcess final : public DeclaredSettings {
             if (a->place != AttackConfig::Place::between || a->between.size() != 2) {
                 continue;
             }
-            bool const from_host = stream_passes(s, a->stream.name, a->between[0].name, a->between[1].name, true);
-            bool const to_host =
-                !from_host && stream_passes(s, a->stream.name, a->between[0].name, a->between[1].name, false);
             auto same = std::find_if(out.begin(), out.end(), [&](BumpUse const& c) {
                 return c.host == a->between[0] && c.link == a->between[1];
             });
             if (same == out.end()) {
                 same = out.insert(out.end(), {a->between[0], a->between[1]});
             }
+            bool const from_host = comes_from_host(s, a->stream.name, *a);
             same->from_host = same->from_host || from_host;
-            same->to_host = same->to_host || to_host;
+            same->to_host = same->to_host || (!from_host && goes_to_host(s, a->stream.name, *a));
+            if (a->waits_for_other() && comes_from_host(s, a->when->stream.name, *a)) {
+                same->from_host = true;
+            } else if (a->waits_for_other() && goes_to_host(s, a->when->stream.name, *a)) { // untouched if it can be
+                same->heard_to_host.push_back(a->when->said ? iec61850::kGooseEthertype : iec61850::kSvEthertype);
+            }
         }
         return out;
     }
@@ -95,10 +98,13 @@ class AttackerProcess final : public DeclaredSettings {
     }
     [[nodiscard]] Node settings(Scenario const& s, Process const& process) const override {
         Node node = own_settings(process);
-        Node attacks = Node::map(), declared = Node::map(), types = Node::map();
+        Node attacks = Node::map(), declared = Node::map(), types = Node::map(), towards_host = Node::sequence();
         for (AttackConfig const* a : attacks_of(s, process)) {
             Node attack = *s.resolved.find("attacks")->find(a->name.name);
             if (a->place == AttackConfig::Place::between) { // a place that was named by a process is its host's
+                if (!comes_from_host(s, a->stream.name, *a)) {
+                    towards_host.items.push_back(Node::quoted_text(a->name.name));
+                }
                 Node between = Node::sequence();
                 between.items = {Node::scalar(a->between[0].name), Node::scalar(a->between[1].name)};
                 attack.find("place")->set("between", std::move(between));
@@ -110,9 +116,10 @@ class AttackerProcess final : public DeclaredSettings {
                           Node::quoted_text(std::filesystem::absolute(a->recording).lexically_normal().string()));
             }
             attacks.set(a->name.name, std::move(attack));
-            if (Node const* all = s.resolved.find("streams"); all != nullptr && !a->stream.empty()) {
-                if (Node const* stream = all->find(a->stream.name)) {
-                    declared.set(a->stream.name, *stream);
+            Node const* const all = s.resolved.find("streams");
+            for (std::string const& name : {a->stream.name, a->when ? a->when->stream.name : ""}) {
+                if (Node const* stream = all == nullptr || name.empty() ? nullptr : all->find(name)) {
+                    declared.set(name, *stream);
                 }
             }
             if (!a->topic.empty()) {
@@ -121,6 +128,7 @@ class AttackerProcess final : public DeclaredSettings {
         }
         node.set("attacks", std::move(attacks));
         node.set("streams", std::move(declared));
+        node.set("towards_host", std::move(towards_host));
         node.set("topic_types", std::move(types));
         node.set("seed", Node::scalar(std::to_string(s.seed)));
         node.set("frequency_hz", Node::scalar(shortest(s.network ? s.network->frequency_hz : 60)));
@@ -140,6 +148,13 @@ class AttackerProcess final : public DeclaredSettings {
     }
 
   private:
+    static bool comes_from_host(Scenario const& s, std::string const& stream, AttackConfig const& a) {
+        return stream_passes(s, stream, a.between[0].name, a.between[1].name, true);
+    }
+    static bool goes_to_host(Scenario const& s, std::string const& stream, AttackConfig const& a) {
+        return stream_passes(s, stream, a.between[0].name, a.between[1].name, false);
+    }
+
     attacker::AttackerConfig config_;
 };
 

@@ -5,6 +5,7 @@
 
 #include "agents/attacker/frame_forger.hpp"
 #include "agents/attacker/goose_forger.hpp"
+#include "agents/attacker/stream_condition.hpp"
 #include "agents/attacker/sv_forger.hpp"
 #include "common/text.hpp"
 #include "sim/gateway/gateway_config.hpp"
@@ -30,6 +31,14 @@ void unknown(Ref const& ref, std::string const& what, std::vector<std::string> c
                       spelling_hint(ref.name, names, "there are none"), width(ref));
 }
 
+std::vector<std::string> names_of(std::vector<streams::Stream> const& all) {
+    std::vector<std::string> out;
+    for (streams::Stream const& stream : all) {
+        out.push_back(stream.name.name);
+    }
+    return out;
+}
+
 void check_attacker(Scenario const& s, AttackConfig const& a, Diagnostics& diagnostics) {
     Process const* process = s.find_process(a.by.name);
     std::vector<std::string> attackers;
@@ -45,6 +54,56 @@ void check_attacker(Scenario const& s, AttackConfig const& a, Diagnostics& diagn
             a.by.where,
             fmt::format("attack '{}' is done by '{}', which is a {}", a.name.name, a.by.name, process->program.name),
             "an attacker is a process with `program: gridspace-attacker`", width(a.by));
+    }
+}
+
+/// By the real publisher.
+bool is_sent_on(Scenario const& s, std::string const& stream, std::string const& link) {
+    return std::ranges::any_of(s.hosts,
+                               [&](Host const& host) { return stream_passes(s, stream, host.name.name, link, true); });
+}
+
+bool passes_either_way(Scenario const& s, std::string const& stream, std::string const& host, std::string const& link) {
+    return stream_passes(s, stream, host, link, true) || stream_passes(s, stream, host, link, false);
+}
+
+/// A condition on another stream: it must be one, have what is waited for, and pass where the attacker sits.
+void check_condition(Scenario const& s, AttackConfig const& a, Diagnostics& diagnostics) {
+    Ref const& at = a.when->stream;
+    streams::Stream const* stream = streams::find_stream(s.streams, at.name);
+    if (stream == nullptr) {
+        unknown(at, fmt::format("attack '{}' waits for the stream", a.name.name), names_of(s.streams), diagnostics);
+        return;
+    }
+    if (stream->broken) {
+        return; // said where it is declared
+    }
+    if (stream->udp) {
+        diagnostics.error(at.where,
+                          fmt::format("attack '{}' waits for '{}', which goes over UDP", a.name.name, at.name),
+                          "attackers hear Ethernet frames only: a stream without `udp`", width(at));
+        return;
+    }
+    auto const made = attacker::StreamCondition::create(*stream, a.name.name, *a.when, a.when->channels);
+    if (!made) {
+        diagnostics.error(at.where, made.error().message, made.error().remedy, width(at));
+        return;
+    }
+    bool const in_cable = a.place == AttackConfig::Place::between;
+    Process const* const attacker = s.find_process(a.by.name);
+    if ((in_cable && a.between.size() != 2) || attacker == nullptr || attacker->program.name != "gridspace-attacker") {
+        return; // said elsewhere
+    }
+    if (in_cable && !passes_either_way(s, at.name, a.between[0].name, a.between[1].name)) {
+        diagnostics.error(at.where,
+                          fmt::format("attack '{}' waits for '{}', which does not pass between '{}' and '{}'",
+                                      a.name.name, at.name, a.between[0].name, a.between[1].name),
+                          "a stream that a process of that host sends or receives there", width(at));
+    } else if (!in_cable && !is_sent_on(s, at.name, raw_link(s, *attacker))) {
+        diagnostics.error(at.where,
+                          fmt::format("attack '{}' waits for '{}', which nobody sends on '{}'", a.name.name, at.name,
+                                      raw_link(s, *attacker)),
+                          fmt::format("a stream of the link of '{}'", a.by.name), width(at));
     }
 }
 
@@ -89,8 +148,7 @@ void check_place(Scenario const& s, AttackConfig& a, Diagnostics& diagnostics) {
             return; // the check of the bump in the wire itself says it
         }
     }
-    if (!stream_passes(s, a.stream.name, at.name, a.between[1].name, true) &&
-        !stream_passes(s, a.stream.name, at.name, a.between[1].name, false)) {
+    if (!passes_either_way(s, a.stream.name, at.name, a.between[1].name)) {
         diagnostics.error(at.where,
                           fmt::format("attack '{}': no process of host '{}' sends or receives the stream '{}' on '{}'",
                                       a.name.name, at.name, a.stream.name, a.between[1].name),
@@ -101,11 +159,7 @@ void check_place(Scenario const& s, AttackConfig& a, Diagnostics& diagnostics) {
 void check_stream(Scenario const& s, AttackConfig const& a, Diagnostics& diagnostics) {
     streams::Stream const* stream = streams::find_stream(s.streams, a.stream.name);
     if (stream == nullptr) {
-        std::vector<std::string> names;
-        for (streams::Stream const& declared : s.streams) {
-            names.push_back(declared.name.name);
-        }
-        unknown(a.stream, fmt::format("attack '{}' is on the stream", a.name.name), names, diagnostics);
+        unknown(a.stream, fmt::format("attack '{}' is on the stream", a.name.name), names_of(s.streams), diagnostics);
         return;
     }
     if (stream->broken) {
@@ -241,6 +295,9 @@ void check_attacks(Scenario& s, Diagnostics& diagnostics) {
             check_topic(s, a, diagnostics);
         }
         check_place(s, a, diagnostics);
+        if (a.waits_for_other() && a.topic.empty()) {
+            check_condition(s, a, diagnostics);
+        }
         if (duration_s > 0 && a.from_s.to_double() >= duration_s) {
             diagnostics.warning(a.name.where,
                                 fmt::format("attack '{}' from {} s on never happens: the run ends at {} s", a.name.name,

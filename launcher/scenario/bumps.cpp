@@ -46,9 +46,15 @@ std::vector<std::uint16_t> ethertypes_of(Scenario const& scenario, std::string c
 /// Names the pieces of one cable in one direction: `first` where frames enter it, `last` where they leave it.
 void name_pieces(std::vector<std::optional<Way>*> const& ways, std::string const& first, std::string const& last) {
     std::string const stem = first.find('>') != std::string::npos ? first : last;
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-        (*ways[i])->in = i == 0 ? first : fmt::format("{}.{}", stem, i);
-        (*ways[i])->out = i + 1 == ways.size() ? last : fmt::format("{}.{}", stem, i + 1);
+    auto const cuts = std::ranges::count_if(ways, [](auto const* way) { return !(*way)->only_heard; });
+    std::ptrdiff_t passed = 0;
+    auto const piece = [&] { return passed == 0 ? first : passed == cuts ? last : fmt::format("{}.{}", stem, passed); };
+    for (std::optional<Way>* way : ways) {
+        (*way)->in = piece();
+        if (!(*way)->only_heard) {
+            ++passed;
+            (*way)->out = piece();
+        }
     }
 }
 
@@ -69,7 +75,8 @@ Node way_settings(Way const& way) {
 std::string piece_of(std::vector<PlacedBump> const& bumps, std::string const& host, std::string const& link,
                      bool sent) {
     bool const cut = std::ranges::any_of(bumps, [&](PlacedBump const& bump) {
-        return bump.host == host && bump.link == link && (sent ? bump.from_host : bump.to_host).has_value();
+        std::optional<Way> const& way = sent ? bump.from_host : bump.to_host;
+        return bump.host == host && bump.link == link && way && !way->only_heard;
     });
     return !cut ? link : sent ? piece_from(host, link) : piece_to(host, link);
 }
@@ -86,7 +93,7 @@ std::vector<WireUse> with_pieces(std::vector<PlacedBump> const& bumps, Process c
             continue;
         }
         for (auto const* way : {&bump.from_host, &bump.to_host}) {
-            if (way->has_value()) {
+            if (way->has_value() && !(sent && (*way)->only_heard)) {
                 for (std::uint16_t const ethertype : (*way)->ethertypes) {
                     uses.push_back({sent ? (*way)->out : (*way)->in, ethertype, ""});
                 }
@@ -117,6 +124,8 @@ std::vector<PlacedBump> placed_bumps(Scenario const& scenario) {
             }
             if (use.to_host) {
                 bump.to_host = Way{"", "", ethertypes_of(scenario, bump.host, bump.link, false)};
+            } else if (!use.heard_to_host.empty()) {
+                bump.to_host = Way{"", "", use.heard_to_host, true};
             }
             out.push_back(std::move(bump));
         }

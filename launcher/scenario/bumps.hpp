@@ -19,8 +19,9 @@ struct PlacedBump {
     /// A direction that goes through its hands: between which pieces of the cable. Lockstep ledgers name a frame's
     /// place so.
     struct Way {
-        std::string in, out;
+        std::string in, out;                   ///< `out` empty: frames pass untouched, and are only heard
         std::vector<std::uint16_t> ethertypes; ///< what processes of the run send there
+        bool only_heard{false};
     };
     std::optional<Way> from_host, to_host;
 };

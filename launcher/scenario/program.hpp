@@ -41,6 +41,7 @@ struct WireUse {
 struct BumpUse {
     config::Ref host, link;
     bool from_host{false}, to_host{false};
+    std::vector<std::uint16_t> heard_to_host{}; ///< ethertypes that it also hears there, while they pass untouched
 };
 
 /// A signal that a process publishes.

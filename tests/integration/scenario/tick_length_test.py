@@ -43,6 +43,20 @@ class TickLength(ScenarioTest):
         twice, = [s["duplicates"] for s in json.loads(out)["streams"] if s["id"] == "GS_TL2_MU21"]
         self.assertGreaterEqual(twice, 40, "each sample from 0.4 s on has left the merging unit twice")
 
+    def test_an_attack_that_waits_for_another_stream_begins_at_the_same_frame_with_every_tick(self):
+        attacks = SOURCE / "tests/scenarios/attacks"
+        beside = {"place": "second_publisher", "message": "{kind: masquerade_normal, interval_ms: 1}"}
+        for name, changes, prefix in (("in_a_cable", {}, ()), ("beside", beside, ()), ("in_a_cable_late", {}, self.dawdling(800))):
+            sets = [word for key, value in changes.items() for word in ("--set", f"attacks.forged.{key}={value}")]
+            sets += ["--set", "hosts.evil.links=[process_bus]"] if changes else []
+            arguments = ["--until", "0.15s", "--set", "processes.monitor=~", "--set", "expect=~", "--set", "simulation.sampling.samples_per_message=1", *sets]
+            runs = [self.run_to_end(f"{name}_{n}", [*arguments, "--set", f"clock.tick_samples={n}"], attacks / "goose_grayhole_at_fault.yaml", OK, prefix)
+                    for n in (1, "auto")]
+            self.assert_identical(*runs)
+            begins = [e["time_s"] for e in runs[0].events() if e["event"] == "forged.begins"]
+            self.assertEqual(len(begins), 1, name)
+            self.assertTrue(0.1 < begins[0] < 0.105, begins)  # the fault is at 0.1 s
+
     def test_over_dds_alone_the_recording_is_the_same_to_the_last_acknowledgement(self):
         with_memory = self.of_ticks("with", "auto")
         for name, prefix in (("without", ()), ("without_and_late", self.dawdling(800))):

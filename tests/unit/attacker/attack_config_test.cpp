@@ -119,6 +119,11 @@ TEST(AttackConfig, RefusesWhatFitsTogetherNowhere) {
     EXPECT_TRUE(refused(", when: {said: true}", "value: {bias_a: 1}"));
     EXPECT_TRUE(refused(", when: {above_a: 1}", "message: {kind: grayhole}"));
     EXPECT_TRUE(refused(", when: {}", "value: {bias_a: 1}"));
+    EXPECT_FALSE(refused(", when: {stream: T, said: true}", "value: {bias_a: 1}"));
+    EXPECT_FALSE(refused(", when: {stream: T, channels: [Ib], above_a: 1}", "message: {kind: grayhole}"));
+    EXPECT_TRUE(refused(", when: {stream: T}", "value: {bias_a: 1}"));
+    EXPECT_TRUE(refused(", when: {stream: T, channels: [a, b], said: true}", "value: {bias_a: 1}"));
+    EXPECT_TRUE(refused(", when: {channels: [Ib], above_a: 1}", "value: {bias_a: 1}")) << "the target has its own";
     EXPECT_TRUE(refused(", ramp_s: 0.1", "message: {kind: grayhole}"));
     EXPECT_TRUE(refused(", ramp_s: 0.1", "frames: {kind: drop}"));
     EXPECT_FALSE(refused(", ramp_s: 0.1", "frames: {kind: delay, delay_us: 100}"));

@@ -177,7 +177,7 @@ TEST(FrameForger, BesideThePublisherACopyHasAnAddressOfItsOwnUnlessItIsToldNotTo
 
 TEST(FrameForger, WaitsForTheFaultThatItIsToHide) {
     AttackConfig config = attack({.kind = Kind::drop, .drop_percent = 100}, 0.1, 0.3);
-    config.above_a = 30;
+    config.when.emplace().above_a = 30;
     EXPECT_EQ(passed(config).labels.size(), 0U);
     auto const out = passed(config, "SMV", 0, 90);
     ASSERT_FALSE(out.labels.empty());
