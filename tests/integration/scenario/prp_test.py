@@ -17,10 +17,10 @@ expect: ~
 """
 REAL_TIME = """---
 gridspace: 1
-extends: short.yaml
+extends: {prp}
 name: real_time
-clock: {mode: realtime, speed: 1, tick_samples: 4}
-expect: {smv_lost: {last_of: "stream.SMV2*.lost", is: 0}}
+clock: {{mode: realtime, speed: 1, tick_samples: 4}}
+expect: ~
 """
 WRONG = """---
 gridspace: 1
@@ -56,11 +56,12 @@ class Prp(ScenarioTest):
             self.assertGreater(len(numbers), 5)
 
     def test_in_real_time_a_cut_network_costs_no_sample(self):
-        self.write("short.yaml", SHORT.format(prp=PRP))
-        scenario = self.write("real_time.yaml", REAL_TIME)
-        run = self.run_to_end("run", ["--until", "0.3s"], scenario=scenario)  # or its expectation fails
+        scenario = self.write("real_time.yaml", REAL_TIME.format(prp=PRP))
+        run = self.run_to_end("run", ["--until", "0.3s"], scenario=scenario)
         log = (run.folder / "logs/relay2.log").read_text()
         counted = {m[1]: tuple(map(int, m.groups()[1:])) for m in re.finditer(r"PRP, network (.): (\d+) frames received, (\d+) of them before", log)}
+        # Each sample of two streams has come once, whichever network it came by; the last ones may still be on their way.
+        self.assertGreaterEqual(counted["A"][1] + counted["B"][1], 2 * 4800 * 0.3 - 40, log)
         self.assertGreater(counted["A"][1], 100, log)
         self.assertGreater(counted["B"][1], 100, "while A was cut")
 
