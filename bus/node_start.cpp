@@ -312,8 +312,8 @@ Result<void> Node::Core::await_others() {
                                                who.empty() ? "still unmatched " + missing : who),
                                    "is that process running, and on the same network and DDS domain?");
         }
-        if (!said && std::chrono::steady_clock::now() - began > std::chrono::seconds{3}) {
-            said = start_is_slow = true;
+        bool const slow = std::chrono::steady_clock::now() - began > std::chrono::seconds{3};
+        if (std::exchange(start_is_slow, slow) && !std::exchange(said, true)) { // `missing` says why
             log::info("waits for {}", missing);
         }
         // Discovery callbacks notify; the short period only covers a change between the look and the wait.

@@ -155,6 +155,8 @@ class ExitCodes(ScenarioTest):
                                       "processes.own={program: exec, host: board1, member: true, command: [sleep, '1000'], "
                                       "writes: {x: {type: ChargingRequest}}}"], code=STALL)
         self.assertIn("own", run.summary()["cause"])
+        said = "".join(log.read_text() for log in (run.folder / "logs").glob("*.log"))
+        self.assertRegex(said, r"waits for 1 of 1 writer\(s\) of '\w+' in own \(its participant is not discovered\)")
 
     @unittest.skipIf(os.geteuid() != 0, "a switch of user needs root")
     def test_an_ordinary_user_runs_in_namespaces_of_its_own(self):
