@@ -182,7 +182,8 @@ void describe_window(config::Fields& w, AttackConfig& a) {
     w.fraction("ramp_s", a.ramp_s, {.doc = "values and delays: from nothing to the full attack", .above = 0});
     AttackConfig::Condition when;
     if (w.object("when", {.doc = "it begins in the window when the attacker sees this"},
-                 [&](config::Fields& c) { describe_condition(c, when); })) {
+                 [&](config::Fields& c) { describe_condition(c, when); }) &&
+        (when.above_a || when.said)) {
         a.when = std::move(when);
     }
 }
@@ -225,7 +226,7 @@ void describe_spacing(config::Fields& f, AttackConfig& a) {
 }
 
 /// What the window says goes with what is done in it.
-void check_window(config::Fields& f, AttackConfig const& a) {
+void check_window(config::Fields& f, AttackConfig& a) {
     bool const of_target = a.when && a.when->stream.empty();
     if (a.frames && f.has("samples")) {
         f.error("samples", "an attack on frames acts on all of its window",
@@ -235,8 +236,10 @@ void check_window(config::Fields& f, AttackConfig const& a) {
         f.error("window", "an attack on a topic does not hear a stream", "its condition is on the topic itself");
     } else if (of_target && a.when->above_a && a.goose) {
         f.error("window", "messages have no currents", "when: {said: true}");
+        a.when.reset(); // nothing else is to be said about it
     } else if (of_target && a.when->said && !a.goose) {
         f.error("window", "samples say nothing that is true or false", "when: {above_a: 30}");
+        a.when.reset();
     } else if (f.has("window") && a.ramp_s > Rational{0} &&
                (a.goose || (a.frames && a.frames->kind != FrameKind::delay))) {
         f.error("window", "what it does has no strength that could grow",
