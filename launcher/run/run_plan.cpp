@@ -133,15 +133,15 @@ std::map<std::string, std::string> environment_of(bus::NodeConfig const& node) {
             {"GRIDSPACE_EXPECTED_READERS", expected_text(node.expected_readers)}};
 }
 
-/// In real time: the shorter its work and the tighter its deadline, the higher. What only watches stays below
+/// In real time: who is waited for by others is above them, so the simulator is first. What only watches stays below
 /// everybody.
 int fifo_priority(Scenario const& scenario, std::string_view program) {
     if (scenario.clock.mode == bus::ClockMode::lockstep || !scenario.clock.fifo) {
         return 0;
     }
     static constexpr std::pair<std::string_view, int> kPriorities[]{
-        {"gridspace-link", 49},    {"gridspace-mu", 48},       {"gridspace-relay", 47}, {"gridspace-breaker", 47},
-        {"gridspace-gateway", 47}, {"gridspace-attacker", 46}, {"gridspace-sim", 45}};
+        {"gridspace-link", 49},    {"gridspace-sim", 49},     {"gridspace-mu", 47},      {"gridspace-relay", 46},
+        {"gridspace-breaker", 46}, {"gridspace-gateway", 46}, {"gridspace-attacker", 45}};
     for (auto const& [name, priority] : kPriorities) {
         if (name == program) {
             return priority;
