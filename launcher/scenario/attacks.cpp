@@ -99,7 +99,7 @@ void check_condition(Scenario const& s, AttackConfig const& a, Diagnostics& diag
                           fmt::format("attack '{}' waits for '{}', which does not pass between '{}' and '{}'",
                                       a.name.name, at.name, a.between[0].name, a.between[1].name),
                           "a stream that a process of that host sends or receives there", width(at));
-    } else if (!in_cable && !is_sent_on(s, at.name, raw_link(s, *attacker))) {
+    } else if (!in_cable && attacker->interface.empty() && !is_sent_on(s, at.name, raw_link(s, *attacker))) {
         diagnostics.error(at.where,
                           fmt::format("attack '{}' waits for '{}', which nobody sends on '{}'", a.name.name, at.name,
                                       raw_link(s, *attacker)),

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
 namespace gridspace::launcher {
 namespace {
@@ -125,7 +126,8 @@ std::vector<PlacedBump> placed_bumps(Scenario const& scenario) {
             if (use.to_host) {
                 bump.to_host = Way{"", "", ethertypes_of(scenario, bump.host, bump.link, false)};
             } else if (!use.heard_to_host.empty()) {
-                bump.to_host = Way{"", "", use.heard_to_host, true};
+                std::set<std::uint16_t> const once{use.heard_to_host.begin(), use.heard_to_host.end()};
+                bump.to_host = Way{"", "", {once.begin(), once.end()}, true};
             }
             out.push_back(std::move(bump));
         }

@@ -188,7 +188,7 @@ class Gateway(unittest.TestCase):
 
         def is_wanted(m):  # a subscriber that began late finds the same count in another second, rounded otherwise
             values = wanted.get(m["smp_cnt"])
-            return values is not None and all(abs(values[phase] - m["values"][phase]) < 1e-3 for phase in ("Ia", "Ib", "Ic"))
+            return values is not None and all(abs(values[phase] - m["values"][phase]) < 1e-5 for phase in ("Ia", "Ib", "Ic"))
 
         while wanted:
             del wanted[self.first_line(original, is_wanted)["smp_cnt"]]

@@ -3,6 +3,7 @@
 """A run in real time says how late its ticks were, beside what `gridspace doctor --latency` has found of this machine."""
 import json
 import os
+import re
 import unittest
 
 import harness
@@ -27,6 +28,15 @@ class RealTime(harness.ScenarioTest):
         self.assertLessEqual(ticks["p999_us"], ticks["worst_us"])
         self.assertIn("How real-time it was", page)
         self.assertIn("was not measured before the run", page)
+
+    def test_where_it_is_permitted_the_simulator_is_above_those_who_wait_for_its_samples(self):
+        self.run_short()
+        logs = {log.stem: re.search(r"SCHED_FIFO (\d+)", log.read_text()) for log in (self.folder / "run/logs").glob("*.log")}
+        priorities = {name: int(found[1]) for name, found in logs.items() if found}
+        if json.loads((self.folder / "run/manifest.json").read_text())["scheduling"] == "SCHED_FIFO":
+            self.assertEqual(set(priorities), {"sim", "mu21", "mu22", "relay2", "breaker2"})
+        for name in set(priorities) - {"sim"}:
+            self.assertGreater(priorities["sim"], priorities[name], name)
 
     def test_at_half_the_pace_a_tick_is_twice_as_long(self):
         summary, _ = self.run_short("protection", "--set", "clock.speed=0.5", "--set", "clock.start_at=~")
